@@ -1,0 +1,1 @@
+"""Contact between bodies: one file per method."""

@@ -1,0 +1,74 @@
+"""Piecewise linear functions of one variable, the form every material and schedule number takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.errors import CaseError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Piecewise linear function, constant outside its points.
+
+    Args:
+        arguments: strictly increasing abscissae, shape (points,).
+        values: ordinates, shape (points,).
+
+    Raises:
+        CaseError: the lengths differ, a number is not finite or the arguments do not increase.
+    """
+
+    arguments: FloatArray
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("arguments", "values"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.arguments.ndim != 1 or self.arguments.shape != self.values.shape:
+            raise CaseError(
+                f"a table needs as many values as arguments, got shapes "
+                f"{self.values.shape} and {self.arguments.shape}"
+            )
+        if not (np.isfinite(self.arguments).all() and np.isfinite(self.values).all()):
+            raise CaseError("a table holds a number that is not finite")
+        if self.arguments.size == 0 or (np.diff(self.arguments) <= 0).any():
+            raise CaseError(
+                f"the arguments of a table must increase strictly, got {self.arguments.tolist()}"
+            )
+
+    @classmethod
+    def constant(cls, value: float) -> Table:
+        """Return the table that has one value everywhere."""
+        return cls(np.zeros(1), np.array([value]))
+
+    @classmethod
+    def from_points(cls, points: Sequence[Sequence[float]]) -> Table:
+        """Return the table through rows of (argument, value)."""
+        array = np.asarray(points, dtype=np.float64)
+        if array.ndim != 2 or array.shape[1] != 2:
+            raise CaseError(f"a table needs rows of two numbers, got {points!r}")
+        return cls(array[:, 0], array[:, 1])
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the table has the same value everywhere."""
+        return bool((self.values == self.values[0]).all())
+
+    def __call__(self, argument: Any) -> FloatArray:
+        """Return the values at an array of arguments, in its shape."""
+        return np.asarray(np.interp(argument, self.arguments, self.values))
+
+    def derivative(self, argument: Any) -> FloatArray:
+        """Return the slope at an array of arguments: of the segment above at a point, zero outside."""
+        slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))
+        return np.asarray(slopes[np.searchsorted(self.arguments, argument, side="right")])

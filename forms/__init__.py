@@ -1,0 +1,1 @@
+"""The mathematics of castx as pure UFL functions."""

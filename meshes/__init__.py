@@ -1,0 +1,1 @@
+"""Parametrised geometries, meshed with gmsh."""

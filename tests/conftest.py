@@ -1,0 +1,105 @@
+"""Run the tests on any number of MPI ranks: shared fixtures, and one common verdict for each test.
+
+Under ``mpirun -n 2 python3 -m pytest`` every rank runs the same tests. Only rank 0 prints. After each phase of a
+test the ranks exchange their outcomes; a test that failed anywhere has failed everywhere, so that they all go on
+together and rank 0 shows the tracebacks of all. A rank that failed while others still wait for it inside a
+collective call ends the run after a grace period, with its traceback.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import time
+from collections.abc import Generator, Iterator
+from pathlib import Path
+
+from mpi4py import MPI
+
+import pytest
+
+GRACE_SECONDS = 30.0
+WORLD = MPI.COMM_WORLD
+# The exchange between ranks must never be taken for a message of the test itself.
+VERDICTS = WORLD.Dup()
+
+
+@pytest.fixture
+def comm() -> MPI.Intracomm:
+    """Return the communicator of all ranks of this test run."""
+    return WORLD
+
+
+@pytest.fixture
+def shared_tmp_path(tmp_path: Path) -> Path:
+    """Return a temporary folder that is the same on all ranks."""
+    return WORLD.bcast(tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def collect_garbage() -> Iterator[None]:
+    """Free what the test left behind on all ranks together: the destructors of PETSc are collective."""
+    yield
+    gc.collect()
+    if petsc := sys.modules.get("petsc4py.PETSc"):
+        petsc.garbage_cleanup()
+    WORLD.Barrier()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Leave printing and result files to rank 0."""
+    if WORLD.rank > 0:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  the reporter keeps what it finds here
+        config.option.xmlpath = None
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out tests marked `serial` on several ranks."""
+    if WORLD.size > 1:
+        serial = [item for item in items if item.get_closest_marker("serial")]
+        items[:] = [item for item in items if item not in serial]
+        config.hook.pytest_deselected(items=serial)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Refuse to start when the ranks found different tests."""
+    found = (session.testsfailed, [item.nodeid for item in session.items])
+    if any(other != found for other in VERDICTS.allgather(found)):
+        pytest.exit("the ranks did not collect the same tests", returncode=2)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Give one phase of a test the same outcome on all ranks."""
+    report = yield
+    if VERDICTS.size == 1:
+        return report
+    wait_for_other_ranks(report)
+    verdicts = VERDICTS.allgather((report.outcome, report.longreprtext))
+    outcomes = [outcome for outcome, _ in verdicts]
+    if "failed" in outcomes or len(set(outcomes)) > 1:
+        report.outcome = "failed"
+        report.longrepr = "\n".join(
+            f"---- rank {rank}: {outcome}\n{text}" for rank, (outcome, text) in enumerate(verdicts)
+        )
+    return report
+
+
+def wait_for_other_ranks(report: pytest.TestReport) -> None:
+    """Wait until all ranks have finished this phase; end the run if a failure here keeps them from it."""
+    arrival = VERDICTS.Ibarrier()
+    give_up = time.monotonic() + (GRACE_SECONDS if report.failed else float("inf"))
+    while not arrival.Test():
+        time.sleep(0.001)
+        if time.monotonic() > give_up:
+            sys.__stderr__.write(
+                f"\n{report.nodeid} ({report.when}) failed on rank {WORLD.rank}, and the other ranks "
+                f"did not finish it within {GRACE_SECONDS:g} s: the run ends here.\n"
+                f"{report.longreprtext}\n"
+            )
+            sys.__stderr__.flush()
+            WORLD.Abort(1)
