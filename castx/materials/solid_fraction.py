@@ -1,0 +1,139 @@
+"""Laws f_s(T) of the solid fraction between solidus and liquidus.
+
+A law is a list of smooth pieces with increasing temperature. Where the fractions of two neighbours
+differ, or differ from 1 at the solidus or 0 at the liquidus, the difference freezes isothermally.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from castx.tables import FloatArray
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Interval of temperature [°C] on which the solid fraction is smooth."""
+
+    start: float
+    end: float
+    fraction: Callable[[FloatArray], FloatArray]
+
+
+class SolidFractionLaw(Protocol):
+    """Anything that says how the solid fraction falls from solidus to liquidus."""
+
+    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+        """Return the smooth pieces that fill [solidus, liquidus]; none when the two are equal."""
+        ...
+
+
+def linear_piece(start: float, end: float, first: float, last: float) -> Piece:
+    """Return the piece on which the fraction runs straight from `first` to `last`."""
+
+    def fraction(temperature: FloatArray) -> FloatArray:
+        weight = (temperature - start) / (end - start)
+        return first * (1.0 - weight) + last * weight
+
+    return Piece(start, end, fraction)
+
+
+@dataclass(frozen=True)
+class LinearLaw:
+    """Solid fraction linear in temperature; also the law of an isothermal change."""
+
+    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+        """Return one straight piece."""
+        return (linear_piece(solidus, liquidus, 1.0, 0.0),) if solidus < liquidus else ()
+
+
+@dataclass(frozen=True)
+class LeverLaw:
+    """Equilibrium of a binary alloy with straight phase lines, diffusion complete in both phases.
+
+    f_s = (T_l − T) / ((1 − k)(T_m − T)), at most 1; what is left at the solidus is eutectic.
+    Source: J. A. Dantzig, M. Rappaz, Solidification (2009), section 5.3 on the lever rule.
+
+    Args:
+        partition_coefficient: k, between 0 and 1.
+        melting_point: T_m of the pure base metal, above the liquidus [°C].
+    """
+
+    partition_coefficient: float
+    melting_point: float
+
+    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+        """Return the curved piece, and one fully solid piece below the equilibrium solidus."""
+
+        def fraction(temperature: FloatArray) -> FloatArray:
+            contrast = (1.0 - self.partition_coefficient) * (self.melting_point - temperature)
+            return np.minimum((liquidus - temperature) / contrast, 1.0)
+
+        depression = self.melting_point - liquidus
+        equilibrium = self.melting_point - depression / self.partition_coefficient
+        if equilibrium <= solidus:
+            return (Piece(solidus, liquidus, fraction),)
+        return (
+            linear_piece(solidus, equilibrium, 1.0, 1.0),
+            Piece(equilibrium, liquidus, fraction),
+        )
+
+
+@dataclass(frozen=True)
+class ScheilLaw:
+    """Binary alloy with straight phase lines, no diffusion in the solid (Gulliver, Scheil).
+
+    f_s = 1 − ((T_m − T)/(T_m − T_l))^(1/(k − 1)); what is left at the solidus is eutectic.
+    Source: E. Scheil, Z. Metallkunde 34 (1942) 70; Dantzig and Rappaz (2009), section 5.3.
+
+    Args:
+        partition_coefficient: k, between 0 and 1.
+        melting_point: T_m of the pure base metal, above the liquidus [°C].
+    """
+
+    partition_coefficient: float
+    melting_point: float
+
+    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+        """Return one curved piece."""
+
+        def fraction(temperature: FloatArray) -> FloatArray:
+            ratio = (self.melting_point - temperature) / (self.melting_point - liquidus)
+            return 1.0 - ratio ** (1.0 / (self.partition_coefficient - 1.0))
+
+        return (Piece(solidus, liquidus, fraction),)
+
+
+@dataclass(frozen=True)
+class TabulatedLaw:
+    """Solid fraction through rows of (°C, f_s); a temperature given twice is a plateau.
+
+    Args:
+        rows: temperatures not decreasing, fractions between 0 and 1 and not increasing; the first
+            temperature is the solidus, the last the liquidus.
+    """
+
+    rows: tuple[tuple[float, float], ...]
+
+    @property
+    def solidus(self) -> float:
+        """Lowest temperature of the table [°C]."""
+        return self.rows[0][0]
+
+    @property
+    def liquidus(self) -> float:
+        """Highest temperature of the table [°C]."""
+        return self.rows[-1][0]
+
+    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+        """Return one straight piece between each two rows of different temperature."""
+        neighbours = zip(self.rows[:-1], self.rows[1:], strict=True)
+        return tuple(
+            linear_piece(start, end, first, last)
+            for (start, first), (end, last) in neighbours
+            if solidus <= start < end <= liquidus
+        )
