@@ -1,0 +1,139 @@
+"""Thin owner of a PETSc SNES: the nonlinear solver of the heat and of the mechanical problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+from castx.errors import ConvergenceError
+
+Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
+Jacobian = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Mat, PETSc.Mat], None]
+ConvergenceTest = Callable[[PETSc.SNES, int, tuple[float, float, float]], Any]
+Options = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """What a converged solve took.
+
+    Attributes:
+        iterations: Newton iterations.
+        linear_iterations: iterations of all linear solves.
+        residuals: 2-norm of the residual before each iteration and after the last.
+    """
+
+    iterations: int
+    linear_iterations: int
+    residuals: tuple[float, ...]
+
+
+class NonlinearSolver:
+    """A SNES with its options.
+
+    The matrix may be of any type; KSP and PC may get Python contexts through `snes` between
+    construction and the first solve.
+
+    Args:
+        name: the problem in the words of the user, for messages.
+        prefix: of all PETSc options of this solver, ends with an underscore.
+        residual: fills the residual; a free function or a partial of one.
+        jacobian: fills the matrices for the operator and its preconditioner.
+        vector: a vector of the layout of the unknown; it holds the residual from now on.
+        matrix: operator; the preconditioner is built from it when none is given.
+        preconditioner: what the preconditioner is built from.
+        options: PETSc options without the prefix; a value of None stands for a bare flag.
+        converged: convergence test of the iteration; by default that of PETSc.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        prefix: str,
+        residual: Residual,
+        jacobian: Jacobian,
+        *,
+        vector: PETSc.Vec,
+        matrix: PETSc.Mat,
+        preconditioner: PETSc.Mat | None = None,
+        options: Options,
+        converged: ConvergenceTest | None = None,
+    ) -> None:
+        self.name = name
+        self.prefix = prefix
+        self.options = dict(options)
+        self.snes = PETSc.SNES().create(vector.comm)
+        self.snes.setOptionsPrefix(prefix)
+        self.snes.setFunction(residual, vector)
+        self.snes.setJacobian(jacobian, matrix, preconditioner or matrix)
+        with self._options_in_database():
+            self.snes.setFromOptions()
+        if converged is not None:
+            self.snes.setConvergenceTest(converged)
+        self.snes.setConvergenceHistory()
+
+    @contextmanager
+    def _options_in_database(self) -> Iterator[None]:
+        """Keep the options in PETSc's global database only while PETSc may ask for them.
+
+        Inner solvers read theirs as late as in the set-up of the preconditioner.
+        """
+        database = PETSc.Options(self.prefix)
+        before = {key: database.getString(key) for key in self.options if database.hasName(key)}
+        for key, value in self.options.items():
+            database.setValue(key, _as_text(value))
+        try:
+            yield
+        finally:
+            for key in self.options:
+                database.delValue(key)
+            for key, value in before.items():
+                database.setValue(key, value)
+
+    def solve(self, x: PETSc.Vec) -> SolveReport:
+        """Solve from the first guess in `x` and leave the solution there.
+
+        Raises:
+            ConvergenceError: with the reason and the history of the residual.
+        """
+        with self._options_in_database():
+            self.snes.solve(None, x)
+        residuals = tuple(float(value) for value in self.snes.getConvergenceHistory()[0])
+        reason = self.snes.getConvergedReason()
+        if reason <= 0:
+            raise ConvergenceError(
+                f"{self.name} did not converge: {self._reason(reason)} after "
+                f"{self.snes.getIterationNumber()} iterations, residuals "
+                + ", ".join(f"{value:.3e}" for value in residuals)
+            )
+        return SolveReport(
+            self.snes.getIterationNumber(), self.snes.getLinearSolveIterations(), residuals
+        )
+
+    def _reason(self, reason: int) -> str:
+        text = _reason_text(PETSc.SNES.ConvergedReason, reason)
+        if reason != PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE:
+            return text
+        linear = self.snes.ksp.getConvergedReason()
+        return f"{text} ({_reason_text(PETSc.KSP.ConvergedReason, linear)})"
+
+    def destroy(self) -> None:
+        """Free the SNES; matrices and vectors stay their owner's."""
+        self.snes.destroy()
+
+
+def _as_text(value: Any) -> str | None:
+    """Return an option's value as PETSc reads it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return None if value is None else str(value)
+
+
+def _reason_text(reasons: type, reason: int) -> str:
+    """Return the name of a reason in small letters."""
+    names = [name for name, value in vars(reasons).items() if value == reason and name.isupper()]
+    return names[0].lower().replace("_", " ") if names else f"reason {reason}"
