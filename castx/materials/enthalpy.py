@@ -120,13 +120,13 @@ def enthalpy_curve(
     """
     breaks = _breaks(heat_capacity, solidus, liquidus)
     if solidus is None or liquidus is None or law is None:
-        pieces = (linear_piece(breaks[0], breaks[-1], 1.0, 1.0),)
+        pieces = [linear_piece(breaks[0], breaks[-1], 1.0, 1.0)]
     else:
-        pieces = (
+        pieces = [
             linear_piece(breaks[0], solidus, 1.0, 1.0),
             *law.pieces(solidus, liquidus),
             linear_piece(liquidus, breaks[-1], 0.0, 0.0),
-        )
+        ]
     latent = density * latent_heat
     curve = _join(
         [_sampled(piece, breaks, density, heat_capacity, latent) for piece in pieces], latent

@@ -1,0 +1,238 @@
+"""The keys of a material in a case file or in the database, checked one by one and together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from castx.entries import (
+    Choice,
+    Description,
+    EntryName,
+    NotYet,
+    Quantity,
+    Tabulated,
+    Temperature,
+    over_temperature,
+)
+from castx.errors import CaseError
+from castx.materials.phased import Phased
+from castx.materials.solid_fraction import TabulatedLaw
+from castx.refusal import Problem, Refusal, among, refuse
+from castx.tables import Table
+from castx.units import (
+    CONDUCTIVITY,
+    DENSITY,
+    EXPANSION,
+    HEAT_CAPACITY,
+    LATENT_HEAT,
+    PURE_NUMBER,
+    STRESS,
+    TEMPERATURE,
+    VISCOSITY,
+)
+
+ALLOY_LAWS = ("lever", "scheil")
+LAW_NAMES = ("linear", *ALLOY_LAWS)
+_PHASES = ("solid", "liquid")
+_FRACTION = Quantity(PURE_NUMBER, least=0.0, most=1.0)
+_DEGREES = Quantity(TEMPERATURE)
+
+
+@dataclass(frozen=True)
+class PhasedTable:
+    """A number or table, or one for each of solid and liquid, for `Annotated[Phased, ...]`."""
+
+    table: Tabulated
+
+    def read(self, value: Any) -> Phased:
+        """Return the property of both phases.
+
+        Raises:
+            CaseError: an unknown or a missing phase, or a refused number.
+        """
+        if isinstance(value, Phased):
+            return value
+        if not isinstance(value, dict):
+            return Phased.uniform(self.table.read(value))
+        for name in value:
+            if name not in _PHASES:
+                raise refuse(f"unknown; {among(str(name), _PHASES)}", name)
+        missing = [name for name in _PHASES if name not in value]
+        if missing:
+            raise CaseError(f"{missing[0]} is missing; a value for both phases needs no keys")
+        return Phased(*(self._phase(name, value[name]) for name in _PHASES))
+
+    def _phase(self, name: str, value: Any) -> Table:
+        try:
+            return self.table.read(value)
+        except Refusal as refusal:
+            raise refusal.inside(name) from None
+        except CaseError as error:
+            raise refuse(str(error), name) from None
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+
+class SolidFractionEntry:
+    """The name of a law of solidification or its table, for `Annotated[str | TabulatedLaw, ...]`."""
+
+    def read(self, value: Any) -> str | TabulatedLaw:
+        """Return the name, or the table without rows below its solidus and above its liquidus.
+
+        Raises:
+            CaseError: an unknown name, or a table that is not a solid fraction.
+        """
+        if isinstance(value, TabulatedLaw) or (isinstance(value, str) and value in LAW_NAMES):
+            return value
+        if not isinstance(value, list | tuple):
+            near = value if isinstance(value, str) else ""
+            names = among(near, LAW_NAMES, what="allowed")
+            raise CaseError(f"unknown; {names}, or a table of (°C, solid fraction)")
+        rows = [self._row(index, row) for index, row in enumerate(value)]
+        for index in range(1, len(rows)):
+            if rows[index][0] < rows[index - 1][0] or rows[index][1] > rows[index - 1][1]:
+                text = "temperatures must not decrease and solid fractions must not increase"
+                raise refuse(f"{text} from row to row", index)
+        freezing = _freezing_rows(rows)
+        if len(freezing) < 2 or freezing[0][1] == freezing[-1][1]:
+            raise CaseError("the solid fraction must fall from the first row to the last")
+        return TabulatedLaw(freezing)
+
+    def _row(self, index: int, row: Any) -> tuple[float, float]:
+        if not isinstance(row, list | tuple) or len(row) != 2:
+            raise refuse("a row needs a temperature and a solid fraction", index)
+        try:
+            return _DEGREES.read(row[0]), _FRACTION.read(row[1])
+        except CaseError as error:
+            raise refuse(str(error), index) from None
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+
+def _freezing_rows(rows: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Drop all rows of fraction 1 but the hottest, and all of fraction 0 but the coldest."""
+    solid = sum(fraction == 1.0 for _, fraction in rows)
+    liquid = sum(fraction == 0.0 for _, fraction in rows)
+    return tuple(rows[max(solid - 1, 0) : len(rows) - max(liquid - 1, 0)])
+
+
+class Liquid(Description):
+    """How a material flows where its solid fraction is below coherency."""
+
+    model: Annotated[str, Choice(("viscous",))] = "viscous"
+    viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)]
+    coherency: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)]
+
+
+class MaterialDescription(Description):
+    """Properties of a material as given; with `extends`, only those that differ from another."""
+
+    extends: EntryName | None = None
+    density: Annotated[float, Quantity(DENSITY, above=0.0)] | None = None
+    heat_capacity: (
+        Annotated[Phased, PhasedTable(over_temperature(HEAT_CAPACITY, above=0.0))] | None
+    ) = None
+    conductivity: (
+        Annotated[Phased, PhasedTable(over_temperature(CONDUCTIVITY, above=0.0))] | None
+    ) = None
+    latent_heat: Annotated[float, Quantity(LATENT_HEAT, least=0.0)] | None = None
+    solidus: Temperature | None = None
+    liquidus: Temperature | None = None
+    solid_fraction: Annotated[str | TabulatedLaw, SolidFractionEntry()] = "linear"
+    partition_coefficient: Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)] | None = (
+        None
+    )
+    melting_point: Temperature | None = None
+    young_modulus: Annotated[Table, over_temperature(STRESS, above=0.0)] | None = None
+    poisson_ratio: Annotated[Table, over_temperature(PURE_NUMBER, least=0.0, below=0.5)] | None = (
+        None
+    )
+    expansion: Annotated[Table, over_temperature(EXPANSION)] | None = None
+    expansion_reference: Temperature | None = None
+    stress_free: Temperature | None = None
+    liquid: Liquid | None = None
+    solidification_shrinkage: Annotated[float, NotYet(0.0)] = 0.0
+    yield_stress: Annotated[None, NotYet()] = None
+    hardening: Annotated[float, NotYet(0.0)] = 0.0
+    law: Annotated[None, NotYet()] = None
+    viscosity: Annotated[None, NotYet()] = None
+    exponent: Annotated[None, NotYet()] = None
+    coefficient: Annotated[None, NotYet()] = None
+    activation_energy: Annotated[None, NotYet()] = None
+
+    @property
+    def freezing_range(self) -> tuple[float, float] | None:
+        """Solidus and liquidus [°C], given or those of the table; None for what never melts."""
+        if isinstance(self.solid_fraction, TabulatedLaw):
+            return self.solid_fraction.solidus, self.solid_fraction.liquidus
+        if self.solidus is None or self.liquidus is None:
+            return None
+        return self.solidus, self.liquidus
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield what does not fit together; a description that extends another is only a part."""
+        if self.extends is not None:
+            return
+        unclear = list(self._range_problems())
+        if unclear:
+            yield from unclear
+        elif self.freezing_range is None:
+            yield from self._never_melting_problems()
+        else:
+            yield from self._melting_problems(*self.freezing_range)
+        if self.expansion_reference is not None and self.expansion is None:
+            text = "the reference of an expansion that is not given; add expansion"
+            yield Problem(("expansion_reference",), text)
+
+    def _range_problems(self) -> Iterator[Problem]:
+        if isinstance(self.solid_fraction, TabulatedLaw):
+            for key in ("solidus", "liquidus"):
+                own = getattr(self.solid_fraction, key)
+                if getattr(self, key) not in (None, own):
+                    text = f"the table solid_fraction says {own:g} °C; leave {key} out or change one"
+                    yield Problem((key,), text)
+        elif (self.solidus is None) != (self.liquidus is None):
+            missing, given = ("solidus", "liquidus")[:: 1 if self.solidus is None else -1]
+            text = f"missing; give it with {given} (equal for an isothermal change)"
+            yield Problem((missing,), text)
+        elif self.solidus is not None and self.liquidus is not None:
+            if self.solidus > self.liquidus:
+                text = f"{self.solidus:g} °C lies above the liquidus, {self.liquidus:g} °C"
+                yield Problem(("solidus",), text)
+
+    def _never_melting_problems(self) -> Iterator[Problem]:
+        cure = "acts only in a material that melts; give solidus and liquidus or leave it out"
+        for key in ("latent_heat", "liquid", "partition_coefficient", "melting_point"):
+            if getattr(self, key) is not None:
+                yield Problem((key,), cure)
+        if "solid_fraction" in self.model_fields_set:
+            yield Problem(("solid_fraction",), cure)
+        for key in ("heat_capacity", "conductivity"):
+            phased = getattr(self, key)
+            if phased is not None and phased.liquid is not phased.solid:
+                yield Problem((key, "liquid"), cure)
+
+    def _melting_problems(self, solidus: float, liquidus: float) -> Iterator[Problem]:
+        if self.latent_heat is None:
+            yield Problem(("latent_heat",), "missing; a material that melts needs it (0 is allowed)")
+        alloy = self.solid_fraction in ALLOY_LAWS
+        for key in ("partition_coefficient", "melting_point"):
+            value = getattr(self, key)
+            if alloy and value is None:
+                yield Problem((key,), f'missing; solid_fraction = "{self.solid_fraction}" needs it')
+            elif not alloy and value is not None:
+                text = 'acts only with solid_fraction = "lever" or "scheil"; leave it out'
+                yield Problem((key,), text)
+        if alloy and solidus == liquidus:
+            text = "solidus and liquidus are equal; an isothermal change has no other law"
+            yield Problem(("solid_fraction",), f'{text}, use "linear"')
+        if alloy and self.melting_point is not None and self.melting_point <= liquidus:
+            text = f"must lie above the liquidus, {liquidus:g} °C"
+            yield Problem(("melting_point",), text)

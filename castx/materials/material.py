@@ -1,0 +1,201 @@
+"""A material as the solvers see it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+from castx.errors import CaseError
+from castx.materials.description import Liquid, MaterialDescription
+from castx.materials.enthalpy import EnthalpyCurve, enthalpy_curve
+from castx.materials.phased import Phased
+from castx.materials.solid_fraction import LeverLaw, LinearLaw, ScheilLaw, SolidFractionLaw
+from castx.materials.sources import (
+    OutsideRange,
+    PropertyRow,
+    Source,
+    outside_range,
+    property_rows,
+)
+from castx.tables import FloatArray, Table
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """A complete description with the curves that follow from it.
+
+    Args:
+        name: as in the case or the database.
+        description: does not extend another.
+        sources: by property, where known.
+    """
+
+    name: str
+    description: MaterialDescription
+    sources: Mapping[str, Source] = field(default_factory=dict)
+
+    @property
+    def density(self) -> float:
+        """Reference density [kg/m³]."""
+        return self._given("density", self.description.density)
+
+    @property
+    def heat_capacity(self) -> Phased:
+        """Heat capacity per mass [J/kg/K]."""
+        return self._given("heat_capacity", self.description.heat_capacity)
+
+    @property
+    def conductivity(self) -> Phased:
+        """Thermal conductivity [W/m/K]."""
+        return self._given("conductivity", self.description.conductivity)
+
+    @property
+    def melts(self) -> bool:
+        """Whether the material has a solidus and a liquidus."""
+        return self.description.freezing_range is not None
+
+    @property
+    def solidus(self) -> float | None:
+        """Temperature below which all is solid [°C]; None for what never melts."""
+        freezing = self.description.freezing_range
+        return freezing[0] if freezing else None
+
+    @property
+    def liquidus(self) -> float | None:
+        """Temperature above which all is liquid [°C]; None for what never melts."""
+        freezing = self.description.freezing_range
+        return freezing[1] if freezing else None
+
+    @property
+    def latent_heat(self) -> float:
+        """Latent heat per mass [J/kg]; 0 for what never melts."""
+        return self.description.latent_heat or 0.0
+
+    @property
+    def young_modulus(self) -> Table | None:
+        """Young's modulus over temperature [Pa]."""
+        return self.description.young_modulus
+
+    @property
+    def poisson_ratio(self) -> Table | None:
+        """Poisson's ratio over temperature."""
+        return self.description.poisson_ratio
+
+    @property
+    def expansion(self) -> Table | None:
+        """Mean linear thermal expansion from the reference to a temperature [1/K]."""
+        return self.description.expansion
+
+    @property
+    def expansion_reference(self) -> float | None:
+        """Temperature from which the mean expansion counts [°C]; None: the stress-free one."""
+        return self.description.expansion_reference
+
+    @property
+    def stress_free(self) -> float | None:
+        """Stress-free temperature as given [°C]."""
+        return self.description.stress_free
+
+    @property
+    def liquid(self) -> Liquid | None:
+        """Law below coherency; None: the solid's elastic law holds at every temperature."""
+        return self.description.liquid
+
+    @property
+    def solid_fraction(self) -> SolidFractionLaw | None:
+        """Law of the solid fraction between solidus and liquidus; None for what never melts."""
+        law = self.description.solid_fraction
+        if not self.melts:
+            return None
+        if not isinstance(law, str):
+            return law
+        coefficient = self.description.partition_coefficient
+        melting_point = self.description.melting_point
+        if coefficient is None or melting_point is None:
+            return LinearLaw()
+        alloy = LeverLaw if law == "lever" else ScheilLaw
+        return alloy(coefficient, melting_point)
+
+    @cached_property
+    def enthalpy(self) -> EnthalpyCurve:
+        """Volumetric enthalpy ⇄ temperature, solid fraction."""
+        return enthalpy_curve(
+            self.density,
+            self.heat_capacity,
+            latent_heat=self.latent_heat,
+            solidus=self.solidus,
+            liquidus=self.liquidus,
+            law=self.solid_fraction,
+        )
+
+    def conductivity_at(self, enthalpy: Any) -> tuple[FloatArray, FloatArray]:
+        """Return k [W/m/K] and dk/dH = ∂k/∂T T'(H) + ∂k/∂f_s f_s'(H) at enthalpies [J/m³]."""
+        curve = self.enthalpy
+        temperature, fraction = curve.temperature(enthalpy), curve.solid_fraction(enthalpy)
+        over_temperature, over_fraction = self.conductivity.derivatives(temperature, fraction)
+        slope = over_temperature * curve.temperature_slope(
+            enthalpy
+        ) + over_fraction * curve.solid_fraction_slope(enthalpy)
+        return self.conductivity(temperature, fraction), np.asarray(slope)
+
+    def stress_free_temperature(self, initial: float) -> float:
+        """Return the stress-free temperature [°C] of a body with this initial temperature."""
+        if self.stress_free is not None:
+            return self.stress_free
+        return initial if self.solidus is None else self.solidus
+
+    def volumetric_thermal_strain(self, temperature: Any, stress_free: float) -> FloatArray:
+        """Return e^θ = 3[α(T)(T − T_ref) − α(T_sf)(T_sf − T_ref)], expansion positive.
+
+        Zero above T_sf in a material that melts, and everywhere without `expansion`.
+
+        Args:
+            temperature: T [°C].
+            stress_free: T_sf [°C], see `stress_free_temperature`; also the default of T_ref.
+        """
+        temperature = np.asarray(temperature, dtype=np.float64)
+        if self.expansion is None:
+            return np.zeros_like(temperature)
+        reference = stress_free if self.expansion_reference is None else self.expansion_reference
+        born = self.expansion(stress_free) * (stress_free - reference)
+        strain = 3.0 * (self.expansion(temperature) * (temperature - reference) - born)
+        if self.melts:
+            strain = np.where(temperature > stress_free, 0.0, strain)
+        return np.asarray(strain)
+
+    def require(self, properties: Sequence[str], purpose: str) -> None:
+        """Check that properties are given.
+
+        Args:
+            properties: keys of the case format.
+            purpose: what needs them, for the message.
+
+        Raises:
+            CaseError: names all that are missing.
+        """
+        missing = [name for name in properties if getattr(self.description, name) is None]
+        if missing:
+            raise CaseError(
+                f"material {self.name!r} has no {', '.join(missing)}, needed by {purpose}; "
+                f"add to [materials.{self.name}] of the case"
+            )
+
+    def outside_range(self, lowest: float, highest: float) -> list[OutsideRange]:
+        """Return the properties that temperatures from lowest to highest [°C] take out of range."""
+        return outside_range(self.description, self.sources, lowest, highest)
+
+    def rows(self) -> list[PropertyRow]:
+        """Return all numbers with unit and source, tables row by row."""
+        return list(property_rows(self.description, self.sources))
+
+    def _given(self, name: str, value: Value | None) -> Value:
+        if value is None:
+            self.require((name,), "the heat equation")
+            raise AssertionError(name)
+        return value

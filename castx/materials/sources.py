@@ -1,0 +1,144 @@
+"""Where the numbers of a material come from, and between which temperatures they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from castx.materials.description import MaterialDescription
+from castx.materials.phased import Phased
+from castx.materials.solid_fraction import TabulatedLaw
+from castx.tables import Table
+
+CASE_FILE = "case file"
+_BOTH_PHASES = ("heat_capacity", "conductivity")
+
+_UNITS = {
+    "density": "kg/m³",
+    "heat_capacity": "J/kg/K",
+    "conductivity": "W/m/K",
+    "latent_heat": "J/kg",
+    "solidus": "°C",
+    "liquidus": "°C",
+    "solid_fraction": "",
+    "partition_coefficient": "",
+    "melting_point": "°C",
+    "young_modulus": "Pa",
+    "poisson_ratio": "",
+    "expansion": "1/K",
+    "expansion_reference": "°C",
+    "stress_free": "°C",
+    "liquid.viscosity": "Pa s",
+    "liquid.coherency": "",
+}
+
+Value = float | str | Table | TabulatedLaw
+
+
+@dataclass(frozen=True)
+class Source:
+    """Origin of one property.
+
+    Args:
+        text: author, year, table or equation.
+        valid: temperatures between which it holds [°C]; None when it is no function of them.
+    """
+
+    text: str
+    valid: tuple[float, float] | None = None
+
+
+class PropertyRow(NamedTuple):
+    """One number of a material for people to read."""
+
+    property: str
+    temperature: float | None
+    value: float | str
+    unit: str
+    source: str
+
+
+class OutsideRange(NamedTuple):
+    """A property that is used outside the temperatures for which it holds [°C]."""
+
+    property: str
+    valid: tuple[float, float]
+
+
+def property_rows(
+    description: MaterialDescription, sources: Mapping[str, Source]
+) -> Iterator[PropertyRow]:
+    """Yield all numbers of a material, tables row by row, in the order of the case format."""
+    for name, value in _values(description):
+        unit = _UNITS[name.removesuffix(".solid").removesuffix(".liquid")]
+        source = _source(name, sources)
+        text = source.text if source else CASE_FILE
+        for temperature, number in _numbers(value):
+            yield PropertyRow(name, temperature, number, unit, text)
+
+
+def outside_range(
+    description: MaterialDescription,
+    sources: Mapping[str, Source],
+    lowest: float,
+    highest: float,
+) -> list[OutsideRange]:
+    """Return the properties that temperatures from lowest to highest [°C] take out of range.
+
+    A property of the solid is not asked above the liquidus, one of the liquid not below the
+    solidus. Without a stated range a table holds between its ends and a number everywhere.
+    """
+    solidus, liquidus = description.freezing_range or (lowest, highest)
+    result = []
+    for name, value in _values(description):
+        valid = _valid(name, value, sources)
+        flowing = "liquid" in name.split(".")
+        start = max(lowest, solidus) if flowing else lowest
+        end = highest if flowing or name in _BOTH_PHASES else min(highest, liquidus)
+        if valid is not None and start <= end and not (valid[0] <= start and end <= valid[1]):
+            result.append(OutsideRange(name, valid))
+    return result
+
+
+def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
+    """Yield the dotted names and values of all given properties."""
+    liquid = description.liquid
+    for name in _UNITS:
+        if name.startswith("liquid."):
+            value = None if liquid is None else getattr(liquid, name.removeprefix("liquid."))
+        else:
+            value = getattr(description, name)
+        if name == "solid_fraction" and description.freezing_range is None:
+            continue
+        if isinstance(value, Phased) and value.solid is not value.liquid:
+            yield f"{name}.solid", value.solid
+            yield f"{name}.liquid", value.liquid
+        elif value is not None:
+            yield name, value.solid if isinstance(value, Phased) else value
+
+
+def _numbers(value: Value) -> Iterator[tuple[float | None, float | str]]:
+    if isinstance(value, TabulatedLaw):
+        yield from value.rows
+    elif not isinstance(value, Table):
+        yield None, value
+    elif value.is_constant:
+        yield None, float(value.values[0])
+    else:
+        for temperature, number in zip(value.arguments, value.values, strict=True):
+            yield float(temperature), float(number)
+
+
+def _source(name: str, sources: Mapping[str, Source]) -> Source | None:
+    """Return the source of a property, or that of the whole it belongs to."""
+    return sources.get(name) or sources.get(name.rpartition(".")[0])
+
+
+def _valid(name: str, value: Value, sources: Mapping[str, Source]) -> tuple[float, float] | None:
+    source = _source(name, sources)
+    if source is not None and source.valid is not None:
+        return source.valid
+    if isinstance(value, Table) and not value.is_constant:
+        return float(value.arguments[0]), float(value.arguments[-1])
+    return None
