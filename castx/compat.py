@@ -1,0 +1,62 @@
+"""The only place that knows differences between DOLFINx versions (written for 0.9 to 0.11)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import basix.ufl
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from mpi4py import MPI
+
+import dolfinx
+from dolfinx.graph import adjacencylist
+from dolfinx.mesh import Mesh
+
+IntArray = NDArray[np.int32]
+Partitioner = Callable[..., Any]
+
+
+def create_simplex_mesh(
+    comm: MPI.Comm,
+    points: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    dimension: int,
+    partitioner: Partitioner,
+) -> Mesh:
+    """Distribute linear triangles or tetrahedra; each rank gives any share of points and cells.
+
+    Args:
+        comm: ranks of the mesh.
+        points: (points, gdim) [m].
+        cells: (cells, dimension + 1) global numbers of points.
+        dimension: 2 or 3, also the geometric one.
+        partitioner: (comm, parts, cell types, cells) -> destinations of this rank's cells.
+    """
+    shape = "triangle" if dimension == 2 else "tetrahedron"
+    domain = ufl.Mesh(basix.ufl.element("Lagrange", shape, 1, shape=(dimension,)))
+    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=domain, partitioner=partitioner)
+
+
+def destinations(parts: IntArray, offsets: IntArray) -> Any:
+    """Lists of ranks per cell, owner first, in the form that DOLFINx's partitioners return."""
+    lists = adjacencylist(parts, offsets)
+    return getattr(lists, "_cpp_object", lists)
+
+
+def create_submesh(mesh: Mesh, cells: IntArray) -> tuple[Mesh, IntArray, IntArray]:
+    """A mesh of some cells, with the parent's cell of each cell and the parent's vertex of each vertex."""
+    dim = mesh.topology.dim
+    submesh, cell_map, vertex_map, _ = dolfinx.mesh.create_submesh(mesh, dim, cells)
+    return submesh, _parents(submesh, dim, cell_map), _parents(submesh, 0, vertex_map)
+
+
+def _parents(submesh: Mesh, dim: int, entity_map: Any) -> IntArray:
+    if isinstance(entity_map, np.ndarray):
+        return entity_map
+    index_map = submesh.topology.index_map(dim)
+    entities = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+    return entity_map.sub_topology_to_topology(entities, False)

@@ -1,0 +1,75 @@
+"""Neighbours across faces, and the name of every outer face of a body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from castx.errors import MeshError
+from castx.gmsh_import import IntArray, NamedMesh
+
+NO_NEIGHBOUR = -1
+INSIDE = -1
+
+
+def face_keys(*groups: IntArray) -> list[IntArray]:
+    """Numbers that are equal for faces with the same nodes; groups of (faces, nodes) arrays."""
+    faces = np.sort(np.concatenate(groups), axis=1)
+    keys = faces[:, 0]
+    span = int(faces.max()) + 1
+    for column in faces.T[1:]:
+        keys = np.unique(keys * span + column, return_inverse=True)[1]
+    return np.split(keys, np.cumsum([len(group) for group in groups])[:-1])
+
+
+def cell_faces(cells: IntArray) -> IntArray:
+    """Faces of simplices, (cells * corners, nodes); face i lies opposite corner i as in DOLFINx."""
+    corners = cells.shape[1]
+    return np.stack([np.delete(cells, i, axis=1) for i in range(corners)], axis=1).reshape(
+        -1, corners - 1
+    )
+
+
+def neighbours(cells: IntArray, source: str) -> IntArray:
+    """The cell across each face, (cells, corners), NO_NEIGHBOUR outside.
+
+    Raises:
+        MeshError: more than two cells share a face.
+    """
+    (keys,) = face_keys(cell_faces(cells))
+    order = np.argsort(keys, kind="stable")
+    same = keys[order][1:] == keys[order][:-1]
+    if (same[1:] & same[:-1]).any():
+        raise MeshError(f"{source}: more than two elements share a face; the parts overlap")
+    across = np.full(len(keys), NO_NEIGHBOUR, dtype=np.int64)
+    first, second = order[:-1][same], order[1:][same]
+    across[first] = second // cells.shape[1]
+    across[second] = first // cells.shape[1]
+    return across.reshape(cells.shape)
+
+
+def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:
+    """What each face of each cell is, (cells, corners).
+
+    INSIDE for faces within a body and outer ones without a name; else the index of the surface, or, towards
+    another body, the number of surfaces plus the index of that body.
+
+    Raises:
+        MeshError: a face has two names.
+    """
+    outer = across == NO_NEIGHBOUR
+    cell_keys, named_keys = face_keys(cell_faces(mesh.cells), mesh.faces)
+    surfaces = np.full(cell_keys.max() + 1, INSIDE, dtype=np.int64)
+    if len(named_keys):
+        surfaces = np.full(max(cell_keys.max(), named_keys.max()) + 1, INSIDE, dtype=np.int64)
+        surfaces[named_keys] = mesh.face_surfaces
+        double = np.flatnonzero(surfaces[named_keys] != mesh.face_surfaces)
+        if len(double):
+            a, b = surfaces[named_keys[double[0]]], mesh.face_surfaces[double[0]]
+            raise MeshError(
+                f"{source}: surfaces {mesh.surface_names[b]!r} and {mesh.surface_names[a]!r} overlap; "
+                "a face has one name"
+            )
+    names = np.where(outer, surfaces[cell_keys].reshape(across.shape), INSIDE)
+    other = mesh.bodies[across]
+    between = ~outer & (other != mesh.bodies[:, None])
+    return np.where(between, len(mesh.surface_names) + other, names)

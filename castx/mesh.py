@@ -1,0 +1,286 @@
+"""From a geometry to one conforming mesh, and a submesh with named surfaces for each body."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import gmsh
+import numpy as np
+from numpy.typing import NDArray
+
+from mpi4py import MPI
+
+import dolfinx
+from dolfinx import fem, la
+
+from castx import compat
+from castx.errors import MeshError
+from castx.faces import INSIDE, face_names, neighbours
+from castx.gmsh_import import NamedMesh, gmsh_session, read_model
+from castx.meshes import GENERATORS
+from castx.partition import destinations, partition
+
+IntArray = NDArray[np.int32]
+T = TypeVar("T")
+
+
+class Geometry(Protocol):
+    """What a mesh is made from: a generator with its arguments, or a gmsh file."""
+
+    @property
+    def model(self) -> str:
+        """Name of the model, "3d" or a 2-D one."""
+
+    @property
+    def generator(self) -> str | None:
+        """Name in castx.meshes."""
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """Arguments of the generator but the model, in SI units."""
+
+    @property
+    def file(self) -> Path | None:
+        """A gmsh mesh."""
+
+
+@dataclass(frozen=True)
+class BodyMesh:
+    """The part of the mesh that one body fills.
+
+    Args:
+        name: of the body.
+        mesh: its own mesh.
+        facet_tags: its named outer facets.
+        surfaces: tag of each surface, the same on all ranks; facets shared with another body have its name.
+        nodes: linear scalar functions, whose dof numbers are the node numbers.
+        parent_vertices: (nodes,) local vertex of the parent mesh of each local node.
+        nodes_on: local nodes of each surface.
+    """
+
+    name: str
+    mesh: dolfinx.mesh.Mesh
+    facet_tags: dolfinx.mesh.MeshTags
+    surfaces: dict[str, int]
+    nodes: fem.FunctionSpace
+    parent_vertices: IntArray
+    nodes_on: dict[str, IntArray] = field(repr=False)
+
+    def surface_tag(self, name: str) -> int:
+        """The tag of a surface.
+
+        Raises:
+            MeshError: the body has no such surface.
+        """
+        if name not in self.surfaces:
+            near = get_close_matches(name, self.surfaces, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise MeshError(
+                f"body {self.name!r} has no surface {name!r}; it has {', '.join(sorted(self.surfaces))}{hint}"
+            )
+        return self.surfaces[name]
+
+    def surface_nodes(self, name: str) -> IntArray:
+        """Local numbers of the nodes of a surface, ghosts included, ascending.
+
+        Raises:
+            MeshError: the body has no such surface.
+        """
+        self.surface_tag(name)
+        return self.nodes_on[name]
+
+
+@dataclass(frozen=True)
+class CastingMesh:
+    """One conforming mesh and its bodies, in the order of the case."""
+
+    comm: MPI.Comm
+    model: str
+    parent: dolfinx.mesh.Mesh
+    bodies: dict[str, BodyMesh]
+
+
+def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Comm) -> CastingMesh:
+    """Make or read the mesh on rank 0, distribute it and cut it into bodies.
+
+    Raises:
+        MeshError: the geometry cannot be meshed, or its names, elements or dimension do not fit the case; on
+            all ranks.
+    """
+    dimension = 3 if geometry.model == "3d" else 2
+    source = str(geometry.file) if geometry.file is not None else f"generator {geometry.generator}"
+
+    def prepare() -> _Prepared:
+        return _prepare(_named_mesh(geometry, body_names, dimension, source), comm.size, source)
+
+    prepared = _on_rank_zero(comm, prepare)
+    surface_names, bodies, names = comm.bcast(
+        (prepared.mesh.surface_names, prepared.mesh.bodies, prepared.face_names) if prepared else None
+    )
+    parent = _distributed(comm, dimension, prepared)
+    cell = np.asarray(parent.topology.original_cell_index)
+    face_of = [*surface_names, *body_names]
+    return CastingMesh(
+        comm,
+        geometry.model,
+        parent,
+        {
+            body: _body_mesh(parent, body, bodies[cell] == index, names[cell], face_of)
+            for index, body in enumerate(body_names)
+        },
+    )
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """What rank 0 knows before the mesh is distributed."""
+
+    mesh: NamedMesh
+    face_names: NDArray[np.int16]
+    parts: IntArray
+    offsets: IntArray
+
+
+def _on_rank_zero(comm: MPI.Comm, task: Callable[[], T]) -> T | None:
+    """Run a task on rank 0; what it raises there is raised as MeshError everywhere."""
+    result, failure, message = None, None, None
+    if comm.rank == 0:
+        try:
+            result = task()
+        except Exception as error:  # any failure has to reach the other ranks
+            failure, message = error, str(error)
+    message = comm.bcast(message)
+    if message is not None:
+        raise MeshError(message) from failure
+    return result
+
+
+def _named_mesh(geometry: Geometry, body_names: Sequence[str], dimension: int, source: str) -> NamedMesh:
+    with gmsh_session():
+        if geometry.file is not None:
+            _open(geometry.file)
+        else:
+            _generate(geometry)
+        mesh = read_model(body_names, dimension, source)
+    if geometry.model == "axisymmetric" and mesh.points[:, 0].min() < -1e-9 * np.ptp(mesh.points[:, 0]):
+        raise MeshError(
+            f"an axisymmetric mesh lies in r >= 0, but {source} reaches r = {mesh.points[:, 0].min():g} m"
+        )
+    return mesh
+
+
+def _open(file: Path) -> None:
+    if not file.is_file():
+        raise MeshError(f"there is no mesh file {file}")
+    try:
+        gmsh.merge(str(file))
+    except Exception as error:  # gmsh raises bare exceptions only
+        raise MeshError(f"gmsh cannot read {file}: {error}") from error
+
+
+def _generate(geometry: Geometry) -> None:
+    name = str(geometry.generator)
+    if name not in GENERATORS:
+        raise MeshError(f"there is no generator {name!r}; there are {', '.join(sorted(GENERATORS))}")
+    generator = GENERATORS[name]
+    known = [argument for argument in inspect.signature(generator).parameters if argument != "model"]
+    for argument in geometry.arguments:
+        if argument not in known:
+            near = get_close_matches(argument, known, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise MeshError(
+                f"generator {name} has no argument {argument!r}; it has {', '.join(known)}{hint}"
+            )
+    try:
+        inspect.signature(generator).bind(model=geometry.model, **geometry.arguments)
+        generator(model=geometry.model, **geometry.arguments)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"generator {name}: {error}") from error
+
+
+def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
+    across = neighbours(mesh.cells, source)
+    names = face_names(mesh, across, source).astype(np.int16)
+    midpoints = mesh.points[mesh.cells].mean(axis=1)
+    ranks = partition(midpoints, mesh.bodies, across, parts)
+    return _Prepared(mesh, names, *destinations(ranks, across))
+
+
+def _distributed(comm: MPI.Comm, dimension: int, prepared: _Prepared | None) -> dolfinx.mesh.Mesh:
+    points, cells = np.empty((0, dimension)), np.empty((0, dimension + 1), dtype=np.int64)
+    parts, offsets = np.empty(0, dtype=np.int32), np.zeros(1, dtype=np.int32)
+    if prepared is not None:
+        points, cells = prepared.mesh.points, prepared.mesh.cells
+        parts, offsets = prepared.parts, prepared.offsets
+
+    def partitioner(*_: Any) -> Any:
+        return compat.destinations(parts, offsets)
+
+    return compat.create_simplex_mesh(comm, points, cells, dimension, partitioner)
+
+
+def _body_mesh(
+    parent: dolfinx.mesh.Mesh,
+    name: str,
+    inside: NDArray[np.bool_],
+    names: NDArray[np.int16],
+    face_of: Sequence[str],
+) -> BodyMesh:
+    """Cut out a body.
+
+    Args:
+        parent: the mesh of all bodies.
+        name: of the body.
+        inside: (local cells,) cells of the body.
+        names: (local cells, corners) name of each face, an index into face_of.
+        face_of: names of surfaces and bodies.
+    """
+    mesh, cells, vertices = compat.create_submesh(parent, np.flatnonzero(inside).astype(np.int32))
+    dim = mesh.topology.dim
+    for pair in ((dim, dim - 1), (dim - 1, dim), (dim, 0), (dim - 1, 0)):
+        mesh.topology.create_connectivity(*pair)
+    facets, values = _named_facets(mesh, names[cells])
+    present = np.zeros(len(face_of), dtype=bool)
+    present[values] = True
+    parent.comm.Allreduce(MPI.IN_PLACE, present, MPI.LOR)
+    surfaces = {face_of[index]: int(index) + 1 for index in np.flatnonzero(present)}
+    space = fem.functionspace(mesh, ("Lagrange", 1))
+    vertex_nodes = _vertex_nodes(space)
+    parent_vertices = np.empty(len(vertex_nodes), dtype=np.int32)
+    parent_vertices[vertex_nodes] = vertices
+    tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, values + 1)
+    nodes_on = {s: _nodes_on(space, vertex_nodes, tags.find(tag)) for s, tag in surfaces.items()}
+    return BodyMesh(name, mesh, tags, surfaces, space, parent_vertices, nodes_on)
+
+
+def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[IntArray, IntArray]:
+    """Local facets with a name and the index of it, by ascending facet."""
+    dim = mesh.topology.dim
+    facets = mesh.topology.connectivity(dim, dim - 1).array.reshape(-1, dim + 1)
+    facets, first = np.unique(facets[names != INSIDE], return_index=True)
+    return facets.astype(np.int32), names[names != INSIDE][first].astype(np.int32)
+
+
+def _vertex_nodes(space: fem.FunctionSpace) -> IntArray:
+    """Local node of each local vertex."""
+    topology = space.mesh.topology
+    nodes = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
+    nodes[topology.connectivity(topology.dim, 0).array] = space.dofmap.list.ravel()
+    return nodes
+
+
+def _nodes_on(space: fem.FunctionSpace, vertex_nodes: IntArray, facets: IntArray) -> IntArray:
+    """Local nodes of facets, also where only another rank has the facet; collective."""
+    topology = space.mesh.topology
+    corners = topology.connectivity(topology.dim - 1, 0).array.reshape(-1, topology.dim)
+    marker = la.vector(space.dofmap.index_map, 1, dtype=np.int8)
+    marker.array[:] = 0
+    marker.array[vertex_nodes[corners[facets].ravel()]] = 1
+    marker.scatter_reverse(la.InsertMode.add)
+    marker.scatter_forward()
+    return np.flatnonzero(marker.array).astype(np.int32)

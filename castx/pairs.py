@@ -1,0 +1,122 @@
+"""Facing nodes of two bodies that share a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from dolfinx import fem, la
+
+from castx.errors import MeshError
+from castx.forms.interface import circumference, nodal_area, nodal_area_vector
+from castx.mesh import BodyMesh, CastingMesh
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NodePairs:
+    """Pairs of nodes, each kept by the rank that owns the secondary's node.
+
+    Args:
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body, whose normal counts.
+        secondary_nodes: (n,) global node numbers of the secondary body.
+        secondary_local: (n,) their local numbers.
+        primary_nodes: (n,) global node numbers of the primary body, of any owner.
+        points: (n, gdim) [m].
+        areas: (n,) ∫φ dS; of the full turn when axisymmetric, per metre of depth in plane models [m²].
+        area_vectors: (n, gdim) ∫φ n dS, n the outward normal of the primary [m²].
+        normals: (n, gdim) unit vectors along the area vectors.
+    """
+
+    secondary: str
+    primary: str
+    secondary_nodes: NDArray[np.int64]
+    secondary_local: NDArray[np.int32]
+    primary_nodes: NDArray[np.int64]
+    points: FloatArray
+    areas: FloatArray
+    area_vectors: FloatArray
+    normals: FloatArray
+
+
+def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
+    """Pair the nodes of the facets that two bodies share.
+
+    Raises:
+        MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
+    """
+    body = mesh.bodies[secondary]
+    if primary not in body.surfaces:
+        raise MeshError(
+            f"the bodies {secondary!r} and {primary!r} share no surface; an interface needs faces whose nodes "
+            "belong to both (a conforming mesh)"
+        )
+    node_map = body.nodes.dofmap.index_map
+    local = body.surface_nodes(primary)
+    local = local[local < node_map.size_local]
+    facing = _nodes_at_vertices(mesh, mesh.bodies[primary])
+    areas, vectors = _nodal_areas(mesh, body, primary)
+    gdim = mesh.parent.geometry.dim
+    length = np.linalg.norm(vectors[local], axis=1)
+    _check_normals(mesh, body, local, length < 1e-9 * areas[local])
+    return NodePairs(
+        secondary,
+        primary,
+        node_map.local_to_global(local),
+        local,
+        facing[body.parent_vertices[local]],
+        body.nodes.tabulate_dof_coordinates()[local, :gdim],
+        areas[local],
+        -vectors[local],
+        -vectors[local] / length[:, None],
+    )
+
+
+def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> NDArray[np.int64]:
+    """Global node of the body at each local vertex of the parent, -1 elsewhere; collective.
+
+    The rank that owns the node tells every rank that knows the vertex: owners of nodes and of vertices differ.
+    """
+    node_map = body.nodes.dofmap.index_map
+    owned = np.arange(node_map.size_local, dtype=np.int32)
+    number = la.vector(mesh.parent.topology.index_map(0), 1, dtype=np.int64)
+    number.array[:] = 0
+    number.array[body.parent_vertices[owned]] = node_map.local_to_global(owned) + 1
+    number.scatter_reverse(la.InsertMode.add)
+    number.scatter_forward()
+    return number.array - 1
+
+
+def _nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
+    """Area (nodes,) and outward area vector (nodes, gdim) of the local nodes of a body's surface."""
+    gdim = mesh.parent.geometry.dim
+    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(body.surface_tag(surface))
+    weight = circumference(body.mesh, mesh.model)
+    vector_space = fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,)))
+    normal = ufl.FacetNormal(body.mesh)
+    area = _assembled(nodal_area(ufl.TestFunction(body.nodes), weight, ds))
+    vector = _assembled(nodal_area_vector(ufl.TestFunction(vector_space), normal, weight, ds))
+    return area, vector.reshape(-1, gdim)
+
+
+def _assembled(form: ufl.Form) -> FloatArray:
+    vector = fem.assemble_vector(fem.form(form))
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return vector.array
+
+
+def _check_normals(mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: NDArray[np.bool_]) -> None:
+    points = mesh.comm.allgather(body.nodes.tabulate_dof_coordinates()[local[bad]])
+    found = np.concatenate(points)
+    if len(found):
+        place = ", ".join(f"{x:g}" for x in found[0])
+        raise MeshError(
+            f"body {body.name!r} is so thin at ({place}) m that the normals of its two sides cancel there; "
+            "refine the mesh"
+        )

@@ -1,0 +1,79 @@
+"""A cylinder in a cup or sleeve."""
+
+import numpy as np
+
+from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
+from castx.meshes.model import fill_model, plane, round_surface
+from castx.meshes.round_section import disc
+from castx.meshes.triangulation import IntArray, grid, swept
+
+CASTING, MOULD = 0, 1
+
+
+def cylinder_in_mould(
+    *,
+    model: str,
+    radius: float,
+    height: float,
+    wall: float,
+    size: float,
+    floor: float = 0.0,
+    sector: str = "full",
+    interface_size: float | None = None,
+    order_of_growth: float = 1.0,
+) -> None:
+    """A cylindrical casting, 0 <= z <= height, in a mould with a wall and, with floor > 0, a floor.
+
+    Surfaces: casting: top, base (z = 0, part of the interface when there is a floor); mould: outside, top,
+    base (z = -floor); in 3-D symmetry-x (x = 0) and symmetry-y (y = 0) of a quarter, symmetry-x of a half.
+
+    Args:
+        model: "axisymmetric" or "3d".
+        radius: of the casting [m].
+        height: of the casting and the mould's wall [m].
+        wall: thickness of the mould's wall [m].
+        size: element size [m].
+        floor: thickness of the mould's floor, 0 for an open sleeve [m].
+        sector: "full", "half" (x >= 0) or "quarter" of the 3-D body.
+        interface_size: element size at the interface [m].
+        order_of_growth: exponent with which the size grows away from the interface.
+    """
+    sizing = Sizing(size, interface_size, order_of_growth)
+    require_positive(radius=radius, height=height, wall=wall)
+    if floor < 0:
+        raise ValueError(f"floor must be 0 or a thickness, got {floor:g} m")
+    z = _levels(height, floor, sizing)
+    tolerance = 1e-8 * (radius + wall + height)
+    surfaces = [
+        plane("top", 2, height, tolerance),
+        plane("base", 2, -floor, tolerance),
+        round_surface("outside", radius + wall, tolerance),
+    ]
+    if model == "axisymmetric":
+        r = np.concatenate(
+            [radius - graded(radius, sizing)[:0:-1], radius + graded(wall, sizing)]
+        )
+        mesh = grid(r, z, lambda m: _body(m[:, 0] > radius, m[:, 1] < 0))
+        surfaces = [
+            plane("top", 1, height, tolerance),
+            plane("base", 1, -floor, tolerance),
+            plane("outside", 0, radius + wall, tolerance),
+        ]
+    elif model == "3d":
+        plan = disc([0.0, radius, radius + wall], radius, sizing, sector)
+        mesh = swept(plan, z, lambda ring, middle: _body(ring == 1, np.full(len(ring), middle < 0)))
+        sides = {"full": [], "half": [0], "quarter": [0, 1]}[sector]
+        surfaces = [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in sides] + surfaces
+    else:
+        raise ValueError(f'cylinder_in_mould needs the model "axisymmetric" or "3d", got "{model}"')
+    fill_model(mesh, ["casting", "mould"], surfaces)
+
+
+def _levels(height: float, floor: float, sizing: Sizing) -> FloatArray:
+    if floor == 0:
+        return uniform(height, sizing.size)
+    return np.concatenate([-graded(floor, sizing)[:0:-1], graded(height, sizing)])
+
+
+def _body(in_wall: np.ndarray, in_floor: np.ndarray) -> IntArray:
+    return np.where(in_wall | in_floor, MOULD, CASTING)

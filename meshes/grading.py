@@ -1,0 +1,76 @@
+"""Positions of nodes along a line, uniform or growing away from an interface."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Wanted element size over the distance d from the interface.
+
+    size(d) = interface_size + (size - interface_size) (d / extent)^order_of_growth, where the extent is
+    that of the body away from its interface; `size` everywhere without an interface_size.
+
+    Args:
+        size: largest element size [m].
+        interface_size: size at the interface [m], or None.
+        order_of_growth: 1 grows linearly with the distance; larger stays fine for longer.
+    """
+
+    size: float
+    interface_size: float | None = None
+    order_of_growth: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse sizes that make no mesh."""
+        if not self.size > 0:
+            raise ValueError(f"size must be positive, got {self.size:g} m")
+        if self.interface_size is not None and not 0 < self.interface_size <= self.size:
+            raise ValueError(
+                f"interface_size must lie in (0, size = {self.size:g} m], got {self.interface_size:g} m"
+            )
+        if not self.order_of_growth > 0:
+            raise ValueError(f"order_of_growth must be positive, got {self.order_of_growth:g}")
+
+    def at(self, distance: FloatArray, extent: float) -> FloatArray:
+        """Wanted size at distances from the interface [m]."""
+        finest = self.size if self.interface_size is None else self.interface_size
+        growth = (np.asarray(distance) / extent) ** self.order_of_growth
+        return finest + (self.size - finest) * growth
+
+
+def uniform(length: float, size: float, even: bool = False) -> FloatArray:
+    """Equally spaced positions from 0 to length, no farther apart than size.
+
+    With `even` the number of intervals is even, so that the pattern of triangles mirrors itself.
+    """
+    step = 2 if even else 1
+    intervals = step * max(1, math.ceil(length / (step * size) * (1 - 1e-10)))
+    return np.linspace(0.0, length, intervals + 1)
+
+
+def graded(length: float, sizing: Sizing) -> FloatArray:
+    """Positions from 0 (the interface) to length that follow the sizing."""
+    if sizing.interface_size is None:
+        return uniform(length, sizing.size)
+    fine = np.linspace(0.0, length, 4001)
+    density = 1.0 / sizing.at(fine, length)
+    count = np.concatenate(
+        ([0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine)))
+    )
+    intervals = max(1, math.ceil(count[-1] * (1 - 1e-6)))
+    positions = np.interp(np.linspace(0.0, count[-1], intervals + 1), count, fine)
+    positions[-1] = length
+    return positions
+
+
+def require_positive(**lengths: float) -> None:
+    """Refuse lengths that are not positive, by name."""
+    for name, value in lengths.items():
+        if not value > 0:
+            raise ValueError(f"{name} must be positive, got {value:g} m")

@@ -1,0 +1,83 @@
+"""Handing nodes, cells and named faces to gmsh as a discrete model."""
+
+from collections.abc import Callable, Sequence
+
+import gmsh
+import numpy as np
+
+from castx.meshes.triangulation import FloatArray, IntArray, Simplices
+
+Surface = tuple[str, Callable[[FloatArray], np.ndarray]]
+
+ELEMENT = {2: 1, 3: 2, 4: 4}
+"""gmsh's number of the linear line, triangle and tetrahedron, by their number of nodes."""
+
+
+def plane(name: str, axis: int, value: float, tolerance: float) -> Surface:
+    """The surface on which one coordinate has a value [m]."""
+    return name, lambda points: np.abs(points[:, axis] - value) < tolerance
+
+
+def round_surface(name: str, radius: float, tolerance: float) -> Surface:
+    """The surface at a distance from the last axis of a 3-D, or the origin of a 2-D mesh [m]."""
+    return name, lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) < tolerance
+
+
+def everything_else(name: str) -> Surface:
+    """The surface that takes what is left."""
+    return name, lambda points: np.ones(len(points), dtype=bool)
+
+
+def fill_model(mesh: Simplices, bodies: Sequence[str], surfaces: Sequence[Surface]) -> None:
+    """Fill the current gmsh model with a mesh.
+
+    Args:
+        mesh: the cells; regions are indices into bodies.
+        bodies: names of the physical volumes.
+        surfaces: pairs of name and predicate on points; a free face belongs to the first whose predicate
+            holds for all its nodes. Faces between two bodies get no name.
+    """
+    dim = mesh.cells.shape[1] - 1
+    for region, body in enumerate(bodies):
+        cells = mesh.cells[mesh.regions == region]
+        nodes = mesh.points if region == 0 else None
+        _add_group(dim, region + 1, body, cells, nodes)
+    tag = 0
+    for name, faces in _named_faces(mesh, surfaces).items():
+        tag += 1
+        _add_group(dim - 1, tag, name, faces, None)
+    gmsh.model.mesh.reclassifyNodes()
+
+
+def _add_group(dim: int, tag: int, name: str, cells: IntArray, points: FloatArray | None) -> None:
+    gmsh.model.addDiscreteEntity(dim, tag)
+    if points is not None:
+        coordinates = np.zeros((len(points), 3))
+        coordinates[:, : points.shape[1]] = points
+        gmsh.model.mesh.addNodes(
+            dim, tag, np.arange(1, len(points) + 1), coordinates.ravel()
+        )
+    gmsh.model.mesh.addElementsByType(tag, ELEMENT[cells.shape[1]], [], (cells + 1).ravel())
+    gmsh.model.addPhysicalGroup(dim, [tag], tag, name=name)
+
+
+def _named_faces(mesh: Simplices, surfaces: Sequence[Surface]) -> dict[str, IntArray]:
+    faces = free_faces(mesh.cells)
+    left = np.ones(len(faces), dtype=bool)
+    named: dict[str, IntArray] = {}
+    for name, holds in surfaces:
+        taken = left & holds(mesh.points)[faces].all(axis=1)
+        left &= ~taken
+        if taken.any():
+            named[name] = np.concatenate([named.get(name, faces[:0]), faces[taken]])
+    return named
+
+
+def free_faces(cells: IntArray) -> IntArray:
+    """Faces that only one cell has, (faces, nodes)."""
+    corners = cells.shape[1]
+    faces = np.concatenate([np.delete(cells, i, axis=1) for i in range(corners)])
+    _, first, count = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return faces[first[count == 1]]
