@@ -1,0 +1,89 @@
+"""history.csv: what every accepted step took, and the totals of bodies and interfaces."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from castx.results.series import Series
+from castx.snapshot import Snapshot, StepCounters
+
+COUNTERS = (
+    "step",
+    "heat_iterations",
+    "mechanics_iterations",
+    "contact_changes",
+    "passes",
+    "cutbacks",
+    "wall",
+)
+BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in")
+INTERFACE_TOTALS = ("heat", "mean_gap", "max_gap", "closed_fraction", "force")
+RUN_TOTALS = ("energy_error", "support_force")
+
+
+def ordered_totals(
+    names: Iterable[str], bodies: Sequence[str], interfaces: Sequence[str]
+) -> list[str]:
+    """Return the names of totals in the order of the columns: bodies, interfaces, the whole run.
+
+    Within a body or an interface the quantities come in the order of the tuples above, each with
+    its parts (`casting/mould.force.z`) in alphabetical order; unknown ones follow.
+    """
+
+    def position(name: str) -> tuple[int, int, int, str]:
+        owner, _, quantity = name.partition(".")
+        for group, (owners, known) in enumerate(
+            ((bodies, BODY_TOTALS), (interfaces, INTERFACE_TOTALS))
+        ):
+            if quantity and owner in owners:
+                return group, list(owners).index(owner), rank(quantity, known), name
+        return 2, 0, rank(name, RUN_TOTALS), name
+
+    return sorted(names, key=position)
+
+
+def rank(quantity: str, known: Sequence[str]) -> int:
+    """Return the place of a quantity, or of the one it is a part of, in an order."""
+    whole = quantity.partition(".")[0]
+    return known.index(whole) if whole in known else len(known)
+
+
+class History:
+    """Writer of history.csv; used on rank 0 only, since all it writes is equal on all ranks.
+
+    The first snapshot fixes the columns.
+
+    Args:
+        path: the file.
+        bodies: names of the bodies in their order.
+        interfaces: names of the interfaces in their order.
+    """
+
+    def __init__(self, path: Path, bodies: Sequence[str], interfaces: Sequence[str]) -> None:
+        self._path = path
+        self._bodies = tuple(bodies)
+        self._interfaces = tuple(interfaces)
+        self._totals: list[str] = []
+        self._series: Series | None = None
+
+    def append(self, snapshot: Snapshot) -> None:
+        """Write the line of one accepted step."""
+        if self._series is None:
+            self._totals = ordered_totals(snapshot.totals, self._bodies, self._interfaces)
+            self._series = Series(self._path, ("time", *COUNTERS, *self._totals))
+        counters = counter_values(snapshot.counters)
+        totals = [snapshot.totals[name] for name in self._totals]
+        self._series.append([snapshot.time, *counters, *totals])
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._series is not None:
+            self._series.close()
+
+
+def counter_values(counters: StepCounters) -> list[float]:
+    """Return the counters of a step in the order of their columns."""
+    values = dataclasses.asdict(counters)
+    return [values[name] for name in COUNTERS]

@@ -1,0 +1,110 @@
+"""Where a point lies in a body or on one of its surfaces: the nodes that hold it, with weights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mpi4py import MPI
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem, geometry
+from dolfinx.mesh import entities_to_geometry
+
+from castx.tables import FloatArray
+
+if TYPE_CHECKING:
+    from dolfinx.mesh import Mesh
+
+    from castx.mesh import BodyMesh
+
+IntArray = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Place:
+    """The nearest point of a body or surface to a wanted point.
+
+    Args:
+        distance: from the wanted point to it [m]; equal on all ranks.
+        size: diameter of the cell or facet it lies in [m]; equal on all ranks.
+        owned: whether this rank holds it; true on exactly one rank.
+        entity: local cell or facet, -1 on the other ranks.
+        nodes: local nodes of the entity, empty on the other ranks.
+        weights: of the linear interpolation between them.
+    """
+
+    distance: float
+    size: float
+    owned: bool
+    entity: int
+    nodes: IntArray
+    weights: FloatArray
+
+    def interpolate(self, values: FloatArray) -> FloatArray:
+        """Return the value of a nodal field (nodes,) or (nodes, n): a number or (n,), 0 elsewhere."""
+        return np.asarray(np.tensordot(self.weights, values[self.nodes], axes=1))
+
+
+def place_in_body(body: BodyMesh, point: Sequence[float]) -> Place:
+    """Return the nearest place of a body to a point; collective."""
+    mesh = body.nodes.mesh
+    dim = mesh.topology.dim
+    cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
+    return nearest_place(body, dim, cells, point)
+
+
+def place_on_surface(body: BodyMesh, surface: str, point: Sequence[float]) -> Place:
+    """Return the nearest place of a named surface of a body to a point; collective."""
+    mesh = body.nodes.mesh
+    dim = mesh.topology.dim - 1
+    facets = body.facet_tags.find(body.surfaces[surface])
+    facets = facets[facets < mesh.topology.index_map(dim).size_local]
+    return nearest_place(body, dim, facets, point)
+
+
+def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[float]) -> Place:
+    """Return the nearest place to a point in entities of one dimension that this rank owns.
+
+    Of places equally near, the one on the lowest rank is taken.
+    """
+    mesh = body.nodes.mesh
+    comm = mesh.comm
+    wanted = np.zeros((1, 3))
+    wanted[0, : len(point)] = point
+    entity, foot = nearest_point(mesh, dim, entities, wanted)
+    distance = np.inf if entity.size == 0 else float(np.linalg.norm(foot - wanted))
+    least = comm.allreduce(distance, MPI.MIN)
+    tied = comm.rank if distance <= least * (1.0 + 1e-9) + 1e-14 else comm.size
+    owned = comm.rank == comm.allreduce(tied, MPI.MIN)
+    size = comm.allreduce(float(mesh.h(dim, entity)[0]) if owned else 0.0, MPI.MAX)
+    if not owned:
+        return Place(least, size, False, -1, np.empty(0, dtype=np.int32), np.empty(0))
+    nodes = fem.locate_dofs_topological(body.nodes, dim, entity, remote=False)
+    corners = body.nodes.tabulate_dof_coordinates()[nodes]
+    return Place(least, size, True, int(entity[0]), nodes, linear_weights(corners, foot[0]))
+
+
+def nearest_point(
+    mesh: Mesh, dim: int, entities: IntArray, wanted: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Return which of some entities lies nearest to a point (1, 3), as an array, and where it does."""
+    if entities.size == 0:
+        return entities, wanted
+    mesh.topology.create_connectivity(dim, mesh.topology.dim)
+    tree = geometry.bb_tree(mesh, dim, entities=entities)
+    middles = geometry.create_midpoint_tree(mesh, dim, entities)
+    entity = geometry.compute_closest_entity(tree, middles, mesh, wanted)
+    corners = mesh.geometry.x[entities_to_geometry(mesh, dim, entity)[0]]
+    return entity, wanted + geometry.compute_distance_gjk(corners, wanted)
+
+
+def linear_weights(corners: FloatArray, point: FloatArray) -> FloatArray:
+    """Return weights (corners,) that give a point (3,) from corners (corners, 3) and sum to one."""
+    centre = corners.mean(axis=0)
+    scale = np.abs(corners - centre).max()
+    system = np.vstack([(corners - centre).T / scale, np.ones(len(corners))])
+    target = np.append((point - centre) / scale, 1.0)
+    return np.asarray(np.linalg.lstsq(system, target, rcond=None)[0])

@@ -1,0 +1,20 @@
+"""Quantities of node pairs as nodal fields of the secondary body."""
+
+from __future__ import annotations
+
+from dolfinx import fem
+
+from castx.snapshot import Snapshot
+from castx.tables import FloatArray
+
+
+def on_secondary_nodes(snapshot: Snapshot, interface: str, name: str) -> FloatArray:
+    """Return a quantity of pairs at the nodes of their secondary body, ghosts included: (nodes,).
+
+    Zero off the interface; collective.
+    """
+    pairs = snapshot.pairs[interface]
+    field = fem.Function(snapshot.mesh.bodies[pairs.secondary].nodes)
+    field.x.array[pairs.secondary_local] = snapshot.paired(interface, name)
+    field.x.scatter_forward()
+    return field.x.array

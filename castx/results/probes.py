@@ -1,0 +1,150 @@
+"""probes.csv: quantities at points of bodies and interfaces, one line per accepted step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.errors import CaseError
+from castx.results.locate import Place, place_in_body, place_on_surface
+from castx.results.names import CELLWISE, parts
+from castx.results.pairs import on_secondary_nodes
+from castx.results.series import Series
+from castx.snapshot import Snapshot
+from castx.tables import FloatArray
+
+if TYPE_CHECKING:
+    from castx.mesh import CastingMesh
+    from castx.outputs import Probe
+    from castx.pairs import NodePairs
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One quantity at one place: the names of its columns, and how to read it off a snapshot.
+
+    `read` is collective; it returns (columns,), zeros except on the rank that holds the place.
+    """
+
+    columns: tuple[str, ...]
+    read: Callable[[Snapshot], FloatArray]
+
+
+class Probes:
+    """Writer of probes.csv.
+
+    Args:
+        path: the file, written on rank 0.
+        probes: their descriptions.
+        mesh: the bodies.
+        pairs: the node pairs by the names of their interfaces.
+
+    Raises:
+        CaseError: a probe lies outside its body or interface; on all ranks.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        probes: Sequence[Probe],
+        mesh: CastingMesh,
+        pairs: Mapping[str, NodePairs],
+    ) -> None:
+        self._comm = mesh.comm
+        self._readings = [
+            reading for probe in probes for reading in readings_of(probe, mesh, pairs)
+        ]
+        self._path = path
+        self._series: Series | None = None
+
+    def open(self) -> None:
+        """Begin the file; an older one is written over."""
+        columns = [column for reading in self._readings for column in reading.columns]
+        if self._comm.rank == 0:
+            self._series = Series(self._path, ["time", *columns])
+
+    def append(self, snapshot: Snapshot) -> None:
+        """Write the line of one accepted step; collective."""
+        own = [reading.read(snapshot) for reading in self._readings]
+        row = np.concatenate(own) if own else np.empty(0)
+        total = np.empty_like(row)
+        self._comm.Reduce(row, total, MPI.SUM, root=0)
+        if self._series is not None:
+            self._series.append([snapshot.time, *total.tolist()])
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._series is not None:
+            self._series.close()
+
+
+def readings_of(
+    probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
+) -> list[Reading]:
+    """Return what is read at one probe."""
+    where = f"probe {probe.name!r}"
+    if probe.body is not None:
+        place = place_in_body(mesh.bodies[probe.body], probe.at)
+        require_near(place, f"{where} at {point_text(probe.at)}", f"body {probe.body!r}")
+        return [
+            body_reading(probe.name, probe.body, quantity, place, mesh.model)
+            for quantity in probe.quantities
+        ]
+    name = str(probe.interface)
+    secondary = mesh.bodies[pairs[name].secondary]
+    place = place_on_surface(secondary, pairs[name].primary, probe.at)
+    require_near(place, f"{where} at {point_text(probe.at)}", f"interface {name!r}")
+    return [
+        interface_reading(probe.name, name, quantity, place) for quantity in probe.quantities
+    ]
+
+
+def require_near(place: Place, probe: str, owner: str) -> None:
+    """Refuse a probe that lies an element or more away from where it belongs.
+
+    Raises:
+        CaseError: with the distance.
+    """
+    if place.distance >= place.size:
+        raise CaseError(
+            f"{probe} lies outside {owner}: it is {place.distance:.4g} m away, and only points nearer "
+            f"than one element ({place.size:.4g} m) are moved to the nearest point of it"
+        )
+
+
+def point_text(point: Sequence[float]) -> str:
+    """Return a point as people write it."""
+    return f"({', '.join(f'{value:g}' for value in point)}) m"
+
+
+def body_reading(probe: str, body: str, quantity: str, place: Place, model: str) -> Reading:
+    """Return the reading of a nodal quantity, interpolated, or of a cell's, as it is there."""
+    suffixes = parts(quantity, model)
+    columns = tuple(f"{probe}.{quantity}.{suffix}" for suffix in suffixes)
+
+    def read(snapshot: Snapshot) -> FloatArray:
+        if not place.owned:
+            return np.zeros(max(1, len(suffixes)))
+        if quantity in CELLWISE:
+            value = snapshot.cellwise(body, quantity)[place.entity]
+        else:
+            value = place.interpolate(snapshot.nodal(body, quantity))
+        return np.atleast_1d(value)[: len(suffixes) or None]
+
+    return Reading(columns or (f"{probe}.{quantity}",), read)
+
+
+def interface_reading(probe: str, interface: str, quantity: str, place: Place) -> Reading:
+    """Return the reading of a quantity of pairs, interpolated on the facet that holds the place."""
+
+    def read(snapshot: Snapshot) -> FloatArray:
+        values = on_secondary_nodes(snapshot, interface, quantity)
+        return np.atleast_1d(place.interpolate(values))
+
+    return Reading((f"{probe}.{quantity}",), read)

@@ -1,0 +1,117 @@
+"""run.json: what was run, where and with what, what it took, and how it ended."""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from castx.environment import versions
+from castx.errors import ConvergenceError
+from castx.results.folder import write_whole
+from castx.snapshot import Snapshot
+
+SUMMED = (
+    "cutbacks",
+    "passes",
+    "heat_iterations",
+    "mechanics_iterations",
+    "contact_changes",
+)
+
+
+class Reason(StrEnum):
+    """Why a run ended; `running` stands in the record until it has."""
+
+    RUNNING = "running"
+    FINISHED = "finished"
+    NOT_CONVERGED = "not converged"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+    @classmethod
+    def of(cls, error: BaseException | None) -> Reason:
+        """Return the reason that belongs to the exception that ended a run, if any did."""
+        match error:
+            case None:
+                return cls.FINISHED
+            case ConvergenceError():
+                return cls.NOT_CONVERGED
+            case KeyboardInterrupt():
+                return cls.INTERRUPTED
+            case _:
+                return cls.FAILED
+
+
+def timestamp() -> str:
+    """Return the present moment as ISO 8601 in UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+@dataclass
+class RunRecord:
+    """The record of one run, kept up to date on every rank and written by one.
+
+    Args:
+        path: the file.
+        description: the parts that do not change (case, bodies, interfaces, ranks).
+    """
+
+    path: Path
+    description: Mapping[str, Any]
+    _started: str = field(default_factory=timestamp)
+    _clock: float = field(default_factory=time.perf_counter)
+    _counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", *SUMMED), 0))
+    _reached: float = 0.0
+    _last: dict[str, float] = field(default_factory=dict)
+    _memory: dict[str, int] = field(default_factory=dict)
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Take over the state after an accepted step; collective."""
+        self._reached = snapshot.time
+        self._last = dict(snapshot.totals)
+        self._memory = peak_memory(snapshot.mesh.comm)
+        if snapshot.step > 0:
+            self._counts["steps"] += 1
+            for name in SUMMED:
+                self._counts[name] += int(getattr(snapshot.counters, name))
+
+    def write(self, reason: Reason, message: str = "") -> None:
+        """Write the file; local, so that one rank can do it whatever the others are doing."""
+        content = {
+            "castx": versions()["castx"],
+            **self.description,
+            "versions": versions(),
+            "started": self._started,
+            "written": timestamp(),
+            "time_reached": self._reached,
+            "totals": self._counts,
+            "last": {name: number(value) for name, value in self._last.items()},
+            "wall": time.perf_counter() - self._clock,
+            "peak_memory": self._memory,
+            "exit": {"reason": str(reason), "message": message},
+        }
+        write_whole(self.path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+
+
+def peak_memory(comm: MPI.Intracomm) -> dict[str, int]:
+    """Return the peak resident memory so far [bytes]: of the largest rank, and summed over ranks."""
+    own = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return {
+        "largest_rank": int(comm.allreduce(own, MPI.MAX)),
+        "all_ranks": int(comm.allreduce(own, MPI.SUM)),
+    }
+
+
+def number(value: float) -> float | None:
+    """Return a number as JSON knows it: not a number and infinity become null."""
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,141 @@
+"""All files of one run behind one context manager."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from castx.materials import find_material
+from castx.quantities import QUANTITIES, Solidification, Thresholds
+from castx.results.fields import Fields
+from castx.results.folder import FIELDS, RECORD, claim_folder, clear_results
+from castx.results.history import History
+from castx.results.probes import Probes
+from castx.results.record import Reason, RunRecord
+from castx.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from castx.case import Case
+    from castx.mesh import CastingMesh
+    from castx.pairs import NodePairs
+
+
+class Results:
+    """The results folder of one run: probes.csv, history.csv, fields/ and run.json.
+
+    Making it checks everything that could be wrong with probes, fields and folder and touches no
+    old results; entering it replaces them. Leaving it writes the last accepted state and how the
+    run ended. An exception other than ConvergenceError and KeyboardInterrupt may have struck one
+    rank alone, so that nothing collective happens after it.
+
+    Args:
+        case: what is run.
+        mesh: the bodies.
+        pairs: the node pairs by the names of their interfaces.
+
+    Raises:
+        CaseError: the folder cannot be written, a probe lies outside its body, or an unknown
+            quantity is wanted; on all ranks.
+    """
+
+    def __init__(self, case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> None:
+        self._comm = mesh.comm
+        self._folder = case.output.folder
+        claim_folder(self._folder, mesh.comm)
+        self._solidification = solidification_of(case, mesh)
+        self._history = History(
+            self._folder / "history.csv",
+            [body.name for body in case.bodies],
+            [interface.name for interface in case.interfaces],
+        )
+        self._probes = Probes(self._folder / "probes.csv", case.probes, mesh, pairs)
+        self._fields = Fields(
+            self._folder / FIELDS,
+            case.output.fields,
+            case.output.every,
+            mesh,
+            self._solidification,
+        )
+        self.record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
+
+    def __enter__(self) -> Self:
+        if self._comm.rank == 0:
+            self.record.write(Reason.RUNNING)
+            clear_results(self._folder)
+            (self._folder / FIELDS).mkdir(exist_ok=True)
+        self._comm.Barrier()
+        self._probes.open()
+        return self
+
+    def write(self, snapshot: Snapshot) -> None:
+        """Take over the initial state or that after an accepted step; collective."""
+        self.record.update(snapshot)
+        self._solidification.update(snapshot)
+        self._probes.append(snapshot)
+        if self._comm.rank == 0:
+            self._history.append(snapshot)
+        self._fields.update(snapshot)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._probes.close()
+        self._history.close()
+        reason = Reason.of(error)
+        if reason is not Reason.FAILED:
+            self._fields.write_pending()
+        if self._comm.rank == 0 or reason is Reason.FAILED:
+            self.record.write(reason, "" if error is None else str(error))
+
+
+def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
+    """Return what follows the solidification of the bodies that melt, none if no field asks for it."""
+    thresholds = {}
+    if any(name in QUANTITIES for name in case.output.fields):
+        for body in case.bodies:
+            material = find_material(body.material, case.materials)
+            if material.melts:
+                thresholds[body.name] = Thresholds.of(material.enthalpy)
+    return Solidification(mesh, thresholds)
+
+
+def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:
+    """Return what run.json says of a case and its sizes; collective."""
+    sizes = {
+        body.name: {
+            "material": body.material,
+            "law": body.law,
+            "temperature": body.temperature,
+            "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
+            "cells": cell_count(mesh, body.name),
+        }
+        for body in case.bodies
+    }
+    interfaces = {
+        interface.name: {
+            "pairs": mesh.comm.allreduce(len(pairs[interface.name].secondary_local)),
+            "contact": interface.contact.method,
+            "heat": interface.heat.law,
+        }
+        for interface in case.interfaces
+    }
+    return {
+        "case": {"name": case.name, "file": str(case.path), "digest": case.digest},
+        "model": mesh.model,
+        "scheme": case.coupling.scheme,
+        "end": case.time.end,
+        "bodies": sizes,
+        "interfaces": interfaces,
+        "ranks": mesh.comm.size,
+    }
+
+
+def cell_count(mesh: CastingMesh, body: str) -> int:
+    """Return the number of cells of a body on all ranks."""
+    topology = mesh.bodies[body].mesh.topology
+    return int(topology.index_map(topology.dim).size_global)

@@ -1,0 +1,87 @@
+"""A state of two bodies made from formulas, for everything that reads a `Snapshot`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.mesh import CastingMesh, build_mesh
+from castx.pairs import NodePairs, node_pairs
+from castx.snapshot import StepCounters
+from castx.tables import FloatArray
+
+Formula = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class FakeGeometry:
+    model: str
+    generator: str | None
+    arguments: Mapping[str, Any]
+    file: Path | None = None
+
+
+def cylinder_mesh(comm: MPI.Intracomm, model: str = "axisymmetric", size: float = 4e-3) -> CastingMesh:
+    """Return a cylinder, radius 20 mm and height 40 mm, in a mould 10 mm thick."""
+    arguments = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size}
+    if model == "3d":
+        arguments["sector"] = "quarter"
+    geometry = FakeGeometry(model, "cylinder_in_mould", arguments)
+    return build_mesh(geometry, ["casting", "mould"], comm)
+
+
+def slab_mesh(comm: MPI.Intracomm, size: float, length: float = 0.02) -> CastingMesh:
+    """Return a plane slab of four elements' width, cooled from x = 0."""
+    arguments = {"length": length, "width": 4 * size, "size": size}
+    return build_mesh(FakeGeometry("plane-strain", "slab", arguments), ["casting"], comm)
+
+
+def casting_pairs(mesh: CastingMesh) -> dict[str, NodePairs]:
+    """Return the pairs between casting and mould."""
+    return {"casting/mould": node_pairs(mesh, "casting", "mould")}
+
+
+@dataclass
+class FakeSnapshot:
+    """A snapshot whose fields are formulas of the position (points, gdim), zero where none is given."""
+
+    time: float
+    step: int
+    mesh: CastingMesh
+    pairs: dict[str, NodePairs] = field(default_factory=dict)
+    formulas: dict[str, Formula] = field(default_factory=dict)
+    totals: dict[str, float] = field(default_factory=dict)
+    counters: StepCounters = field(default_factory=StepCounters)
+
+    def nodal(self, body: str, name: str) -> FloatArray:
+        gdim = self.mesh.parent.geometry.dim
+        points = self.mesh.bodies[body].nodes.tabulate_dof_coordinates()[:, :gdim]
+        default = np.zeros((len(points), gdim) if name == "displacement" else len(points))
+        return self._evaluate(name, points, default)
+
+    def cellwise(self, body: str, name: str) -> FloatArray:
+        space = self.mesh.bodies[body].nodes
+        corners = space.tabulate_dof_coordinates()[space.dofmap.list]
+        points = corners.mean(axis=1)[:, : self.mesh.parent.geometry.dim]
+        default = np.zeros((len(points), 6) if name == "stress" else len(points))
+        return self._evaluate(name, points, default)
+
+    def paired(self, interface: str, name: str) -> FloatArray:
+        points = self.pairs[interface].points
+        return self._evaluate(name, points, np.zeros(len(points)))
+
+    def _evaluate(self, name: str, points: FloatArray, default: FloatArray) -> FloatArray:
+        return self.formulas[name](points) if name in self.formulas else default
+
+
+def fake_probe(name: str, at: tuple[float, ...], *quantities: str, **owner: str) -> Any:
+    """Return a probe as the case describes it; `owner` is body=… or interface=…."""
+    place = {"body": None, "interface": None, **owner}
+    return SimpleNamespace(name=name, at=at, quantities=quantities, **place)

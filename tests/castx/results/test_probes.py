@@ -1,0 +1,95 @@
+"""Probes find their place and give exact values of linear fields on any number of ranks."""
+
+import numpy as np
+import pytest
+
+from castx.errors import CaseError
+from castx.results.probes import Probes
+from castx.results.series import read_series
+from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh, fake_probe
+
+LINEAR = {
+    "temperature": lambda x: 300.0 + 1000.0 * x[:, 0] - 2000.0 * x[:, 1],
+    "displacement": lambda x: np.column_stack([x[:, 0] + x[:, 1], 2.0 * x[:, 1]]),
+    "von_mises": lambda x: np.where(x[:, 0] < 0.02, 1.0, 2.0),
+    "stress": lambda x: np.tile(np.arange(6.0), (len(x), 1)),
+    "gap": lambda x: 1e-3 * x[:, 1],
+    "contact_pressure": lambda x: 1e6 * x[:, 1],
+}
+
+
+def record(comm, folder, probes, steps=1):
+    mesh = cylinder_mesh(comm)
+    pairs = casting_pairs(mesh)
+    writer = Probes(folder / "probes.csv", probes, mesh, pairs)
+    writer.open()
+    for step in range(steps):
+        writer.append(FakeSnapshot(0.1 * step, step, mesh, pairs, LINEAR))
+    writer.close()
+    comm.Barrier()
+    return read_series(folder / "probes.csv")
+
+
+def test_linear_fields_are_exact_at_any_point(comm, shared_tmp_path):
+    point = (0.0071, 0.0133)
+    series = record(
+        comm, shared_tmp_path, [fake_probe("p", point, "temperature", "displacement", body="casting")]
+    )
+    assert list(series) == ["time", "p.temperature", "p.displacement.r", "p.displacement.z"]
+    assert series["p.temperature"] == pytest.approx([300.0 + 7.1 - 26.6], abs=1e-10)
+    assert series["p.displacement.r"] == pytest.approx([0.0204], abs=1e-14)
+    assert series["p.displacement.z"] == pytest.approx([0.0266], abs=1e-14)
+
+
+def test_nodes_corners_and_axis_are_found_in_both_bodies(comm, shared_tmp_path):
+    points = [(0.0, 0.0), (0.0, 0.04), (0.02, 0.02), (0.03, 0.04)]
+    bodies = ["casting", "casting", "mould", "mould"]
+    probes = [
+        fake_probe(f"p{i}", point, "temperature", "von_mises", body=body)
+        for i, (point, body) in enumerate(zip(points, bodies, strict=True))
+    ]
+    series = record(comm, shared_tmp_path, probes)
+    for i, (r, z) in enumerate(points):
+        assert series[f"p{i}.temperature"] == pytest.approx([300 + 1000 * r - 2000 * z], abs=1e-9)
+        assert series[f"p{i}.von_mises"] == [1.0 if bodies[i] == "casting" else 2.0]
+
+
+def test_the_stress_has_the_parts_of_the_model(comm, shared_tmp_path):
+    probe = fake_probe("p", (0.01, 0.01), "stress", body="casting")
+    series = record(comm, shared_tmp_path, [probe])
+    read = {name: values[0] for name, values in series.items() if name != "time"}
+    assert read == {"p.stress.rr": 0.0, "p.stress.zz": 1.0, "p.stress.tt": 2.0, "p.stress.rz": 3.0}
+
+
+def test_a_point_just_outside_moves_to_the_surface(comm, shared_tmp_path):
+    probe = fake_probe("p", (0.021, 0.013), "temperature", body="casting")
+    series = record(comm, shared_tmp_path, [probe])
+    assert series["p.temperature"] == pytest.approx([300.0 + 20.0 - 26.0], abs=1e-9)
+
+
+def test_a_point_far_outside_is_refused_with_its_distance(comm, shared_tmp_path):
+    probe = fake_probe("far", (0.0275, 0.013), "temperature", body="casting")
+    with pytest.raises(CaseError, match=r"probe 'far' at \(0.0275, 0.013\) m lies outside body 'cast"):
+        record(comm, shared_tmp_path, [probe])
+    with pytest.raises(CaseError, match=r"it is 0.0075 m away"):
+        record(comm, shared_tmp_path, [probe])
+
+
+def test_interface_quantities_are_interpolated_on_the_facet(comm, shared_tmp_path):
+    at = (0.0201, 0.01311)
+    probes = [fake_probe("g", at, "gap", "contact_pressure", interface="casting/mould")]
+    series = record(comm, shared_tmp_path, probes)
+    assert series["g.gap"] == pytest.approx([1e-3 * 0.01311], rel=1e-10)
+    assert series["g.contact_pressure"] == pytest.approx([1e6 * 0.01311], rel=1e-10)
+
+
+def test_a_point_off_the_interface_is_refused(comm, shared_tmp_path):
+    probe = fake_probe("g", (0.0, 0.02), "gap", interface="casting/mould")
+    with pytest.raises(CaseError, match="outside interface 'casting/mould'"):
+        record(comm, shared_tmp_path, [probe])
+
+
+def test_every_step_is_one_line_and_without_probes_there_is_the_time(comm, shared_tmp_path):
+    series = record(comm, shared_tmp_path, [], steps=3)
+    assert list(series) == ["time"]
+    np.testing.assert_allclose(series["time"], [0.0, 0.1, 0.2])
