@@ -1,0 +1,53 @@
+"""Descriptions of the bodies of a case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field, StrictStr
+
+from castx.entries import (
+    TEMPERATURES,
+    TIMES,
+    Choice,
+    Description,
+    EntryName,
+    Tabulated,
+    Temperature,
+    over_time,
+)
+from castx.refusal import Problem
+from castx.tables import Table
+from castx.units import HEAT_SOURCE
+
+
+def _start_of_history(body: dict[str, Any]) -> float:
+    history = body.get("temperature_history")
+    return float(history.values[0]) if isinstance(history, Table) else math.nan
+
+
+class Body(Description):
+    """One body: a named volume of the mesh, its material, initial temperature and law.
+
+    `temperature` [°C] is the initial one, by default the start of `temperature_history`;
+    `heat_source` [W/m³] over time.
+    """
+
+    name: EntryName
+    material: StrictStr
+    temperature_history: Annotated[Table | None, Tabulated(TEMPERATURES, TIMES)] = None
+    temperature: Temperature = Field(default_factory=_start_of_history)
+    heat_source: Annotated[Table | None, over_time(HEAT_SOURCE)] = None
+    law: Annotated[
+        str,
+        Choice(("thermo-elastic",), ("rigid", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")),
+    ] = "thermo-elastic"
+    formulation: Annotated[str, Choice(("mixed", "displacement"), ("q1p0",))] = "mixed"
+    stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield a missing initial temperature."""
+        if math.isnan(self.temperature):
+            yield Problem(("temperature",), "missing; the initial temperature in °C is needed")

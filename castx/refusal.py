@@ -1,0 +1,156 @@
+"""What is wrong with a case file: problems with key path and value, and the text that shows them."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from castx.errors import CaseError
+
+KeyPath = tuple[str | int, ...]
+
+_LONGEST_VALUE = 80
+_MOST_PROBLEMS = 30
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+_TEXTS = {
+    "string_type": "a text in quotes is needed",
+    "int_type": "a whole number is needed",
+    "bool_type": "true or false is needed",
+    "tuple_type": "a list is needed: [...], or [[...]] above each entry",
+    "dict_type": "a table of keys is needed: { key = value, ... }",
+    "model_type": "a table of keys is needed: { key = value, ... }",
+    "too_short": "at least {min_length} needed, there are {actual_length}",
+    "too_long": "at most {max_length} allowed",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than_equal": "must be at most {le}",
+    "missing": "missing; this key is needed",
+    "invalid_key": "a text is needed as key",
+}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that keeps a case from being accepted.
+
+    Args:
+        path: keys and list indices that lead to the value.
+        text: what is wrong, what is allowed and the cure.
+    """
+
+    path: KeyPath
+    text: str
+
+
+class Refusal(CaseError):
+    """Problems found inside a description, with paths relative to it.
+
+    Args:
+        problems: at least one.
+    """
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__(
+            "; ".join(f"{dotted(problem.path)}: {problem.text}" for problem in self.problems)
+        )
+
+    def inside(self, *path: str | int) -> Refusal:
+        """Return the same problems as seen from outside the value at `path`."""
+        return Refusal(Problem(path + problem.path, problem.text) for problem in self.problems)
+
+
+def refuse(text: str, *path: str | int) -> Refusal:
+    """Return the refusal of a single value."""
+    return Refusal([Problem(path, text)])
+
+
+def dotted(path: KeyPath) -> str:
+    """Return a path as `bodies[1].material`, with quotes round keys that need them."""
+    parts = ""
+    for key in path:
+        if isinstance(key, int):
+            parts += f"[{key}]"
+        else:
+            bare = key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
+            parts += f".{bare}" if parts else bare
+    return parts
+
+
+def show(value: Any) -> str:
+    """Return a value as it stands in a case file, shortened."""
+    try:
+        text = json.dumps(value, ensure_ascii=False, default=str)
+    except (ValueError, RecursionError):
+        text = repr(value)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
+
+
+def among(name: str, known: Sequence[str], *, what: str = "known") -> str:
+    """Return the list of known names and the one nearest to `name`, for the end of a message."""
+    if not known:
+        return f"{what}: none"
+    lower = {entry.lower(): entry for entry in known}
+    near = get_close_matches(name.lower(), lower, n=1, cutoff=0.5)
+    guess = f" (did you mean {show(lower[near[0]])}?)" if near else ""
+    return f"{what}: {', '.join(known)}{guess}"
+
+
+def translate(error: ValidationError, known: Sequence[str]) -> Iterator[Problem]:
+    """Yield the problems behind a pydantic error of one description.
+
+    Args:
+        error: raised by the description's own fields; inner descriptions appear as `Refusal`.
+        known: the keys of the description.
+    """
+    for entry in error.errors(include_url=False):
+        yield from _translate_entry(entry, known)
+
+
+def _translate_entry(entry: ErrorDetails, known: Sequence[str]) -> Iterator[Problem]:
+    place = tuple(entry["loc"])
+    context = entry.get("ctx", {})
+    inner = context.get("error")
+    if isinstance(inner, Refusal):
+        yield from inner.inside(*place).problems
+    elif isinstance(inner, CaseError):
+        yield Problem(place, str(inner))
+    elif entry["type"] == "extra_forbidden":
+        yield Problem(place, f"unknown key; {among(str(place[-1]), known, what='known keys')}")
+    else:
+        text = _TEXTS.get(entry["type"])
+        yield Problem(place, text.format(**context) if text else entry["msg"])
+
+
+def summary(source: str, problems: Sequence[Problem], data: Any) -> str:
+    """Return the message that shows all problems of a file with the values written there.
+
+    Args:
+        source: the file, named at the start.
+        problems: with paths from the top of the file.
+        data: content of the file, for the values.
+    """
+    lines = [_line(problem, data) for problem in problems[:_MOST_PROBLEMS]]
+    if len(problems) == 1:
+        return f"{source}: {lines[0]}"
+    if len(problems) > _MOST_PROBLEMS:
+        lines.append(f"... and {len(problems) - _MOST_PROBLEMS} more")
+    return "\n  ".join([f"{source}: {len(problems)} problems", *lines])
+
+
+def _line(problem: Problem, data: Any) -> str:
+    where = dotted(problem.path)
+    for key in problem.path:
+        try:
+            data = data[key]
+        except (LookupError, TypeError):
+            return f"{where}: {problem.text}"
+    shown = f"{where} = {show(data)}" if not isinstance(data, dict) else where
+    return f"{shown}: {problem.text}" if shown else problem.text
