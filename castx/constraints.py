@@ -1,0 +1,136 @@
+"""Directions in which nodes of a body have a prescribed or a common displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem, la
+
+from mpi4py import MPI
+
+from castx.errors import CaseError
+from castx.measures import surface_measure
+from castx.mesh import BodyMesh
+from castx.tables import Table
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
+
+ZERO = Table.constant(0.0)
+
+
+@dataclass(frozen=True)
+class FixedDirections:
+    """One direction at each of several nodes of a body.
+
+    Attributes:
+        name: the surface and direction, for messages.
+        nodes: local numbers of owned nodes, shape (n,).
+        directions: unit vectors, shape (n, dimension).
+        value: displacement over time [m]; None: all nodes move equally, their resultant is free.
+        symmetry: whether the body goes on as its mirror image behind the surface.
+    """
+
+    name: str
+    nodes: IntArray
+    directions: FloatArray
+    value: Table | None = ZERO
+    symmetry: bool = False
+
+
+@dataclass(frozen=True)
+class SurfaceDisplacement:
+    """A displacement condition on a named surface of a body.
+
+    Attributes:
+        surface: name of the surface.
+        direction: "x", "y", "z", "r", "normal" or "all".
+        value: displacement over time [m]; None: uniform, the resultant is free.
+    """
+
+    surface: str
+    direction: str
+    value: Table | None = ZERO
+
+
+def fixed_directions(
+    body: BodyMesh, model: str, conditions: Sequence[SurfaceDisplacement]
+) -> list[FixedDirections]:
+    """Return the fixed directions of a body: its conditions, symmetry planes and the axis.
+
+    Surfaces named `symmetry-…` have normal displacement 0 unless a condition names them.
+
+    Raises:
+        CaseError: a direction that the model does not have.
+    """
+    named = {condition.surface for condition in conditions}
+    planes = [
+        SurfaceDisplacement(surface, "normal")
+        for surface in sorted(body.surfaces)
+        if surface.startswith("symmetry-") and surface not in named
+    ]
+    found = []
+    for condition in [*planes, *conditions]:
+        found.extend(_directions_on_surface(body, model, condition))
+    if model == "axisymmetric":
+        found.append(_axis(body))
+    return found
+
+
+def _directions_on_surface(
+    body: BodyMesh, model: str, condition: SurfaceDisplacement
+) -> list[FixedDirections]:
+    nodes = body.surface_nodes(condition.surface)
+    owned = nodes[nodes < body.nodes.dofmap.index_map.size_local]
+    symmetry = condition.surface.startswith("symmetry-") and condition.direction == "normal"
+    dimension = body.mesh.geometry.dim
+    if condition.direction == "normal":
+        vectors = [surface_normals(body, model, condition.surface)[owned]]
+    else:
+        axes = _axes(model)
+        wanted = list(axes) if condition.direction == "all" else [condition.direction]
+        unknown = [axis for axis in wanted if axis not in axes]
+        if unknown:
+            raise CaseError(
+                f"displacement {unknown[0]!r} on {body.name}/{condition.surface}: the model "
+                f"{model!r} has the directions {', '.join(axes)}, normal and all"
+            )
+        vectors = [np.tile(np.eye(dimension)[axes[a]], (len(owned), 1)) for a in wanted]
+    name = f"{body.name}/{condition.surface} {condition.direction}"
+    return [FixedDirections(name, owned, v, condition.value, symmetry) for v in vectors]
+
+
+def _axes(model: str) -> dict[str, int]:
+    if model == "3d":
+        return {"x": 0, "y": 1, "z": 2}
+    return {"r": 0, "z": 1} if model == "axisymmetric" else {"x": 0, "y": 1}
+
+
+def _axis(body: BodyMesh) -> FixedDirections:
+    radius = body.nodes.tabulate_dof_coordinates()[:, 0]
+    owned = body.nodes.dofmap.index_map.size_local
+    largest = body.mesh.comm.allreduce(float(radius.max(initial=0.0)), op=MPI.MAX)
+    nodes = np.flatnonzero(radius[:owned] < 1e-9 * largest).astype(np.int32)
+    directions = np.tile(np.array([1.0, 0.0]), (len(nodes), 1))
+    return FixedDirections(f"{body.name} axis", nodes, directions, symmetry=True)
+
+
+
+def surface_normals(body: BodyMesh, model: str, surface: str) -> FloatArray:
+    """Return unit outward normals averaged by area, shape (local nodes, dimension), else zero."""
+    mesh, dimension = body.mesh, body.mesh.geometry.dim
+    vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
+    ds = surface_measure(body, model, 2)(body.surfaces[surface])
+    form = fem.form(ufl.inner(ufl.FacetNormal(mesh), ufl.TestFunction(vectors)) * ds)
+    b = la.vector(vectors.dofmap.index_map, dimension)
+    b.array[:] = 0
+    fem.assemble_vector(b.array, form)
+    b.scatter_reverse(la.InsertMode.add)
+    b.scatter_forward()
+    sums = b.array.reshape(-1, dimension)
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    return np.asarray(np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 0))

@@ -1,0 +1,287 @@
+"""Equilibrium of all bodies in contact for one step: Newton's method with the active set in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from petsc4py import PETSc
+
+from castx.contact.active_set import ActiveSet
+from castx.contact.gaps import Gaps
+from castx.contact.system import ContactSystem
+from castx.coordinates import Coordinates
+from castx.layout import Layout
+from castx.linear import Correction, InnerSolver, SystemOperator, SystemPreconditioner
+from castx.mechanics import BodyMechanics
+from castx.snes import NonlinearSolver
+from castx.supports import FloatingMotions, Support
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+PREFIX = "castx_mechanics_"
+LINEAR_SHARE = 1e-2
+"""Part of the nonlinear tolerance to which the linear solves go."""
+
+
+@dataclass(frozen=True)
+class EquilibriumReport:
+    """What one equilibrium took.
+
+    Attributes:
+        iterations: Newton iterations.
+        linear_iterations: iterations of all linear solves.
+        contact_changes: pairs that opened or closed, counted each time.
+        residuals: residual before each iteration and after the last.
+    """
+
+    iterations: int
+    linear_iterations: int
+    contact_changes: int
+    residuals: tuple[float, ...]
+
+
+class BodyAssembly:
+    """Residual and matrix of all bodies without contact, in the layout of their unknowns.
+
+    Args:
+        layout: numbering of the unknowns of all bodies.
+        bodies: the bodies in the order of the layout.
+    """
+
+    def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
+        self.layout, self.bodies = layout, list(bodies)
+        self.unknowns = layout.create_vector()
+        self.residual_vector = layout.create_vector()
+        self._blocks = [body.create_jacobian() for body in bodies]
+        count = len(bodies)
+        diagonal = [[self._blocks[i] if i == j else None for j in range(count)] for i in range(count)]
+        self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
+        self._matrix: PETSc.Mat | None = None
+
+    def residual(self) -> PETSc.Vec:
+        """Return internal minus external forces at `unknowns`."""
+        self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
+        values = self.residual_vector.array
+        for b, body in enumerate(self.bodies):
+            values[self.layout.local_slice(b)] = body.residual()
+        return self.residual_vector
+
+    def matrix(self) -> PETSc.Mat:
+        """Return the assembled Jacobian; the next call overwrites it."""
+        for body, block in zip(self.bodies, self._blocks, strict=True):
+            body.assemble_jacobian(block)
+        self._nest.assemble()
+        if self._matrix is None:
+            self._matrix = self._nest.convert("aij", PETSc.Mat())
+        else:
+            self._nest.convert("aij", self._matrix)
+        return self._matrix
+
+    def corrections(self) -> list[Correction]:
+        """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
+        found: list[Correction] = []
+        for b, body in enumerate(self.bodies):
+            if body.projection is not None:
+                part = self.layout.local_slice(b)
+                rows = slice(part.start + body.dimension, part.stop, body.block_size)
+                found.append(partial(_add_projection, body, rows))
+        return found
+
+    def destroy(self) -> None:
+        """Free matrices and vectors."""
+        for item in (self._matrix, self._nest, *self._blocks, self.unknowns, self.residual_vector):
+            if item is not None:
+                item.destroy()
+
+
+def _add_projection(body: BodyMechanics, rows: slice, x: FloatArray, y: FloatArray) -> None:
+    assert body.projection is not None
+    y[rows] += body.projection.correction(x[rows])
+
+
+class Equilibrium:
+    """Finds displacements, pressures and closed pairs of one step.
+
+    Args:
+        assembly: residual and matrix of the bodies.
+        coordinates: coordinates and prescribed displacements.
+        gaps: pairs of all interfaces.
+        contact: the contact method.
+        inner: solver of the assembled linear system.
+        floating: finds what nothing holds; None: no supports.
+        tolerance: residual relative to the largest internal, contact or external force.
+        options: PETSc options under `castx_mechanics_`.
+    """
+
+    def __init__(
+        self,
+        assembly: BodyAssembly,
+        coordinates: Coordinates,
+        gaps: Gaps,
+        contact: ContactSystem,
+        inner: InnerSolver,
+        floating: FloatingMotions | None,
+        tolerance: float,
+        options: Mapping[str, Any],
+    ) -> None:
+        comm = assembly.layout.comm
+        self._assembly, self._coordinates, self.gaps = assembly, coordinates, gaps
+        self._contact, self._floating, self.tolerance = contact, floating, tolerance
+        self.active = ActiveSet(comm, gaps.initial, gaps.free, gaps.keys())
+        self.x = contact.layout.create_vector()
+        self._committed = self.x.array_r.copy()
+        self._operator = SystemOperator(assembly.corrections())
+        self._preconditioner = SystemPreconditioner(self._operator, inner)
+        self._matrix = _python_matrix(contact.layout, self._operator)
+        self._residual_vector = contact.layout.create_vector()
+        defaults = {"ksp_type": "fgmres", "ksp_max_it": 200, "snes_linesearch_type": "basic",
+                    "snes_max_it": 60, "ksp_gmres_restart": 60}
+        defaults |= {f"bodies_{name}": value for name, value in inner.defaults.items()}
+        self._solver = NonlinearSolver(
+            "the mechanical equilibrium", PREFIX, self._residual, self._jacobian,
+            vector=self._residual_vector, matrix=self._matrix,
+            options={**defaults, **options}, converged=self._converged,
+        )
+        self._solver.snes.ksp.pc.setType("python")
+        self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
+        self._stiffness = 0.0
+        self._internal = self._external = 0.0
+        self._time, self._fresh, self._changed = 0.0, True, False
+
+    def solve(self, time: float) -> EquilibriumReport:
+        """Solve for the present state of the bodies, from the present displacements.
+
+        Args:
+            time: time of the prescribed displacements and loads [s].
+
+        Raises:
+            ConvergenceError: the iteration did not converge.
+        """
+        self._time, self._fresh, self._changed = time, True, False
+        for body in self._assembly.bodies:
+            body.set_time(time)
+        self.active.begin()
+        self._update_matrix()
+        report = self._solver.solve(self.x)
+        return EquilibriumReport(
+            report.iterations, report.linear_iterations, self.active.changes, report.residuals
+        )
+
+    def _update_matrix(self) -> None:
+        self._operator.matrix = self._contact.matrix(self._assembly.matrix())
+        diagonal = self._operator.matrix.getDiagonal()
+        self._stiffness = diagonal.norm(PETSc.NormType.NORM_INFINITY)
+        diagonal.destroy()
+
+    def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        rows = self._rows(x)
+        gaps = self._contact.gaps(x, self._assembly.unknowns)
+        forces = self._contact.forces(x, rows)
+        self._internal, self._external = self._norms(x, rows)
+        if not self._fresh:
+            self._changed = self.active.update(gaps, forces, self._stiffness)
+        self._fresh = False
+        held, violation = self._held(x)
+        support = self._support(held)
+        self._operator.hold(held, self._stiffness, support)
+        if support is not None:
+            rows += support.force(x.array_r)
+        f.array[:] = np.where(held, self._stiffness * violation, rows)
+
+    def _norms(self, x: PETSc.Vec, rows: FloatArray) -> tuple[float, float]:
+        """Return the norms of the internal forces and of thermal and other loads [N]."""
+        image = x.duplicate()
+        self._operator.free_product(x, image)
+        internal = image.norm()
+        image.array[:] -= rows
+        loads = image.norm()
+        image.destroy()
+        return internal, loads
+
+    def _rows(self, x: PETSc.Vec) -> FloatArray:
+        self._contact.displacements(x, self._assembly.unknowns)
+        return self._contact.residual(x, self._assembly.residual())
+
+    def _held(self, x: PETSc.Vec) -> tuple[BoolArray, FloatArray]:
+        held = np.zeros(self.x.getLocalSize(), dtype=bool)
+        violation = np.zeros(len(held))
+        for item in self._coordinates.prescribed:
+            held[item.local] = True
+            violation[item.local] = x.array_r[item.local] - float(item.value(self._time))
+        self._contact.hold(x, self.active.closed, held, violation)
+        return held, violation
+
+    def _support(self, held: BoolArray) -> Support | None:
+        if self._floating is None:
+            return None
+        values = self._contact.constraint_values(self._floating.motions, self.active.closed)
+        return self._floating.find(held, values)
+
+    def _jacobian(self, _: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
+        self._preconditioner.refresh()
+        J.assemble()
+
+    def _converged(
+        self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
+    ) -> Any:
+        reasons = PETSc.SNES.ConvergedReason
+        norm = norms[2]
+        if not np.isfinite(norm):
+            return reasons.DIVERGED_FNORM_NAN
+        target = self.tolerance * max(self._internal, self._external)
+        if norm <= target and not self._changed and iteration > 0:
+            return reasons.CONVERGED_FNORM_RELATIVE
+        if iteration >= snes.getTolerances()[3]:
+            return reasons.DIVERGED_MAX_IT
+        share = LINEAR_SHARE * target / norm if norm > 0 else 1e-2
+        snes.ksp.setTolerances(rtol=float(np.clip(share, 1e-12, 1e-2)), atol=0.0)
+        return reasons.CONVERGED_ITERATING
+
+    def gap_values(self) -> FloatArray:
+        """Gaps of all pairs of this rank [m]."""
+        self._contact.displacements(self.x, self._assembly.unknowns)
+        return self._contact.gaps(self.x, self._assembly.unknowns)
+
+    def contact_forces(self) -> FloatArray:
+        """Return the contact forces of all pairs of this rank [N], zero where open."""
+        forces = self._contact.forces(self.x, self._rows(self.x))
+        return np.where(self.active.closed, forces, 0.0)
+
+    def support_force(self) -> float:
+        """Return the norm of the forces of the supports [N]."""
+        support = self._operator.support
+        return 0.0 if support is None else support.resultant(self.x.array_r)
+
+    def commit(self) -> None:
+        """Make the present solution the one from which the next step starts."""
+        self._committed = self.x.array_r.copy()
+        self.active.commit()
+        for body in self._assembly.bodies:
+            body.commit()
+
+    def rewind(self) -> None:
+        """Return to the last committed solution."""
+        self.x.array[:] = self._committed
+        self.active.rewind()
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self._solver.destroy()
+        self._contact.destroy()
+        self._assembly.destroy()
+        for item in (self._matrix, self._residual_vector, self.x):
+            item.destroy()
+
+
+def _python_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
+    sizes = ((layout.size_local, layout.size_global), (layout.size_local, layout.size_global))
+    matrix = PETSc.Mat().createPython(sizes, context, comm=layout.comm)
+    matrix.setUp()
+    return matrix

@@ -1,0 +1,27 @@
+"""Measures of cells and surfaces of a body that carry the weight of the model."""
+
+from __future__ import annotations
+
+import ufl
+
+from castx.forms import kinematics
+from castx.mesh import BodyMesh
+
+
+def cell_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
+    """Return the weighted measure of the cells of a body, exact for a polynomial degree."""
+    weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+    measure = ufl.Measure("dx", domain=body.mesh, metadata={"quadrature_degree": degree})
+    return kinematics.WeightedMeasure(weight, measure)
+
+
+def surface_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
+    """Return the weighted measure of the surfaces of a body, exact for a polynomial degree."""
+    weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+    measure = ufl.Measure(
+        "ds",
+        domain=body.mesh,
+        subdomain_data=body.facet_tags,
+        metadata={"quadrature_degree": degree},
+    )
+    return kinematics.WeightedMeasure(weight, measure)

@@ -1,0 +1,171 @@
+"""Puts together the equilibrium of all bodies from descriptions of bodies, supports and contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem, la
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from castx.constraints import SurfaceDisplacement, fixed_directions
+from castx.contact.condensed import CondensedContact
+from castx.contact.gaps import Gaps
+from castx.contact.multipliers import MultiplierContact
+from castx.contact.system import ContactSystem
+from castx.coordinates import Coordinates
+from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
+from castx.errors import CaseError
+from castx.layout import Layout
+from castx.linear import DirectSolver, InnerSolver
+from castx.measures import cell_measure
+from castx.mechanics import BodyMechanics, MechanicalBody
+from castx.mesh import CastingMesh
+from castx.pairs import NodePairs, node_pairs
+from castx.rigid_modes import rigid_modes
+from castx.supports import FloatingMotions
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Contact on an interface.
+
+    Attributes:
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        method: "condensed" or "multipliers".
+        initial_gap: gap without displacement at points (n, dimension) [m], negative: interference.
+    """
+
+    secondary: str
+    primary: str
+    method: str = "condensed"
+    initial_gap: Callable[[FloatArray], FloatArray] = lambda points: np.zeros(len(points))
+
+
+@dataclass(frozen=True)
+class MechanicsSettings:
+    """How the equilibrium is solved.
+
+    Attributes:
+        linear: "direct", "iterative" or "automatic" (by size).
+        tolerance: residual relative to the largest internal, contact or external force.
+        support: whether motions that nothing holds get springs.
+        options: PETSc options under `castx_mechanics_`.
+    """
+
+    linear: str = "automatic"
+    tolerance: float = 1e-3
+    support: bool = True
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+class MechanicalProblem:
+    """The bodies, their contact and the solver of their equilibrium.
+
+    Args:
+        mesh: mesh of all bodies.
+        bodies: mechanical description by name of the body; others are not in the equilibrium.
+        displacements: displacement conditions by name of the body.
+        contacts: interfaces with contact.
+        settings: how to solve.
+
+    Raises:
+        CaseError: contact methods that cannot be combined.
+    """
+
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        bodies: Mapping[str, MechanicalBody],
+        displacements: Mapping[str, Sequence[SurfaceDisplacement]],
+        contacts: Sequence[Contact],
+        settings: MechanicsSettings,
+    ) -> None:
+        methods = {contact.method for contact in contacts}
+        if len(methods) > 1:
+            raise CaseError(
+                f"contact methods {', '.join(sorted(methods))} in one case; use the same for all"
+            )
+        names = list(bodies)
+        self.bodies = {n: BodyMechanics(mesh.bodies[n], mesh.model, bodies[n]) for n in names}
+        parts = list(self.bodies.values())
+        self.layout = Layout(
+            mesh.comm,
+            [body.space.dofmap.index_map for body in parts],
+            [body.block_size for body in parts],
+        )
+        fixed = [
+            fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
+        ]
+        self.pairs = [node_pairs(mesh, c.secondary, c.primary) for c in contacts]
+        condensed = methods != {"multipliers"}
+        coordinates = Coordinates(
+            self.layout, names, parts[0].dimension, fixed, self.pairs, condensed
+        )
+        initial = [c.initial_gap(p.points) for c, p in zip(contacts, self.pairs, strict=True)]
+        self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial)
+        stiffness = max(body.pressure_scale for body in parts) / _extent(mesh)
+        contact: ContactSystem
+        if condensed:
+            contact = CondensedContact(coordinates, self.gaps)
+        else:
+            contact = MultiplierContact(coordinates, self.gaps, stiffness)
+        floating = self._floating(coordinates, contact, stiffness / _extent(mesh))
+        inner: InnerSolver = DirectSolver(mesh.comm, f"{PREFIX}bodies_")
+        self.equilibrium = Equilibrium(
+            BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
+            floating if settings.support else None, settings.tolerance, settings.options,
+        )
+
+    def _floating(
+        self, coordinates: Coordinates, contact: ContactSystem, stiffness: float
+    ) -> FloatingMotions:
+        motions, weights = [], []
+        for b, body in enumerate(self.bodies.values()):
+            volumes = np.repeat(nodal_volumes(body), body.block_size)
+            for mode in rigid_modes(body):
+                motions.append(self._image(coordinates.to_coordinates.mult, b, mode))
+                transpose = coordinates.to_displacements.multTranspose
+                weights.append(self._image(transpose, b, volumes * mode))
+        return FloatingMotions(
+            contact.to_unknowns(np.array(motions)),
+            contact.to_unknowns(np.array(weights)),
+            stiffness,
+            self.layout.comm,
+        )
+
+    def _image(
+        self, product: Callable[[PETSc.Vec, PETSc.Vec], None], b: int, values: FloatArray
+    ) -> FloatArray:
+        x, y = self.layout.create_vector(), self.layout.create_vector()
+        x.array[self.layout.local_slice(b)] = values
+        product(x, y)
+        image = y.array_r.copy()
+        x.destroy()
+        y.destroy()
+        return np.asarray(image)
+
+
+def nodal_volumes(body: BodyMechanics) -> FloatArray:
+    """Return the volumes of the owned nodes of a body [m³], shape (owned,)."""
+    dx = cell_measure(body.mesh, body.model, 2)
+    volumes = fem.assemble_vector(fem.form(ufl.TestFunction(body.mesh.nodes) * dx))
+    volumes.scatter_reverse(la.InsertMode.add)
+    return np.asarray(volumes.array[: body.mesh.nodes.dofmap.index_map.size_local])
+
+
+def _extent(mesh: CastingMesh) -> float:
+    """Return the largest edge of the box round all bodies [m]."""
+    x = mesh.parent.geometry.x
+    low = mesh.comm.allreduce(x.min(axis=0, initial=np.inf), op=MPI.MIN)
+    high = mesh.comm.allreduce(x.max(axis=0, initial=-np.inf), op=MPI.MAX)
+    return float((high - low).max())

@@ -1,0 +1,312 @@
+"""Discrete balance of momentum of one body: spaces, forms, state and loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem, la
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
+
+from petsc4py import PETSc
+
+from castx.constitutive import BirthHistory, CellState, ThermoElasticLaw
+from castx.forms import kinematics, momentum, stabilisation
+from castx.measures import cell_measure, surface_measure
+from castx.mesh import BodyMesh
+from castx.tables import Table
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SurfaceLoad:
+    """A load on a named surface: a pressure that pushes on it, or a traction.
+
+    Attributes:
+        surface: name of the surface.
+        pressure: over time [Pa], positive against the outward normal.
+        traction: components over time [Pa].
+    """
+
+    surface: str
+    pressure: Table | None = None
+    traction: tuple[Table, ...] | None = None
+
+
+@dataclass(frozen=True)
+class MechanicalBody:
+    """What the mechanics must know of a body besides its mesh.
+
+    Attributes:
+        law: thermo-elastic law.
+        formulation: "mixed" or "displacement".
+        stabilisation: "osgs" or "gls"; acts in the mixed formulation.
+        body_force: force per volume [N/m³], one number for each direction.
+        loads: loads on surfaces.
+        starts_liquid: whether the body has no solid at the start.
+    """
+
+    law: ThermoElasticLaw
+    formulation: str = "mixed"
+    stabilisation: str = "osgs"
+    body_force: Sequence[float] = ()
+    loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
+    starts_liquid: bool = False
+
+
+class BodyMechanics:
+    """Residual and Jacobian of one body, its displacement and its history.
+
+    The unknown has the displacement and, in the mixed formulation, the pressure over
+    `pressure_scale` at each node, so that all rows have the size of forces.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        description: law, formulation and loads.
+    """
+
+    def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
+        self.name = body.name
+        self.mesh = body
+        self.model = model
+        self.description = description
+        self.dimension: int = body.mesh.geometry.dim
+        self.mixed = description.formulation == "mixed"
+        self.block_size = self.dimension + int(self.mixed)
+        self.space = fem.functionspace(body.mesh, ("Lagrange", 1, (self.block_size,)))
+        self.solution = fem.Function(self.space, name=f"motion of {body.name}")
+        self.pressure_scale = description.law.largest_shear_modulus()
+        self.cell_nodes = body.nodes.dofmap.list
+        self.coherent = np.ones(len(self.cell_nodes), dtype=bool)
+        self._create_state()
+        self._create_loads()
+        self._create_forms()
+        self._residual = la.vector(self.space.dofmap.index_map, self.block_size)
+        self.projection = Projection(self) if self._uses_osgs else None
+
+    @property
+    def _uses_osgs(self) -> bool:
+        return self.mixed and self.description.stabilisation == "osgs"
+
+    def _create_state(self) -> None:
+        mesh = self.mesh.mesh
+        components = 6 if self.model == "3d" else 4
+        constant = fem.functionspace(mesh, ("DG", 0))
+        self._shear_modulus = fem.Function(constant)
+        self._compressibility = fem.Function(constant)
+        self._thermal_strain = fem.Function(constant)
+        tensor = fem.functionspace(mesh, ("DG", 0, (components,)))
+        self._reference_strain = fem.Function(tensor)
+        self._cell_tensor = fem.Function(tensor)
+        self._history = BirthHistory(len(self.cell_nodes), components)
+        if self.description.starts_liquid:
+            self._history.begin_liquid()
+
+    def _create_loads(self) -> None:
+        mesh = self.mesh.mesh
+        force = self.description.body_force or (0.0,) * self.dimension
+        self.body_force = fem.Constant(mesh, np.array(force[: self.dimension], dtype=np.float64))
+        self._load_values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
+        for load in self.description.loads:
+            tables = load.traction if load.pressure is None else (load.pressure,)
+            assert tables is not None
+            shape = np.zeros(len(tables)) if load.pressure is None else 0.0
+            self._load_values.append((fem.Constant(mesh, shape), tables))
+
+    def _create_forms(self) -> None:
+        mesh, model = self.mesh.mesh, self.model
+        x = ufl.SpatialCoordinate(mesh)
+        w, z = self.solution, ufl.TestFunction(self.space)
+        u, p = self.split(w)
+        eta, q = self.split(z)
+        self._cell_state = momentum.ElasticState(
+            self._shear_modulus,
+            self._compressibility,
+            self._thermal_strain,
+            kinematics.symmetric_tensor(self._reference_strain, model),
+        )
+        # Plane stress puts p into the strain: both must then be integrated alike.
+        dx = cell_measure(self.mesh, model, 2 if model == "plane-stress" and self.mixed else 1)
+        dx_p = cell_measure(self.mesh, model, 2)
+        if self.mixed:
+            self.tau = stabilisation.tau(
+                self._shear_modulus, stabilisation.element_length(mesh, self.dimension)
+            )
+            F = momentum.mixed_internal_virtual_work(
+                u, p, eta, q, self._cell_state, model, x, dx, dx_p
+            )
+            F -= stabilisation.pressure_laplacian(p, q, self.tau, dx_p)
+            if not self._uses_osgs:
+                F -= stabilisation.body_force_residual(q, self.body_force, self.tau, dx_p)
+        else:
+            F = momentum.displacement_internal_virtual_work(
+                u, eta, self._cell_state, model, x, dx
+            )
+        self._jacobian_form = fem.form(ufl.derivative(F, w))
+        self._internal_form = fem.form(F)
+        F -= momentum.body_force_work(eta, self.body_force, dx_p)
+        F -= self._surface_work(eta)
+        self._residual_form = fem.form(F)
+        self._create_cell_expressions(x)
+
+    def _surface_work(self, eta: Any) -> Any:
+        ds = surface_measure(self.mesh, self.model, 2)
+        normal = ufl.FacetNormal(self.mesh.mesh)
+        work = ufl.inner(ufl.zero(self.dimension), eta) * ds
+        for load, (value, _) in zip(self.description.loads, self._load_values, strict=True):
+            measure = ds(self.mesh.surfaces[load.surface])
+            if load.pressure is not None:
+                work += momentum.pressure_work(eta, value, normal, measure)
+            else:
+                work += momentum.traction_work(eta, value, measure)
+        return work
+
+    def _create_cell_expressions(self, x: Any) -> None:
+        u, p = self.split(self.solution)
+        model, state = self.model, self._cell_state
+        if self.mixed:
+            total = momentum.mixed_strain(u, p, state, model, x)
+            stress = momentum.deviatoric_stress(total, state) + p * ufl.Identity(3)
+        else:
+            # A displacement body has no liquid, so its history does not use the strain.
+            total = kinematics.strain(u, model, x)
+            stress = momentum.displacement_stress(u, state, model, x)
+        points = self._cell_tensor.function_space.element.interpolation_points()
+        strain = kinematics.symmetric_components(kinematics.deviator(total), model)
+        self._strain_expression = fem.Expression(strain, points)
+        self._stress_expression = fem.Expression(
+            kinematics.symmetric_components(stress, model), points
+        )
+
+    def split(self, w: Any) -> tuple[Any, Any]:
+        """Return displacement and pressure [Pa] of an unknown or a test function."""
+        if not self.mixed:
+            return w, None
+        u = ufl.as_vector([w[i] for i in range(self.dimension)])
+        return u, self.pressure_scale * w[self.dimension]
+
+    def set_time(self, time: float) -> None:
+        """Set the loads to those at a time [s]."""
+        for constant, tables in self._load_values:
+            values = np.array([float(table(time)) for table in tables])
+            constant.value = values if constant.value.ndim else values[0]
+
+    def update_state(
+        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+    ) -> CellState:
+        """Evaluate the law for a trial step.
+
+        Args:
+            temperature: at the local nodes [°C], shape (nodes,).
+            solid_fraction: likewise.
+            step: time step [s].
+        """
+        nodes = self.cell_nodes
+        state = self.description.law.evaluate(temperature[nodes], solid_fraction[nodes], step)
+        self._shear_modulus.x.array[:] = state.shear_modulus
+        self._compressibility.x.array[:] = state.compressibility
+        self._thermal_strain.x.array[:] = state.thermal_strain
+        self._reference_strain.x.array[:] = self._history.reference(state.coherent).ravel()
+        self.coherent = state.coherent
+        if self.projection is not None:
+            self.projection.assemble()
+        return state
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces of the owned unknowns."""
+        b = self._assemble(self._residual_form)
+        if self.projection is not None:
+            b[self.dimension :: self.block_size] += self.projection.correction(
+                self.solution.x.array[self.dimension :: self.block_size]
+            )
+        return b
+
+    def internal_forces(self) -> FloatArray:
+        """Return the internal forces of the owned unknowns, the scale of the residual."""
+        return self._assemble(self._internal_form)
+
+    def _assemble(self, form: fem.Form) -> FloatArray:
+        b = self._residual
+        b.array[:] = 0
+        fem.assemble_vector(b.array, form)
+        b.scatter_reverse(la.InsertMode.add)
+        owned = self.space.dofmap.index_map.size_local * self.block_size
+        return b.array[:owned].copy()
+
+    def create_jacobian(self) -> PETSc.Mat:
+        """Return an unassembled matrix for `assemble_jacobian`."""
+        return create_matrix(self._jacobian_form)
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the Jacobian; with OSGS that of GLS, which preconditions it."""
+        A.zeroEntries()
+        assemble_matrix(A, self._jacobian_form)
+        A.assemble()
+
+    def stress(self) -> FloatArray:
+        """Return the stress in the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz."""
+        self._cell_tensor.interpolate(self._stress_expression)
+        components = self._history.reference(self.coherent).shape[1]
+        stress = np.zeros((len(self.cell_nodes), 6))
+        stress[:, :components] = self._cell_tensor.x.array.reshape(-1, components)
+        return stress
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+        self._cell_tensor.interpolate(self._strain_expression)
+        strain = self._cell_tensor.x.array.reshape(len(self.cell_nodes), -1)
+        self._history.commit(self.coherent, strain)
+
+
+class Projection:
+    """The lumped, τ-weighted projection Π of the pressure gradient of one body (OSGS).
+
+    Args:
+        body: the body, in the mixed formulation.
+    """
+
+    def __init__(self, body: BodyMechanics) -> None:
+        mesh, nodes = body.mesh.mesh, body.mesh.nodes
+        vectors = fem.functionspace(mesh, ("Lagrange", 1, (body.dimension,)))
+        dx = cell_measure(body.mesh, body.model, 2)
+        p, omega = ufl.TrialFunction(nodes), ufl.TestFunction(vectors)
+        self._scale = body.pressure_scale
+        self._gradient_form = fem.form(stabilisation.weighted_gradient(p, omega, body.tau, dx))
+        self._weight_form = fem.form(
+            stabilisation.projection_weight(ufl.TestFunction(nodes), body.tau, dx)
+        )
+        self._weight = la.vector(nodes.dofmap.index_map)
+        self._gradient = create_matrix(self._gradient_form)
+        self._pressure, self._force = self._gradient.createVecs()[0], None
+        self._projected = self._gradient.createVecLeft()
+        self._force = self._gradient.createVecRight()
+        self._dimension = body.dimension
+
+    def assemble(self) -> None:
+        """Assemble the operator for the present shear moduli."""
+        self._gradient.zeroEntries()
+        assemble_matrix(self._gradient, self._gradient_form)
+        self._gradient.assemble()
+        self._weight.array[:] = 0
+        fem.assemble_vector(self._weight.array, self._weight_form)
+        self._weight.scatter_reverse(la.InsertMode.add)
+
+    def correction(self, pressure: FloatArray) -> FloatArray:
+        """Return Σ_e τ_e ∫ ∇q·Π(p) of the owned nodes, scaled like the unknown.
+
+        Args:
+            pressure: scaled pressure at the owned nodes, ghosts may follow.
+        """
+        owned = self._pressure.getLocalSize()
+        self._pressure.array[:] = pressure[:owned]
+        self._gradient.mult(self._pressure, self._projected)
+        weight = self._weight.array[:owned]
+        self._projected.array[:] /= np.repeat(weight, self._dimension)
+        self._gradient.multTranspose(self._projected, self._force)
+        return self._scale**2 * self._force.array
