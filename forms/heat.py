@@ -12,17 +12,18 @@ from typing import Any
 import ufl
 
 
-def nodal_weight(v: Any, measure: Any) -> Any:
+def nodal_weight(v: Any, circumference: Any, measure: Any) -> Any:
     """Return ∫ v: over the cells the volume, over facets the area that a node stands for.
 
     Args:
         v: test function.
-        measure: of the integral, times 2πr when axisymmetric.
+        circumference: 2πr when axisymmetric, else 1.
+        measure: of the integral.
     """
-    return v * measure
+    return circumference * v * measure
 
 
-def conduction(potential: Any, v: Any, dx: Any) -> Any:
+def conduction(potential: Any, v: Any, circumference: Any, dx: Any) -> Any:
     """Return ∫ ∇θ·∇v, the heat that leaves the nodes by conduction [W].
 
     Source: G. Kirchhoff, Vorlesungen über die Theorie der Wärme (1894); for melting, C. M. Elliott
@@ -31,6 +32,7 @@ def conduction(potential: Any, v: Any, dx: Any) -> Any:
     Args:
         potential: θ [W/m].
         v: test function.
-        dx: measure of the cells, times 2πr when axisymmetric.
+        circumference: 2πr when axisymmetric, else 1.
+        dx: measure of the cells.
     """
-    return ufl.inner(ufl.grad(potential), ufl.grad(v)) * dx
+    return circumference * ufl.inner(ufl.grad(potential), ufl.grad(v)) * dx

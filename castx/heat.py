@@ -1,0 +1,298 @@
+"""The heat problem of all bodies: nodal enthalpy, implicit Euler, exchange through node pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from castx.errors import CaseError, ConvergenceError
+from castx.exchange import HeatExchange
+from castx.heat_boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
+from castx.heat_system import HeatSystem, converged, jacobian, residual
+from castx.layout import Layout
+from castx.ledger import Account, Ledger
+from castx.mesh import CastingMesh
+from castx.snes import NonlinearSolver, SolveReport
+from castx.tables import FloatArray
+from castx.thermal_body import HeatBody, ThermalBody
+
+PREFIX = "castx_heat_"
+
+LARGEST_DIRECT = {2: 200_000, 3: 4_000}
+"""Unknowns up to which "automatic" solves directly, by dimension."""
+
+DIRECT: dict[str, Any] = {
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+}
+ITERATIVE: dict[str, Any] = {
+    "ksp_type": "gmres",
+    "ksp_gmres_restart": 100,
+    "ksp_rtol": 1e-9,
+    "pc_type": "bjacobi",
+    "sub_pc_type": "ilu",
+}
+# The full step: a search for a smaller residual hurts (a front needs it to grow on its way).
+NEWTON: dict[str, Any] = {
+    "snes_type": "newtonls",
+    "snes_linesearch_type": "basic",
+    "snes_max_it": 30,
+    "snes_stol": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class HeatReport:
+    """What a trial step took and did.
+
+    Attributes:
+        iterations: Newton iterations of all sub-steps.
+        linear_iterations: iterations of their linear solves.
+        largest_temperature_change: since the start of the step [K], over all nodes whose
+            temperature is not prescribed.
+    """
+
+    iterations: int
+    linear_iterations: int
+    largest_temperature_change: float
+
+
+@dataclass(frozen=True)
+class Moment:
+    """State at the end of a sub-step.
+
+    Attributes:
+        time: [s].
+        enthalpy: of the owned nodes of each body [J/m³].
+    """
+
+    time: float
+    enthalpy: Mapping[str, FloatArray]
+
+
+class HeatProblem:
+    """Temperature and enthalpy of all bodies, committed and trial.
+
+    Args:
+        mesh: of all bodies.
+        bodies: one for each body of the mesh; their order numbers the unknowns.
+        exchanges: interfaces; the resistances of each step come in this order.
+        surfaces: heat conditions; a surface without one is insulated. Where prescribed temperatures
+            meet, the first holds.
+        tolerance: of the balance, relative to the heat that changes place in the sub-step.
+        linear: "direct", "iterative" or "automatic", by size.
+        options: PETSc options without the prefix `castx_heat_`; they override the defaults, but the
+            iteration is stopped by `tolerance` alone.
+
+    Raises:
+        CaseError: a body is missing or unknown.
+        MeshError: a body has no such surface.
+    """
+
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        bodies: Sequence[HeatBody],
+        exchanges: Sequence[HeatExchange] = (),
+        surfaces: Sequence[SurfaceHeat] = (),
+        *,
+        tolerance: float = 1e-8,
+        linear: Literal["direct", "iterative", "automatic"] = "automatic",
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._comm = mesh.comm
+        self._bodies = _build_bodies(mesh, bodies, surfaces)
+        self.temperature = {body.name: body.temperature for body in self._bodies}
+        self.enthalpy = {body.name: body.enthalpy for body in self._bodies}
+        self.solid_fraction = {body.name: body.solid_fraction for body in self._bodies}
+        self._layout = Layout(
+            mesh.comm, [body.index_map for body in self._bodies], [1] * len(self._bodies)
+        )
+        named = dict(zip(self.temperature, self._bodies, strict=True))
+        self._system = HeatSystem(
+            self._layout,
+            self._bodies,
+            exchanges,
+            [SurfaceFlux(named[s.body], s) for s in surfaces if s.kind in ("flux", "convection")],
+            [SurfaceTemperature(named[s.body], s) for s in surfaces if s.kind == "temperature"],
+        )
+        self._solver = NonlinearSolver(
+            "the heat problem",
+            PREFIX,
+            partial(residual, self._system),
+            partial(jacobian, self._system),
+            vector=self._system.residual,
+            matrix=self._system.matrix,
+            options=_default_options(linear, self._layout, mesh) | dict(options or {}),
+            converged=partial(converged, self._system, tolerance),
+        )
+        self._unknown = self._layout.create_vector()
+        self._ledger = self._open_ledger(exchanges)
+        self._committed = self._system.enthalpy()
+        self._trail: list[FloatArray] = []
+        self._tried: tuple[float, float, int] = (0.0, 0.0, 1)
+
+    def _open_ledger(self, exchanges: Sequence[HeatExchange]) -> Ledger:
+        """Open the ledger and book the heat that evens out bonded nodes at the start."""
+        names, system = list(self.temperature), self._system
+        accounts = [Account(f"{name}.source", number) for number, name in enumerate(names)]
+        for condition in (*system.fluxes, *system.temperatures):
+            accounts.append(Account(f"{condition.name}.heat", names.index(condition.body.name)))
+        for exchange in exchanges:
+            to, origin = exchange.pairs.primary, exchange.pairs.secondary
+            accounts.append(Account(f"{exchange.name}.heat", names.index(to), names.index(origin)))
+        ledger = Ledger(names, accounts, self._sums(self._stored_heat()))
+        through = np.zeros(len(accounts))
+        if exchanges:
+            through[-len(exchanges) :] = system.mix_bonded()
+        heat = self._sums(through)
+        ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()))
+        ledger.commit()
+        return ledger
+
+    def _stored_heat(self) -> FloatArray:
+        return np.array([body.stored_heat() for body in self._bodies])
+
+    def _sums(self, values: FloatArray) -> FloatArray:
+        """Return the sums over all ranks, the same bits on each."""
+        return np.asarray(sum(self._comm.allgather(values)))
+
+    def advance(
+        self,
+        time: float,
+        step: float,
+        resistances: Sequence[tuple[FloatArray, FloatArray] | None] = (),
+        substeps: int = 1,
+    ) -> HeatReport:
+        """Find the trial state at the end of a step that starts from the committed state.
+
+        A repeated call for the same step starts its iterations from the last result.
+
+        Args:
+            time: start of the step [s].
+            step: its size [s].
+            resistances: for each interface those of its pairs at start and end of the step, shape
+                (pairs,) [m² K/W], infinite where nothing passes; None where the kind of the
+                interface needs none.
+            substeps: implicit Euler steps of equal size inside the step.
+
+        Raises:
+            ConvergenceError: names body and place of the largest residual.
+        """
+        self._ledger.rewind()
+        known = self._trail if self._tried == (time, step, substeps) else []
+        self._tried = (time, step, substeps)
+        self._trail = []
+        state, size = self._committed, step / substeps
+        iterations, linear_iterations = 0, 0
+        for k in range(1, substeps + 1):
+            self._system.set_resistances(resistances, k / substeps)
+            guess = known[k - 1] if k <= len(known) else state
+            x = self._system.begin(state, guess, time + k * size, size)
+            report = self._solve(x)
+            state = self._system.enthalpy()
+            self._trail.append(state)
+            self._book(size)
+            iterations += report.iterations
+            linear_iterations += report.linear_iterations
+        return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
+
+    def _solve(self, x: FloatArray) -> SolveReport:
+        self._unknown.array[:] = x
+        try:
+            return self._solver.solve(self._unknown)
+        except ConvergenceError as error:
+            raise ConvergenceError(f"{error}; {self._worst_node()}") from None
+
+    def _worst_node(self) -> str:
+        """Say where the residual is largest, the same text on all ranks."""
+        size, text = -1.0, ""
+        values = np.abs(self._system.residual.array_r)
+        for number, body in enumerate(self._bodies):
+            part = np.nan_to_num(values[self._layout.local_slice(number)], nan=np.inf)
+            if len(part) and part.max() > size:
+                node = int(part.argmax())
+                point = body.mesh.nodes.tabulate_dof_coordinates()[node]
+                place = ", ".join(f"{coordinate:.6g}" for coordinate in point)
+                size = float(part[node])
+                text = f"largest residual {size:.3e} W in body {body.name!r} at ({place}) m"
+        return max(self._comm.allgather((size, text)))[1]
+
+    def _book(self, size: float) -> None:
+        heat = size * self._sums(self._system.flows())
+        moved = size * self._system.balance().moved
+        self._ledger.book(self._sums(self._stored_heat()), heat, moved)
+
+    def _largest_temperature_change(self) -> float:
+        largest = 0.0
+        for number, body in enumerate(self._bodies):
+            part = self._layout.local_slice(number)
+            change = np.abs(body.owned_temperature - body.curve.temperature(self._committed[part]))
+            largest = max(largest, change[~self._system.driven[part]].max(initial=0.0))
+        return max(self._comm.allgather(float(largest)))
+
+    @property
+    def trail(self) -> tuple[Moment, ...]:
+        """States at the ends of the sub-steps of the last trial step."""
+        time, step, substeps = self._tried
+        return tuple(
+            Moment(
+                time + step * k / substeps,
+                {
+                    name: enthalpy[self._layout.local_slice(number)]
+                    for number, name in enumerate(self.temperature)
+                },
+            )
+            for k, enthalpy in enumerate(self._trail, start=1)
+        )
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+        self._committed = self._system.enthalpy()
+        self._ledger.commit()
+
+    def rewind(self) -> None:
+        """Return to the committed state."""
+        self._system.set_enthalpy(self._committed)
+        self._ledger.rewind()
+
+    def totals(self) -> dict[str, float]:
+        """Return the committed totals of heat by name [J], see `Ledger.totals`."""
+        return self._ledger.totals()
+
+    def destroy(self) -> None:
+        """Free the PETSc objects."""
+        self._solver.destroy()
+        self._system.destroy()
+        self._unknown.destroy()
+
+
+def _build_bodies(
+    mesh: CastingMesh, bodies: Sequence[HeatBody], surfaces: Sequence[SurfaceHeat]
+) -> list[ThermalBody]:
+    names = [body.name for body in bodies]
+    if sorted(names) != sorted(mesh.bodies):
+        raise CaseError(
+            f"the heat problem needs each of the bodies {', '.join(mesh.bodies)} once, "
+            f"got {', '.join(names)}"
+        )
+    for surface in surfaces:
+        if surface.body not in names:
+            raise CaseError(
+                f"heat condition on {surface.name}: no body {surface.body!r}; "
+                f"there are {', '.join(names)}"
+            )
+        mesh.bodies[surface.body].surface_tag(surface.surface)
+    return [ThermalBody(mesh.bodies[body.name], mesh.model, body) for body in bodies]
+
+
+def _default_options(linear: str, layout: Layout, mesh: CastingMesh) -> dict[str, Any]:
+    if linear == "automatic":
+        small = layout.size_global <= LARGEST_DIRECT[mesh.parent.topology.dim]
+        linear = "direct" if small else "iterative"
+    return NEWTON | {"direct": DIRECT, "iterative": ITERATIVE}[linear]

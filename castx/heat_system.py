@@ -1,0 +1,363 @@
+"""Discrete balance of heat of all bodies over one implicit Euler step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from petsc4py import PETSc
+
+from castx.bonds import Bonds, gather_links
+from castx.exchange import HeatExchange, PairExchange
+from castx.heat_boundaries import SurfaceFlux, SurfaceTemperature
+from castx.layout import Layout
+from castx.tables import FloatArray
+from castx.thermal_body import ThermalBody
+
+ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
+"""Balance below which the residual is round-off, relative to the terms that cancel in it."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Sums over all nodes at the last residual [W].
+
+    Attributes:
+        residual: of the absolute values of the residual.
+        moved: heat that changes place: the larger of storage and of the flows between bodies and
+            through surfaces.
+        rounding: what round-off may leave of the residual.
+    """
+
+    residual: float
+    moved: float
+    rounding: float
+
+
+class HeatSystem:
+    """Residual [W] and Jacobian of all nodal balances in the nodal enthalpies.
+
+        V_i (H_i − H_i^n)/Δt + Σ_j L_ij θ_j − sources − surfaces ± exchange = 0
+
+    The unknown of a node is its enthalpy H_i [J/m³]; bonded nodes share the mean enthalpy of their
+    group at the place of its first node, and the other places are idle.
+
+    Args:
+        layout: numbering of the nodes of all bodies.
+        bodies: in the order of the layout.
+        exchanges: interfaces.
+        fluxes: conditions that give a flux.
+        temperatures: conditions that give a temperature; where two meet, the first holds.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        bodies: Sequence[ThermalBody],
+        exchanges: Sequence[HeatExchange],
+        fluxes: Sequence[SurfaceFlux],
+        temperatures: Sequence[SurfaceTemperature],
+    ) -> None:
+        self.layout = layout
+        self.bodies = tuple(bodies)
+        self.fluxes = tuple(fluxes)
+        self.temperatures = tuple(temperatures)
+        self._parts = [layout.local_slice(k) for k in range(len(bodies))]
+        self.time, self.step = 0.0, 1.0
+        self._create_vectors()
+        self._create_exchanges(exchanges)
+        self._create_prescribed()
+        self._create_pattern()
+        self.matrix = self._create_matrix()
+
+    def _create_vectors(self) -> None:
+        create = self.layout.create_vector
+        self.residual = create()
+        self._balance, self._enthalpy, self._slope = create(), create(), create()
+        self._temperature, self._temperature_slope = create(), create()
+        self._wanted, self._reaction = create(), create()
+        self.volumes = np.concatenate([body.volumes for body in self.bodies])
+        self.previous = self.enthalpy()
+
+    def _create_exchanges(self, exchanges: Sequence[HeatExchange]) -> None:
+        names = [body.name for body in self.bodies]
+        self.exchanges: list[PairExchange | None] = [
+            PairExchange(
+                self.layout,
+                self._balance,
+                names.index(exchange.pairs.secondary),
+                names.index(exchange.pairs.primary),
+                exchange,
+            )
+            if exchange.kind == "resistance"
+            else None
+            for exchange in exchanges
+        ]
+        links = gather_links(self.layout.comm, self.layout, names, exchanges)
+        self.bonds: Bonds | None = None
+        if len(links.dofs):
+            self._balance.array[:] = self.volumes
+            self.bonds = Bonds(links, len(exchanges), self.bodies, self._balance)
+
+    def _create_prescribed(self) -> None:
+        """Find the unknowns that do not solve a balance, and whose temperature the user gives."""
+        self._giver = np.full(self.layout.size_local, -1)
+        for number, condition in reversed(list(enumerate(self.temperatures))):
+            self._giver[self._start_of(condition.body) + condition.nodes] = number
+        self.driven = self._giver >= 0
+        self._set_wanted(0.0)
+        fixed = self.driven.copy()
+        if self.bonds is not None:
+            driven = ~np.isnan(self.bonds.first_of(self._wanted))
+            fixed[self.bonds.slaves] = True
+            fixed[self.bonds.masters] = driven
+            self._reaction.array[:] = self.driven
+            self.bonds.mark(driven, self._reaction)
+            self.driven = self._reaction.array_r > 0.5
+        self.fixed = np.flatnonzero(fixed)
+        start = self._balance.getOwnershipRange()[0]
+        self._fixed_dofs = (self.fixed + start).astype(PETSc.IntType)
+
+    def _start_of(self, body: ThermalBody) -> int:
+        return self._parts[self.bodies.index(body)].start
+
+    def _create_pattern(self) -> None:
+        """Number the rows and columns of all blocks of the Jacobian."""
+        self._blocks = []
+        for number, body in enumerate(self.bodies):
+            matrix = body.conduction
+            columns = self.layout.dofs(number, body.column_nodes, 0)
+            rows = self._unknowns(columns[: body.owned])
+            owner = np.repeat(np.arange(body.owned), np.diff(matrix.indptr))
+            diagonal = np.flatnonzero(matrix.indices == owner)
+            pointers = matrix.indptr.astype(PETSc.IntType)
+            self._blocks.append(
+                (pointers, self._unknowns(columns)[matrix.indices], rows, diagonal)
+            )
+        self._pair_blocks = []
+        for exchange in self.exchanges:
+            if exchange is not None:
+                dofs = (exchange.secondary_dofs, exchange.primary_dofs)
+                rows = np.column_stack([self._unknowns(numbers) for numbers in dofs])
+                columns = np.repeat(rows[:, None, :], 2, axis=1).ravel()
+                pointers = np.arange(0, len(columns) + 1, 2, dtype=PETSc.IntType)
+                self._pair_blocks.append((exchange, pointers, columns, rows.ravel()))
+
+    def _unknowns(self, dofs: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+        return dofs if self.bonds is None else self.bonds.unknowns(dofs)
+
+    def _create_matrix(self) -> PETSc.Mat:
+        size = (self.layout.size_local, self.layout.size_global)
+        matrix = PETSc.Mat().create(self.layout.comm)
+        matrix.setSizes((size, size))
+        matrix.setType(PETSc.Mat.Type.AIJ)
+        matrix.setUp()
+        matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        # Idle rows get no entry from the blocks, but a direct solver wants their diagonal.
+        start, end = matrix.getOwnershipRange()
+        rows = np.arange(start, end, dtype=PETSc.IntType)
+        pointers = np.arange(len(rows) + 1, dtype=PETSc.IntType)
+        matrix.setValuesIJV(pointers, rows, np.zeros(len(rows)), PETSc.InsertMode.ADD, rows)
+        self._add_blocks(matrix)
+        matrix.assemble()
+        matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
+        return matrix
+
+    def enthalpy(self) -> FloatArray:
+        """Return a copy of the enthalpies of the owned nodes of all bodies [J/m³]."""
+        return np.concatenate(
+            [body.enthalpy.x.array[: body.owned] for body in self.bodies]
+        )
+
+    def set_enthalpy(self, enthalpy: FloatArray) -> None:
+        """Set the state of all bodies from the enthalpies of the owned nodes [J/m³]."""
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            body.set_enthalpy(enthalpy[part])
+
+    def mix_bonded(self) -> FloatArray:
+        """Bring the nodes of each group to one temperature.
+
+        Returns:
+            Heat that passes through each interface on this rank, secondary to primary [J].
+        """
+        if self.bonds is None:
+            return np.zeros(len(self.exchanges))
+        before = self.enthalpy()
+        self._enthalpy.array[:] = before
+        self.bonds.spread(self.bonds.mix(self._enthalpy), self._enthalpy, self._slope)
+        self.set_enthalpy(self._enthalpy.array_r)
+        self._balance.array[:] = self.volumes * (self._enthalpy.array_r - before)
+        self._wanted.array[:] = np.nan
+        return self.bonds.settle(self._balance, self._wanted, self._reaction)
+
+    def set_resistances(
+        self, resistances: Sequence[tuple[FloatArray, FloatArray] | None], part: float
+    ) -> None:
+        """Set the resistances of all pairs.
+
+        Args:
+            resistances: at start and end of the step for each interface [m² K/W].
+            part: of the step that has passed, between 0 and 1.
+        """
+        for exchange, values in zip(self.exchanges, resistances, strict=True):
+            if exchange is not None and values is not None:
+                exchange.set_resistance(*values, part)
+
+    def begin(self, previous: FloatArray, guess: FloatArray, time: float, step: float) -> FloatArray:
+        """Start a step and return the first guess of the unknown.
+
+        Args:
+            previous: enthalpies of the nodes at the start of the step [J/m³].
+            guess: enthalpies at its end as far as they are known [J/m³].
+            time: end of the step [s].
+            step: its size [s].
+        """
+        self.previous, self.time, self.step = previous, time, step
+        self._set_wanted(time)
+        wanted = self._wanted.array_r
+        x = guess.copy()
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            given = ~np.isnan(wanted[part])
+            x[part][given] = body.curve.enthalpy(wanted[part][given])
+        if self.bonds is not None:
+            self._enthalpy.array[:] = guess
+            means = self.bonds.means_at(self.bonds.first_of(self._wanted))
+            free = np.isnan(means)
+            means[free] = self.bonds.mix(self._enthalpy)[free]
+            x[self.bonds.masters] = means
+        return x
+
+    def _set_wanted(self, time: float) -> None:
+        values = [condition.temperature(time) for condition in self.temperatures]
+        self._wanted.array[:] = np.array([*values, np.nan])[self._giver]
+
+    def set_unknown(self, x: PETSc.Vec) -> None:
+        """Set the state of all bodies."""
+        self._enthalpy.array[:] = x.array_r
+        self._slope.array[:] = 1.0
+        if self.bonds is not None:
+            self.bonds.spread(x.array_r[self.bonds.masters], self._enthalpy, self._slope)
+        self.set_enthalpy(self._enthalpy.array_r)
+        T, dT = self._temperature.array, self._temperature_slope.array
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            T[part] = body.owned_temperature
+            dT[part] = body.temperature_slope() * self._slope.array_r[part]
+
+    def evaluate(self, x: PETSc.Vec) -> None:
+        """Evaluate the balance of every node, with what the groups and givers feed left out."""
+        self.set_unknown(x)
+        storage = self.volumes * (self._enthalpy.array_r - self.previous) / self.step
+        balance = self._balance.array
+        balance[:] = storage
+        through = 0.0
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            source = body.volumes * body.source(self.time)
+            balance[part] += body.conducted_heat() - source
+            through += np.abs(source).sum()
+        for flux in self.fluxes:
+            heat, _ = flux.evaluate(self.time)
+            balance[self._start_of(flux.body) + flux.nodes] -= heat
+            through += np.abs(heat).sum()
+        for exchange in self.exchanges:
+            if exchange is not None:
+                heat = exchange.heat(self._temperature)
+                exchange.add_heat(heat, self._balance)
+                through += np.abs(heat).sum()
+        self._moved = np.abs(storage).sum(), through
+
+    def gather_residual(self, residual: PETSc.Vec) -> None:
+        """Sum the balances over the groups; zero where the unknown is fixed."""
+        residual.array[:] = self._balance.array_r
+        if self.bonds is not None:
+            residual.array[self.bonds.masters] = self.bonds.collect(self._balance)
+        residual.array[self.fixed] = 0.0
+
+    def balance(self) -> Balance:
+        """Return the sums over all ranks that decide on convergence."""
+        storage, through = self._moved
+        through += np.abs(self._balance.array_r[self._giver >= 0]).sum()
+        rounding = np.abs(self.volumes * self._enthalpy.array_r).sum() / self.step
+        rounding += sum(body.rounding().sum() for body in self.bodies)
+        local = (np.abs(self.residual.array_r).sum(), storage, through, ROUNDING * rounding)
+        residual, storage, through, rounding = sum(np.array(self.layout.comm.allgather(local)))
+        return Balance(float(residual), float(max(storage, through)), float(rounding))
+
+    def assemble_jacobian(self, x: PETSc.Vec) -> None:
+        """Assemble the derivative of the residual into `matrix`."""
+        self.set_unknown(x)
+        self.matrix.zeroEntries()
+        self._add_blocks(self.matrix)
+        self.matrix.assemble()
+        typical = self.volumes.sum() / max(len(self.volumes), 1)
+        typical = self.layout.comm.allreduce(typical) / self.layout.comm.size
+        self.matrix.zeroRows(self._fixed_dofs, typical / self.step)
+
+    def _add_blocks(self, matrix: PETSc.Mat) -> None:
+        add = PETSc.InsertMode.ADD
+        dT = self._temperature_slope.array_r
+        diagonal = self.volumes * self._slope.array_r / self.step
+        for flux in self.fluxes:
+            _, slope = flux.evaluate(self.time)
+            nodes = self._start_of(flux.body) + flux.nodes
+            diagonal[nodes] -= slope * dT[nodes]
+        for body, part, block in zip(self.bodies, self._parts, self._blocks, strict=True):
+            pointers, columns, rows, places = block
+            values = body.conduction_slope(dT[part])
+            values[places] += diagonal[part]
+            matrix.setValuesIJV(pointers, columns, values, add, rows)
+        for exchange, pointers, columns, rows in self._pair_blocks:
+            values = exchange.derivatives(self._temperature_slope).ravel()
+            matrix.setValuesIJV(pointers, columns, values, add, rows)
+
+    def flows(self) -> FloatArray:
+        """Return the rates of heat on this rank [W]: sources, fluxes, givers, interfaces."""
+        sources = [body.source(self.time) * body.volumes.sum() for body in self.bodies]
+        fluxes = [flux.evaluate(self.time)[0].sum() for flux in self.fluxes]
+        through = np.zeros(len(self.exchanges))
+        self._reaction.array[:] = self._balance.array_r
+        if self.bonds is not None:
+            through += self.bonds.settle(self._balance, self._wanted, self._reaction)
+        for number, exchange in enumerate(self.exchanges):
+            if exchange is not None:
+                through[number] = exchange.heat(self._temperature).sum()
+        fed = [
+            self._reaction.array_r[self._giver == number].sum()
+            for number in range(len(self.temperatures))
+        ]
+        return np.array([*sources, *fluxes, *fed, *through])
+
+    def destroy(self) -> None:
+        """Free the PETSc objects."""
+        self.matrix.destroy()
+
+
+def residual(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
+    """Callback of SNES."""
+    system.evaluate(x)
+    system.gather_residual(F)
+
+
+def jacobian(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
+    """Callback of SNES."""
+    system.assemble_jacobian(x)
+
+
+def converged(
+    system: HeatSystem,
+    tolerance: float,
+    snes: PETSc.SNES,
+    iteration: int,
+    norms: tuple[float, float, float],
+) -> Any:
+    """Callback of SNES: the residual against the heat that is moved, not against the first one."""
+    reasons = PETSc.SNES.ConvergedReason
+    if not np.isfinite(norms[2]):
+        return reasons.DIVERGED_FNORM_NAN
+    balance = system.balance()
+    if balance.residual <= tolerance * balance.moved + balance.rounding:
+        return reasons.CONVERGED_FNORM_ABS
+    return reasons.ITERATING
