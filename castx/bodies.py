@@ -36,13 +36,15 @@ class Body(Description):
     """
 
     name: EntryName
-    material: StrictStr
+    material: Annotated[StrictStr, Field(max_length=100)]
     temperature_history: Annotated[Table | None, Tabulated(TEMPERATURES, TIMES)] = None
     temperature: Temperature = Field(default_factory=_start_of_history)
     heat_source: Annotated[Table | None, over_time(HEAT_SOURCE)] = None
     law: Annotated[
         str,
-        Choice(("thermo-elastic",), ("rigid", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")),
+        Choice(
+            ("thermo-elastic",), ("rigid", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
+        ),
     ] = "thermo-elastic"
     formulation: Annotated[str, Choice(("mixed", "displacement"), ("q1p0",))] = "mixed"
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"

@@ -40,8 +40,10 @@ class HeatCondition(Description):
 
     @field_validator("value", mode="plain")
     @classmethod
-    def _read_value(cls, value: Any, info: ValidationInfo) -> Table:
-        dimension = HEAT_FLUX if info.data.get("type") == "flux" else TEMPERATURE
+    def _read_value(cls, value: Any, info: ValidationInfo) -> Table | None:
+        if "type" not in info.data:  # refused already
+            return None
+        dimension = HEAT_FLUX if info.data["type"] == "flux" else TEMPERATURE
         return over_time(dimension).read(value)
 
     def inconsistencies(self) -> Iterator[Problem]:
@@ -115,9 +117,7 @@ class Boundary(Description):
 
     on: str
     heat: Annotated[tuple[HeatCondition, ...], PlainValidator(_heat_conditions)] = ()
-    displacement: Annotated[
-        tuple[DisplacementCondition, ...], PlainValidator(_displacements)
-    ] = ()
+    displacement: Annotated[tuple[DisplacementCondition, ...], PlainValidator(_displacements)] = ()
     pressure: Annotated[Table | None, over_time(STRESS)] = None
     traction: (
         Annotated[tuple[Annotated[Table, over_time(STRESS)], ...], Field(max_length=3)] | None

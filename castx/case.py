@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,6 +26,7 @@ from castx.refusal import Problem, Refusal, summary
 
 _LARGEST_FILE = 4_000_000  # bytes
 _LONGEST_TITLE = 200
+_DEEPEST = 20  # levels of nesting
 _MOST_BODIES = 100
 _MOST_ENTRIES = 1000
 
@@ -135,10 +136,26 @@ def _read_file(path: Path) -> dict[str, Any]:
     if len(content) > _LARGEST_FILE:
         raise CaseError(f"{path}: too large; a case file has at most {_LARGEST_FILE} bytes")
     try:
-        return tomllib.loads(content.decode())
+        data = tomllib.loads(content.decode())
     except UnicodeDecodeError as error:
         raise CaseError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise CaseError(f"{path}: not a TOML file: {error}") from None
     except RecursionError:
-        raise CaseError(f"{path}: lists or tables are nested too deeply") from None
+        data = None
+    if data is None or _deeper_than(_DEEPEST, data):
+        raise CaseError(f"{path}: lists or tables are nested more than {_DEEPEST} levels deep")
+    return data
+
+
+def _deeper_than(levels: int, data: Any) -> bool:
+    """Whether tables and lists are nested more than some levels deep, found without recursion."""
+    layer = [data]
+    for _ in range(levels):
+        inside = [value for item in layer for value in _items(item)]
+        layer = [value for value in inside if isinstance(value, dict | list)]
+    return bool(layer)
+
+
+def _items(container: Any) -> Iterable[Any]:
+    return container.values() if isinstance(container, dict) else container

@@ -66,13 +66,11 @@ def _name_problems(case: Case) -> Iterator[Problem]:
 
 def _material_problems(case: Case) -> Iterator[Problem]:
     descriptions: dict[str, MaterialDescription] = {}
-    refused: set[str] = set()
     used = [body.material for body in case.bodies]
-    for name in {*used, *case.materials}:
+    for name in dict.fromkeys([*used, *case.materials]):
         try:
             descriptions[name] = find_material(name, case.materials).description
         except Refusal as refusal:
-            refused.update(problem.path[1] for problem in refusal.problems)
             yield from refusal.problems
         except CaseError as error:
             for index in (index for index, material in enumerate(used) if material == name):

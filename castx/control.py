@@ -50,20 +50,14 @@ def _options(value: Any) -> PetscOptions:
             raise refuse("a PETSc option is named without its leading dash and prefix", name)
         if not isinstance(setting, str | int | float):
             raise refuse("a PETSc option is a text, a number, true or false", name)
-        if isinstance(setting, str):
-            _refuse_side_effects(name, setting)
-        elif "python" in name:
-            raise refuse("options that run Python code are not allowed in a case file", name)
+        text = str(setting)
+        if len(text) > _LONGEST_OPTION or not text.isprintable():
+            raise refuse(f"at most {_LONGEST_OPTION} printable characters are allowed", name)
+        if "python" in name or text in ("python", "shell"):
+            raise refuse("options that run user code are not allowed in a case file", name)
+        if _FILE_VIEWER.match(text):
+            raise refuse("options that write files are not allowed in a case file", name)
     return dict(value)
-
-
-def _refuse_side_effects(name: str, setting: str) -> None:
-    if len(setting) > _LONGEST_OPTION or not setting.isprintable():
-        raise refuse(f"at most {_LONGEST_OPTION} printable characters are allowed", name)
-    if "python" in name or setting == "python" or setting == "shell":
-        raise refuse("options that run Python code are not allowed in a case file", name)
-    if _FILE_VIEWER.match(setting):
-        raise refuse("options that write or read files are not allowed in a case file", name)
 
 
 def _thousandth_of_end(time: dict[str, Any]) -> float:
@@ -90,7 +84,9 @@ class Time(Description):
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield steps out of order and step counts beyond all reason."""
         if self.first_step > self.largest_step:
-            yield Problem(("first_step",), f"must not exceed largest_step, {self.largest_step:g} s")
+            origin = "" if "largest_step" in self.model_fields_set else ", by default end/20"
+            text = f"must not exceed largest_step, {self.largest_step:g} s{origin}"
+            yield Problem(("first_step",), text)
         if self.smallest_step > self.first_step:
             yield Problem(("smallest_step",), f"must not exceed first_step, {self.first_step:g} s")
         for key in ("largest_step", "fixed_step"):
@@ -116,8 +112,8 @@ class Solver(Description):
     """Linear solver, tolerances of the nonlinear solvers, and PETSc options by their own names."""
 
     linear: Annotated[str, Choice(("automatic", "direct", "iterative"))] = "automatic"
-    heat: Annotated[PetscOptions, PlainValidator(_options)] = {}
-    mechanics: Annotated[PetscOptions, PlainValidator(_options)] = {}
-    contact: Annotated[PetscOptions, PlainValidator(_options)] = {}
+    heat: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
+    mechanics: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
+    contact: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
     heat_tolerance: _Tolerance = 1e-8
     mechanics_tolerance: _Tolerance = 1e-3

@@ -8,8 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError
-from pydantic import GetCoreSchemaHandler, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    model_validator,
+)
 from pydantic_core import CoreSchema, core_schema
 
 from castx.errors import CaseError
@@ -127,8 +133,8 @@ class Tabulated:
         rows = [self._row(index, row) for index, row in enumerate(value)]
         for index in range(1, len(rows)):
             if rows[index][0] <= rows[index - 1][0]:
-                text = f"the first column must increase strictly, but follows {show(value[index - 1])}"
-                raise refuse(text, index)
+                last = show(value[index - 1])
+                raise refuse(f"the first column must increase strictly, but follows {last}", index)
         return Table.from_points(rows)
 
     def _row(self, index: int, row: Any) -> tuple[float, float]:
@@ -141,9 +147,9 @@ class Tabulated:
             raise refuse(str(error), index) from None
 
     def _checked(self, table: Table) -> Table:
-        for argument, value in zip(table.arguments.tolist(), table.values.tolist(), strict=True):
-            self.over.read(argument)
-            self.value.read(value)
+        for argument, value in zip(table.arguments, table.values, strict=True):
+            self.over.read(float(argument))
+            self.value.read(float(value))
         return table
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:

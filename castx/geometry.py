@@ -8,7 +8,7 @@ from math import prod
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import PlainValidator, StrictStr, model_validator
+from pydantic import Field, PlainValidator, StrictStr, model_validator
 
 from castx.entries import Choice, Description, NotYet, Quantity
 from castx.errors import CaseError
@@ -138,7 +138,10 @@ GENERATORS = {
             "floor": Argument(_BORE.read, needed=()),
             "sector": _SECTOR,
         },
-        surfaces={"casting": ("base", "top", *_ROUND), "mould": ("outside", "base", "top", *_ROUND)},
+        surfaces={
+            "casting": ("base", "top", *_ROUND),
+            "mould": ("outside", "base", "top", *_ROUND),
+        },
         extents=lambda a: [a["radius"] + a["wall"], a["height"] + a.get("floor", 0.0)],
     ),
     "stacked_blocks": Generator(
@@ -187,7 +190,7 @@ class Geometry(Description):
     generator: Annotated[str | None, Choice(tuple(GENERATORS), _GENERATORS_LATER)] = None
     file: Annotated[Path | None, PlainValidator(_mesh_file)] = None
     parts: Annotated[None, NotYet()] = None
-    arguments: dict[StrictStr, Any] = {}
+    arguments: dict[StrictStr, Any] = Field({})
 
     @model_validator(mode="before")
     @classmethod

@@ -1,4 +1,4 @@
-"""Descriptions of the interfaces between bodies: contact, gap, and the law of their heat transfer."""
+"""Descriptions of the interfaces between bodies: contact, initial gap, law of heat transfer."""
 
 from __future__ import annotations
 
@@ -25,6 +25,13 @@ from castx.units import (
 
 _LENGTHS = Quantity(LENGTH)
 _ALONG = ("x", "y", "z", "r")
+_NEEDED: dict[str, tuple[str, ...]] = {
+    "limited": ("closed", "gas_conductivity"),
+    "series": ("closed", "gas_conductivity"),
+    "constant": ("closed",),
+    "perfect": (),
+    "none": (),
+}
 _SMALLEST_RELATIVE_PRESSURE = 1e-6  # of the hardness; the closed law is straight below it
 
 
@@ -123,9 +130,7 @@ class InterfaceHeat(Description):
     `gas_conductivity` [W/m/K] that of the gas in the gap; `pressure` adds to closed contact.
     """
 
-    law: Annotated[
-        str, Choice(("limited", "series", "constant", "perfect", "none"), ("solid-fraction",))
-    ]
+    law: Annotated[str, Choice(tuple(_NEEDED), ("solid-fraction",))]
     closed: Annotated[float, PlainValidator(_closed)] = 0.0
     gas_conductivity: Annotated[float, Quantity(CONDUCTIVITY, above=0.0)] = 0.0
     pressure: ContactConductance | None = None
@@ -136,10 +141,7 @@ class InterfaceHeat(Description):
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield what the law lacks or cannot use."""
-        through_gas = self.law in ("limited", "series")
-        needed = (*(("closed",) if self.law == "constant" or through_gas else ()),) + (
-            ("gas_conductivity",) if through_gas else ()
-        )
+        needed = _NEEDED[self.law]
         usable = (*needed, "pressure") if needed else ()
         for key in ("closed", "gas_conductivity", "pressure"):
             if key in needed and key not in self.model_fields_set:

@@ -37,6 +37,7 @@ BODY_QUANTITIES = (
     "pressure",
     "stress",
     "von_mises",
+    "plastic_strain",
 )
 INTERFACE_QUANTITIES = ("gap", "contact_pressure", "heat_transfer_coefficient")
 
@@ -56,9 +57,12 @@ class Output(Description):
 
     folder: Annotated[Path, PlainValidator(_folder)] = Path("results")
     every: Annotated[float | None, Quantity(TIME, above=0.0)] = None
-    fields: Annotated[
-        tuple[Annotated[str, Choice(FIELDS)], ...], Field(max_length=len(FIELDS))
-    ] = ("temperature", "solid_fraction", "displacement", "von_mises")
+    fields: Annotated[tuple[Annotated[str, Choice(FIELDS)], ...], Field(max_length=len(FIELDS))] = (
+        "temperature",
+        "solid_fraction",
+        "displacement",
+        "von_mises",
+    )
     checkpoint: Annotated[None, NotYet()] = None
 
     def inconsistencies(self) -> Iterator[Problem]:
@@ -74,9 +78,7 @@ class Probe(Description):
     name: EntryName
     body: str | None = None
     interface: str | None = None
-    at: Annotated[
-        tuple[Annotated[float, Quantity(LENGTH)], ...], Field(min_length=2, max_length=3)
-    ]
+    at: Annotated[tuple[Annotated[float, Quantity(LENGTH)], ...], Field(min_length=2, max_length=3)]
     quantities: Annotated[tuple[str, ...], Field(min_length=1, max_length=20)]
 
     def inconsistencies(self) -> Iterator[Problem]:

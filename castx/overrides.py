@@ -40,7 +40,7 @@ def _value(text: str) -> Any:
     """Return a TOML value, or the text itself where it is none."""
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
     return parsed["value"] if len(parsed) == 1 else text
 

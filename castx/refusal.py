@@ -1,4 +1,4 @@
-"""What is wrong with a case file: problems with key path and value, and the text that shows them."""
+"""What is wrong with a case file: problems with their key path, and the text that shows them."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ from castx.errors import CaseError
 KeyPath = tuple[str | int, ...]
 
 _LONGEST_VALUE = 80
-_MOST_PROBLEMS = 30
+_LONGEST_KEY = 64
+_MOST_PROBLEMS = 30  # shown
+_MOST_ENTRIES = 100  # looked at in one description
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 _TEXTS = {
     "string_type": "a text in quotes is needed",
-    "int_type": "a whole number is needed",
-    "bool_type": "true or false is needed",
+    "string_too_long": "at most {max_length} characters are allowed",
     "tuple_type": "a list is needed: [...], or [[...]] above each entry",
     "dict_type": "a table of keys is needed: { key = value, ... }",
     "model_type": "a table of keys is needed: { key = value, ... }",
     "too_short": "at least {min_length} needed, there are {actual_length}",
     "too_long": "at most {max_length} allowed",
-    "greater_than_equal": "must be at least {ge}",
-    "less_than_equal": "must be at most {le}",
     "missing": "missing; this key is needed",
     "invalid_key": "a text is needed as key",
 }
@@ -79,7 +78,8 @@ def dotted(path: KeyPath) -> str:
         if isinstance(key, int):
             parts += f"[{key}]"
         else:
-            bare = key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
+            short = key if len(key) <= _LONGEST_KEY else f"{key[:_LONGEST_KEY]} ..."
+            bare = short if _BARE_KEY.fullmatch(short) else json.dumps(short, ensure_ascii=False)
             parts += f".{bare}" if parts else bare
     return parts
 
@@ -110,7 +110,7 @@ def translate(error: ValidationError, known: Sequence[str]) -> Iterator[Problem]
         error: raised by the description's own fields; inner descriptions appear as `Refusal`.
         known: the keys of the description.
     """
-    for entry in error.errors(include_url=False):
+    for entry in error.errors(include_url=False)[:_MOST_ENTRIES]:
         yield from _translate_entry(entry, known)
 
 

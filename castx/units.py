@@ -1,4 +1,4 @@
-"""Numbers of a case file: plain SI numbers (temperatures in °C) or strings that carry their unit."""
+"""Numbers of a case file: plain in SI (temperatures in °C), or strings that carry their unit."""
 
 from __future__ import annotations
 
