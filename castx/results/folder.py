@@ -56,9 +56,10 @@ def refusal_of(folder: Path) -> str | None:
 def holds_results(folder: Path) -> bool:
     """Return whether a folder holds the results of a run of castx, finished or not."""
     try:
-        return "castx" in json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError, TypeError):
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return False
+    return isinstance(record, dict) and "castx" in record
 
 
 def clear_results(folder: Path) -> None:

@@ -1,0 +1,90 @@
+"""The written fields are what pyvista reads: owned cells once, exact values, a collection always valid."""
+
+import numpy as np
+import pytest
+import pyvista
+
+from castx.quantities import Solidification
+from castx.results.fields import Fields
+from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
+
+NAMES = ("temperature", "displacement", "stress", "von_mises", "gap", "niyama")
+FORMULAS = {
+    "temperature": lambda x: 300.0 + 1000.0 * x[:, 0],
+    "displacement": lambda x: 1e-3 * x,
+    "stress": lambda x: np.tile(np.arange(6.0), (len(x), 1)),
+    "von_mises": lambda x: x[:, 0],
+    "gap": lambda x: x[:, -1],
+}
+
+
+def write(comm, folder, times, every, model="axisymmetric"):
+    mesh = cylinder_mesh(comm, model, 5e-3)
+    pairs = casting_pairs(mesh)
+    fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}))
+    for step, time in enumerate(times):
+        fields.update(FakeSnapshot(time, step, mesh, pairs, FORMULAS))
+    fields.write_pending()
+    comm.Barrier()
+    return mesh
+
+
+def pieces(reader, time, body):
+    reader.set_active_time_value(time)
+    blocks = reader.read()
+    known = [dataset.group for dataset in reader.active_datasets]
+    return [block for block, group in zip(blocks, known, strict=True) if group == body]
+
+
+@pytest.mark.parametrize("model", ["axisymmetric", "3d"])
+def test_pyvista_reads_every_owned_cell_once(comm, shared_tmp_path, model):
+    mesh = write(comm, shared_tmp_path, [0.0, 1.0], 1.0, model)
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    for number, (name, body) in enumerate(mesh.bodies.items()):
+        cells = body.mesh.topology.index_map(body.mesh.topology.dim).size_global
+        blocks = pieces(reader, 1.0, name)
+        assert sum(block.n_cells for block in blocks) == cells
+        assert all((block["body"] == number).all() for block in blocks)
+    volume = sum(block.volume for block in pieces(reader, 1.0, "casting")) if model == "3d" else None
+    assert volume is None or volume == pytest.approx(np.pi * 0.02**2 / 4 * 0.04, rel=0.05)
+
+
+def test_values_are_those_of_the_snapshot(comm, shared_tmp_path):
+    write(comm, shared_tmp_path, [0.0], None)
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    for block in pieces(reader, 0.0, "casting"):
+        r, z = block.points[:, 0], block.points[:, 1]
+        np.testing.assert_allclose(block["temperature"], 300.0 + 1000.0 * r)
+        np.testing.assert_allclose(block["displacement"], 1e-3 * block.points, atol=1e-18)
+        np.testing.assert_allclose(block["von_mises"], block.cell_centers().points[:, 0])
+        np.testing.assert_array_equal(block["stress"][0], [0.0, 1.0, 2.0, 3.0, 5.0, 4.0])
+        np.testing.assert_allclose(block["gap"], np.where(np.isclose(r, 0.02), z, 0.0), atol=1e-15)
+        assert np.isnan(block["niyama"]).all()
+    for block in pieces(reader, 0.0, "mould"):
+        assert (block["gap"] == 0.0).all()
+
+
+def test_first_last_and_every_are_written(comm, shared_tmp_path):
+    write(comm, shared_tmp_path, [0.0, 0.4, 0.9, 1.0, 1.7, 2.3, 4.1, 4.2], 1.0)
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    assert reader.time_values == [0.0, 1.0, 2.3, 4.1, 4.2]
+
+
+def test_multiples_of_every_hit_with_roundoff_count(comm, shared_tmp_path):
+    times = [0.0, 0.1, 0.2, 0.1 + 0.2, 0.4, 0.5, 0.6 - 1e-16]
+    write(comm, shared_tmp_path, times, 0.3)
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    assert reader.time_values == pytest.approx([0.0, 0.3, 0.6])
+
+
+def test_the_collection_is_whole_after_every_output(comm, shared_tmp_path):
+    mesh = cylinder_mesh(comm, size=5e-3)
+    pairs = casting_pairs(mesh)
+    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, Solidification(mesh, {}))
+    for step in range(3):
+        fields.update(FakeSnapshot(float(step), step, mesh, pairs, FORMULAS))
+        comm.Barrier()
+        reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+        assert reader.time_values == [float(time) for time in range(step + 1)]
+        assert sum(block.n_cells for block in reader.read()) > 0
+        comm.Barrier()

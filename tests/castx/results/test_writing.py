@@ -1,0 +1,115 @@
+"""The results folder as a whole: what is there after each way in which a run can end."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyvista
+import pytest
+
+from castx.case import read_case
+from castx.errors import CaseError, ConvergenceError
+from castx.mesh import build_mesh
+from castx.results import Results, read_series
+from castx.snapshot import StepCounters
+from tests.castx.fakes import FakeSnapshot, casting_pairs
+
+CONTENT = {
+    "geometry": {
+        "generator": "cylinder_in_mould",
+        "model": "axisymmetric",
+        "radius": "20 mm",
+        "height": "40 mm",
+        "wall": "10 mm",
+        "size": "5 mm",
+    },
+    "bodies": [
+        {"name": "casting", "material": "Al-pure", "temperature": 670},
+        {"name": "mould", "material": "steel-H13", "temperature": 200},
+    ],
+    "interfaces": [
+        {"bodies": ["casting", "mould"], "heat": {"law": "constant", "closed": 1000}},
+    ],
+    "time": {"end": 10, "first_step": 0.1, "largest_step": 1},
+    "probes": [
+        {"name": "p", "body": "casting", "at": [0, 0.02], "quantities": ["temperature"]},
+    ],
+}
+LINEAR = {"temperature": lambda x: 300.0 + x[:, 0]}
+
+
+def run(comm, folder, ending=None, **output):
+    case = read_case({**CONTENT, "output": {"folder": str(folder), **output}}, Path("case.toml"))
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    pairs = casting_pairs(mesh)
+    with Results(case, mesh, pairs) as results:
+        for step in range(3):
+            counters = StepCounters(step=0.5, passes=2, cutbacks=step)
+            totals = {"energy_error": float("nan"), "casting.enthalpy": 7.0}
+            snapshot = FakeSnapshot(0.5 * step, step, mesh, pairs, LINEAR, totals, counters)
+            results.write(snapshot)
+        if ending is not None:
+            raise ending
+    comm.Barrier()
+
+
+def record(folder):
+    return json.loads((folder / "run.json").read_text())
+
+
+def test_a_finished_run_leaves_everything(comm, shared_tmp_path):
+    run(comm, shared_tmp_path)
+    written = record(shared_tmp_path)
+    assert written["exit"] == {"reason": "finished", "message": ""}
+    assert written["totals"]["steps"] == 2
+    assert written["totals"]["cutbacks"] == 3 and written["totals"]["passes"] == 4
+    assert written["last"] == {"energy_error": None, "casting.enthalpy": 7.0}
+    assert written["ranks"] == comm.size and written["time_reached"] == 1.0
+    assert written["bodies"]["casting"]["material"] == "Al-pure"
+    assert written["bodies"]["casting"]["nodes"] == 5 * 9
+    assert written["interfaces"]["casting/mould"]["pairs"] == 9
+    memory = written["peak_memory"]
+    assert 1e7 < memory["largest_rank"] <= memory["all_ranks"] < 1e11
+    np.testing.assert_array_equal(read_series(shared_tmp_path / "probes.csv")["time"], [0, 0.5, 1])
+    assert len(read_series(shared_tmp_path / "history.csv")["time"]) == 3
+    reader = pyvista.get_reader(shared_tmp_path / "fields" / "castx.pvd")
+    assert reader.time_values == [0.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    "ending, reason",
+    [(ConvergenceError("no step below 1e-4 s"), "not converged"), (KeyboardInterrupt(), "interrupted")],
+)
+def test_the_last_accepted_state_is_there_after_a_common_end(comm, shared_tmp_path, ending, reason):
+    with pytest.raises(type(ending)):
+        run(comm, shared_tmp_path, ending)
+    comm.Barrier()
+    assert record(shared_tmp_path)["exit"] == {"reason": reason, "message": str(ending)}
+    reader = pyvista.get_reader(shared_tmp_path / "fields" / "castx.pvd")
+    assert reader.time_values == [0.0, 1.0]
+
+
+def test_a_bug_is_recorded_too(comm, shared_tmp_path):
+    with pytest.raises(ZeroDivisionError):
+        run(comm, shared_tmp_path, ZeroDivisionError("division by zero"))
+    comm.Barrier()
+    assert record(shared_tmp_path)["exit"]["reason"] == "failed"
+
+
+def test_old_results_are_replaced_but_not_by_a_refused_case(comm, shared_tmp_path):
+    run(comm, shared_tmp_path, every=0.5)
+    before = record(shared_tmp_path)["case"]["digest"]
+    comm.Barrier()
+    far = {"name": "p", "body": "casting", "at": [0.5, 0.02], "quantities": ["temperature"]}
+    case = read_case(
+        {**CONTENT, "probes": [far], "output": {"folder": str(shared_tmp_path)}}, Path("case.toml")
+    )
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    with pytest.raises(CaseError, match="outside body 'casting'"):
+        Results(case, mesh, casting_pairs(mesh))
+    assert record(shared_tmp_path)["case"]["digest"] == before
+    comm.Barrier()
+    run(comm, shared_tmp_path)
+    reader = pyvista.get_reader(shared_tmp_path / "fields" / "castx.pvd")
+    assert reader.time_values == [0.0, 1.0]
+    assert len(list((shared_tmp_path / "fields").glob("casting_*_0.vtu"))) == 2
