@@ -244,15 +244,12 @@ class Equilibrium:
         snes.ksp.setTolerances(rtol=float(np.clip(share, 1e-12, 1e-2)), atol=0.0)
         return reasons.CONVERGED_ITERATING
 
-    def gap_values(self) -> FloatArray:
-        """Gaps of all pairs of this rank [m]."""
-        self._contact.displacements(self.x, self._assembly.unknowns)
-        return self._contact.gaps(self.x, self._assembly.unknowns)
-
-    def contact_forces(self) -> FloatArray:
-        """Return the contact forces of all pairs of this rank [N], zero where open."""
-        forces = self._contact.forces(self.x, self._rows(self.x))
-        return np.where(self.active.closed, forces, 0.0)
+    def pair_values(self) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all pairs of this rank, no force where open."""
+        rows = self._rows(self.x)
+        gaps = self._contact.gaps(self.x, self._assembly.unknowns)
+        forces = self._contact.forces(self.x, rows)
+        return gaps, np.where(self.active.closed, forces, 0.0)
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""

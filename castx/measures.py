@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import ufl
+from dolfinx import fem, la
 
 from castx.forms import kinematics
 from castx.mesh import BodyMesh
+from castx.tables import FloatArray
 
 
 def cell_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
@@ -25,3 +28,12 @@ def surface_measure(body: BodyMesh, model: str, degree: int) -> kinematics.Weigh
         metadata={"quadrature_degree": degree},
     )
     return kinematics.WeightedMeasure(weight, measure)
+
+
+def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
+    """Return the volumes of the owned nodes of a body [m³], shape (owned,)."""
+    volumes = fem.assemble_vector(
+        fem.form(ufl.TestFunction(body.nodes) * cell_measure(body, model, 2))
+    )
+    volumes.scatter_reverse(la.InsertMode.add)
+    return np.asarray(volumes.array[: body.nodes.dofmap.index_map.size_local])

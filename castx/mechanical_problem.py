@@ -8,9 +8,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import ufl
-from dolfinx import fem, la
-
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -24,7 +21,7 @@ from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import DirectSolver, InnerSolver
-from castx.measures import cell_measure
+from castx.measures import nodal_volumes
 from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
@@ -131,7 +128,7 @@ class MechanicalProblem:
     ) -> FloatingMotions:
         motions, weights = [], []
         for b, body in enumerate(self.bodies.values()):
-            volumes = np.repeat(nodal_volumes(body), body.block_size)
+            volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
             for mode in rigid_modes(body):
                 motions.append(self._image(coordinates.to_coordinates.mult, b, mode))
                 transpose = coordinates.to_displacements.multTranspose
@@ -153,14 +150,6 @@ class MechanicalProblem:
         x.destroy()
         y.destroy()
         return np.asarray(image)
-
-
-def nodal_volumes(body: BodyMechanics) -> FloatArray:
-    """Return the volumes of the owned nodes of a body [m³], shape (owned,)."""
-    dx = cell_measure(body.mesh, body.model, 2)
-    volumes = fem.assemble_vector(fem.form(ufl.TestFunction(body.mesh.nodes) * dx))
-    volumes.scatter_reverse(la.InsertMode.add)
-    return np.asarray(volumes.array[: body.mesh.nodes.dofmap.index_map.size_local])
 
 
 def _extent(mesh: CastingMesh) -> float:

@@ -257,6 +257,20 @@ class BodyMechanics:
         stress[:, :components] = self._cell_tensor.x.array.reshape(-1, components)
         return stress
 
+    def nodal_mean(self, values: FloatArray) -> FloatArray:
+        """Return the means over the cells round each local node of cell values, shape (nodes,)."""
+        sums = la.vector(self.mesh.nodes.dofmap.index_map, 2)
+        sums.array[:] = 0
+        cells = self.mesh.mesh.topology.index_map(self.mesh.mesh.topology.dim).size_local
+        nodes = self.cell_nodes[:cells].ravel()
+        corners = self.cell_nodes.shape[1]
+        np.add.at(sums.array.reshape(-1, 2)[:, 0], nodes, np.repeat(values[:cells], corners))
+        np.add.at(sums.array.reshape(-1, 2)[:, 1], nodes, 1.0)
+        sums.scatter_reverse(la.InsertMode.add)
+        sums.scatter_forward()
+        total, count = sums.array.reshape(-1, 2).T
+        return np.asarray(total / count)
+
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
         self._cell_tensor.interpolate(self._strain_expression)

@@ -1,0 +1,185 @@
+"""From the descriptions of a case to the problems that solve it."""
+
+from __future__ import annotations
+
+from castx.bodies import Body
+from castx.boundaries import Boundary
+from castx.case import Case
+from castx.constitutive import ThermoElasticLaw
+from castx.constraints import SurfaceDisplacement
+from castx.coupling import CoupledInterface, CoupledProblem, Temperatures
+from castx.errors import CaseError
+from castx.exchange import HeatExchange
+from castx.heat import HeatProblem
+from castx.heat_boundaries import SurfaceHeat
+from castx.interfaces import Interface
+from castx.materials import Material, find_material
+from castx.measures import nodal_volumes
+from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
+from castx.mechanics import MechanicalBody, SurfaceLoad
+from castx.mesh import CastingMesh
+from castx.pairs import NodePairs
+from castx.prescribed import PrescribedBody, PrescribedTemperatures
+from castx.steps import StepSettings
+from castx.tables import Table
+from castx.thermal_body import HeatBody
+
+EXCHANGE_KINDS = {"perfect": "perfect", "none": "none"}
+
+
+def step_settings(case: Case) -> StepSettings:
+    """Return what the case asks of the steps; they land on output times."""
+    time = case.time
+    return StepSettings(
+        time.end,
+        time.first_step,
+        time.largest_step,
+        time.smallest_step,
+        time.temperature_change,
+        time.fixed_step,
+        case.output.every,
+    )
+
+
+def build_problem(
+    case: Case, mesh: CastingMesh, pairs: dict[str, NodePairs]
+) -> CoupledProblem:
+    """Return the coupled problem of a case.
+
+    Args:
+        case: the case.
+        mesh: mesh of its bodies.
+        pairs: node pairs by the name of the interface.
+
+    Raises:
+        CaseError: the case cannot be solved as described.
+        MeshError: a surface is missing.
+    """
+    materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
+    _check_surfaces(case, mesh)
+    scheme = case.coupling.scheme
+    contacts = [i for i in case.interfaces if i.contact.method != "none"]
+    mechanics = None
+    if scheme != "thermal":
+        mechanics = _mechanics(case, mesh, materials, contacts)
+    heat: Temperatures
+    if scheme == "mechanical":
+        heat = PrescribedTemperatures(
+            mesh, {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
+        )
+    else:
+        heat = _heat(case, mesh, materials, pairs)
+    interfaces = [
+        CoupledInterface(
+            interface.name,
+            pairs[interface.name],
+            interface.heat,
+            interface.contact.initial_gap.at(pairs[interface.name].points),
+            contacts.index(interface) if mechanics is not None and interface in contacts else None,
+            _exchange_kind(interface) == "resistance",
+        )
+        for interface in case.interfaces
+    ]
+    volumes = {name: nodal_volumes(body, mesh.model) for name, body in mesh.bodies.items()}
+    coupling = case.coupling
+    return CoupledProblem(
+        mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance, coupling.passes
+    )
+
+
+def _check_surfaces(case: Case, mesh: CastingMesh) -> None:
+    for boundary in case.boundaries:
+        mesh.bodies[boundary.body].surface_tag(boundary.surface)
+
+
+def _history(body: Body) -> Table:
+    return body.temperature_history or Table.constant(body.temperature)
+
+
+def _exchange_kind(interface: Interface) -> str:
+    law = "none" if interface.heat is None else interface.heat.law
+    return EXCHANGE_KINDS.get(law, "resistance")
+
+
+def _heat(
+    case: Case, mesh: CastingMesh, materials: dict[str, Material], pairs: dict[str, NodePairs]
+) -> HeatProblem:
+    bodies = [
+        HeatBody(b.name, materials[b.name], b.temperature, b.heat_source) for b in case.bodies
+    ]
+    exchanges = [
+        HeatExchange(i.name, pairs[i.name], _exchange_kind(i))  # type: ignore[arg-type]
+        for i in case.interfaces
+    ]
+    surfaces = [
+        SurfaceHeat(
+            body=boundary.body,
+            surface=boundary.surface,
+            kind=condition.type,  # type: ignore[arg-type]
+            value=condition.value,
+            coefficient=condition.coefficient,
+            ambient=condition.ambient,
+        )
+        for boundary in case.boundaries
+        for condition in boundary.heat
+    ]
+    solver = case.solver
+    return HeatProblem(
+        mesh, bodies, exchanges, surfaces, tolerance=solver.heat_tolerance,
+        linear=solver.linear, options=solver.heat,  # type: ignore[arg-type]
+    )
+
+
+def _mechanics(
+    case: Case,
+    mesh: CastingMesh,
+    materials: dict[str, Material],
+    contacts: list[Interface],
+) -> MechanicalProblem:
+    bodies = {b.name: _mechanical_body(case, b, materials[b.name]) for b in case.bodies}
+    displacements: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
+    for boundary in case.boundaries:
+        for condition in boundary.displacement:
+            displacements[boundary.body].append(
+                SurfaceDisplacement(boundary.surface, condition.direction, condition.value)
+            )
+    solver = case.solver
+    settings = MechanicsSettings(
+        solver.linear,
+        solver.mechanics_tolerance,
+        case.support.mode == "automatic",
+        {**solver.mechanics, **{f"bodies_{k}": v for k, v in solver.contact.items()}},
+    )
+    described = [
+        Contact(i.secondary, i.primary, i.contact.method, i.contact.initial_gap.at)
+        for i in contacts
+    ]
+    return MechanicalProblem(mesh, bodies, displacements, described, settings)
+
+
+def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBody:
+    if body.formulation == "displacement" and material.liquid is not None:
+        raise CaseError(
+            f"body {body.name!r} has formulation 'displacement', but its material "
+            f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
+        )
+    stress_free = material.stress_free
+    if stress_free is None:
+        stress_free = body.temperature if material.solidus is None else material.solidus
+    loads = [_load(b) for b in case.boundaries if b.body == body.name]
+    return MechanicalBody(
+        ThermoElasticLaw(material, stress_free),
+        body.formulation,
+        body.stabilisation,
+        tuple(material.density * g for g in case.loads.gravity),
+        tuple(load for load in loads if load is not None),
+        material.liquid is not None,
+    )
+
+
+def _load(boundary: Boundary) -> SurfaceLoad | None:
+    if boundary.pressure is not None:
+        return SurfaceLoad(boundary.surface, pressure=boundary.pressure)
+    if boundary.traction is not None:
+        return SurfaceLoad(boundary.surface, traction=boundary.traction)
+    return None

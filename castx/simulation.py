@@ -1,0 +1,134 @@
+"""The loop over time, as an iterator over accepted steps."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator, Mapping
+from math import ceil
+from typing import Self
+
+import numpy as np
+
+from mpi4py import MPI
+
+from castx.building import build_problem, step_settings
+from castx.case import Case
+from castx.coupling import CoupledProblem, CoupledReport
+from castx.errors import ConvergenceError
+from castx.mesh import CastingMesh, build_mesh
+from castx.pairs import NodePairs, node_pairs
+from castx.snapshot import StepCounters
+from castx.state import State
+from castx.steps import StepControl, StepSettings
+
+EASY_PASSES = 10
+"""Passes of a step above which the next one does not grow."""
+
+CHANGE_PER_SUBSTEP = 0.25
+"""Share of the wanted temperature change that one heat sub-step aims at."""
+
+MOST_SUBSTEPS = 10
+
+
+class Simulation:
+    """A case on its mesh, stepped from the end of filling to the end of the run.
+
+    Args:
+        mesh: mesh of the bodies.
+        pairs: node pairs by the name of the interface.
+        problem: heat and mechanics.
+        settings: what the case asks of the steps.
+        substeps: heat steps inside one mechanical step; None: by the temperature change.
+    """
+
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        pairs: Mapping[str, NodePairs],
+        problem: CoupledProblem,
+        settings: StepSettings,
+        substeps: int | None = None,
+    ) -> None:
+        self.mesh, self.pairs, self.problem = mesh, dict(pairs), problem
+        self.control = StepControl(settings)
+        self._wanted, self._substeps = settings.temperature_change, substeps
+        self._change_rate = np.inf
+        self.time = 0.0
+        self.step = 0
+
+    @classmethod
+    def from_case(cls, case: Case, comm: MPI.Comm) -> Self:
+        """Build the mesh and the problems of a case.
+
+        Raises:
+            CaseError: the case cannot be solved as described.
+            MeshError: the mesh does not hold what the case asks of it.
+        """
+        mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+        pairs = {i.name: node_pairs(mesh, i.secondary, i.primary) for i in case.interfaces}
+        problem = build_problem(case, mesh, pairs)
+        given = case.time.heat_substeps
+        substeps = None if isinstance(given, str) else given
+        return cls(mesh, pairs, problem, step_settings(case), substeps)
+
+    def __iter__(self) -> Iterator[State]:
+        """Yield the initial state, then the state after each accepted step.
+
+        Raises:
+            ConvergenceError: even the smallest step fails; the last state yielded is the last one
+                accepted.
+        """
+        yield self._state(StepCounters())
+        while not self.control.finished(self.time):
+            yield self._state(self._advance())
+
+    def _advance(self) -> StepCounters:
+        """Take one step, cutting it as long as it fails."""
+        begin = clock.perf_counter()
+        cutbacks = 0
+        while True:
+            step = self.control.propose(self.time)
+            try:
+                report = self.problem.advance(self.time, step, self._heat_substeps(step))
+            except ConvergenceError as error:
+                self.problem.rewind()
+                self.control.reject(step, error)
+                cutbacks += 1
+                continue
+            break
+        self.problem.commit()
+        self.control.accept(step, report.temperature_change, report.passes <= EASY_PASSES)
+        self._change_rate = report.temperature_change / step
+        self.time += step
+        self.step += 1
+        return _counters(report, step, clock.perf_counter() - begin, cutbacks)
+
+    def _heat_substeps(self, step: float) -> int:
+        """Return the heat steps inside a step: the faster the temperature changes, the more."""
+        if self._substeps is not None:
+            return self._substeps
+        if not np.isfinite(self._change_rate):
+            return MOST_SUBSTEPS
+        expected = self._change_rate * step / (CHANGE_PER_SUBSTEP * self._wanted)
+        return min(max(ceil(expected), 1), MOST_SUBSTEPS)
+
+    def _state(self, counters: StepCounters) -> State:
+        return State(self.mesh, self.pairs, self.problem, self.time, self.step, counters)
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self.problem.destroy()
+
+
+def _counters(
+    report: CoupledReport, step: float, wall: float, cutbacks: int
+) -> StepCounters:
+    return StepCounters(
+        step=step,
+        wall=wall,
+        heat_iterations=report.heat_iterations,
+        mechanics_iterations=report.mechanics_iterations,
+        contact_changes=report.contact_changes,
+        passes=report.passes,
+        cutbacks=cutbacks,
+    )

@@ -1,0 +1,131 @@
+"""The state after an accepted step, as results read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mpi4py import MPI
+
+from castx.coupling import CoupledProblem, InterfaceState
+from castx.errors import CaseError
+from castx.mechanics import BodyMechanics
+from castx.mesh import CastingMesh
+from castx.pairs import NodePairs
+from castx.snapshot import StepCounters
+from castx.tables import FloatArray
+
+
+@dataclass(frozen=True)
+class State:
+    """Fields of a coupled problem at its committed state, see `Snapshot`."""
+
+    mesh: CastingMesh
+    pairs: Mapping[str, NodePairs]
+    problem: CoupledProblem
+    time: float
+    step: int
+    counters: StepCounters
+
+    def nodal(self, body: str, name: str) -> FloatArray:
+        """Return a nodal field with ghosts, shape (nodes,), displacement (nodes, gdim).
+
+        Raises:
+            CaseError: the field does not exist in this run.
+        """
+        heat = self.problem.heat
+        fields = {
+            "temperature": heat.temperature,
+            "enthalpy": heat.enthalpy,
+            "solid_fraction": heat.solid_fraction,
+        }
+        if name in fields:
+            return np.asarray(fields[name][body].x.array)
+        mechanics = self._mechanics(body, name)
+        values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
+        if name == "displacement":
+            return np.asarray(values[:, : mechanics.dimension])
+        if name == "pressure":
+            return self._pressure(mechanics, values)
+        raise CaseError(f"no nodal field {name!r} on body {body!r}")
+
+    def _pressure(self, mechanics: BodyMechanics, values: FloatArray) -> FloatArray:
+        if mechanics.mixed:
+            return np.asarray(mechanics.pressure_scale * values[:, -1])
+        return mechanics.nodal_mean(mechanics.stress()[:, :3].mean(axis=1))
+
+    def cellwise(self, body: str, name: str) -> FloatArray:
+        """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
+        stress = self._mechanics(body, name).stress()
+        if name == "stress":
+            return stress
+        if name == "von_mises":
+            return von_mises(stress)
+        if name == "plastic_strain":
+            return np.zeros(len(stress))
+        raise CaseError(f"no cell field {name!r} on body {body!r}")
+
+    def _mechanics(self, body: str, name: str) -> BodyMechanics:
+        if self.problem.mechanics is None:
+            raise CaseError(f"{name} of {body!r}: this run has no mechanics (coupling.scheme)")
+        return self.problem.mechanics.bodies[body]
+
+    def paired(self, interface: str, name: str) -> FloatArray:
+        """Return a field of the owned pairs of an interface, shape (pairs,)."""
+        state = self._interface(interface)
+        if name == "gap":
+            return state.gap
+        if name == "contact_pressure":
+            return state.pressure
+        if name == "heat_transfer_coefficient":
+            with np.errstate(divide="ignore"):
+                return np.asarray(1.0 / state.resistance)
+        raise CaseError(f"no field {name!r} on interface {interface!r}")
+
+    def _interface(self, name: str) -> InterfaceState:
+        names = [interface.name for interface in self.problem.interfaces]
+        return self.problem.states[names.index(name)]
+
+    @cached_property
+    def totals(self) -> dict[str, float]:
+        """Totals of bodies and interfaces by the name of their column, equal on all ranks."""
+        totals = self.problem.heat.totals()
+        for name in self.problem.heat.solid_fraction:
+            totals[f"{name}.solid_fraction"] = self._solid_fraction(name)
+        for interface in self.problem.interfaces:
+            totals |= self._interface_totals(interface.name)
+        if self.problem.mechanics is not None:
+            totals["support_force"] = self.problem.mechanics.equilibrium.support_force()
+        return totals
+
+    def _solid_fraction(self, body: str) -> float:
+        volumes = self.problem.volumes[body]
+        values = self.problem.heat.solid_fraction[body].x.array[: len(volumes)]
+        sums = self.mesh.comm.allreduce(np.array([values @ volumes, volumes.sum()]), op=MPI.SUM)
+        return float(sums[0] / sums[1])
+
+    def _interface_totals(self, name: str) -> dict[str, float]:
+        comm, state, pairs = self.mesh.comm, self._interface(name), self.pairs[name]
+        closed = state.gap <= 0
+        forces = self.problem.contact_force_vectors(name)
+        local = np.array([pairs.areas @ state.gap, pairs.areas @ closed, pairs.areas.sum()])
+        gap, touching, area = comm.allreduce(local, op=MPI.SUM)
+        total = comm.allreduce(forces.sum(axis=0), op=MPI.SUM)
+        axes = {"axisymmetric": "rz", "3d": "xyz"}.get(self.mesh.model, "xy")
+        found = {
+            f"{name}.mean_gap": float(gap / area),
+            f"{name}.max_gap": float(comm.allreduce(state.gap.max(initial=-np.inf), op=MPI.MAX)),
+            f"{name}.closed_fraction": float(touching / area),
+        }
+        return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """Return √(3/2)‖s‖ [Pa] of stresses (n, 6) in the order xx, yy, zz, xy, xz, yz."""
+    mean = stress[:, :3].mean(axis=1, keepdims=True)
+    normal = np.sum((stress[:, :3] - mean) ** 2, axis=1)
+    shear = np.sum(stress[:, 3:] ** 2, axis=1)
+    return np.asarray(np.sqrt(1.5 * (normal + 2 * shear)))
