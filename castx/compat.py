@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import basix.ufl
-import numpy as np
-import ufl
-from numpy.typing import NDArray
-
 from mpi4py import MPI
 
+import basix.ufl
 import dolfinx
+import numpy as np
+import ufl
 from dolfinx.graph import adjacencylist
 from dolfinx.mesh import Mesh
+from numpy.typing import NDArray
 
 IntArray = NDArray[np.int32]
 Partitioner = Callable[..., Any]
@@ -48,7 +47,7 @@ def destinations(parts: IntArray, offsets: IntArray) -> Any:
 
 
 def create_submesh(mesh: Mesh, cells: IntArray) -> tuple[Mesh, IntArray, IntArray]:
-    """A mesh of some cells, with the parent's cell of each cell and the parent's vertex of each vertex."""
+    """A mesh of some cells, and the parent's cell and vertex of each cell and vertex."""
     dim = mesh.topology.dim
     submesh, cell_map, vertex_map, _ = dolfinx.mesh.create_submesh(mesh, dim, cells)
     return submesh, _parents(submesh, dim, cell_map), _parents(submesh, 0, vertex_map)

@@ -50,8 +50,8 @@ def neighbours(cells: IntArray, source: str) -> IntArray:
 def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:
     """What each face of each cell is, (cells, corners).
 
-    INSIDE for faces within a body and outer ones without a name; else the index of the surface, or, towards
-    another body, the number of surfaces plus the index of that body.
+    INSIDE for faces within a body and outer ones without a name; else the index of the surface, or,
+    towards another body, the number of surfaces plus the index of that body.
 
     Raises:
         MeshError: a face has two names.
@@ -66,8 +66,8 @@ def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:
         if len(double):
             a, b = surfaces[named_keys[double[0]]], mesh.face_surfaces[double[0]]
             raise MeshError(
-                f"{source}: surfaces {mesh.surface_names[b]!r} and {mesh.surface_names[a]!r} overlap; "
-                "a face has one name"
+                f"{source}: surfaces {mesh.surface_names[b]!r} and {mesh.surface_names[a]!r} "
+                "overlap; a face has one name"
             )
     names = np.where(outer, surfaces[cell_keys].reshape(across.shape), INSIDE)
     other = mesh.bodies[across]

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
 from castx.errors import MeshError
+from castx.refusal import among
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-POINT = 15
-LINEAR_SIMPLICES = {2: 2, 3: 4}
-"""gmsh's number of the linear triangle and tetrahedron, by dimension."""
+LINEAR_SIMPLEX = {1: 1, 2: 2, 3: 4}
+"""gmsh's number of the linear line, triangle and tetrahedron, by dimension."""
 
 
 @dataclass(frozen=True)
@@ -42,23 +40,6 @@ class NamedMesh:
     surface_names: tuple[str, ...]
 
 
-@contextmanager
-def gmsh_session() -> Iterator[None]:
-    """A silent gmsh with an empty model; gmsh is left as it was found."""
-    started = not gmsh.isInitialized()
-    if started:
-        gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.option.setNumber("General.NumThreads", 1)
-    gmsh.model.add("castx")
-    try:
-        yield
-    finally:
-        gmsh.model.remove()
-        if started:
-            gmsh.finalize()
-
-
 def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedMesh:
     """Read the current gmsh model.
 
@@ -70,7 +51,7 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
     Raises:
         MeshError: the model's names, elements or dimension do not fit.
     """
-    _check_dimension(dimension, source)
+    _check_elements(dimension, source)
     tags, points = _nodes(dimension, source)
     groups = _groups(dimension, source)
     if not groups:
@@ -80,7 +61,7 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
         )
     _check_bodies(list(groups), body_names, source)
     cells, bodies = _elements(dimension, {name: groups[name] for name in body_names}, source)
-    _check_all_named(dimension, len(cells), source)
+    _check_shares(dimension, bodies, body_names, source)
     used, cells = np.unique(np.searchsorted(tags, cells), return_inverse=True)
     points, cells = points[used], cells.reshape(-1, dimension + 1)
     surfaces = _groups(dimension - 1, source)
@@ -97,21 +78,23 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
     )
 
 
-def _check_dimension(dimension: int, source: str) -> None:
-    kinds = {d: gmsh.model.mesh.getElementTypes(d) for d in (2, 3)}
-    if not len(kinds[dimension]):
-        have = "volume" if len(kinds[3]) else "surface" if len(kinds[2]) else "no such"
+def _check_elements(dimension: int, source: str) -> None:
+    kinds = {dim: list(gmsh.model.mesh.getElementTypes(dim)) for dim in (2, 3)}
+    highest = 3 if kinds[3] else 2
+    if not kinds[highest]:
+        raise MeshError(f"{source} has no surface or volume elements")
+    if highest != dimension:
         raise MeshError(
-            f"the case's model is {dimension}-D but {source} has {have} elements only; "
+            f"the case's model is {dimension}-D but {source} is a {highest}-D mesh; "
             "change geometry.model or the mesh"
         )
-    if dimension == 2 and len(kinds[3]):
-        raise MeshError(f"the case's model is 2-D but {source} has volume elements; change geometry.model")
-    wrong = [kind for kind in kinds[dimension] if kind != LINEAR_SIMPLICES[dimension]]
-    if wrong:
-        found = ", ".join(gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds[dimension])
-        allowed = "linear tetrahedra" if dimension == 3 else "linear triangles"
-        raise MeshError(f"{source} has elements of the kinds {found}; allowed are {allowed} only")
+    if kinds[dimension] != [LINEAR_SIMPLEX[dimension]]:
+        names = (gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds[dimension])
+        allowed = "tetrahedra" if dimension == 3 else "triangles"
+        raise MeshError(
+            f"{source} has elements of the kinds {', '.join(names)}; "
+            f"only linear {allowed} are allowed"
+        )
 
 
 def _nodes(dimension: int, source: str) -> tuple[IntArray, FloatArray]:
@@ -133,7 +116,9 @@ def _groups(dim: int, source: str) -> dict[str, list[int]]:
     for _, tag in gmsh.model.getPhysicalGroups(dim):
         name = gmsh.model.getPhysicalName(dim, tag)
         if not name:
-            raise MeshError(f"{source} has a physical group without a name: dimension {dim}, number {tag}")
+            raise MeshError(
+                f"{source} has a physical group without a name: dimension {dim}, number {tag}"
+            )
         groups.setdefault(name, []).extend(gmsh.model.getEntitiesForPhysicalGroup(dim, tag))
     return groups
 
@@ -141,9 +126,8 @@ def _groups(dim: int, source: str) -> dict[str, list[int]]:
 def _check_bodies(found: Sequence[str], wanted: Sequence[str], source: str) -> None:
     for name in wanted:
         if name not in found:
-            near = get_close_matches(name, found, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise MeshError(f"{source} has no body {name!r}; it has {', '.join(found)}{hint}")
+            known = among(name, found, what="it has")
+            raise MeshError(f"{source} has no body {name!r}; {known}")
     extra = [name for name in found if name not in wanted]
     if extra:
         raise MeshError(
@@ -162,24 +146,29 @@ def _check_surfaces(found: Sequence[str], bodies: Sequence[str], source: str) ->
 
 def _elements(dim: int, groups: dict[str, list[int]], source: str) -> tuple[IntArray, IntArray]:
     """Node tags (elements, dim + 1) and index of the group of each element."""
-    nodes, owners, seen = [np.empty((0, dim + 1), dtype=np.int64)], [np.empty(0, dtype=np.int64)], {}
+    nodes, owners = [np.empty((0, dim + 1), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    name_of: dict[int, str] = {}
     for index, (name, entities) in enumerate(groups.items()):
         for entity in entities:
-            if entity in seen:
-                raise MeshError(f"{source}: {seen[entity]!r} and {name!r} overlap; a part has one name")
-            seen[entity] = name
-            _, tags, corners = gmsh.model.mesh.getElements(dim, entity)
-            if tags:
-                nodes.append(corners[0].reshape(len(tags[0]), -1).astype(np.int64))
-                owners.append(np.full(len(tags[0]), index))
+            if entity in name_of:
+                raise MeshError(
+                    f"{source}: {name_of[entity]!r} and {name!r} overlap; a part has one name"
+                )
+            name_of[entity] = name
+            _, corners = gmsh.model.mesh.getElementsByType(LINEAR_SIMPLEX[dim], entity)
+            nodes.append(corners.reshape(-1, dim + 1).astype(np.int64))
+            owners.append(np.full(len(nodes[-1]), index))
     return np.concatenate(nodes), np.concatenate(owners)
 
 
-def _check_all_named(dim: int, named: int, source: str) -> None:
+def _check_shares(dim: int, bodies: IntArray, names: Sequence[str], source: str) -> None:
+    empty = [name for index, name in enumerate(names) if not (bodies == index).any()]
+    if empty:
+        raise MeshError(f"{source}: the body {empty[0]!r} has no elements")
     total = sum(len(tags) for tags in gmsh.model.mesh.getElements(dim)[1])
-    if total != named:
+    if total != len(bodies):
         raise MeshError(
-            f"{source}: {total - named} of {total} elements belong to no named body; "
+            f"{source}: {total - len(bodies)} of {total} elements belong to no named body; "
             "give every part a physical group"
         )
 

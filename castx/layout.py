@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from mpi4py import MPI
 from petsc4py import PETSc
 
+import numpy as np
 from dolfinx.common import IndexMap
 from dolfinx.fem import Function
+from numpy.typing import ArrayLike, NDArray
 
 
 class Layout:
@@ -23,7 +22,9 @@ class Layout:
         block_sizes: unknowns per node of each body.
     """
 
-    def __init__(self, comm: MPI.Comm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]) -> None:
+    def __init__(
+        self, comm: MPI.Comm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]
+    ) -> None:
         """Gather the ranges of all ranks."""
         self.comm = comm
         self.block_sizes = tuple(block_sizes)

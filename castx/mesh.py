@@ -2,51 +2,28 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
-from pathlib import Path
-from typing import Any, Protocol, TypeVar
-
-import gmsh
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, TypeVar
 
 from mpi4py import MPI
 
 import dolfinx
+import numpy as np
 from dolfinx import fem, la
+from numpy.typing import NDArray
 
 from castx import compat
 from castx.errors import MeshError
 from castx.faces import INSIDE, face_names, neighbours
-from castx.gmsh_import import NamedMesh, gmsh_session, read_model
-from castx.meshes import GENERATORS
+from castx.geometry import Geometry
+from castx.gmsh_import import NamedMesh
+from castx.mesh_source import named_mesh, source_of
 from castx.partition import destinations, partition
+from castx.refusal import among
 
 IntArray = NDArray[np.int32]
 T = TypeVar("T")
-
-
-class Geometry(Protocol):
-    """What a mesh is made from: a generator with its arguments, or a gmsh file."""
-
-    @property
-    def model(self) -> str:
-        """Name of the model, "3d" or a 2-D one."""
-
-    @property
-    def generator(self) -> str | None:
-        """Name in castx.meshes."""
-
-    @property
-    def arguments(self) -> Mapping[str, Any]:
-        """Arguments of the generator but the model, in SI units."""
-
-    @property
-    def file(self) -> Path | None:
-        """A gmsh mesh."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +34,8 @@ class BodyMesh:
         name: of the body.
         mesh: its own mesh.
         facet_tags: its named outer facets.
-        surfaces: tag of each surface, the same on all ranks; facets shared with another body have its name.
+        surfaces: tag of each surface, the same on all ranks; facets shared with another body have
+            its name.
         nodes: linear scalar functions, whose dof numbers are the node numbers.
         parent_vertices: (nodes,) local vertex of the parent mesh of each local node.
         nodes_on: local nodes of each surface.
@@ -78,11 +56,8 @@ class BodyMesh:
             MeshError: the body has no such surface.
         """
         if name not in self.surfaces:
-            near = get_close_matches(name, self.surfaces, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise MeshError(
-                f"body {self.name!r} has no surface {name!r}; it has {', '.join(sorted(self.surfaces))}{hint}"
-            )
+            known = among(name, sorted(self.surfaces), what="it has")
+            raise MeshError(f"body {self.name!r} has no surface {name!r}; {known}")
         return self.surfaces[name]
 
     def surface_nodes(self, name: str) -> IntArray:
@@ -109,20 +84,20 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Comm) ->
     """Make or read the mesh on rank 0, distribute it and cut it into bodies.
 
     Raises:
-        MeshError: the geometry cannot be meshed, or its names, elements or dimension do not fit the case; on
-            all ranks.
+        MeshError: the geometry cannot be meshed, or its names, elements or dimension do not fit the
+            case; on all ranks.
     """
-    dimension = 3 if geometry.model == "3d" else 2
-    source = str(geometry.file) if geometry.file is not None else f"generator {geometry.generator}"
 
     def prepare() -> _Prepared:
-        return _prepare(_named_mesh(geometry, body_names, dimension, source), comm.size, source)
+        return _prepare(named_mesh(geometry, body_names), comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
     surface_names, bodies, names = comm.bcast(
-        (prepared.mesh.surface_names, prepared.mesh.bodies, prepared.face_names) if prepared else None
+        (prepared.mesh.surface_names, prepared.mesh.bodies, prepared.face_names)
+        if prepared
+        else None
     )
-    parent = _distributed(comm, dimension, prepared)
+    parent = _distributed(comm, 3 if geometry.model == "3d" else 2, prepared)
     cell = np.asarray(parent.topology.original_cell_index)
     face_of = [*surface_names, *body_names]
     return CastingMesh(
@@ -160,49 +135,6 @@ def _on_rank_zero(comm: MPI.Comm, task: Callable[[], T]) -> T | None:
     return result
 
 
-def _named_mesh(geometry: Geometry, body_names: Sequence[str], dimension: int, source: str) -> NamedMesh:
-    with gmsh_session():
-        if geometry.file is not None:
-            _open(geometry.file)
-        else:
-            _generate(geometry)
-        mesh = read_model(body_names, dimension, source)
-    if geometry.model == "axisymmetric" and mesh.points[:, 0].min() < -1e-9 * np.ptp(mesh.points[:, 0]):
-        raise MeshError(
-            f"an axisymmetric mesh lies in r >= 0, but {source} reaches r = {mesh.points[:, 0].min():g} m"
-        )
-    return mesh
-
-
-def _open(file: Path) -> None:
-    if not file.is_file():
-        raise MeshError(f"there is no mesh file {file}")
-    try:
-        gmsh.merge(str(file))
-    except Exception as error:  # gmsh raises bare exceptions only
-        raise MeshError(f"gmsh cannot read {file}: {error}") from error
-
-
-def _generate(geometry: Geometry) -> None:
-    name = str(geometry.generator)
-    if name not in GENERATORS:
-        raise MeshError(f"there is no generator {name!r}; there are {', '.join(sorted(GENERATORS))}")
-    generator = GENERATORS[name]
-    known = [argument for argument in inspect.signature(generator).parameters if argument != "model"]
-    for argument in geometry.arguments:
-        if argument not in known:
-            near = get_close_matches(argument, known, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise MeshError(
-                f"generator {name} has no argument {argument!r}; it has {', '.join(known)}{hint}"
-            )
-    try:
-        inspect.signature(generator).bind(model=geometry.model, **geometry.arguments)
-        generator(model=geometry.model, **geometry.arguments)
-    except (TypeError, ValueError) as error:
-        raise MeshError(f"generator {name}: {error}") from error
-
-
 def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
     across = neighbours(mesh.cells, source)
     names = face_names(mesh, across, source).astype(np.int16)
@@ -212,8 +144,10 @@ def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
 
 
 def _distributed(comm: MPI.Comm, dimension: int, prepared: _Prepared | None) -> dolfinx.mesh.Mesh:
-    points, cells = np.empty((0, dimension)), np.empty((0, dimension + 1), dtype=np.int64)
-    parts, offsets = np.empty(0, dtype=np.int32), np.zeros(1, dtype=np.int32)
+    points: NDArray[np.float64] = np.empty((0, dimension))
+    cells: NDArray[np.int64] = np.empty((0, dimension + 1), dtype=np.int64)
+    parts: IntArray = np.empty(0, dtype=np.int32)
+    offsets: IntArray = np.zeros(1, dtype=np.int32)
     if prepared is not None:
         points, cells = prepared.mesh.points, prepared.mesh.cells
         parts, offsets = prepared.parts, prepared.offsets
@@ -269,7 +203,9 @@ def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[In
 def _vertex_nodes(space: fem.FunctionSpace) -> IntArray:
     """Local node of each local vertex."""
     topology = space.mesh.topology
-    nodes = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
+    nodes = np.empty(
+        space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32
+    )
     nodes[topology.connectivity(topology.dim, 0).array] = space.dofmap.list.ravel()
     return nodes
 

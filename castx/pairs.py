@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import ufl
+from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from dolfinx import fem, la
-
 from castx.errors import MeshError
-from castx.forms.interface import circumference, nodal_area, nodal_area_vector
+from castx.forms.interface import nodal_area, nodal_area_vector
+from castx.forms.kinematics import weight as model_weight
 from castx.mesh import BodyMesh, CastingMesh
 
 FloatArray = NDArray[np.float64]
@@ -28,7 +28,8 @@ class NodePairs:
         secondary_local: (n,) their local numbers.
         primary_nodes: (n,) global node numbers of the primary body, of any owner.
         points: (n, gdim) [m].
-        areas: (n,) ∫φ dS; of the full turn when axisymmetric, per metre of depth in plane models [m²].
+        areas: (n,) ∫φ dS; of the full turn when axisymmetric, per metre of depth in plane models
+            [m²].
         area_vectors: (n, gdim) ∫φ n dS, n the outward normal of the primary [m²].
         normals: (n, gdim) unit vectors along the area vectors.
     """
@@ -53,8 +54,8 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
     body = mesh.bodies[secondary]
     if primary not in body.surfaces:
         raise MeshError(
-            f"the bodies {secondary!r} and {primary!r} share no surface; an interface needs faces whose nodes "
-            "belong to both (a conforming mesh)"
+            f"the bodies {secondary!r} and {primary!r} share no surface; an interface needs faces "
+            "whose nodes belong to both (a conforming mesh)"
         )
     node_map = body.nodes.dofmap.index_map
     local = body.surface_nodes(primary)
@@ -80,7 +81,8 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
 def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> NDArray[np.int64]:
     """Global node of the body at each local vertex of the parent, -1 elsewhere; collective.
 
-    The rank that owns the node tells every rank that knows the vertex: owners of nodes and of vertices differ.
+    The rank that owns the node tells every rank that knows the vertex: owners of nodes and of
+    vertices differ.
     """
     node_map = body.nodes.dofmap.index_map
     owned = np.arange(node_map.size_local, dtype=np.int32)
@@ -93,10 +95,12 @@ def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> NDArray[np.int64]:
 
 
 def _nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
-    """Area (nodes,) and outward area vector (nodes, gdim) of the local nodes of a body's surface."""
+    """Area (nodes,) and outward area vector (nodes, gdim) of nodes on a surface."""
     gdim = mesh.parent.geometry.dim
-    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(body.surface_tag(surface))
-    weight = circumference(body.mesh, mesh.model)
+    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(
+        body.surface_tag(surface)
+    )
+    weight = model_weight(mesh.model, ufl.SpatialCoordinate(body.mesh))
     vector_space = fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,)))
     normal = ufl.FacetNormal(body.mesh)
     area = _assembled(nodal_area(ufl.TestFunction(body.nodes), weight, ds))
@@ -111,12 +115,14 @@ def _assembled(form: ufl.Form) -> FloatArray:
     return vector.array
 
 
-def _check_normals(mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: NDArray[np.bool_]) -> None:
+def _check_normals(
+    mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: NDArray[np.bool_]
+) -> None:
     points = mesh.comm.allgather(body.nodes.tabulate_dof_coordinates()[local[bad]])
     found = np.concatenate(points)
     if len(found):
         place = ", ".join(f"{x:g}" for x in found[0])
         raise MeshError(
-            f"body {body.name!r} is so thin at ({place}) m that the normals of its two sides cancel there; "
-            "refine the mesh"
+            f"body {body.name!r} is so thin at ({place}) m that the normals of its two sides "
+            "cancel there; refine the mesh"
         )

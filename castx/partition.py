@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import coo_array  # type: ignore[import-untyped]
+from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
 from castx.gmsh_import import FloatArray, IntArray
 
@@ -22,9 +22,10 @@ SKEW = 1e-7
 def partition(midpoints: FloatArray, bodies: IntArray, across: IntArray, parts: int) -> IntArray:
     """Assign cells to ranks by recursive coordinate bisection, (cells,).
 
-    Cells that face each other across an interface form a cluster with one position and are never parted. Of
-    the coordinate directions and their diagonals the one is cut in which every body is divided most evenly, since solvers
-    work on one body after the other, and in which few faces are cut. The result depends on the mesh only.
+    Cells that face each other across an interface form a cluster with one position and are never
+    parted. Of the coordinate directions and their diagonals the one is cut in which every body is
+    divided most evenly, since solvers work on one body after the other, and in which few faces are
+    cut. The result depends on the mesh only.
 
     Args:
         midpoints: (cells, gdim) [m].
@@ -39,10 +40,9 @@ def partition(midpoints: FloatArray, bodies: IntArray, across: IntArray, parts: 
     edges = np.column_stack([cell, across[cell, corner]])
     edges = edges[edges[:, 0] < edges[:, 1]]
     cluster = _clusters(edges[bodies[edges[:, 0]] != bodies[edges[:, 1]]], len(bodies))
-    size = np.bincount(cluster)
-    position = np.column_stack([np.bincount(cluster, x)[cluster] for x in midpoints.T])
-    position /= size[cluster, None]
-    todo = [(np.arange(len(bodies)), 0, parts)]
+    sums = [np.bincount(cluster, x)[cluster] for x in midpoints.T]
+    position = np.asarray(np.column_stack(sums) / np.bincount(cluster)[cluster, None])
+    todo: list[tuple[IntArray, int, int]] = [(np.arange(len(bodies)), 0, parts)]
     while todo:
         cells, first, count = todo.pop()
         rank[cells] = first
@@ -68,12 +68,14 @@ def _best_half(
     share: float,
 ) -> NDArray[np.bool_]:
     """Which of the cells go to the left part, of a share of them all."""
-    best, lowest = np.zeros(len(cells), dtype=bool), np.inf
+    best: NDArray[np.bool_] = np.zeros(len(cells), dtype=bool)
+    lowest = np.inf
     inside = np.zeros(len(bodies), dtype=bool)
     inside[cells] = True
     edges = edges[inside[edges].all(axis=1)]
     for direction in _directions(position.shape[1]):
-        left = _cut(position[cells] @ direction, cluster[cells], share)
+        along = (position[cells] * direction).sum(axis=1)
+        left = _cut(along, cluster[cells], share)
         side = np.zeros(len(bodies), dtype=bool)
         side[cells] = left
         faces = np.count_nonzero(side[edges[:, 0]] != side[edges[:, 1]])
@@ -105,14 +107,14 @@ def _cut(along: FloatArray, cluster: IntArray, share: float) -> NDArray[np.bool_
 
 
 def _imbalance(bodies: IntArray, left: NDArray[np.bool_], share: float) -> float:
-    """Work of the slower part when the bodies are worked on in turn; 1 when all are divided evenly."""
+    """Work of the slower part when bodies are worked on in turn; 1 when all are divided evenly."""
     total = np.bincount(bodies)
     below = np.bincount(bodies[left], minlength=len(total))
     return float(np.maximum(below / share, (total - below) / (1 - share)).sum() / len(bodies))
 
 
 def destinations(rank: IntArray, across: IntArray) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Ranks that hold each cell, owner first, then those that need it as a ghost; values and offsets."""
+    """Ranks that hold each cell, owner first, then ghosts; values and offsets."""
     cell, corner = np.nonzero(across >= 0)
     holder = rank[across[cell, corner]]
     ghost = holder != rank[cell]

@@ -5,13 +5,6 @@ from typing import Any
 import ufl
 
 
-def circumference(mesh: ufl.Mesh, model: str) -> Any:
-    """Length that a point of the mesh stands for: 2πr [m] when axisymmetric, else 1."""
-    if model == "axisymmetric":
-        return 2 * ufl.pi * ufl.SpatialCoordinate(mesh)[0]
-    return ufl.as_ufl(1.0)
-
-
 def nodal_area(v: Any, weight: Any, ds: ufl.Measure) -> ufl.Form:
     """Area of a node, ∫ v dS."""
     return weight * v * ds

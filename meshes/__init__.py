@@ -1,7 +1,8 @@
 """Parametrised geometries, meshed with gmsh.
 
-A generator fills the current gmsh model with linear simplices whose physical volumes are the bodies and whose
-physical surfaces are the named faces. It raises ValueError for arguments that make no geometry.
+A generator fills the current gmsh model with linear simplices whose physical volumes are the bodies
+and whose physical surfaces are the named faces. It raises ValueError for arguments that make no
+geometry.
 """
 
 from collections.abc import Callable

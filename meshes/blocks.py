@@ -6,7 +6,7 @@ import numpy as np
 
 from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
 from castx.meshes.model import everything_else, fill_model, plane
-from castx.meshes.triangulation import IntArray, Simplices, grid, swept
+from castx.meshes.triangulation import IntArray, Simplices, grid, mirrored, swept
 
 
 def slab(
@@ -21,8 +21,8 @@ def slab(
 ) -> None:
     """A casting in 0 <= x <= length, 0 <= y <= width (0 <= z <= depth).
 
-    Surfaces: wall (x = 0), far (x = length), bottom (y = 0), top (y = width), in 3-D back (z = 0) and front
-    (z = depth). An interface_size applies at the wall.
+    Surfaces: wall (x = 0), far (x = length), bottom (y = 0), top (y = width), in 3-D back (z = 0)
+    and front (z = depth). An interface_size applies at the wall.
 
     Args:
         model: the case's model; "3d" needs a depth [m].
@@ -52,9 +52,9 @@ def two_slabs(
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
 ) -> None:
-    """A casting in 0 <= x <= length that meets a mould in -mould_length <= x <= 0 at the plane x = 0.
+    """A casting in 0 <= x <= length that meets a mould in -mould_length <= x <= 0.
 
-    Surfaces of both: far, bottom (y = 0), top (y = width), in 3-D back (z = 0) and front (z = depth).
+    Surfaces of both: far, bottom (y = 0), top (y = width), in 3-D back (z = 0), front (z = depth).
 
     Args:
         model: the case's model; "3d" needs a depth [m].
@@ -87,9 +87,9 @@ def stacked_blocks(
 ) -> None:
     """An upper block that stands on a base of equal or greater width; they meet at height 0.
 
-    The last coordinate points up; blocks are centred at x = 0 (and y = 0 in 3-D). Surfaces: upper: top,
-    side; base: bottom, side, shelf (the free part of its top); with symmetry only x >= 0 (y >= 0) is
-    meshed, with symmetry-x (symmetry-y).
+    The last coordinate points up; blocks are centred at x = 0 (and y = 0 in 3-D). Surfaces: upper:
+    top, side; base: bottom, side, shelf (the free part of its top); with symmetry only x >= 0 (y >=
+    0) is meshed, with symmetry-x (symmetry-y).
 
     Args:
         model: the case's model.
@@ -106,14 +106,15 @@ def stacked_blocks(
     if model == "axisymmetric" and not symmetry:
         raise ValueError("an axisymmetric mesh lies in x >= 0: set symmetry = true")
     heights = np.concatenate([-graded(base[1], sizing)[:0:-1], graded(upper[1], sizing)])
-    x = _stepped(0.5 * upper[0], 0.5 * base[0], size, symmetry)
+    x = _stepped(0.5 * upper[0], 0.5 * base[0], size)
     wide = 0.5 * upper[0]
     if dim == 2:
-        mesh = grid(x, heights, lambda m: _block(np.abs(m[:, 0]) < wide, m[:, 1] > 0))
+        mesh = grid(x, heights, lambda m: _block(m[:, 0] < wide, m[:, 1] > 0))
+        mesh = mesh if symmetry else mirrored(mesh, 0)
     else:
-        y = _stepped(0.5 * upper[2], 0.5 * base[2], size, symmetry)
-        deep = 0.5 * upper[2]
-        plan = grid(x, y, lambda m: ((np.abs(m[:, 0]) < wide) & (np.abs(m[:, 1]) < deep)).astype(int))
+        y, deep = _stepped(0.5 * upper[2], 0.5 * base[2], size), 0.5 * upper[2]
+        plan = grid(x, y, lambda m: ((m[:, 0] < wide) & (m[:, 1] < deep)).astype(int))
+        plan = plan if symmetry else mirrored(mirrored(plan, 0), 1)
         mesh = swept(plan, heights, lambda under, z: _block(under == 1, np.full(len(under), z > 0)))
     tolerance = 1e-8 * max(*upper, *base)
     surfaces = [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in range(dim - 1) if symmetry]
@@ -142,12 +143,12 @@ def _block(under: np.ndarray, above: np.ndarray) -> IntArray:
     return np.where(above, np.where(under, 0, -1), 1)
 
 
-def _stepped(inner: float, outer: float, size: float, symmetry: bool) -> FloatArray:
-    """Positions from 0 (or -outer) to outer with a node at inner."""
+def _stepped(inner: float, outer: float, size: float) -> FloatArray:
+    """Positions from 0 to outer with a node at inner."""
     positions = uniform(inner, size)
-    if outer > inner * (1 + 1e-9):
-        positions = np.concatenate([positions, inner + uniform(outer - inner, size)[1:]])
-    return positions if symmetry else np.concatenate([-positions[:0:-1], positions])
+    if outer <= inner * (1 + 1e-9):
+        return positions
+    return np.concatenate([positions, inner + uniform(outer - inner, size)[1:]])
 
 
 def _checked_depth(model: str, depth: float | None) -> float | None:

@@ -24,8 +24,9 @@ def cylinder_in_mould(
 ) -> None:
     """A cylindrical casting, 0 <= z <= height, in a mould with a wall and, with floor > 0, a floor.
 
-    Surfaces: casting: top, base (z = 0, part of the interface when there is a floor); mould: outside, top,
-    base (z = -floor); in 3-D symmetry-x (x = 0) and symmetry-y (y = 0) of a quarter, symmetry-x of a half.
+    Surfaces: casting: top, base (z = 0, part of the interface when there is a floor); mould:
+    outside, top, base (z = -floor); in 3-D symmetry-x (x = 0) and symmetry-y (y = 0) of a quarter,
+    symmetry-x of a half.
 
     Args:
         model: "axisymmetric" or "3d".
@@ -50,9 +51,7 @@ def cylinder_in_mould(
         round_surface("outside", radius + wall, tolerance),
     ]
     if model == "axisymmetric":
-        r = np.concatenate(
-            [radius - graded(radius, sizing)[:0:-1], radius + graded(wall, sizing)]
-        )
+        r = np.concatenate([radius - graded(radius, sizing)[:0:-1], radius + graded(wall, sizing)])
         mesh = grid(r, z, lambda m: _body(m[:, 0] > radius, m[:, 1] < 0))
         surfaces = [
             plane("top", 1, height, tolerance),

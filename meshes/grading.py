@@ -13,8 +13,8 @@ FloatArray = NDArray[np.float64]
 class Sizing:
     """Wanted element size over the distance d from the interface.
 
-    size(d) = interface_size + (size - interface_size) (d / extent)^order_of_growth, where the extent is
-    that of the body away from its interface; `size` everywhere without an interface_size.
+    size(d) = interface_size + (size - interface_size) (d / extent)^order_of_growth, where the
+    extent is that of the body away from its interface; `size` everywhere without an interface_size.
 
     Args:
         size: largest element size [m].
@@ -32,7 +32,8 @@ class Sizing:
             raise ValueError(f"size must be positive, got {self.size:g} m")
         if self.interface_size is not None and not 0 < self.interface_size <= self.size:
             raise ValueError(
-                f"interface_size must lie in (0, size = {self.size:g} m], got {self.interface_size:g} m"
+                f"interface_size must be positive and at most the size of {self.size:g} m, "
+                f"got {self.interface_size:g} m"
             )
         if not self.order_of_growth > 0:
             raise ValueError(f"order_of_growth must be positive, got {self.order_of_growth:g}")
@@ -40,8 +41,8 @@ class Sizing:
     def at(self, distance: FloatArray, extent: float) -> FloatArray:
         """Wanted size at distances from the interface [m]."""
         finest = self.size if self.interface_size is None else self.interface_size
-        growth = (np.asarray(distance) / extent) ** self.order_of_growth
-        return finest + (self.size - finest) * growth
+        growth = (distance / extent) ** self.order_of_growth
+        return (finest + (self.size - finest) * growth).astype(np.float64)
 
 
 def uniform(length: float, size: float, even: bool = False) -> FloatArray:
@@ -51,18 +52,16 @@ def uniform(length: float, size: float, even: bool = False) -> FloatArray:
     """
     step = 2 if even else 1
     intervals = step * max(1, math.ceil(length / (step * size) * (1 - 1e-10)))
-    return np.linspace(0.0, length, intervals + 1)
+    return np.linspace(0.0, length, intervals + 1, dtype=np.float64)
 
 
 def graded(length: float, sizing: Sizing) -> FloatArray:
     """Positions from 0 (the interface) to length that follow the sizing."""
     if sizing.interface_size is None:
         return uniform(length, sizing.size)
-    fine = np.linspace(0.0, length, 4001)
+    fine = np.linspace(0.0, length, 4001, dtype=np.float64)
     density = 1.0 / sizing.at(fine, length)
-    count = np.concatenate(
-        ([0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine)))
-    )
+    count = np.concatenate(([0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))))
     intervals = max(1, math.ceil(count[-1] * (1 - 1e-6)))
     positions = np.interp(np.linspace(0.0, count[-1], intervals + 1), count, fine)
     positions[-1] = length

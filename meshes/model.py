@@ -34,8 +34,8 @@ def fill_model(mesh: Simplices, bodies: Sequence[str], surfaces: Sequence[Surfac
     Args:
         mesh: the cells; regions are indices into bodies.
         bodies: names of the physical volumes.
-        surfaces: pairs of name and predicate on points; a free face belongs to the first whose predicate
-            holds for all its nodes. Faces between two bodies get no name.
+        surfaces: pairs of name and predicate on points; a free face belongs to the first whose
+            predicate holds for all its nodes. Faces between two bodies get no name.
     """
     dim = mesh.cells.shape[1] - 1
     for region, body in enumerate(bodies):
@@ -54,9 +54,7 @@ def _add_group(dim: int, tag: int, name: str, cells: IntArray, points: FloatArra
     if points is not None:
         coordinates = np.zeros((len(points), 3))
         coordinates[:, : points.shape[1]] = points
-        gmsh.model.mesh.addNodes(
-            dim, tag, np.arange(1, len(points) + 1), coordinates.ravel()
-        )
+        gmsh.model.mesh.addNodes(dim, tag, np.arange(1, len(points) + 1), coordinates.ravel())
     gmsh.model.mesh.addElementsByType(tag, ELEMENT[cells.shape[1]], [], (cells + 1).ravel())
     gmsh.model.addPhysicalGroup(dim, [tag], tag, name=name)
 

@@ -22,8 +22,8 @@ def core_in_ring(
 ) -> None:
     """A core, hollow with core_bore > 0, in a ring-shaped casting that shrinks onto it.
 
-    Surfaces: core: bore; casting: outside; both: base (z = 0), top (z = height). Plane models mesh the
-    quarter cross-section with symmetry-x (x = 0), symmetry-y (y = 0) and no base or top.
+    Surfaces: core: bore; casting: outside; both: base (z = 0), top (z = height). Plane models mesh
+    the quarter cross-section with symmetry-x (x = 0), symmetry-y (y = 0) and no base or top.
 
     Args:
         model: the case's model.
@@ -79,5 +79,8 @@ def _surfaces(model: str, radii: list[float], height: float | None, sector: str)
         return [*surfaces, plane("bore", 0, radii[0], tolerance)] if radii[0] > 0 else surfaces
     sides = {"full": [], "half": [0], "quarter": [0, 1]}[sector]
     surfaces += [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in sides]
-    surfaces += [round_surface("outside", radii[-1], tolerance), round_surface("bore", radii[0], tolerance)]
+    surfaces += [
+        round_surface("outside", radii[-1], tolerance),
+        round_surface("bore", radii[0], tolerance),
+    ]
     return surfaces

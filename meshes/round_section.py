@@ -11,7 +11,9 @@ from castx.meshes.triangulation import Simplices, mirrored, oriented
 SECTORS = ("full", "half", "quarter")
 
 
-def disc(radii: Sequence[float], interface: float, sizing: Sizing, sector: str = "quarter") -> Simplices:
+def disc(
+    radii: Sequence[float], interface: float, sizing: Sizing, sector: str = "quarter"
+) -> Simplices:
     """Triangles of concentric rings; ring i lies between radii i and i + 1 and is region i.
 
     The quarter x, y >= 0 is meshed, a half (x >= 0) and the full disc are its mirror images.
@@ -49,13 +51,17 @@ def _draw_rings(radii: Sequence[float]) -> list[int]:
     centre = geo.addPoint(0, 0, 0)
     on_x = [geo.addPoint(r, 0, 0) if r > 0 else centre for r in radii]
     on_y = [geo.addPoint(0, r, 0) if r > 0 else centre for r in radii]
-    arcs = [geo.addCircleArc(a, centre, b) if a != b else 0 for a, b in zip(on_x, on_y, strict=True)]
+    arcs = [
+        geo.addCircleArc(a, centre, b) if a != b else 0 for a, b in zip(on_x, on_y, strict=True)
+    ]
     surfaces = []
     for i in range(len(radii) - 1):
         along_x = geo.addLine(on_x[i], on_x[i + 1])
         along_y = geo.addLine(on_y[i], on_y[i + 1])
         inner = [-arcs[i]] if arcs[i] else []
-        surfaces.append(geo.addPlaneSurface([geo.addCurveLoop([along_x, arcs[i + 1], -along_y, *inner])]))
+        surfaces.append(
+            geo.addPlaneSurface([geo.addCurveLoop([along_x, arcs[i + 1], -along_y, *inner])])
+        )
     geo.synchronize()
     return surfaces
 
@@ -79,7 +85,8 @@ def _read_rings(surfaces: Sequence[int]) -> Simplices:
     index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     index[tags] = np.arange(len(tags))
     parts = [
-        index[gmsh.model.mesh.getElementsByType(2, surface)[1]].reshape(-1, 3) for surface in surfaces
+        index[gmsh.model.mesh.getElementsByType(2, surface)[1]].reshape(-1, 3)
+        for surface in surfaces
     ]
     used, cells = np.unique(np.concatenate(parts), return_inverse=True)
     cells = cells.reshape(-1, 3)

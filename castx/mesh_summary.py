@@ -1,0 +1,138 @@
+"""Sizes of a mesh: what `castx check` shows before anything is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from math import factorial, pi
+
+from mpi4py import MPI
+
+import numpy as np
+from dolfinx.mesh import entities_to_geometry
+from numpy.typing import NDArray
+
+from castx.mesh import BodyMesh, CastingMesh
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class BodySummary:
+    """Sizes of one body, of the full turn when axisymmetric, per metre of depth in plane models.
+
+    Args:
+        name: of the body.
+        cells: number of elements.
+        nodes: number of nodes.
+        volume: of the body [m³].
+        surfaces: area of each named surface and of each face shared with another body [m²].
+        unnamed: area of outer faces without a name, which no boundary condition can reach [m²].
+    """
+
+    name: str
+    cells: int
+    nodes: int
+    volume: float
+    surfaces: dict[str, float]
+    unnamed: float
+
+
+@dataclass(frozen=True)
+class InterfaceSummary:
+    """Sizes of the surface that two bodies share.
+
+    Args:
+        bodies: their names.
+        pairs: number of node pairs.
+        area: of the surface [m²].
+    """
+
+    bodies: tuple[str, str]
+    pairs: int
+    area: float
+
+
+@dataclass(frozen=True)
+class MeshSummary:
+    """Sizes of a mesh.
+
+    Args:
+        lowest: smallest coordinates of all bodies (gdim,) [m].
+        highest: largest coordinates [m].
+        bodies: in the order of the case.
+        interfaces: all surfaces that two bodies share.
+    """
+
+    lowest: tuple[float, ...]
+    highest: tuple[float, ...]
+    bodies: tuple[BodySummary, ...]
+    interfaces: tuple[InterfaceSummary, ...]
+
+
+def mesh_summary(mesh: CastingMesh) -> MeshSummary:
+    """Measure a mesh; collective, the same on all ranks."""
+    gdim = mesh.parent.geometry.dim
+    points = mesh.parent.geometry.x[:, :gdim]
+    lowest, highest = np.full(gdim, np.inf), np.full(gdim, -np.inf)
+    if len(points):
+        lowest, highest = points.min(axis=0), points.max(axis=0)
+    mesh.comm.Allreduce(MPI.IN_PLACE, lowest, MPI.MIN)
+    mesh.comm.Allreduce(MPI.IN_PLACE, highest, MPI.MAX)
+    bodies = {name: _body_summary(mesh, body) for name, body in mesh.bodies.items()}
+    return MeshSummary(
+        tuple(map(float, lowest)),
+        tuple(map(float, highest)),
+        tuple(bodies.values()),
+        tuple(
+            InterfaceSummary((a, b), _count_nodes(mesh, a, b), bodies[a].surfaces[b])
+            for a, b in combinations(mesh.bodies, 2)
+            if b in mesh.bodies[a].surfaces
+        ),
+    )
+
+
+def _body_summary(mesh: CastingMesh, body: BodyMesh) -> BodySummary:
+    topology = body.mesh.topology
+    cells = topology.index_map(topology.dim)
+    owned = np.arange(cells.size_local, dtype=np.int32)
+    outer = _owned_outer_facets(body)
+    tags = np.zeros(topology.index_map(topology.dim - 1).size_local, dtype=np.int32)
+    tagged = body.facet_tags.indices < len(tags)
+    tags[body.facet_tags.indices[tagged]] = body.facet_tags.values[tagged]
+    measures = _measures(mesh, body, topology.dim - 1, outer)
+    surfaces = {s: measures[tags[outer] == tag].sum() for s, tag in body.surfaces.items()}
+    volume = _measures(mesh, body, topology.dim, owned).sum()
+    return BodySummary(
+        body.name,
+        cells.size_global,
+        body.nodes.dofmap.index_map.size_global,
+        float(mesh.comm.allreduce(volume)),
+        {name: float(mesh.comm.allreduce(area)) for name, area in surfaces.items()},
+        float(mesh.comm.allreduce(measures[tags[outer] == 0].sum())),
+    )
+
+
+def _owned_outer_facets(body: BodyMesh) -> IntArray:
+    topology = body.mesh.topology
+    cells = topology.connectivity(topology.dim - 1, topology.dim)
+    owned = topology.index_map(topology.dim - 1).size_local
+    return np.flatnonzero(np.diff(cells.offsets)[:owned] == 1).astype(np.int32)
+
+
+def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -> FloatArray:
+    """Length, area or volume of simplices, times 2πr when axisymmetric."""
+    corners = body.mesh.geometry.x[entities_to_geometry(body.mesh, dim, entities)]
+    edges = corners[:, 1:] - corners[:, :1]
+    gram = np.einsum("nia,nja->nij", edges, edges)
+    measures = np.sqrt(np.maximum(np.linalg.det(gram), 0.0)) / factorial(dim)
+    if mesh.model == "axisymmetric":
+        measures *= 2 * pi * corners[:, :, 0].mean(axis=1)
+    return measures
+
+
+def _count_nodes(mesh: CastingMesh, secondary: str, primary: str) -> int:
+    body = mesh.bodies[secondary]
+    owned = body.nodes.dofmap.index_map.size_local
+    return int(mesh.comm.allreduce(np.count_nonzero(body.surface_nodes(primary) < owned)))
