@@ -80,7 +80,7 @@ class PhasedTable:
 
 
 class SolidFractionEntry:
-    """The name of a law of solidification or its table, for `Annotated[str | TabulatedLaw, ...]`."""
+    """The name of a law of solidification or its table, for `Annotated[...]`."""
 
     def read(self, value: Any) -> str | TabulatedLaw:
         """Return the name, or the table without rows below its solidus and above its liquidus.
@@ -196,7 +196,7 @@ class MaterialDescription(Description):
             for key in ("solidus", "liquidus"):
                 own = getattr(self.solid_fraction, key)
                 if getattr(self, key) not in (None, own):
-                    text = f"the table solid_fraction says {own:g} °C; leave {key} out or change one"
+                    text = f"the table solid_fraction says {own:g} °C; leave {key} out"
                     yield Problem((key,), text)
         elif (self.solidus is None) != (self.liquidus is None):
             missing, given = ("solidus", "liquidus")[:: 1 if self.solidus is None else -1]
@@ -221,7 +221,8 @@ class MaterialDescription(Description):
 
     def _melting_problems(self, solidus: float, liquidus: float) -> Iterator[Problem]:
         if self.latent_heat is None:
-            yield Problem(("latent_heat",), "missing; a material that melts needs it (0 is allowed)")
+            text = "missing; a material that melts needs it (0 is allowed)"
+            yield Problem(("latent_heat",), text)
         alloy = self.solid_fraction in ALLOY_LAWS
         for key in ("partition_coefficient", "melting_point"):
             value = getattr(self, key)

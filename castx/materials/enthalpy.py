@@ -169,19 +169,16 @@ def _refined(knots: FloatArray, rise: Rise) -> FloatArray:
         start, end = knots[:-1], knots[1:]
         quarters = [start + part * (end - start) for part in (0.25, 0.5, 0.75)]
         total = rise(start, end)
-        distance = np.zeros_like(start)
+        coarse = np.zeros(start.shape, dtype=bool)
         for part, point in zip((0.25, 0.5, 0.75), quarters, strict=True):
             bow = np.abs(rise(start, point) - part * total)
-            distance = np.maximum(distance, bow * (end - start) / total)
-        coarse = distance > CURVE_TOLERANCE
+            coarse |= bow * (end - start) > CURVE_TOLERANCE * total
         if not coarse.any():
             return knots
         knots = np.sort(np.concatenate((knots, quarters[1][coarse])))
 
 
-def _join(
-    parts: list[tuple[FloatArray, FloatArray, FloatArray]], latent: float
-) -> EnthalpyCurve:
+def _join(parts: list[tuple[FloatArray, FloatArray, FloatArray]], latent: float) -> EnthalpyCurve:
     """Chain the pieces; where the fraction jumps, both knots stay and bound a plateau."""
     temperatures, enthalpies, fractions = (list(values) for values in parts[0])
     for knots, heights, part in parts[1:]:

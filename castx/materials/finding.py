@@ -81,8 +81,5 @@ def _replaced(own: MaterialDescription) -> set[str]:
     """Return the keys that a new law of solidification makes meaningless."""
     if "solid_fraction" not in own.model_fields_set or own.solid_fraction in ALLOY_LAWS:
         return set()
-    coefficients = {"partition_coefficient", "melting_point"}
-    return coefficients if isinstance(own.solid_fraction, str) else coefficients | {
-        "solidus",
-        "liquidus",
-    }
+    replaced = {"partition_coefficient", "melting_point"}
+    return replaced if isinstance(own.solid_fraction, str) else replaced | {"solidus", "liquidus"}

@@ -86,16 +86,17 @@ def outside_range(
 ) -> list[OutsideRange]:
     """Return the properties that temperatures from lowest to highest [°C] take out of range.
 
-    A property of the solid is not asked above the liquidus, one of the liquid not below the
-    solidus. Without a stated range a table holds between its ends and a number everywhere.
+    A property of the solid is not asked above the solidus, one of the liquid not below the
+    liquidus: that each goes on unchanged through the freezing range is part of the model. Without
+    a stated range a table holds between its ends and a number everywhere.
     """
-    solidus, liquidus = description.freezing_range or (lowest, highest)
+    solidus, liquidus = description.freezing_range or (highest, lowest)
     result = []
     for name, value in _values(description):
         valid = _valid(name, value, sources)
         flowing = "liquid" in name.split(".")
-        start = max(lowest, solidus) if flowing else lowest
-        end = highest if flowing or name in _BOTH_PHASES else min(highest, liquidus)
+        start = max(lowest, liquidus) if flowing else lowest
+        end = highest if flowing or name in _BOTH_PHASES else min(highest, solidus)
         if valid is not None and start <= end and not (valid[0] <= start and end <= valid[1]):
             result.append(OutsideRange(name, valid))
     return result
