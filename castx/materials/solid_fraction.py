@@ -56,7 +56,7 @@ class LeverLaw:
     """Equilibrium of a binary alloy with straight phase lines, diffusion complete in both phases.
 
     f_s = (T_l − T) / ((1 − k)(T_m − T)), at most 1; what is left at the solidus is eutectic.
-    Source: J. A. Dantzig, M. Rappaz, Solidification (2009), section 5.3 on the lever rule.
+    Source: the lever rule; M. C. Flemings, Solidification Processing (1974).
 
     Args:
         partition_coefficient: k, between 0 and 1.
@@ -88,7 +88,7 @@ class ScheilLaw:
     """Binary alloy with straight phase lines, no diffusion in the solid (Gulliver, Scheil).
 
     f_s = 1 − ((T_m − T)/(T_m − T_l))^(1/(k − 1)); what is left at the solidus is eutectic.
-    Source: E. Scheil, Z. Metallkunde 34 (1942) 70; Dantzig and Rappaz (2009), section 5.3.
+    Source: E. Scheil, Z. Metallkunde 34 (1942) 70.
 
     Args:
         partition_coefficient: k, between 0 and 1.
