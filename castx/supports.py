@@ -67,7 +67,7 @@ class FloatingMotions:
     Args:
         motions: rigid motions of all bodies in the unknowns, shape (motions, owned).
         weights: their images under the volume matrix: Mz for the motion z.
-        stiffness: G/L² of the bodies times their volume [N/m], the scale of the springs.
+        stiffness: G/L² of the bodies [Pa/m²], the scale of the springs per volume.
         comm: communicator of the unknowns.
     """
 
@@ -75,9 +75,10 @@ class FloatingMotions:
         self, motions: FloatArray, weights: FloatArray, stiffness: float, comm: MPI.Comm
     ) -> None:
         self.motions, self._comm = motions, comm
-        self._stiffness = STIFFNESS * stiffness
         # Springs see the mean motion: a volume-weighted inner product that integrates to one.
-        self._weights = weights / comm.allreduce(float(np.sum(motions[0] * weights[0])))
+        volume = comm.allreduce(float(np.sum(motions[0] * weights[0])))
+        self._stiffness = STIFFNESS * stiffness * volume
+        self._weights = weights / volume
 
     def find(self, held: BoolArray, constraint_values: FloatArray | None = None) -> Support | None:
         """Return the support of what floats, None if nothing does.
