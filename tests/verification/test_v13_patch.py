@@ -1,0 +1,65 @@
+"""V13: contact patch test, a stiff block on a soft one.
+
+Two blocks of equal width, 30 and 20 mm high, under a pressure p, without friction, sides free: the
+stress is σ_yy = -p in both, so the top of the base moves down by p h (1 - ν²)/E in plane strain and
+by p h/E in the other models. R. L. Taylor and P. Papadopoulos (1991), On a patch test for contact
+problems in two dimensions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.mechanical_problem import Contact
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    motion,
+    places,
+    pressures,
+    problem,
+    pushed,
+    stresses,
+)
+
+PRESSURE, POISSON, HEIGHT = 25e6, 0.33, 0.02
+YOUNG = {"upper": 70e9, "base": 7e9}
+MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
+FORMULATIONS = (("mixed", "osgs"), ("mixed", "gls"), ("displacement", "osgs"))
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize(("formulation", "stabilisation"), FORMULATIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_pressure_is_uniform_and_displacement_exact(
+    comm, model, formulation, stabilisation, method
+):
+    law = {"formulation": formulation, "stabilisation": stabilisation}
+    bodies = {name: body(elastic(young, POISSON), **law) for name, young in YOUNG.items()}
+    bodies["upper"] = body(
+        elastic(YOUNG["upper"], POISSON), **law, loads=(pushed("top", PRESSURE),)
+    )
+    made = problem(
+        blocks(comm, model), bodies, {"base": [fixed("bottom")]},
+        [Contact("upper", "base", method)],
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+
+    factor = 1 - POISSON**2 if model == "plane-strain" else 1.0
+    expected = -PRESSURE * HEIGHT * factor / YOUNG["base"]
+    up = 2 if model == "3d" else 1
+    top = np.abs(places(made, "base")[:, up]) < 1e-9
+    moved = everywhere(comm, motion(made, "base")[top, up])
+    np.testing.assert_allclose(moved, expected, rtol=1e-8)
+    np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
+    for name in YOUNG:
+        stress = stresses(comm, made, name)
+        np.testing.assert_allclose(stress[:, up], -PRESSURE, rtol=1e-8)
+        np.testing.assert_allclose(stress[:, 3:], 0.0, atol=1e-8 * PRESSURE)
+    if model == "plane-strain":
+        assert expected == pytest.approx(-6.365e-5, rel=1e-12)
+    assert made.equilibrium.support_force() < 1e-8 * PRESSURE * HEIGHT

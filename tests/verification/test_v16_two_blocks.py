@@ -1,0 +1,48 @@
+"""V16: two blocks pressed together (Chiumenti, section 10.1).
+
+E 1000 MPa on 10000 MPa, plane strain, ν 0.3, the top displaced by a given amount, so that the
+reaction is an answer. There is no closed form for a base that is wider: the methods are compared on
+one mesh, and for equal widths and free sides with the series of two layers,
+F = d b / ((1 - ν²) (H1/E1 + H2/E2)).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.mechanical_problem import Contact
+from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, pressures, problem
+
+YOUNG = {"upper": 1000e6, "base": 10000e6}
+POISSON, PUSH = 0.3, 1e-4
+
+
+def reaction(comm, method: str, base_width: float, formulation: str = "mixed") -> tuple[float, int]:
+    """Return the sum of the contact forces [N/m] and the number of closed pairs."""
+    mesh = blocks(comm, base=(base_width, 0.02), size=0.0025)
+    bodies = {n: body(elastic(E, POISSON), formulation=formulation) for n, E in YOUNG.items()}
+    made = problem(
+        mesh,
+        bodies,
+        {"base": [fixed("bottom")], "upper": [fixed("top", value=-PUSH)]},
+        [Contact("upper", "base", method)],
+    )
+    made.equilibrium.solve(0.0)
+    assert pressures(comm, made).min() >= 0.0
+    forces = everywhere(comm, made.equilibrium.pair_values()[1])
+    return float(forces.sum()), int(np.count_nonzero(forces))
+
+
+@pytest.mark.parametrize("formulation", ["mixed", "displacement"])
+@pytest.mark.parametrize("base_width", [0.02, 0.04])
+def test_methods_agree(comm, base_width, formulation):
+    multipliers = reaction(comm, "multipliers", base_width, formulation)
+    condensed = reaction(comm, "condensed", base_width, formulation)
+    assert multipliers[1] == condensed[1] > 0
+    assert condensed[0] == pytest.approx(multipliers[0], rel=1e-10)
+
+
+def test_equal_widths_are_springs_in_series(comm):
+    compliance = (1 - POISSON**2) * (0.03 / YOUNG["upper"] + 0.02 / YOUNG["base"]) / 0.01
+    assert reaction(comm, "condensed", 0.02)[0] == pytest.approx(PUSH / compliance, rel=1e-9)
