@@ -56,7 +56,7 @@ class LeverLaw:
     """Equilibrium of a binary alloy with straight phase lines, diffusion complete in both phases.
 
     f_s = (T_l − T) / ((1 − k)(T_m − T)), at most 1; what is left at the solidus is eutectic.
-    Source: the lever rule; M. C. Flemings, Solidification Processing (1974).
+    It is the lever rule, the balance of solute between both phases.
 
     Args:
         partition_coefficient: k, between 0 and 1.
