@@ -6,6 +6,8 @@ import numpy as np
 import ufl
 from dolfinx import fem, la
 
+from mpi4py import MPI
+
 from castx.forms import kinematics
 from castx.mesh import BodyMesh
 from castx.tables import FloatArray
@@ -37,3 +39,12 @@ def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
     )
     volumes.scatter_reverse(la.InsertMode.add)
     return np.asarray(volumes.array[: body.nodes.dofmap.index_map.size_local])
+
+
+def bounding_box(points: FloatArray, comm: MPI.Comm) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and highest coordinates of the points of all ranks, shape (dimension,)."""
+    low = np.ascontiguousarray(points.min(axis=0, initial=np.inf))
+    high = np.ascontiguousarray(points.max(axis=0, initial=-np.inf))
+    comm.Allreduce(MPI.IN_PLACE, low, op=MPI.MIN)
+    comm.Allreduce(MPI.IN_PLACE, high, op=MPI.MAX)
+    return low, high

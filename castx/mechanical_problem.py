@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from mpi4py import MPI
 from petsc4py import PETSc
 
 from castx.constraints import SurfaceDisplacement, fixed_directions
@@ -21,7 +20,7 @@ from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import DirectSolver, InnerSolver
-from castx.measures import nodal_volumes
+from castx.measures import bounding_box, nodal_volumes
 from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
@@ -154,7 +153,5 @@ class MechanicalProblem:
 
 def _extent(mesh: CastingMesh) -> float:
     """Return the largest edge of the box round all bodies [m]."""
-    x = mesh.parent.geometry.x
-    low = mesh.comm.allreduce(x.min(axis=0, initial=np.inf), op=MPI.MIN)
-    high = mesh.comm.allreduce(x.max(axis=0, initial=-np.inf), op=MPI.MAX)
+    low, high = bounding_box(mesh.parent.geometry.x, mesh.comm)
     return float((high - low).max())

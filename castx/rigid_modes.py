@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from mpi4py import MPI
 
+from castx.measures import bounding_box
 from castx.mechanics import BodyMechanics
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,8 +48,7 @@ def near_null_modes(body: BodyMechanics) -> FloatArray:
 
 
 def _rotations(points: FloatArray, comm: MPI.Comm) -> list[FloatArray]:
-    low = comm.allreduce(points.min(axis=0, initial=np.inf), op=MPI.MIN)
-    high = comm.allreduce(points.max(axis=0, initial=-np.inf), op=MPI.MAX)
+    low, high = bounding_box(points, comm)
     arms = (points - (low + high) / 2) / (np.linalg.norm(high - low) / 2)
     if points.shape[1] == 2:
         return [np.stack((-arms[:, 1], arms[:, 0]), axis=1)]
