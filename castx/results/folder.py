@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+import time
 from pathlib import Path
 
 from mpi4py import MPI
@@ -73,6 +74,6 @@ def clear_results(folder: Path) -> None:
 
 def write_whole(path: Path, text: str) -> None:
     """Write a text file so that a reader finds the old one or the whole new one, never a part."""
-    aside = path.with_name(f".{path.name}.{os.getpid()}")
+    aside = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}")
     aside.write_text(text, encoding="utf-8")
     aside.replace(path)

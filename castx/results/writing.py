@@ -58,11 +58,11 @@ class Results:
             mesh,
             self._solidification,
         )
-        self.record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
+        self._record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
 
     def __enter__(self) -> Self:
         if self._comm.rank == 0:
-            self.record.write(Reason.RUNNING)
+            self._record.write(Reason.RUNNING)
             clear_results(self._folder)
             (self._folder / FIELDS).mkdir(exist_ok=True)
         self._comm.Barrier()
@@ -71,12 +71,17 @@ class Results:
 
     def write(self, snapshot: Snapshot) -> None:
         """Take over the initial state or that after an accepted step; collective."""
-        self.record.update(snapshot)
+        self._record.update(snapshot)
         self._solidification.update(snapshot)
         self._probes.append(snapshot)
         if self._comm.rank == 0:
             self._history.append(snapshot)
         self._fields.update(snapshot)
+
+    def note_interruption(self) -> None:
+        """Write down at once that the run was interrupted, should it be killed before it can stop."""
+        if self._comm.rank == 0:
+            self._record.write(Reason.INTERRUPTED, "killed before the end of its step")
 
     def __exit__(
         self,
@@ -90,7 +95,7 @@ class Results:
         if reason is not Reason.FAILED:
             self._fields.write_pending()
         if self._comm.rank == 0 or reason is Reason.FAILED:
-            self.record.write(reason, "" if error is None else str(error))
+            self._record.write(reason, "" if error is None else str(error))
 
 
 def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
@@ -120,7 +125,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         interface.name: {
             "pairs": mesh.comm.allreduce(len(pairs[interface.name].secondary_local)),
             "contact": interface.contact.method,
-            "heat": interface.heat.law,
+            "heat": None if interface.heat is None else interface.heat.law,
         }
         for interface in case.interfaces
     }

@@ -1,0 +1,140 @@
+"""What `castx check` finds out before anything is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mpi4py import MPI
+
+from rich.console import Console
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from castx.case import Case
+from castx.materials import find_material
+from castx.mesh import build_mesh
+from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
+from castx.pairs import node_pairs
+from castx.results.probes import readings_of
+
+
+def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
+    """Build the mesh of a case, find its surfaces, pairs and probes in it, and show all; collective.
+
+    Raises:
+        CaseError: a probe lies outside its body.
+        MeshError: the mesh does not hold what the case asks of it.
+    """
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    pairs = {item.name: node_pairs(mesh, item.secondary, item.primary) for item in case.interfaces}
+    for boundary in case.boundaries:
+        mesh.bodies[boundary.body].surface_tag(boundary.surface)
+    for probe in case.probes:
+        readings_of(probe, mesh, pairs)
+    summary = mesh_summary(mesh)
+    low, high = (", ".join(f"{x:g}" for x in corner) for corner in (summary.lowest, summary.highest))
+    console.print(f"{case.name}: {case.geometry.model}, from ({low}) to ({high}) m", markup=False)
+    console.print(body_table(case, summary))
+    console.print(surface_table(case, summary))
+    console.print(size_text(case.geometry.model), markup=False)
+    for interface in summary.interfaces:
+        console.print(interface_text(case, interface), markup=False)
+    for warning in material_warnings(case):
+        console.print(f"warning: {warning}", markup=False, style="yellow")
+    console.print("the case can be run", markup=False)
+
+
+def body_table(case: Case, summary: MeshSummary) -> Table:
+    """Return the bodies with their materials and sizes."""
+    table = Table("body", "material", "initially", "law", "nodes", "cells", "volume, m³", box=SIMPLE_HEAD)
+    for body, sizes in zip(case.bodies, summary.bodies, strict=True):
+        table.add_row(
+            body.name,
+            body.material,
+            f"{body.temperature:g} °C",
+            f"{body.law}\n{body.formulation}",
+            str(sizes.nodes),
+            str(sizes.cells),
+            f"{sizes.volume:.4g}",
+        )
+    return table
+
+
+def size_text(model: str) -> str:
+    """Return what volumes and areas count for in a model."""
+    match model:
+        case "axisymmetric":
+            return "volumes and areas are those of the full turn"
+        case "3d":
+            return "volumes and areas are those of the meshed part"
+        case _:
+            return "volumes and areas are those of one metre of depth"
+
+
+def surface_table(case: Case, summary: MeshSummary) -> Table:
+    """Return the named surfaces with their areas and what the case asks of them."""
+    table = Table("surface", "area, m²", "conditions", box=SIMPLE_HEAD)
+    conditions = {
+        boundary.on: ", ".join(
+            [item.type for item in boundary.heat]
+            + [f"displacement {item.direction}" for item in boundary.displacement]
+            + (["pressure"] if boundary.pressure is not None else [])
+            + (["traction"] if boundary.traction is not None else [])
+        )
+        for boundary in case.boundaries
+    }
+    names = [body.name for body in case.bodies]
+    for body in summary.bodies:
+        for surface, area in body.surfaces.items():
+            if surface not in names:
+                on = f"{body.name}/{surface}"
+                table.add_row(on, f"{area:.4g}", conditions.get(on, free_text(surface)))
+        if body.unnamed > 0.0:
+            table.add_row(f"{body.name}, unnamed", f"{body.unnamed:.4g}", free_text(""))
+    return table
+
+
+def free_text(surface: str) -> str:
+    """Return what holds on a surface of which the case says nothing."""
+    if surface.startswith("symmetry-"):
+        return "insulated, displacement normal (symmetry)"
+    return "insulated, free"
+
+
+def interface_text(case: Case, summary: InterfaceSummary) -> str:
+    """Return one line about two bodies that touch."""
+    sizes = f"{summary.pairs} pairs, {summary.area:.4g} m²"
+    for interface in case.interfaces:
+        if set(interface.bodies) == set(summary.bodies):
+            heat = "none" if interface.heat is None else interface.heat.law
+            laws = f"contact {interface.contact.method}, heat {heat}"
+            return f"interface {interface.name}: {sizes}, {laws}"
+    return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"
+
+
+def material_warnings(case: Case) -> Iterator[str]:
+    """Yield what the temperatures of a case may ask of materials outside their ranges."""
+    low, high = temperature_range(case)
+    for body in case.bodies:
+        found: dict[tuple[float, float], list[str]] = {}
+        for item in find_material(body.material, case.materials).outside_range(low, high):
+            found.setdefault(item.valid, []).append(item.property)
+        for (start, end), properties in found.items():
+            yield (
+                f"{body.material} ({body.name}) is known from {start:g} to {end:g} °C, the temperatures "
+                f"of the case go from {low:g} to {high:g} °C; beyond its range stays constant: "
+                f"{', '.join(properties)}"
+            )
+
+
+def temperature_range(case: Case) -> tuple[float, float]:
+    """Return the lowest and the highest temperature that bodies and surroundings start with [°C]."""
+    found = [body.temperature for body in case.bodies]
+    tables = [body.temperature_history for body in case.bodies]
+    for boundary in case.boundaries:
+        for heat in boundary.heat:
+            tables.append(heat.value if heat.type == "temperature" else heat.ambient)
+    for table in tables:
+        if table is not None:
+            found += [float(table.values.min()), float(table.values.max())]
+    return min(found), max(found)

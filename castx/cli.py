@@ -1,0 +1,195 @@
+"""The command `castx`, and the exit codes that belong to what happened: the same on all ranks."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import traceback
+from collections.abc import Sequence
+from enum import IntEnum
+from pathlib import Path
+from typing import Annotated
+
+from mpi4py import MPI
+
+import click
+import typer
+from rich.console import Console
+from rich.logging import RichHandler
+
+from castx.errors import CaseError, ConvergenceError, MeshError
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value, for instance time.end=10."),
+]
+
+app = typer.Typer(
+    name="castx",
+    help="Thermo-mechanics of metal casting: solidification, stress, contact, air gaps.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+)
+
+
+class Exit(IntEnum):
+    """Exit codes of the command."""
+
+    DONE = 0
+    FAILED = 1
+    REFUSED = 2
+    NOT_CONVERGED = 3
+    INTERRUPTED = 130
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    sys.exit(execute(sys.argv[1:], MPI.COMM_WORLD))
+
+
+def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
+    """Run a command line and return its exit code.
+
+    What castx refuses or gives up is raised on all ranks and shown by rank 0. Anything else is a
+    bug that may have struck one rank alone, so that it ends all of them.
+    """
+    prepare_logging(comm)
+    try:
+        code = app(list(arguments), standalone_mode=False, obj=comm, prog_name="castx")
+        return int(code or Exit.DONE)
+    except click.ClickException as error:
+        if comm.rank == 0:
+            error.show()
+        return Exit.REFUSED
+    except (CaseError, MeshError) as error:
+        return say(comm, error, Exit.REFUSED)
+    except ConvergenceError as error:
+        return say(comm, f"not converged: {error}", Exit.NOT_CONVERGED)
+    except (KeyboardInterrupt, click.Abort):
+        return say(comm, "interrupted", Exit.INTERRUPTED)
+    except Exception:
+        traceback.print_exc()
+        sys.stderr.flush()
+        if comm.size > 1:
+            comm.Abort(Exit.FAILED)
+        return Exit.FAILED
+
+
+def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
+    """Show a message on the standard error output of rank 0 and return the exit code."""
+    if comm.rank == 0:
+        Console(stderr=True, soft_wrap=True).print(
+            f"castx: {message}", markup=False, highlight=False
+        )
+    return code
+
+
+def prepare_logging(comm: MPI.Intracomm) -> None:
+    """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
+    console = Console(stderr=True, soft_wrap=True)
+    handler = RichHandler(console=console, show_time=False, show_path=False, highlighter=None)
+    level = logging.INFO if comm.rank == 0 else logging.CRITICAL
+    logger = logging.getLogger("castx")
+    logger.handlers = [handler]
+    logger.setLevel(level)
+    logger.propagate = False
+
+
+def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
+    """Return the ranks, and a console that is silent on all but the first."""
+    comm: MPI.Intracomm = context.obj
+    return comm, Console(quiet=comm.rank != 0, soft_wrap=True, highlight=False)
+
+
+@app.command()
+def run(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Results folder, instead of output.folder.")
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Solve a case and write its results folder."""
+    from castx.environment import blas_advantage, blas_warning
+    from castx.running import run as run_case_file
+
+    comm, console = output_of(context)
+    if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
+        logging.getLogger(__name__).warning(warning)
+    folder = run_case_file(case_file, overrides or (), output=output, comm=comm)
+    console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
+
+
+@app.command()
+def check(context: typer.Context, case_file: CaseFile, overrides: Overrides = None) -> None:
+    """Validate a case, build its mesh and name its bodies, surfaces and interfaces; no solve."""
+    from castx.case import load_case
+    from castx.checking import check_case
+
+    comm, console = output_of(context)
+    check_case(load_case(case_file, overrides or ()), comm, console)
+
+
+@app.command()
+def mesh(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="PART.msh", help="The gmsh file to write.")
+    ],
+    overrides: Overrides = None,
+) -> None:
+    """Write the mesh of a case as a gmsh file."""
+    from castx.case import load_case
+    from castx.mesh_source import write_mesh
+
+    comm, console = output_of(context)
+    case = load_case(case_file, overrides or ())
+    refusal = None
+    if comm.rank == 0:
+        try:
+            write_mesh(case.geometry, output)
+        except MeshError as error:
+            refusal = str(error)
+    if (refusal := comm.bcast(refusal)) is not None:
+        raise MeshError(refusal)
+    console.print(f"written: {output}", markup=False)
+
+
+@app.command()
+def report(
+    context: typer.Context,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+) -> None:
+    """Write report.html, with curves and pictures, into a results folder."""
+    comm, console = output_of(context)
+    if comm.rank == 0:
+        from castx.report import write_report
+
+        console.print(f"written: {write_report(folder)}", markup=False)
+
+
+@app.command()
+def materials(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Argument(help="Show all numbers of this one.")] = None,
+) -> None:
+    """List the materials of the database, or the numbers of one with their sources."""
+    from castx.listing import material_list, material_table
+
+    _, console = output_of(context)
+    console.print(material_list() if name is None else material_table(name))
+
+
+@app.command()
+def info(context: typer.Context) -> None:
+    """Show the versions of castx and of what it runs on, and whether the BLAS is fast."""
+    from castx.environment import blas_advantage, blas_warning
+    from castx.listing import version_table
+
+    _, console = output_of(context)
+    console.print(version_table())
+    console.print(blas_warning(blas_advantage()) or "the BLAS in use is fast", markup=False)
