@@ -16,6 +16,7 @@ from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
+from castx.errors import ConvergenceError
 from castx.layout import Layout
 from castx.linear import Correction, InnerSolver, SystemOperator, SystemPreconditioner
 from castx.mechanics import BodyMechanics
@@ -138,7 +139,7 @@ class Equilibrium:
         self.x = contact.layout.create_vector()
         self._committed = self.x.array_r.copy()
         self._operator = SystemOperator(assembly.corrections())
-        self._preconditioner = SystemPreconditioner(self._operator, inner)
+        self._preconditioner = SystemPreconditioner(self._operator, inner, comm)
         self._matrix = _python_matrix(contact.layout, self._operator)
         self._residual_vector = contact.layout.create_vector()
         defaults = {"ksp_type": "fgmres", "ksp_max_it": 200, "snes_linesearch_type": "basic",
@@ -164,11 +165,23 @@ class Equilibrium:
         Raises:
             ConvergenceError: the iteration did not converge.
         """
-        self._time, self._fresh, self._changed = time, True, False
         for body in self._assembly.bodies:
             body.set_time(time)
-        self.active.begin()
         self._update_matrix()
+        start, closed = self.x.array_r.copy(), self.active.closed.copy()
+        try:
+            return self._try(time)
+        except ConvergenceError:
+            if self._preconditioner.is_fresh:
+                raise
+            # An outdated preconditioner may be all that went wrong.
+            self._preconditioner.discard()
+            self.x.array[:], self.active.closed = start, closed
+            return self._try(time)
+
+    def _try(self, time: float) -> EquilibriumReport:
+        self._time, self._fresh, self._changed = time, True, False
+        self.active.begin()
         report = self._solver.solve(self.x)
         return EquilibriumReport(
             report.iterations, report.linear_iterations, self.active.changes, report.residuals
@@ -224,8 +237,8 @@ class Equilibrium:
         values = self._contact.constraint_values(self._floating.motions, self.active.closed)
         return self._floating.find(held, values)
 
-    def _jacobian(self, _: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
-        self._preconditioner.refresh()
+    def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
+        self._preconditioner.refresh(snes.ksp.getIterationNumber())
         J.assemble()
 
     def _converged(

@@ -8,7 +8,7 @@ held unknowns and the floating motions exactly and leaves the assembled rest to 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,9 @@ BoolArray = npt.NDArray[np.bool_]
 Correction = Callable[[FloatArray, FloatArray], None]
 """Adds to its second argument, owned rows, the image of its first."""
 
+OUTDATED, OUTDATED_BY, MOST_CHANGED = 1.5, 4, 8
+"""Factor and number of iterations, and number of held unknowns, that a set-up may fall behind."""
+
 
 class InnerSolver(Protocol):
     """Approximate or exact inverse of an assembled matrix.
@@ -31,7 +34,7 @@ class InnerSolver(Protocol):
         defaults: PETSc options without the prefix.
     """
 
-    defaults: ClassVar[Mapping[str, object]]
+    defaults: Mapping[str, object]
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Prepare for a matrix whose held rows and columns are those of a diagonal."""
@@ -81,37 +84,65 @@ class SystemOperator:
 class SystemPreconditioner:
     """Eliminates held unknowns and floating motions exactly, the context of a python PC.
 
+    The inner solver is set up anew only when it has become too far from the matrix: when many more
+    unknowns are held or free, or when the last solve took many more iterations than the first.
+
     Args:
         operator: the operator to precondition.
         inner: solver of the assembled rest.
+        comm: ranks.
     """
 
-    def __init__(self, operator: SystemOperator, inner: InnerSolver) -> None:
-        self._operator, self._inner = operator, inner
-        self._masked: PETSc.Mat | None = None
+    def __init__(self, operator: SystemOperator, inner: InnerSolver, comm: MPI.Comm) -> None:
+        self._operator, self._inner, self._comm = operator, inner, comm
         self._work: list[PETSc.Vec] = []
+        self._set_up_for: BoolArray | None = None
+        self._masked: PETSc.Mat | None = None
+        self._first_iterations = 0
+        self.is_fresh = False
 
-    def refresh(self) -> None:
-        """Prepare for the operator as it now is."""
+    def refresh(self, iterations: int) -> None:
+        """Prepare for the operator as it now is.
+
+        Args:
+            iterations: that the last linear solve took.
+        """
         operator = self._operator
         assert operator.matrix is not None
         if not self._work:
             self._work = [operator.matrix.createVecRight() for _ in range(3)]
-        if self._masked is not None:
-            self._masked.destroy()
         held = operator.held.copy()
         if operator.support is not None:
             held[operator.support.pins] = True
-        self._masked = masked(operator.matrix, held)
-        self._inner.set_up(self._masked, held)
+        if self.is_fresh:
+            self._first_iterations = iterations
+        self.is_fresh = self._is_outdated(held, iterations)
+        if self.is_fresh:
+            if self._masked is not None:
+                self._masked.destroy()
+            self._masked = masked(operator.matrix, held)
+            self._inner.set_up(self._masked, held)
+            self._set_up_for = held
+
+    def _is_outdated(self, held: BoolArray, iterations: int) -> bool:
+        if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
+            return True
+        changed = int(np.count_nonzero(held != self._set_up_for))
+        return int(self._comm.allreduce(changed, op=MPI.SUM)) > MOST_CHANGED
+
+    def discard(self) -> None:
+        """Make the next `refresh` set the inner solver up anew."""
+        self._set_up_for = None
 
     def apply(self, _: PETSc.PC, r: PETSc.Vec, z: PETSc.Vec) -> None:
         """Set z to about the solution of the system for r."""
         operator, (fixed, rest, image) = self._operator, self._work
         held, support = operator.held, operator.support
         fixed.array[:] = np.where(held, r.array_r / operator.stiffness, 0.0)
-        operator.free_product(fixed, image)
-        rest.array[:] = np.where(held, 0.0, r.array_r - image.array_r)
+        rest.array[:] = np.where(held, 0.0, r.array_r)
+        if fixed.norm(PETSc.NormType.NORM_INFINITY) > 0:
+            operator.free_product(fixed, image)
+            rest.array[:] -= np.where(held, 0.0, image.array_r)
         if support is not None:
             resultants = support.resultants(rest.array_r)
             rest.array[:] -= resultants @ support.weights
@@ -149,40 +180,3 @@ def masked(matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
     keep.destroy()
     diagonal.destroy()
     return copy
-
-
-class DirectSolver:
-    """Sparse LU factorisation (MUMPS).
-
-    Args:
-        comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
-    """
-
-    defaults: ClassVar[Mapping[str, object]] = {
-        "ksp_type": "preonly",
-        "pc_type": "lu",
-        "pc_factor_mat_solver_type": "mumps",
-        "mat_mumps_icntl_14": 60,
-    }
-
-    def __init__(self, comm: MPI.Comm, prefix: str) -> None:
-        self._ksp = PETSc.KSP().create(comm)
-        self._ksp.setOptionsPrefix(prefix)
-        self._ready = False
-
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
-        """Factorise the matrix."""
-        self._ksp.setOperators(matrix)
-        if not self._ready:
-            self._ksp.setFromOptions()
-            self._ready = True
-        self._ksp.setUp()
-
-    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """Set x to the solution for b."""
-        self._ksp.solve(b, x)
-
-    def destroy(self) -> None:
-        """Free the factors."""
-        self._ksp.destroy()

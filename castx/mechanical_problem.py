@@ -19,15 +19,20 @@ from castx.coordinates import Coordinates
 from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
 from castx.errors import CaseError
 from castx.layout import Layout
-from castx.linear import DirectSolver, InnerSolver
+from castx.linear import InnerSolver
 from castx.measures import bounding_box, nodal_volumes
 from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
-from castx.rigid_modes import rigid_modes
+from castx.rigid_modes import near_null_modes, rigid_modes
+from castx.solvers import BodywiseMultigrid, DirectSolver
 from castx.supports import FloatingMotions
 
 FloatArray = npt.NDArray[np.float64]
+
+
+LARGEST_DIRECT = {2: 200_000, 3: 12_000}
+"""Unknowns up to which "automatic" solves directly, by dimension."""
 
 
 @dataclass(frozen=True)
@@ -116,11 +121,28 @@ class MechanicalProblem:
         else:
             contact = MultiplierContact(coordinates, self.gaps, stiffness)
         floating = self._floating(coordinates, contact, stiffness / _extent(mesh))
-        inner: InnerSolver = DirectSolver(mesh.comm, f"{PREFIX}bodies_")
+        inner = self._inner_solver(settings.linear, coordinates)
         self.equilibrium = Equilibrium(
             BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
             floating if settings.support else None, settings.tolerance, settings.options,
         )
+
+    def _inner_solver(self, linear: str, coordinates: Coordinates) -> InnerSolver:
+        parts = list(self.bodies.values())
+        if linear == "automatic":
+            small = self.layout.size_global <= LARGEST_DIRECT[parts[0].mesh.mesh.topology.dim]
+            linear = "direct" if small else "iterative"
+        prefix, comm = f"{PREFIX}bodies_", self.layout.comm
+        if linear == "direct":
+            return DirectSolver(comm, prefix)
+        modes = []
+        for b, body in enumerate(parts):
+            own = self.layout.local_slice(b)
+            forward = coordinates.to_coordinates.mult
+            modes.append(
+                np.array([self._image(forward, b, mode)[own] for mode in near_null_modes(body)])
+            )
+        return BodywiseMultigrid(comm, prefix, self.layout.index_sets(), modes)
 
     def _floating(
         self, coordinates: Coordinates, contact: ContactSystem, stiffness: float

@@ -1,0 +1,158 @@
+"""Inner solvers of the mechanics: LU for small systems, multigrid by bodies for large ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+MULTIGRID: Mapping[str, object] = {
+    "ksp_type": "preonly",
+    "pc_type": "gamg",
+    "pc_gamg_threshold": 0.0,
+    "pc_gamg_coarse_eq_limit": 1000,
+    "pc_gamg_reuse_interpolation": True,
+    "mg_levels_ksp_type": "richardson",
+    "mg_levels_pc_type": "sor",
+}
+"""Multigrid of one body, symmetric indefinite where its pressure is an unknown."""
+
+
+class DirectSolver:
+    """Sparse LU factorisation (MUMPS).
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+    """
+
+    def __init__(self, comm: MPI.Comm, prefix: str) -> None:
+        self.defaults: Mapping[str, object] = {
+            "ksp_type": "preonly",
+            "pc_type": "lu",
+            "pc_factor_mat_solver_type": "mumps",
+            "mat_mumps_icntl_14": 60,
+        }
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self._ready = False
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Factorise the matrix."""
+        self._ksp.setOperators(matrix)
+        if not self._ready:
+            self._ksp.setFromOptions()
+            self._ready = True
+        self._ksp.setUp()
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the solution for b."""
+        self._ksp.solve(b, x)
+
+    def destroy(self) -> None:
+        """Free the factors."""
+        self._ksp.destroy()
+
+
+class BodywiseMultigrid:
+    """One multiplicative sweep over the bodies, each by algebraic multigrid, on a MatNest.
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        parts: owned global indices of each body, with its block size.
+        modes: near-null vectors of each body, shape (vectors, owned unknowns of the body).
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        prefix: str,
+        parts: Sequence[PETSc.IS],
+        modes: Sequence[FloatArray],
+    ) -> None:
+        self.defaults: Mapping[str, object] = {
+            "ksp_type": "preonly",
+            "pc_type": "fieldsplit",
+            "pc_fieldsplit_type": "multiplicative",
+        } | {
+            f"fieldsplit_{b}_{name}": value
+            for b in range(len(parts))
+            for name, value in MULTIGRID.items()
+        }
+        self._comm, self._prefix = comm, prefix
+        self._parts, self._modes = list(parts), list(modes)
+        self._blocks: list[list[PETSc.Mat]] = []
+        self._nest: PETSc.Mat | None = None
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Split the matrix into its blocks and build the multigrid hierarchies."""
+        if self._nest is None:
+            self._blocks = [
+                [matrix.createSubMatrix(row, column) for column in self._parts]
+                for row in self._parts
+            ]
+            self._attach_modes(held)
+            self._nest = PETSc.Mat().createNest(
+                self._blocks, isrows=self._parts, iscols=self._parts, comm=self._comm
+            )
+            self._ksp.setOperators(self._nest)
+            self._ksp.pc.setType("fieldsplit")
+            self._ksp.pc.setFieldSplitIS(
+                *((str(b), part) for b, part in enumerate(self._nest.getNestISs()[0]))
+            )
+            self._ksp.setFromOptions()
+        else:
+            for row, blocks in zip(self._parts, self._blocks, strict=True):
+                for column, block in zip(self._parts, blocks, strict=True):
+                    matrix.createSubMatrix(row, column, block)
+            self._nest.assemble()
+            self._ksp.setOperators(self._nest)
+        self._ksp.setUp()
+
+    def _attach_modes(self, held: BoolArray) -> None:
+        start = 0
+        for b, modes in enumerate(self._modes):
+            block, size = self._blocks[b][b], modes.shape[1]
+            vectors = []
+            for mode in modes:
+                vector = block.createVecRight()
+                vector.array[:] = np.where(held[start : start + size], 0.0, mode)
+                vectors.append(vector)
+            start += size
+            block.setNearNullSpace(PETSc.NullSpace().create(vectors=orthonormal(vectors)))
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the result of one sweep for b."""
+        self._ksp.solve(b, x)
+
+    def destroy(self) -> None:
+        """Free the hierarchies and blocks."""
+        self._ksp.destroy()
+        if self._nest is not None:
+            self._nest.destroy()
+        for block in (block for blocks in self._blocks for block in blocks):
+            block.destroy()
+
+
+def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Orthonormalise vectors in place (Gram-Schmidt, twice); return those that are independent."""
+    kept: list[PETSc.Vec] = []
+    for vector in vectors:
+        size = vector.norm()
+        for _ in range(2):
+            for other in kept:
+                vector.axpy(-vector.dot(other), other)
+        if vector.norm() > 1e-8 * size:
+            vector.normalize()
+            kept.append(vector)
+    return kept
