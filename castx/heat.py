@@ -12,7 +12,7 @@ import numpy as np
 from castx.errors import CaseError, ConvergenceError
 from castx.exchange import HeatExchange
 from castx.heat_boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
-from castx.heat_system import HeatSystem, converged, jacobian, residual
+from castx.heat_system import HeatSystem, converged, jacobian, residual, shorten_step
 from castx.layout import Layout
 from castx.ledger import Account, Ledger
 from castx.mesh import CastingMesh
@@ -37,11 +37,11 @@ ITERATIVE: dict[str, Any] = {
     "pc_type": "bjacobi",
     "sub_pc_type": "ilu",
 }
-# The full step: a search for a smaller residual hurts (a front needs it to grow on its way).
+# A search for a smaller residual hurts: a front needs it to grow on its way (see `shorten_step`).
 NEWTON: dict[str, Any] = {
     "snes_type": "newtonls",
     "snes_linesearch_type": "basic",
-    "snes_max_it": 30,
+    "snes_max_it": 50,
     "snes_stol": 0.0,
 }
 
@@ -130,6 +130,7 @@ class HeatProblem:
             matrix=self._system.matrix,
             options=_default_options(linear, self._layout, mesh) | dict(options or {}),
             converged=partial(converged, self._system, tolerance),
+            step_rule=partial(shorten_step, self._system),
         )
         self._unknown = self._layout.create_vector()
         self._ledger = self._open_ledger(exchanges)

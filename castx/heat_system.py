@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from petsc4py import PETSc
 
@@ -17,6 +18,9 @@ from castx.heat_boundaries import SurfaceFlux, SurfaceTemperature
 from castx.layout import Layout
 from castx.tables import FloatArray
 from castx.thermal_body import ThermalBody
+
+FULL_STEPS = 3
+"""Newton steps of a solve that are taken in full before `shorten_step` looks at them."""
 
 ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 """Balance below which the residual is round-off, relative to the terms that cancel in it."""
@@ -247,6 +251,11 @@ class HeatSystem:
             T[part] = body.owned_temperature
             dT[part] = body.temperature_slope() * self._slope.array_r[part]
 
+    @property
+    def temperature(self) -> FloatArray:
+        """Temperature of the owned nodes of all bodies at the last state [°C]."""
+        return np.asarray(self._temperature.array_r)
+
     def evaluate(self, x: PETSc.Vec) -> None:
         """Evaluate the balance of every node, with what the groups and givers feed left out."""
         self.set_unknown(x)
@@ -344,6 +353,40 @@ def residual(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -
 def jacobian(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
     """Callback of SNES."""
     system.assemble_jacobian(x)
+
+
+def shorten_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+    """Callback of SNES: after some full steps, go to the critical point along the Newton step.
+
+    The balances are nearly the gradient of a convex potential of the temperatures. Full steps can
+    run in a cycle between melting and solid nodes where the step in time is large; the point at
+    which the balances do no work on the change of temperature, F(x − λy)·(T(x − y) − T(x)) = 0,
+    ends it. (A smaller norm of the residual is no guide: a moving front needs it to grow.)
+
+    Source: critical-point line search as in P. R. Brune, M. G. Knepley, B. F. Smith, X. Tu, SIAM
+    Review 57 (2015), section 4; measured from 10 to 40 000 of α Δt/h².
+    """
+    if snes.getIterationNumber() < FULL_STEPS:
+        return False
+    system.set_unknown(x)
+    start = system.temperature.copy()
+    change, trial, balance = x.duplicate(), x.duplicate(), x.duplicate()
+
+    def work(part: float) -> float:
+        trial.waxpy(-part, y, x)
+        system.evaluate(trial)
+        system.gather_residual(balance)
+        return float(balance.dot(change))
+
+    trial.waxpy(-1.0, y, x)
+    system.set_unknown(trial)
+    change.array[:] = system.temperature - start
+    shorten = work(1.0) > 0.0 > work(0.0)
+    if shorten:
+        y.scale(brentq(work, 0.0, 1.0, xtol=1e-9, rtol=1e-9, disp=False))
+    for vector in (change, trial, balance):
+        vector.destroy()
+    return shorten
 
 
 def converged(

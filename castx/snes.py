@@ -14,6 +14,7 @@ from castx.errors import ConvergenceError
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 Jacobian = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Mat, PETSc.Mat], None]
 ConvergenceTest = Callable[[PETSc.SNES, int, tuple[float, float, float]], Any]
+StepRule = Callable[[PETSc.Vec, PETSc.Vec, PETSc.SNES], bool]
 Options = Mapping[str, Any]
 
 
@@ -48,6 +49,8 @@ class NonlinearSolver:
         preconditioner: what the preconditioner is built from.
         options: PETSc options without the prefix; a value of None stands for a bare flag.
         converged: convergence test of the iteration; by default that of PETSc.
+        step_rule: may change the Newton step y, after which the line search tries x − y; says
+            whether it did.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class NonlinearSolver:
         preconditioner: PETSc.Mat | None = None,
         options: Options,
         converged: ConvergenceTest | None = None,
+        step_rule: StepRule | None = None,
     ) -> None:
         self.name = name
         self.prefix = prefix
@@ -74,6 +78,8 @@ class NonlinearSolver:
             self.snes.setFromOptions()
         if converged is not None:
             self.snes.setConvergenceTest(converged)
+        if step_rule is not None:
+            self.snes.setLineSearchPreCheck(step_rule, args=(self.snes,))
         self.snes.setConvergenceHistory()
 
     @contextmanager
