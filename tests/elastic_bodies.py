@@ -186,6 +186,14 @@ def stresses(comm: MPI.Intracomm, made: MechanicalProblem, name: str) -> FloatAr
     return everywhere(comm, part.stress()[:cells])
 
 
+def centres(comm: MPI.Intracomm, made: MechanicalProblem, name: str) -> FloatArray:
+    """Return the midpoints of the cells of `stresses`, (cells, dimension)."""
+    part = made.bodies[name]
+    points = part.mesh.nodes.tabulate_dof_coordinates()[:, : part.dimension]
+    cells = part.mesh.mesh.topology.index_map(part.mesh.mesh.topology.dim).size_local
+    return everywhere(comm, points[part.cell_nodes[:cells]].mean(axis=1))
+
+
 def sorted_by_place(points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return points and rows of values in an order that only the places decide."""
     scale = np.abs(points).max()

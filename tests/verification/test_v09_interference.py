@@ -1,0 +1,92 @@
+"""V9: shrink fit of a shaft in a hub (Lamé).
+
+A solid shaft of radius a in a hub of outer radius b with radial overlap δ, plane stress, without
+friction: p (C1 + C2) = δ with C1 = a (1 - ν1)/E1 and C2 = a/E2 ((b² + a²)/(b² - a²) + ν2); in the hub
+σ_θ(r) = p a²/(b² - a²) (1 + b²/r²), in the shaft σ_r = σ_θ = -p. S. P. Timoshenko and J. N. Goodier,
+Theory of Elasticity, 3rd ed., section 28.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.mechanical_problem import Contact
+from tests.elastic_bodies import (
+    at,
+    body,
+    centres,
+    elastic,
+    gaps,
+    generated,
+    pressures,
+    problem,
+    stresses,
+)
+
+INNER, OUTER, OVERLAP = 0.03, 0.06, 25e-6
+SHAFT, HUB = (68e9, 0.33), (205e9, 0.29)
+SHAFT_COMPLIANCE = INNER * (1 - SHAFT[1]) / SHAFT[0]
+RATIO = (OUTER**2 + INNER**2) / (OUTER**2 - INNER**2)
+HUB_COMPLIANCE = INNER / HUB[0] * (RATIO + HUB[1])
+PRESSURE = OVERLAP / (SHAFT_COMPLIANCE + HUB_COMPLIANCE)
+
+
+def fitted(comm, n: int, method: str = "condensed"):
+    """Return the problem with n elements on the radius of each body."""
+    mesh = generated(
+        comm, "plane-stress", "core_in_ring", ["core", "casting"],
+        core_radius=INNER, outer_radius=OUTER, size=INNER / n,
+    )  # fmt: skip
+    bodies = {"core": body(elastic(*SHAFT)), "casting": body(elastic(*HUB))}
+    overlap = Contact("casting", "core", method, lambda points: np.full(len(points), -OVERLAP))
+    made = problem(mesh, bodies, {}, [overlap])
+    made.equilibrium.solve(0.0)
+    return made
+
+
+def hoop_stresses(comm, made) -> tuple[np.ndarray, np.ndarray]:
+    """Return radius and hoop stress in the cells of the hub."""
+    middle, stress = centres(comm, made, "casting"), stresses(comm, made, "casting")
+    radius = np.hypot(*middle.T)
+    c, s = middle.T / radius
+    return radius, stress[:, 0] * s**2 + stress[:, 1] * c**2 - 2 * stress[:, 3] * s * c
+
+
+def errors(comm, n: int) -> tuple[float, float]:
+    """Return the relative errors of the pressure at its worst node and of σ_θ in the mean square."""
+    made = fitted(comm, n)
+    radius, hoop = hoop_stresses(comm, made)
+    exact = PRESSURE * INNER**2 / (OUTER**2 - INNER**2) * (1 + OUTER**2 / radius**2)
+    worst = np.abs(pressures(comm, made) / PRESSURE - 1).max()
+    return float(worst), float(np.sqrt(np.mean((hoop / exact - 1) ** 2)))
+
+
+def test_reference_numbers():
+    assert pytest.approx(42.960516e6, rel=1e-7) == PRESSURE
+    assert PRESSURE * RATIO == pytest.approx(71.600860e6, rel=1e-7)
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+def test_pressure_hoop_stress_and_displacement(comm, method):
+    made = fitted(comm, 32, method)
+    np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=0.01)
+    assert np.abs(gaps(comm, made)).max() < 1e-12
+    radius, hoop = hoop_stresses(comm, made)
+    near = radius < INNER * (1 + 4 / 32)
+    at_bore = np.polynomial.Polynomial.fit(radius[near], hoop[near], 2)(INNER)
+    assert at_bore == pytest.approx(PRESSURE * RATIO, rel=0.01)
+    for x, y in ((INNER, 0.0), (0.0, INNER)):
+        assert np.hypot(*at(comm, made, "casting", x, y)[:2]) == pytest.approx(
+            PRESSURE * HUB_COMPLIANCE, rel=0.01
+        )
+        assert np.hypot(*at(comm, made, "core", x, y)[:2]) == pytest.approx(
+            PRESSURE * SHAFT_COMPLIANCE, rel=0.01
+        )
+    assert made.equilibrium.support_force() == 0.0
+
+
+def test_error_falls_with_the_element_size(comm):
+    coarse, fine = errors(comm, 8), errors(comm, 16)
+    assert coarse[0] > 1.6 * fine[0]
+    assert coarse[1] > 1.6 * fine[1]

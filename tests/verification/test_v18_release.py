@@ -1,0 +1,106 @@
+"""V18: an elastic cube cut by an inclined plane closes when heated and opens when cooled.
+
+The x faces are held in x, the y faces in y, the z faces free. Heated by ΔT above the stress-free
+temperature each part is in the state σ_xx = σ_yy = -E α ΔT/(1 - ν), σ_zz = 0 (Timoshenko and Goodier,
+Theory of Elasticity, 3rd ed., section 149, a plate that cannot expand in its plane), hydrostatic in the
+x-y plane, so that every plane with its normal in x-y carries this pressure and no shear.
+"""
+
+from __future__ import annotations
+
+import gmsh
+import numpy as np
+import pytest
+
+from castx.mechanical_problem import Contact
+from tests.elastic_bodies import (
+    STRESS_FREE,
+    body,
+    drawn,
+    elastic,
+    everywhere,
+    fixed,
+    gaps,
+    heat,
+    motion,
+    places,
+    pressures,
+    problem,
+    stresses,
+)
+
+SIDE, LAMBDA, MU, EXPANSION = 0.1, 52e9, 26e9, 2.2e-5
+YOUNG = MU * (3 * LAMBDA + 2 * MU) / (LAMBDA + MU)
+POISSON = LAMBDA / (2 * (LAMBDA + MU))
+LOW, HIGH = 0.35 * SIDE, 0.6 * SIDE
+"""Where the cut meets the faces y = 0 and y = SIDE."""
+
+
+def draw_cut_cube() -> None:
+    """Two prisms in z on quadrilaterals left and right of the cut."""
+    size, geo = SIDE / 5, gmsh.model.geo
+    corners = ((0, 0), (LOW, 0), (SIDE, 0), (SIDE, SIDE), (HIGH, SIDE), (0, SIDE))
+    points = [geo.addPoint(x, y, 0.0, size) for x, y in corners]
+    cut = geo.addLine(points[1], points[4])
+    edges = [geo.addLine(points[i], points[(i + 1) % 6]) for i in range(6)]
+    plans = ((edges[0], cut, edges[4], edges[5]), (edges[1], edges[2], edges[3], -cut))
+    extruded = [
+        geo.extrude([(2, geo.addPlaneSurface([geo.addCurveLoop(list(plan))]))], 0, 0, SIDE)
+        for plan in plans
+    ]
+    geo.synchronize()
+    names = (("y-low", None, "y-high", "x-low"), ("y-low", "x-high", "y-high", None))
+    surfaces: dict[str, list[int]] = {}
+    for part, entities, sides in zip(("left", "right"), extruded, names, strict=True):
+        gmsh.model.addPhysicalGroup(3, [entities[1][1]], name=part)
+        for name, (_, surface) in zip(sides, entities[2:], strict=True):
+            if name is not None:
+                surfaces.setdefault(name, []).append(surface)
+    for name, tags in surfaces.items():
+        gmsh.model.addPhysicalGroup(2, tags, name=name)
+    gmsh.model.mesh.generate(3)
+
+
+def cut_cube(comm, folder, law: dict, method: str):
+    mesh = drawn(comm, "3d", ["left", "right"], folder / "cube.msh", draw_cut_cube)
+    part = body(elastic(YOUNG, POISSON, EXPANSION), **law)
+    held = {
+        "left": [fixed("x-low", "x"), fixed("y-low", "y"), fixed("y-high", "y")],
+        "right": [fixed("x-high", "x"), fixed("y-low", "y"), fixed("y-high", "y")],
+    }
+    contact = Contact("left", "right", method)
+    return problem(mesh, {"left": part, "right": part}, held, [contact])
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("law", [{}, {"stabilisation": "gls"}, {"formulation": "displacement"}])
+def test_uniform_pressure_then_release(comm, shared_tmp_path, law, method):
+    made = cut_cube(comm, shared_tmp_path, law, method)
+    for excess in (10.0, 4.0):
+        heat(made, STRESS_FREE + excess)
+        made.equilibrium.solve(0.0)
+        expected = YOUNG * EXPANSION * excess / (1 - POISSON)
+        np.testing.assert_allclose(pressures(comm, made), expected, rtol=1e-8)
+        assert np.abs(gaps(comm, made)).max() < 1e-12
+        for name in made.bodies:
+            stress = stresses(comm, made, name)
+            np.testing.assert_allclose(stress[:, :2], -expected, rtol=1e-8)
+            np.testing.assert_allclose(stress[:, 2:], 0.0, atol=1e-8 * expected)
+            height = everywhere(comm, places(made, name))[:, 2]
+            strain = (1 + POISSON) / (1 - POISSON) * EXPANSION * excess
+            np.testing.assert_allclose(
+                everywhere(comm, motion(made, name))[:, 2],
+                strain * (height - SIDE / 2),
+                atol=1e-7 * strain * SIDE,
+            )
+        made.equilibrium.commit()
+    assert YOUNG * EXPANSION * 10.0 / (1 - POISSON) == pytest.approx(2.288e7, rel=1e-12)
+
+    for excess in (-0.5, -1.0, -30.0):
+        heat(made, STRESS_FREE + excess)
+        report = made.equilibrium.solve(0.0)
+        assert np.all(pressures(comm, made) == 0.0)
+        assert gaps(comm, made).min() > 0.0
+        assert (report.contact_changes > 0) == (excess == -0.5)
+        made.equilibrium.commit()
+    assert made.equilibrium.support_force() < 1e-8 * 2.288e7 * SIDE**2
