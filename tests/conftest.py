@@ -17,7 +17,12 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+import hypothesis
 import pytest
+
+# Examples that differ between ranks would end in different collective calls.
+hypothesis.settings.register_profile("ranks", derandomize=True, database=None, deadline=None)
+hypothesis.settings.load_profile("ranks")
 
 GRACE_SECONDS = 30.0
 WORLD = MPI.COMM_WORLD
@@ -51,7 +56,7 @@ def collect_garbage() -> Iterator[None]:
 def pytest_configure(config: pytest.Config) -> None:
     """Leave printing and result files to rank 0."""
     if WORLD.rank > 0:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  the reporter keeps what it finds here
+        sys.stdout = open(os.devnull, "w")  # the reporter keeps what it finds here
         config.option.xmlpath = None
 
 
@@ -90,16 +95,18 @@ def pytest_runtest_makereport(
 
 
 def wait_for_other_ranks(report: pytest.TestReport) -> None:
-    """Wait until all ranks have finished this phase; end the run if a failure here keeps them from it."""
+    """Wait until all ranks have finished this phase; end the run if a failure here stops them."""
     arrival = VERDICTS.Ibarrier()
     give_up = time.monotonic() + (GRACE_SECONDS if report.failed else float("inf"))
     while not arrival.Test():
         time.sleep(0.001)
         if time.monotonic() > give_up:
-            sys.__stderr__.write(
-                f"\n{report.nodeid} ({report.when}) failed on rank {WORLD.rank}, and the other ranks "
-                f"did not finish it within {GRACE_SECONDS:g} s: the run ends here.\n"
-                f"{report.longreprtext}\n"
+            print(
+                f"\n{report.nodeid} ({report.when}) failed on rank {WORLD.rank}, and the other "
+                f"ranks did not finish it within {GRACE_SECONDS:g} s: the run ends here.",
+                report.longreprtext,
+                sep="\n",
+                file=sys.__stderr__,
+                flush=True,
             )
-            sys.__stderr__.flush()
             WORLD.Abort(1)
