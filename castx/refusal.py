@@ -26,8 +26,8 @@ _TEXTS = {
     "string_type": "a text in quotes is needed",
     "string_too_long": "at most {max_length} characters are allowed",
     "tuple_type": "a list is needed: [...], or [[...]] above each entry",
-    "dict_type": "a table of keys is needed: { key = value, ... }",
-    "model_type": "a table of keys is needed: { key = value, ... }",
+    "dict_type": "a table of keys is needed: {{ key = value, ... }}",
+    "model_type": "a table of keys is needed: {{ key = value, ... }}",
     "too_short": "at least {min_length} needed, there are {actual_length}",
     "too_long": "at most {max_length} allowed",
     "missing": "missing; this key is needed",
@@ -57,9 +57,7 @@ class Refusal(CaseError):
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__(
-            "; ".join(f"{dotted(problem.path)}: {problem.text}" for problem in self.problems)
-        )
+        super().__init__("; ".join(_line(problem, None) for problem in self.problems))
 
     def inside(self, *path: str | int) -> Refusal:
         """Return the same problems as seen from outside the value at `path`."""
@@ -146,11 +144,12 @@ def summary(source: str, problems: Sequence[Problem], data: Any) -> str:
 
 
 def _line(problem: Problem, data: Any) -> str:
+    """Return `path = value: text`, without what there is not."""
     where = dotted(problem.path)
     for key in problem.path:
         try:
             data = data[key]
         except (LookupError, TypeError):
             return f"{where}: {problem.text}"
-    shown = f"{where} = {show(data)}" if not isinstance(data, dict) else where
+    shown = where if isinstance(data, dict) or not where else f"{where} = {show(data)}"
     return f"{shown}: {problem.text}" if shown else problem.text
