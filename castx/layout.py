@@ -80,6 +80,6 @@ class Layout:
 
     def from_functions(self, functions: Sequence[Function], vector: PETSc.Vec) -> None:
         """Copy the owned values of one function per body into a vector."""
-        with vector.localForm() as local:
+        with vector as values:
             for body, function in enumerate(functions):
-                local.array_w[self.local_slice(body)] = function.x.array[: self._sizes[body]]
+                values[self.local_slice(body)] = function.x.array[: self._sizes[body]]

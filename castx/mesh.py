@@ -49,6 +49,14 @@ class BodyMesh:
     parent_vertices: IntArray
     nodes_on: dict[str, IntArray] = field(repr=False)
 
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Coordinates of the local nodes (nodes, gdim) [m], exactly as meshed."""
+        geometry = self.mesh.geometry
+        points = np.empty((len(self.parent_vertices), geometry.dim))
+        points[self.nodes.dofmap.list.ravel()] = geometry.x[geometry.dofmap.ravel(), : geometry.dim]
+        return points
+
     def surface_tag(self, name: str) -> int:
         """The tag of a surface.
 
@@ -129,6 +137,8 @@ def _on_rank_zero(comm: MPI.Comm, task: Callable[[], T]) -> T | None:
             result = task()
         except Exception as error:  # any failure has to reach the other ranks
             failure, message = error, str(error)
+            if not isinstance(error, MeshError):
+                message = f"making the mesh failed: {type(error).__name__}: {error}"
     message = comm.bcast(message)
     if message is not None:
         raise MeshError(message) from failure

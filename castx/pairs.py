@@ -62,7 +62,6 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
     local = local[local < node_map.size_local]
     facing = _nodes_at_vertices(mesh, mesh.bodies[primary])
     areas, vectors = _nodal_areas(mesh, body, primary)
-    gdim = mesh.parent.geometry.dim
     length = np.linalg.norm(vectors[local], axis=1)
     _check_normals(mesh, body, local, length < 1e-9 * areas[local])
     return NodePairs(
@@ -71,7 +70,7 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
         node_map.local_to_global(local),
         local,
         facing[body.parent_vertices[local]],
-        body.nodes.tabulate_dof_coordinates()[local, :gdim],
+        body.points[local],
         areas[local],
         -vectors[local],
         -vectors[local] / length[:, None],
@@ -118,7 +117,7 @@ def _assembled(form: ufl.Form) -> FloatArray:
 def _check_normals(
     mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: NDArray[np.bool_]
 ) -> None:
-    points = mesh.comm.allgather(body.nodes.tabulate_dof_coordinates()[local[bad]])
+    points = mesh.comm.allgather(body.points[local[bad]])
     found = np.concatenate(points)
     if len(found):
         place = ", ".join(f"{x:g}" for x in found[0])
