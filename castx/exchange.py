@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
-
-from petsc4py import PETSc
 
 from castx.layout import Layout
 from castx.pairs import NodePairs
@@ -78,7 +78,7 @@ class PairExchange:
         return np.asarray(self.areas / self.resistance * difference)
 
     def add_heat(self, heat: FloatArray, balance: PETSc.Vec) -> None:
-        """Add the heat that leaves the nodes to their balance: `heat` on one side, −`heat` there."""
+        """Add what leaves the nodes to their balance: `heat` at the secondary, −`heat` there."""
         balance.array[self.local] += heat
         self._primary.add(-heat, balance)
 

@@ -12,7 +12,8 @@ import numpy as np
 from castx.errors import CaseError, ConvergenceError
 from castx.exchange import HeatExchange
 from castx.heat_boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
-from castx.heat_system import HeatSystem, converged, jacobian, residual, shorten_step
+from castx.heat_iteration import converged, jacobian, residual, shorten_step
+from castx.heat_system import HeatSystem
 from castx.layout import Layout
 from castx.ledger import Account, Ledger
 from castx.mesh import CastingMesh
@@ -127,7 +128,7 @@ class HeatProblem:
             partial(residual, self._system),
             partial(jacobian, self._system),
             vector=self._system.residual,
-            matrix=self._system.matrix,
+            matrix=self._system.jacobian.matrix,
             options=_default_options(linear, self._layout, mesh) | dict(options or {}),
             converged=partial(converged, self._system, tolerance),
             step_rule=partial(shorten_step, self._system),
@@ -142,7 +143,11 @@ class HeatProblem:
         """Open the ledger and book the heat that evens out bonded nodes at the start."""
         names, system = list(self.temperature), self._system
         accounts = [Account(f"{name}.source", number) for number, name in enumerate(names)]
-        for condition in (*system.fluxes, *system.temperatures):
+        conditions: list[SurfaceFlux | SurfaceTemperature] = [
+            *system.fluxes,
+            *system.temperatures,
+        ]
+        for condition in conditions:
             accounts.append(Account(f"{condition.name}.heat", names.index(condition.body.name)))
         for exchange in exchanges:
             to, origin = exchange.pairs.primary, exchange.pairs.secondary

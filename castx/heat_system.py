@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
-from scipy.optimize import brentq
 
 from petsc4py import PETSc
+
+import numpy as np
 
 from castx.bonds import Bonds, gather_links
 from castx.exchange import HeatExchange, PairExchange
 from castx.heat_boundaries import SurfaceFlux, SurfaceTemperature
+from castx.heat_jacobian import HeatJacobian
 from castx.layout import Layout
 from castx.tables import FloatArray
 from castx.thermal_body import ThermalBody
-
-FULL_STEPS = 3
-"""Newton steps of a solve that are taken in full before `shorten_step` looks at them."""
 
 ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 """Balance below which the residual is round-off, relative to the terms that cancel in it."""
@@ -75,8 +70,7 @@ class HeatSystem:
         self._create_vectors()
         self._create_exchanges(exchanges)
         self._create_prescribed()
-        self._create_pattern()
-        self.matrix = self._create_matrix()
+        self.jacobian = HeatJacobian(layout, self.bodies, self.exchanges, self.bonds)
 
     def _create_vectors(self) -> None:
         create = self.layout.create_vector
@@ -129,48 +123,6 @@ class HeatSystem:
     def _start_of(self, body: ThermalBody) -> int:
         return self._parts[self.bodies.index(body)].start
 
-    def _create_pattern(self) -> None:
-        """Number the rows and columns of all blocks of the Jacobian."""
-        self._blocks = []
-        for number, body in enumerate(self.bodies):
-            matrix = body.conduction
-            columns = self.layout.dofs(number, body.column_nodes, 0)
-            rows = self._unknowns(columns[: body.owned])
-            owner = np.repeat(np.arange(body.owned), np.diff(matrix.indptr))
-            diagonal = np.flatnonzero(matrix.indices == owner)
-            pointers = matrix.indptr.astype(PETSc.IntType)
-            self._blocks.append(
-                (pointers, self._unknowns(columns)[matrix.indices], rows, diagonal)
-            )
-        self._pair_blocks = []
-        for exchange in self.exchanges:
-            if exchange is not None:
-                dofs = (exchange.secondary_dofs, exchange.primary_dofs)
-                rows = np.column_stack([self._unknowns(numbers) for numbers in dofs])
-                columns = np.repeat(rows[:, None, :], 2, axis=1).ravel()
-                pointers = np.arange(0, len(columns) + 1, 2, dtype=PETSc.IntType)
-                self._pair_blocks.append((exchange, pointers, columns, rows.ravel()))
-
-    def _unknowns(self, dofs: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        return dofs if self.bonds is None else self.bonds.unknowns(dofs)
-
-    def _create_matrix(self) -> PETSc.Mat:
-        size = (self.layout.size_local, self.layout.size_global)
-        matrix = PETSc.Mat().create(self.layout.comm)
-        matrix.setSizes((size, size))
-        matrix.setType(PETSc.Mat.Type.AIJ)
-        matrix.setUp()
-        matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        # Idle rows get no entry from the blocks, but a direct solver wants their diagonal.
-        start, end = matrix.getOwnershipRange()
-        rows = np.arange(start, end, dtype=PETSc.IntType)
-        pointers = np.arange(len(rows) + 1, dtype=PETSc.IntType)
-        matrix.setValuesIJV(pointers, rows, np.zeros(len(rows)), PETSc.InsertMode.ADD, rows)
-        self._add_blocks(matrix)
-        matrix.assemble()
-        matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
-        return matrix
-
     def enthalpy(self) -> FloatArray:
         """Return a copy of the enthalpies of the owned nodes of all bodies [J/m³]."""
         return np.concatenate(
@@ -211,7 +163,9 @@ class HeatSystem:
             if exchange is not None and values is not None:
                 exchange.set_resistance(*values, part)
 
-    def begin(self, previous: FloatArray, guess: FloatArray, time: float, step: float) -> FloatArray:
+    def begin(
+        self, previous: FloatArray, guess: FloatArray, time: float, step: float
+    ) -> FloatArray:
         """Start a step and return the first guess of the unknown.
 
         Args:
@@ -296,31 +250,17 @@ class HeatSystem:
         return Balance(float(residual), float(max(storage, through)), float(rounding))
 
     def assemble_jacobian(self, x: PETSc.Vec) -> None:
-        """Assemble the derivative of the residual into `matrix`."""
+        """Assemble the derivative of the residual into `jacobian.matrix`."""
         self.set_unknown(x)
-        self.matrix.zeroEntries()
-        self._add_blocks(self.matrix)
-        self.matrix.assemble()
-        typical = self.volumes.sum() / max(len(self.volumes), 1)
-        typical = self.layout.comm.allreduce(typical) / self.layout.comm.size
-        self.matrix.zeroRows(self._fixed_dofs, typical / self.step)
-
-    def _add_blocks(self, matrix: PETSc.Mat) -> None:
-        add = PETSc.InsertMode.ADD
         dT = self._temperature_slope.array_r
         diagonal = self.volumes * self._slope.array_r / self.step
         for flux in self.fluxes:
             _, slope = flux.evaluate(self.time)
             nodes = self._start_of(flux.body) + flux.nodes
             diagonal[nodes] -= slope * dT[nodes]
-        for body, part, block in zip(self.bodies, self._parts, self._blocks, strict=True):
-            pointers, columns, rows, places = block
-            values = body.conduction_slope(dT[part])
-            values[places] += diagonal[part]
-            matrix.setValuesIJV(pointers, columns, values, add, rows)
-        for exchange, pointers, columns, rows in self._pair_blocks:
-            values = exchange.derivatives(self._temperature_slope).ravel()
-            matrix.setValuesIJV(pointers, columns, values, add, rows)
+        self.jacobian.assemble(diagonal, self._temperature_slope)
+        typical = self.layout.comm.allreduce(self.volumes.sum()) / self.layout.size_global
+        self.jacobian.matrix.zeroRows(self._fixed_dofs, typical / self.step)
 
     def flows(self) -> FloatArray:
         """Return the rates of heat on this rank [W]: sources, fluxes, givers, interfaces."""
@@ -341,66 +281,4 @@ class HeatSystem:
 
     def destroy(self) -> None:
         """Free the PETSc objects."""
-        self.matrix.destroy()
-
-
-def residual(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
-    """Callback of SNES."""
-    system.evaluate(x)
-    system.gather_residual(F)
-
-
-def jacobian(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
-    """Callback of SNES."""
-    system.assemble_jacobian(x)
-
-
-def shorten_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
-    """Callback of SNES: after some full steps, go to the critical point along the Newton step.
-
-    The balances are nearly the gradient of a convex potential of the temperatures. Full steps can
-    run in a cycle between melting and solid nodes where the step in time is large; the point at
-    which the balances do no work on the change of temperature, F(x − λy)·(T(x − y) − T(x)) = 0,
-    ends it. (A smaller norm of the residual is no guide: a moving front needs it to grow.)
-
-    Source: critical-point line search as in P. R. Brune, M. G. Knepley, B. F. Smith, X. Tu, SIAM
-    Review 57 (2015), section 4; measured from 10 to 40 000 of α Δt/h².
-    """
-    if snes.getIterationNumber() < FULL_STEPS:
-        return False
-    system.set_unknown(x)
-    start = system.temperature.copy()
-    change, trial, balance = x.duplicate(), x.duplicate(), x.duplicate()
-
-    def work(part: float) -> float:
-        trial.waxpy(-part, y, x)
-        system.evaluate(trial)
-        system.gather_residual(balance)
-        return float(balance.dot(change))
-
-    trial.waxpy(-1.0, y, x)
-    system.set_unknown(trial)
-    change.array[:] = system.temperature - start
-    shorten = work(1.0) > 0.0 > work(0.0)
-    if shorten:
-        y.scale(brentq(work, 0.0, 1.0, xtol=1e-9, rtol=1e-9, disp=False))
-    for vector in (change, trial, balance):
-        vector.destroy()
-    return shorten
-
-
-def converged(
-    system: HeatSystem,
-    tolerance: float,
-    snes: PETSc.SNES,
-    iteration: int,
-    norms: tuple[float, float, float],
-) -> Any:
-    """Callback of SNES: the residual against the heat that is moved, not against the first one."""
-    reasons = PETSc.SNES.ConvergedReason
-    if not np.isfinite(norms[2]):
-        return reasons.DIVERGED_FNORM_NAN
-    balance = system.balance()
-    if balance.residual <= tolerance * balance.moved + balance.rounding:
-        return reasons.CONVERGED_FNORM_ABS
-    return reasons.ITERATING
+        self.jacobian.destroy()

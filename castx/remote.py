@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import numpy.typing as npt
-
 from petsc4py import PETSc
+
+import numpy.typing as npt
 
 from castx.tables import FloatArray
 

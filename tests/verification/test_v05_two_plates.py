@@ -1,0 +1,49 @@
+"""V5: steady heat through two plates with a given resistance between them.
+
+Formula: q = (T_hot − T_cold) / (L/k + 1/h + L/k), exact with linear elements and nodal exchange.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.heat_boundaries import SurfaceHeat
+from castx.tables import Table
+from castx.thermal_body import HeatBody
+from tests.verification.heat_strips import casting_on_mould, material, profile, strip
+
+THICKNESS, CONDUCTIVITY, EXCHANGE, COLD, HOT = 0.495, 40.0, 80.0, 100.0, 300.0
+FLUX = (HOT - COLD) / (2 * THICKNESS / CONDUCTIVITY + 1 / EXCHANGE)
+
+
+def test_flux_and_wall_temperatures(comm):
+    mesh = strip(comm, size=THICKNESS / 9, length=THICKNESS, mould_length=THICKNESS)
+    steel = material(heat_capacity=4e6, conductivity=CONDUCTIVITY)
+    given = {"casting": HOT, "mould": COLD}
+    heat = casting_on_mould(
+        mesh,
+        [HeatBody(name, steel, 20.0) for name in given],
+        "resistance",
+        [
+            SurfaceHeat(body=name, surface="far", kind="temperature", value=Table.constant(value))
+            for name, value in given.items()
+        ],
+    )
+    owned = mesh.bodies["casting"].nodes.dofmap.index_map.size_local
+    pairs = np.count_nonzero(mesh.bodies["casting"].surface_nodes("mould") < owned)
+    resistance = np.full(pairs, 1 / EXCHANGE)
+    for k in range(3):
+        heat.advance(k * 1e9, 1e9, [(resistance, resistance)])
+        before = heat.totals()
+        heat.commit()
+    after = heat.totals()
+    passed = {name: (after[name] - before[name]) / 1e9 / (THICKNESS / 9) for name in after}
+    assert pytest.approx(5369.13, abs=5e-3) == FLUX
+    assert passed["casting/mould.heat"] == pytest.approx(FLUX, rel=1e-6)
+    assert passed["casting/far.heat"] == pytest.approx(FLUX, rel=1e-6)
+    assert passed["mould/far.heat"] == pytest.approx(-FLUX, rel=1e-6)
+    walls = {name: profile(mesh, heat, name) for name in given}
+    assert walls["casting"][1][0] == pytest.approx(233.557, abs=5e-4)
+    assert walls["mould"][1][-1] == pytest.approx(166.443, abs=5e-4)
+    assert walls["casting"][1][0] == pytest.approx(HOT - FLUX * THICKNESS / CONDUCTIVITY, rel=1e-6)
