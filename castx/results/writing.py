@@ -116,6 +116,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
             "material": body.material,
             "law": body.law,
             "temperature": body.temperature,
+            "freezes": freezing_range(case, body.material),
             "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
             "cells": cell_count(mesh, body.name),
         }
@@ -138,6 +139,14 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         "interfaces": interfaces,
         "ranks": mesh.comm.size,
     }
+
+
+def freezing_range(case: Case, name: str) -> list[float] | None:
+    """Return solidus and liquidus of a material [°C], None if it does not melt."""
+    material = find_material(name, case.materials)
+    if material.solidus is None or material.liquidus is None:
+        return None
+    return [material.solidus, material.liquidus]
 
 
 def cell_count(mesh: CastingMesh, body: str) -> int:
