@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,7 +46,8 @@ class MechanicalBody:
         law: thermo-elastic law.
         formulation: "mixed" or "displacement".
         stabilisation: "osgs" or "gls"; acts in the mixed formulation.
-        body_force: force per volume [N/m³], one number for each direction.
+        body_force: force per volume [N/m³], one number for each direction, or a UFL vector as a
+            function of the position.
         loads: loads on surfaces.
         starts_liquid: whether the body has no solid at the start.
     """
@@ -54,7 +55,7 @@ class MechanicalBody:
     law: ThermoElasticLaw
     formulation: str = "mixed"
     stabilisation: str = "osgs"
-    body_force: Sequence[float] = ()
+    body_force: Sequence[float] | Callable[[Any], Any] = ()
     loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
     starts_liquid: bool = False
 
@@ -110,8 +111,13 @@ class BodyMechanics:
 
     def _create_loads(self) -> None:
         mesh = self.mesh.mesh
-        force = self.description.body_force or (0.0,) * self.dimension
-        self.body_force = fem.Constant(mesh, np.array(force[: self.dimension], dtype=np.float64))
+        force = self.description.body_force
+        if callable(force):
+            self.body_force = force(ufl.SpatialCoordinate(mesh))
+        else:
+            components = np.zeros(self.dimension)
+            components[: len(force)] = force[: self.dimension]
+            self.body_force = fem.Constant(mesh, components)
         self._load_values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
         for load in self.description.loads:
             tables = load.traction if load.pressure is None else (load.pressure,)
@@ -149,7 +155,6 @@ class BodyMechanics:
                 u, eta, self._cell_state, model, x, dx
             )
         self._jacobian_form = fem.form(ufl.derivative(F, w))
-        self._internal_form = fem.form(F)
         F -= momentum.body_force_work(eta, self.body_force, dx_p)
         F -= self._surface_work(eta)
         self._residual_form = fem.form(F)
@@ -227,10 +232,6 @@ class BodyMechanics:
             )
         return b
 
-    def internal_forces(self) -> FloatArray:
-        """Return the internal forces of the owned unknowns, the scale of the residual."""
-        return self._assemble(self._internal_form)
-
     def _assemble(self, form: fem.Form) -> FloatArray:
         b = self._residual
         b.array[:] = 0
@@ -297,9 +298,8 @@ class Projection:
         )
         self._weight = la.vector(nodes.dofmap.index_map)
         self._gradient = create_matrix(self._gradient_form)
-        self._pressure, self._force = self._gradient.createVecs()[0], None
+        self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
         self._projected = self._gradient.createVecLeft()
-        self._force = self._gradient.createVecRight()
         self._dimension = body.dimension
 
     def assemble(self) -> None:
