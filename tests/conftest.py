@@ -70,6 +70,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Refuse to start when the ranks found different tests."""
+    gc.freeze()  # what the imports made stays, and need not be searched after each test
     found = (session.testsfailed, [item.nodeid for item in session.items])
     if any(other != found for other in VERDICTS.allgather(found)):
         pytest.exit("the ranks did not collect the same tests", returncode=2)
@@ -85,11 +86,13 @@ def pytest_runtest_makereport(
         return report
     wait_for_other_ranks(report)
     verdicts = VERDICTS.allgather((report.outcome, report.longreprtext))
-    outcomes = [outcome for outcome, _ in verdicts]
-    if "failed" in outcomes or len(set(outcomes)) > 1:
+    outcomes = {outcome for outcome, _ in verdicts}
+    if "failed" in outcomes or len(outcomes) > 1:
         report.outcome = "failed"
         report.longrepr = "\n".join(
-            f"---- rank {rank}: {outcome}\n{text}" for rank, (outcome, text) in enumerate(verdicts)
+            f"---- {verdict[0]} on ranks {[rank for rank, own in enumerate(verdicts) if own == verdict]}"
+            f"\n{verdict[1]}"
+            for verdict in dict.fromkeys(verdicts)
         )
     return report
 

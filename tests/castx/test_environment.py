@@ -7,6 +7,8 @@ import pytest
 import castx
 from castx import environment
 
+pytestmark = pytest.mark.serial
+
 
 def test_versions_name_castx_and_what_it_stands_on(monkeypatch):
     monkeypatch.setattr(environment, "PACKAGES", ("numpy", "no-such-package"))
@@ -20,7 +22,6 @@ def test_every_package_of_the_record_is_known():
     assert "missing" not in environment.versions().values()
 
 
-@pytest.mark.serial
 def test_this_environment_has_a_fast_blas():
     assert environment.blas_warning(environment.blas_advantage()) is None
 
