@@ -142,7 +142,9 @@ class BodyMechanics:
         dx_p = cell_measure(self.mesh, model, 2)
         if self.mixed:
             self.tau = stabilisation.tau(
-                self._shear_modulus, stabilisation.element_length(mesh, self.dimension)
+                self._shear_modulus,
+                stabilisation.element_length(mesh, self.dimension),
+                stabilisation.CONSTANTS[self.description.stabilisation],
             )
             F = momentum.mixed_internal_virtual_work(
                 u, p, eta, q, self._cell_state, model, x, dx, dx_p
