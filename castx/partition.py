@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from castx.gmsh_import import FloatArray, IntArray
 
-CUT_WEIGHT = 0.1
+CUT_WEIGHT = 0.05
 """Weight of cut faces against the imbalance of the bodies."""
 
 SKEW = 1e-7

@@ -1,0 +1,51 @@
+"""Spacing of nodes along a line."""
+
+import numpy as np
+import pytest
+
+from castx.meshes.grading import Sizing, graded, require_positive, uniform
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.mark.parametrize(
+    "length, size, even, intervals",
+    [(0.1, 0.01, False, 10), (0.1, 0.03, False, 4), (0.1, 0.03, True, 4), (0.1, 0.02, True, 6)],
+)
+def test_uniform_spacing_takes_the_fewest_intervals_within_the_size(length, size, even, intervals):
+    positions = uniform(length, size, even)
+    assert len(positions) == intervals + 1
+    assert positions[0] == 0.0 and positions[-1] == length
+
+
+def test_graded_spacing_starts_at_the_interface_size_and_ends_at_the_size():
+    positions = graded(0.1, Sizing(0.01, 0.001))
+    steps = np.diff(positions)
+    assert positions[0] == 0.0 and positions[-1] == 0.1
+    assert steps[0] == pytest.approx(0.001, rel=0.1)
+    assert 0.8 * 0.01 < steps[-1] <= 0.01
+    assert (np.diff(steps) > 0).all()
+
+
+def test_a_higher_order_of_growth_keeps_the_cells_small_for_longer():
+    linear, cubic = (graded(0.1, Sizing(0.01, 0.001, order)) for order in (1.0, 3.0))
+    assert cubic[len(cubic) // 2] < 0.1 / 2
+    assert np.searchsorted(cubic, 0.05) > 1.3 * np.searchsorted(linear, 0.05)
+
+
+@pytest.mark.parametrize(
+    "sizes, text",
+    [
+        ((0.0,), "size must be positive, got 0 m"),
+        ((0.01, 0.02), "interface_size must be positive and at most the size of 0.01 m, got 0.02"),
+        ((0.01, 0.001, -1.0), "order_of_growth must be positive, got -1"),
+    ],
+)
+def test_impossible_sizes_are_refused(sizes, text):
+    with pytest.raises(ValueError, match=text):
+        Sizing(*sizes)
+
+
+def test_lengths_are_refused_by_name():
+    with pytest.raises(ValueError, match="wall must be positive, got -1 m"):
+        require_positive(radius=1.0, wall=-1.0)
