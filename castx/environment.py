@@ -18,7 +18,6 @@ PACKAGES = (
     "mpi4py",
     "gmsh",
     "numpy",
-    "numba",
     "pyvista",
     "adios4dolfinx",
 )

@@ -111,6 +111,13 @@ def test_packages_of_the_build_are_the_folders_on_disk():
         assert (PROJECT / package.replace(".", "/")).resolve() == PROJECT / folder
 
 
+def test_build_takes_every_other_file_along():
+    build = tomllib.loads((PROJECT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    taken = {path for glob in build["package-data"]["castx"] for path in (PROJECT / "castx").glob(glob)}
+    files = {path for path in (PROJECT / "castx").rglob("*") if path.is_file()}
+    assert taken == {path for path in files if path.suffix not in {".py", ".pyc"}}
+
+
 def test_every_folder_of_the_library_is_a_package():
     without = {path.parent for path in LIBRARY if not (path.parent / "__init__.py").exists()}
     assert not without
