@@ -15,6 +15,7 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from petsc4py import PETSc
 
 from castx.constitutive import BirthHistory, CellState, ThermoElasticLaw
+from castx.constraints import FixedDirections
 from castx.forms import kinematics, momentum, stabilisation
 from castx.measures import cell_measure, surface_measure
 from castx.mesh import BodyMesh
@@ -70,9 +71,16 @@ class BodyMechanics:
         body: mesh of the body.
         model: geometric model.
         description: law, formulation and loads.
+        planes: symmetry planes, behind which the body goes on as its mirror image.
     """
 
-    def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
+    def __init__(
+        self,
+        body: BodyMesh,
+        model: str,
+        description: MechanicalBody,
+        planes: Sequence[FixedDirections] = (),
+    ) -> None:
         self.name = body.name
         self.mesh = body
         self.model = model
@@ -89,7 +97,7 @@ class BodyMechanics:
         self._create_loads()
         self._create_forms()
         self._residual = la.vector(self.space.dofmap.index_map, self.block_size)
-        self.projection = Projection(self) if self._uses_osgs else None
+        self.projection = Projection(self, planes) if self._uses_osgs else None
 
     @property
     def _uses_osgs(self) -> bool:
@@ -284,11 +292,14 @@ class BodyMechanics:
 class Projection:
     """The lumped, τ-weighted projection Π of the pressure gradient of one body (OSGS).
 
+    On symmetry planes Π has no normal component: that of the mirror image would cancel it.
+
     Args:
         body: the body, in the mixed formulation.
+        planes: its symmetry planes.
     """
 
-    def __init__(self, body: BodyMechanics) -> None:
+    def __init__(self, body: BodyMechanics, planes: Sequence[FixedDirections]) -> None:
         mesh, nodes = body.mesh.mesh, body.mesh.nodes
         vectors = fem.functionspace(mesh, ("Lagrange", 1, (body.dimension,)))
         dx = cell_measure(body.mesh, body.model, 2)
@@ -303,6 +314,9 @@ class Projection:
         self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
         self._projected = self._gradient.createVecLeft()
         self._dimension = body.dimension
+        self._mirrored, self._in_planes = _tangential(
+            planes, nodes.dofmap.index_map.size_local, body.dimension
+        )
 
     def assemble(self) -> None:
         """Assemble the operator for the present shear moduli."""
@@ -322,7 +336,21 @@ class Projection:
         owned = self._pressure.getLocalSize()
         self._pressure.array[:] = pressure[:owned]
         self._gradient.mult(self._pressure, self._projected)
-        weight = self._weight.array[:owned]
-        self._projected.array[:] /= np.repeat(weight, self._dimension)
+        projected = self._projected.array.reshape(-1, self._dimension)
+        projected /= self._weight.array[:owned, None]
+        mirrored = self._mirrored
+        projected[mirrored] = np.einsum("nij,nj->ni", self._in_planes, projected[mirrored])
         self._gradient.multTranspose(self._projected, self._force)
         return self._scale**2 * self._force.array
+
+
+def _tangential(
+    planes: Sequence[FixedDirections], owned: int, dimension: int
+) -> tuple[npt.NDArray[np.intp], FloatArray]:
+    """Return the owned nodes on planes and projectors on the directions that all planes allow."""
+    normals = np.zeros((owned, len(planes), dimension))
+    for k, plane in enumerate(planes):
+        normals[plane.nodes, k] = plane.directions
+    nodes = np.flatnonzero(normals.any(axis=(1, 2)))
+    normals = normals[nodes]
+    return nodes, np.eye(dimension) - np.linalg.pinv(normals, rcond=1e-6) @ normals
