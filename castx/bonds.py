@@ -290,6 +290,7 @@ def _add_tree_weights(weights: FloatArray, ends: IntArray, interfaces: IntArray)
     behind = np.eye(len(members))
     for node in order[:0:-1]:
         behind[before[node]] += behind[node]
-        link = np.flatnonzero((np.sort(local, axis=1) == sorted((node, before[node]))).all(axis=1))[0]
+        between = (np.sort(local, axis=1) == sorted((node, before[node]))).all(axis=1)
+        link = np.flatnonzero(between)[0]
         sign = 1.0 if local[link, 1] == node else -1.0
         weights[interfaces[link], members] += sign * behind[node]

@@ -1,5 +1,4 @@
-"""Conduction potential θ(T) = ∫k dT of a material (Kirchhoff's transform), the variable in which
-conduction is linear.
+"""Conduction potential θ(T) = ∫k dT of a material, in which conduction is linear (Kirchhoff).
 
 Along the enthalpy curve the conductivity is a function of temperature alone, k(T, f_s(T)), and with
 k∇T = ∇θ one constant matrix serves every step and iteration. At a melting front, where k jumps, the

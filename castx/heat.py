@@ -23,8 +23,12 @@ from castx.thermal_body import HeatBody, ThermalBody
 
 PREFIX = "castx_heat_"
 
-LARGEST_DIRECT = {2: 200_000, 3: 4_000}
-"""Unknowns up to which "automatic" solves directly, by dimension."""
+LARGEST_DIRECT = {2: 100_000, 3: 2_000}
+"""Unknowns up to which "automatic" solves directly, by dimension of the mesh.
+
+Measured on a cylinder: in 3-D GMRES is 1.7 times faster at 3200 nodes, 5 times at 13 000; in 2-D
+equally fast at 16 000 nodes with steps of 5 s, slower with longer steps.
+"""
 
 DIRECT: dict[str, Any] = {
     "ksp_type": "preonly",
