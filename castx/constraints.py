@@ -22,6 +22,9 @@ IntArray = npt.NDArray[np.int32]
 
 ZERO = Table.constant(0.0)
 
+PARALLEL = 1e-6
+"""Sine below which two directions are the same."""
+
 
 @dataclass(frozen=True)
 class FixedDirections:
@@ -41,6 +44,21 @@ class FixedDirections:
     value: Table | None = ZERO
     symmetry: bool = False
 
+    def cancel(self, vectors: FloatArray, nodes: IntArray, owned: int) -> None:
+        """Remove from sums over a surface what the mirror image behind this one cancels.
+
+        Args:
+            vectors: at nodes, changed in place, shape (n, dimension).
+            nodes: local numbers of owned nodes, shape (n,).
+            owned: number of owned nodes of the body.
+        """
+        position = np.full(owned, -1)
+        position[self.nodes] = np.arange(len(self.nodes))
+        found = position[nodes]
+        here = found >= 0
+        e = self.directions[found[here]]
+        vectors[here] -= np.sum(vectors[here] * e, axis=1, keepdims=True) * e
+
 
 @dataclass(frozen=True)
 class SurfaceDisplacement:
@@ -55,6 +73,11 @@ class SurfaceDisplacement:
     surface: str
     direction: str
     value: Table | None = ZERO
+
+    @property
+    def symmetry(self) -> bool:
+        """Whether the body goes on as its mirror image behind the surface."""
+        return self.surface.startswith("symmetry-") and self.direction == "normal"
 
 
 def fixed_directions(
@@ -73,23 +96,24 @@ def fixed_directions(
         for surface in sorted(body.surfaces)
         if surface.startswith("symmetry-") and surface not in named
     ]
-    found = []
-    for condition in [*planes, *conditions]:
-        found.extend(_directions_on_surface(body, model, condition))
-    if model == "axisymmetric":
-        found.append(_axis(body))
+    found = [_axis(body)] if model == "axisymmetric" else []
+    for condition in sorted([*planes, *conditions], key=lambda c: not c.symmetry):
+        mirrors = [directions for directions in found if directions.symmetry]
+        found.extend(_directions_on_surface(body, model, condition, mirrors))
     return found
 
 
 def _directions_on_surface(
-    body: BodyMesh, model: str, condition: SurfaceDisplacement
+    body: BodyMesh,
+    model: str,
+    condition: SurfaceDisplacement,
+    mirrors: Sequence[FixedDirections],
 ) -> list[FixedDirections]:
     nodes = body.surface_nodes(condition.surface)
     owned = nodes[nodes < body.nodes.dofmap.index_map.size_local]
-    symmetry = condition.surface.startswith("symmetry-") and condition.direction == "normal"
     dimension = body.mesh.geometry.dim
     if condition.direction == "normal":
-        vectors = [surface_normals(body, model, condition.surface)[owned]]
+        vectors = [_unit_normals(body, model, condition.surface, owned, mirrors)]
     else:
         axes = _axes(model)
         wanted = list(axes) if condition.direction == "all" else [condition.direction]
@@ -101,7 +125,9 @@ def _directions_on_surface(
             )
         vectors = [np.tile(np.eye(dimension)[axes[a]], (len(owned), 1)) for a in wanted]
     name = f"{body.name}/{condition.surface} {condition.direction}"
-    return [FixedDirections(name, owned, v, condition.value, symmetry) for v in vectors]
+    return [
+        FixedDirections(name, owned, v, condition.value, condition.symmetry) for v in vectors
+    ]
 
 
 def _axes(model: str) -> dict[str, int]:
@@ -119,9 +145,28 @@ def _axis(body: BodyMesh) -> FixedDirections:
     return FixedDirections(f"{body.name} axis", nodes, directions, symmetry=True)
 
 
+def _unit_normals(
+    body: BodyMesh,
+    model: str,
+    surface: str,
+    nodes: IntArray,
+    mirrors: Sequence[FixedDirections],
+) -> FloatArray:
+    """Return outward normals averaged by area at owned nodes, as if the mirror images were there.
 
-def surface_normals(body: BodyMesh, model: str, surface: str) -> FloatArray:
-    """Return unit outward normals averaged by area, shape (local nodes, dimension), else zero."""
+    Zero where the mirror images cancel them.
+    """
+    vectors = _area_vectors(body, model, surface)[nodes]
+    smallest = PARALLEL * np.linalg.norm(vectors, axis=1, keepdims=True)
+    for mirror in mirrors:
+        mirror.cancel(vectors, nodes, body.nodes.dofmap.index_map.size_local)
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    none = np.zeros_like(vectors)
+    return np.asarray(np.divide(vectors, lengths, out=none, where=lengths > smallest))
+
+
+def _area_vectors(body: BodyMesh, model: str, surface: str) -> FloatArray:
+    """Return ∫ φ n dS of the local nodes, n outward, shape (nodes, dimension)."""
     mesh, dimension = body.mesh, body.mesh.geometry.dim
     vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
     ds = surface_measure(body, model, 2)(body.surfaces[surface])
@@ -131,6 +176,4 @@ def surface_normals(body: BodyMesh, model: str, surface: str) -> FloatArray:
     fem.assemble_vector(b.array, form)
     b.scatter_reverse(la.InsertMode.add)
     b.scatter_forward()
-    sums = b.array.reshape(-1, dimension)
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    return np.asarray(np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 0))
+    return np.asarray(b.array.reshape(-1, dimension))

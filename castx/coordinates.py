@@ -24,16 +24,14 @@ import numpy.typing as npt
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from castx.constraints import FixedDirections
+from castx.constraints import PARALLEL, FixedDirections
+from castx.errors import CaseError
 from castx.layout import Layout
 from castx.pairs import NodePairs
 from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
-
-PARALLEL = 1e-6
-"""Sine below which a second prescribed direction repeats the first."""
 
 GRAZING = 0.05
 """Sine of the smallest angle at which a node with fixed directions can still leave its partner."""
@@ -168,9 +166,19 @@ class Coordinates:
         kept = slots >= 0
         local = self._local(b, condition.nodes[kept], slots[kept])
         if condition.value is None:
-            self._ties.append((b, condition.nodes[kept], slots[kept]))
+            self._refuse_held(b, condition, ~kept)
+            self._ties.append((b, condition.nodes, slots))
         else:
             self.prescribed.append(Prescribed(local, condition.value))
+
+    def _refuse_held(
+        self, b: int, condition: FixedDirections, held: npt.NDArray[np.bool_]
+    ) -> None:
+        if self.layout.comm.allreduce(bool(held.any()), op=MPI.LOR):
+            raise CaseError(
+                f"{condition.name} is uniform, but another condition on {self._names[b]!r} "
+                "prescribes this direction at some of its nodes; leave one of them out"
+            )
 
     def _add_pairs(
         self, pairs: NodePairs, fixed: Sequence[Sequence[FixedDirections]], condensed: bool
@@ -179,7 +187,7 @@ class Coordinates:
         vectors = pairs.area_vectors.copy()
         for condition in fixed[b]:
             if condition.symmetry:
-                _project(vectors, pairs.secondary_local, condition, self.owned_nodes(b))
+                condition.cancel(vectors, pairs.secondary_local, self.owned_nodes(b))
         areas = np.linalg.norm(vectors, axis=1)
         normals = np.divide(
             vectors, areas[:, None], out=np.zeros_like(vectors), where=areas[:, None] > 0
@@ -231,25 +239,18 @@ class Coordinates:
     ) -> None:
         comm, d = self.layout.comm, self._dimension
         for b, nodes, slots in self._ties:
+            if comm.allreduce(len(nodes), op=MPI.SUM) == 0:
+                continue
             own = self._local(b, nodes, slots) + self._offset
-            none = np.iinfo(np.int64).max
-            first = comm.allreduce(int(own.min(initial=none)), op=MPI.MIN)
-            mine = np.flatnonzero(own == first)
-            row = self._rows[b].rows[nodes[mine[0]], slots[mine[0]]] if len(mine) else np.zeros(d)
-            row = comm.allreduce(row, op=MPI.SUM)
-            base = comm.allreduce(
-                int(self._local(b, nodes[mine[:1]], np.zeros(1, np.int32))[0]
-                    + self._offset) if len(mine) else 0,
-                op=MPI.SUM,
-            )
-            columns = (base + np.arange(d)).astype(np.int32)
-            slaves = np.flatnonzero(own != first)
-            for s in slaves:
-                forward.setValues(np.int32(own[s]), columns, -row)
-                inverse = inverses[b][nodes[s]][:, slots[s]]
-                dofs = (own[s] - slots[s] + np.arange(d)).astype(np.int32)
-                frames.setValues(dofs, np.int32(first), inverse)
-            local = self._local(b, nodes[slaves], slots[slaves])
+            starts = (own - slots)[:, None] + np.arange(d, dtype=np.int32)
+            rows = self._rows[b].rows[nodes, slots]
+            leaders = comm.allgather((own[0], starts[0], rows[0]) if len(own) else None)
+            first, columns, row = next(leader for leader in leaders if leader is not None)
+            others = np.flatnonzero(own != first)
+            for i in others:
+                forward.setValues(own[i], columns, -row)
+                frames.setValues(starts[i], first, inverses[b][nodes[i]][:, slots[i]])
+            local = self._local(b, nodes[others], slots[others])
             self.prescribed.append(Prescribed(local, Table.constant(0.0)))
 
     def _fill_contact(
@@ -273,18 +274,6 @@ class Coordinates:
             forward.setValues(np.int32(interface.local[i] + offset), columns[i], -n)
             rows = (first + offset + np.arange(d)).astype(np.int32)
             contact.setValues(rows, columns[i], np.outer(inverses[b][node][:, slot], n))
-
-
-def _project(
-    vectors: FloatArray, nodes: IntArray, condition: FixedDirections, owned: int
-) -> None:
-    """Remove from area vectors what the mirror image behind a symmetry plane cancels."""
-    position = np.full(owned, -1)
-    position[condition.nodes] = np.arange(len(condition.nodes))
-    found = position[nodes]
-    here = found >= 0
-    e = condition.directions[found[here]]
-    vectors[here] -= np.sum(vectors[here] * e, axis=1, keepdims=True) * e
 
 
 def _copy(rows: _NodeRows) -> _NodeRows:
