@@ -27,8 +27,8 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 PREFIX = "castx_mechanics_"
-LINEAR_SHARE = 1e-2
-"""Part of the nonlinear tolerance to which the linear solves go."""
+LINEAR_SHARE = 1e-3
+"""Part of the nonlinear tolerance to which the linear solves go, and that closes or opens pairs."""
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,8 @@ class Equilibrium:
         forces = self._contact.forces(x, rows)
         self._internal, self._external = self._norms(x, rows)
         if not self._fresh:
-            self._changed = self.active.update(gaps, forces, self._stiffness)
+            threshold = LINEAR_SHARE * self._target()
+            self._changed = self.active.update(gaps, forces, self._stiffness, threshold)
         self._fresh = False
         held, violation = self._held(x)
         support = self._support(held)
@@ -217,6 +218,9 @@ class Equilibrium:
         loads = image.norm()
         image.destroy()
         return internal, loads
+
+    def _target(self) -> float:
+        return self.tolerance * max(self._internal, self._external)
 
     def _rows(self, x: PETSc.Vec) -> FloatArray:
         self._contact.displacements(x, self._assembly.unknowns)
@@ -248,7 +252,7 @@ class Equilibrium:
         norm = norms[2]
         if not np.isfinite(norm):
             return reasons.DIVERGED_FNORM_NAN
-        target = self.tolerance * max(self._internal, self._external)
+        target = self._target()
         if norm <= target and not self._changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:

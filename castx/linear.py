@@ -23,8 +23,8 @@ BoolArray = npt.NDArray[np.bool_]
 Correction = Callable[[FloatArray, FloatArray], None]
 """Adds to its second argument, owned rows, the image of its first."""
 
-OUTDATED, OUTDATED_BY, MOST_CHANGED = 1.5, 4, 8
-"""Factor and number of iterations, and number of held unknowns, that a set-up may fall behind."""
+OUTDATED, OUTDATED_BY = 1.5, 4
+"""Factor and number of iterations by which a set-up may fall behind."""
 
 
 class InnerSolver(Protocol):
@@ -32,9 +32,11 @@ class InnerSolver(Protocol):
 
     Attributes:
         defaults: PETSc options without the prefix.
+        most_changed: held unknowns by which a set-up may fall behind.
     """
 
     defaults: Mapping[str, object]
+    most_changed: int
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Prepare for a matrix whose held rows and columns are those of a diagonal."""
@@ -128,7 +130,7 @@ class SystemPreconditioner:
         if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
             return True
         changed = int(np.count_nonzero(held != self._set_up_for))
-        return int(self._comm.allreduce(changed, op=MPI.SUM)) > MOST_CHANGED
+        return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
 
     def discard(self) -> None:
         """Make the next `refresh` set the inner solver up anew."""

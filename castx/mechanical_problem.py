@@ -25,7 +25,8 @@ from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
 from castx.rigid_modes import near_null_modes, rigid_modes
-from castx.solvers import BodywiseMultigrid, DirectSolver
+from castx.schur import ArrowSchur
+from castx.solvers import MOST_CHANGED, BodywiseMultigrid, DirectSolver
 from castx.supports import FloatingMotions
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,16 +98,20 @@ class MechanicalProblem:
                 f"contact methods {', '.join(sorted(methods))} in one case; use the same for all"
             )
         names = list(bodies)
-        self.bodies = {n: BodyMechanics(mesh.bodies[n], mesh.model, bodies[n]) for n in names}
-        parts = list(self.bodies.values())
+        fixed = [
+            fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
+        ]
+        planes = [[condition for condition in f if condition.symmetry] for f in fixed]
+        parts = [
+            BodyMechanics(mesh.bodies[n], mesh.model, bodies[n], planes[b])
+            for b, n in enumerate(names)
+        ]
+        self.bodies = dict(zip(names, parts, strict=True))
         self.layout = Layout(
             mesh.comm,
             [body.space.dofmap.index_map for body in parts],
             [body.block_size for body in parts],
         )
-        fixed = [
-            fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
-        ]
         self.pairs = [node_pairs(mesh, c.secondary, c.primary) for c in contacts]
         condensed = methods != {"multipliers"}
         coordinates = Coordinates(
@@ -121,20 +126,23 @@ class MechanicalProblem:
         else:
             contact = MultiplierContact(coordinates, self.gaps, stiffness)
         floating = self._floating(coordinates, contact, stiffness / _extent(mesh))
-        inner = self._inner_solver(settings.linear, coordinates)
+        inner = self._inner_solver(settings.linear, coordinates, contact)
         self.equilibrium = Equilibrium(
             BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
             floating if settings.support else None, settings.tolerance, settings.options,
         )
 
-    def _inner_solver(self, linear: str, coordinates: Coordinates) -> InnerSolver:
+    def _inner_solver(
+        self, linear: str, coordinates: Coordinates, contact: ContactSystem
+    ) -> InnerSolver:
         parts = list(self.bodies.values())
         if linear == "automatic":
             small = self.layout.size_global <= LARGEST_DIRECT[parts[0].mesh.mesh.topology.dim]
             linear = "direct" if small else "iterative"
         prefix, comm = f"{PREFIX}bodies_", self.layout.comm
         if linear == "direct":
-            return DirectSolver(comm, prefix)
+            multipliers = isinstance(contact, MultiplierContact)
+            return DirectSolver(comm, prefix, 0 if multipliers else MOST_CHANGED)
         modes = []
         for b, body in enumerate(parts):
             own = self.layout.local_slice(b)
@@ -142,6 +150,9 @@ class MechanicalProblem:
             modes.append(
                 np.array([self._image(forward, b, mode)[own] for mode in near_null_modes(body)])
             )
+        if isinstance(contact, MultiplierContact):
+            weights = contact.schur_weights()
+            return ArrowSchur(comm, prefix, self.layout.index_sets(), modes, weights)
         return BodywiseMultigrid(comm, prefix, self.layout.index_sets(), modes)
 
     def _floating(

@@ -19,6 +19,7 @@ from castx.constraints import FixedDirections
 from castx.forms import kinematics, momentum, stabilisation
 from castx.measures import cell_measure, surface_measure
 from castx.mesh import BodyMesh
+from castx.projection import Projection
 from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,7 +98,9 @@ class BodyMechanics:
         self._create_loads()
         self._create_forms()
         self._residual = la.vector(self.space.dofmap.index_map, self.block_size)
-        self.projection = Projection(self, planes) if self._uses_osgs else None
+        self.projection = None
+        if self._uses_osgs:
+            self.projection = Projection(body, model, self.tau, self.pressure_scale, planes)
 
     @property
     def _uses_osgs(self) -> bool:
@@ -287,70 +290,3 @@ class BodyMechanics:
         self._cell_tensor.interpolate(self._strain_expression)
         strain = self._cell_tensor.x.array.reshape(len(self.cell_nodes), -1)
         self._history.commit(self.coherent, strain)
-
-
-class Projection:
-    """The lumped, τ-weighted projection Π of the pressure gradient of one body (OSGS).
-
-    On symmetry planes Π has no normal component: that of the mirror image would cancel it.
-
-    Args:
-        body: the body, in the mixed formulation.
-        planes: its symmetry planes.
-    """
-
-    def __init__(self, body: BodyMechanics, planes: Sequence[FixedDirections]) -> None:
-        mesh, nodes = body.mesh.mesh, body.mesh.nodes
-        vectors = fem.functionspace(mesh, ("Lagrange", 1, (body.dimension,)))
-        dx = cell_measure(body.mesh, body.model, 2)
-        p, omega = ufl.TrialFunction(nodes), ufl.TestFunction(vectors)
-        self._scale = body.pressure_scale
-        self._gradient_form = fem.form(stabilisation.weighted_gradient(p, omega, body.tau, dx))
-        self._weight_form = fem.form(
-            stabilisation.projection_weight(ufl.TestFunction(nodes), body.tau, dx)
-        )
-        self._weight = la.vector(nodes.dofmap.index_map)
-        self._gradient = create_matrix(self._gradient_form)
-        self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
-        self._projected = self._gradient.createVecLeft()
-        self._dimension = body.dimension
-        self._mirrored, self._in_planes = _tangential(
-            planes, nodes.dofmap.index_map.size_local, body.dimension
-        )
-
-    def assemble(self) -> None:
-        """Assemble the operator for the present shear moduli."""
-        self._gradient.zeroEntries()
-        assemble_matrix(self._gradient, self._gradient_form)
-        self._gradient.assemble()
-        self._weight.array[:] = 0
-        fem.assemble_vector(self._weight.array, self._weight_form)
-        self._weight.scatter_reverse(la.InsertMode.add)
-
-    def correction(self, pressure: FloatArray) -> FloatArray:
-        """Return Σ_e τ_e ∫ ∇q·Π(p) of the owned nodes, scaled like the unknown.
-
-        Args:
-            pressure: scaled pressure at the owned nodes, ghosts may follow.
-        """
-        owned = self._pressure.getLocalSize()
-        self._pressure.array[:] = pressure[:owned]
-        self._gradient.mult(self._pressure, self._projected)
-        projected = self._projected.array.reshape(-1, self._dimension)
-        projected /= self._weight.array[:owned, None]
-        mirrored = self._mirrored
-        projected[mirrored] = np.einsum("nij,nj->ni", self._in_planes, projected[mirrored])
-        self._gradient.multTranspose(self._projected, self._force)
-        return self._scale**2 * self._force.array
-
-
-def _tangential(
-    planes: Sequence[FixedDirections], owned: int, dimension: int
-) -> tuple[npt.NDArray[np.intp], FloatArray]:
-    """Return the owned nodes on planes and projectors on the directions that all planes allow."""
-    normals = np.zeros((owned, len(planes), dimension))
-    for k, plane in enumerate(planes):
-        normals[plane.nodes, k] = plane.directions
-    nodes = np.flatnonzero(normals.any(axis=(1, 2)))
-    normals = normals[nodes]
-    return nodes, np.eye(dimension) - np.linalg.pinv(normals, rcond=1e-6) @ normals

@@ -25,15 +25,21 @@ MULTIGRID: Mapping[str, object] = {
 """Multigrid of one body, symmetric indefinite where its pressure is an unknown."""
 
 
+MOST_CHANGED = 8
+"""Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
+
+
 class DirectSolver:
     """Sparse LU factorisation (MUMPS).
 
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
+        most_changed: held unknowns by which a factorisation may fall behind.
     """
 
-    def __init__(self, comm: MPI.Comm, prefix: str) -> None:
+    def __init__(self, comm: MPI.Comm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
+        self.most_changed = most_changed
         self.defaults: Mapping[str, object] = {
             "ksp_type": "preonly",
             "pc_type": "lu",
@@ -61,6 +67,78 @@ class DirectSolver:
         self._ksp.destroy()
 
 
+class BodyBlocks:
+    """The blocks of a matrix by bodies as a MatNest, with near-null vectors on its diagonal.
+
+    Args:
+        comm: communicator of the matrix.
+        parts: owned global indices of each body, with its block size.
+        modes: near-null vectors of each body, shape (vectors, owned unknowns of the body).
+    """
+
+    def __init__(
+        self, comm: MPI.Comm, parts: Sequence[PETSc.IS], modes: Sequence[FloatArray]
+    ) -> None:
+        self._comm, self._parts, self._modes = comm, list(parts), list(modes)
+        self._blocks: list[list[PETSc.Mat]] = []
+        self.nest: PETSc.Mat | None = None
+
+    def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
+        """Take over the entries of a matrix; return the nest."""
+        if self.nest is None:
+            self._blocks = [
+                [matrix.createSubMatrix(row, column) for column in self._parts]
+                for row in self._parts
+            ]
+            self._attach_modes(held)
+            self.nest = PETSc.Mat().createNest(
+                self._blocks, isrows=self._parts, iscols=self._parts, comm=self._comm
+            )
+        else:
+            for row, blocks in zip(self._parts, self._blocks, strict=True):
+                for column, block in zip(self._parts, blocks, strict=True):
+                    matrix.createSubMatrix(row, column, block)
+            self.nest.assemble()
+        return self.nest
+
+    def _attach_modes(self, held: BoolArray) -> None:
+        start = 0
+        for b, modes in enumerate(self._modes):
+            block, size = self._blocks[b][b], modes.shape[1]
+            vectors = []
+            for mode in modes:
+                vector = block.createVecRight()
+                vector.array[:] = np.where(held[start : start + size], 0.0, mode)
+                vectors.append(vector)
+            start += size
+            block.setNearNullSpace(PETSc.NullSpace().create(vectors=orthonormal(vectors)))
+
+    def split(self, pc: PETSc.PC) -> None:
+        """Make a PC sweep over the bodies one after the other."""
+        assert self.nest is not None
+        pc.setType("fieldsplit")
+        pc.setFieldSplitType(PETSc.PC.CompositeType.MULTIPLICATIVE)
+        pc.setFieldSplitIS(*((str(b), part) for b, part in enumerate(self.nest.getNestISs()[0])))
+
+    def destroy(self) -> None:
+        """Free the blocks."""
+        if self.nest is not None:
+            self.nest.destroy()
+        for block in (block for blocks in self._blocks for block in blocks):
+            block.destroy()
+
+
+def bodywise_options(bodies: int) -> dict[str, object]:
+    """Return the options of one multiplicative sweep of multigrid over bodies."""
+    options: dict[str, object] = {
+        "ksp_type": "preonly",
+        "pc_type": "fieldsplit",
+    }
+    for b in range(bodies):
+        options |= {f"fieldsplit_{b}_{name}": value for name, value in MULTIGRID.items()}
+    return options
+
+
 class BodywiseMultigrid:
     """One multiplicative sweep over the bodies, each by algebraic multigrid, on a MatNest.
 
@@ -78,58 +156,20 @@ class BodywiseMultigrid:
         parts: Sequence[PETSc.IS],
         modes: Sequence[FloatArray],
     ) -> None:
-        self.defaults: Mapping[str, object] = {
-            "ksp_type": "preonly",
-            "pc_type": "fieldsplit",
-            "pc_fieldsplit_type": "multiplicative",
-        } | {
-            f"fieldsplit_{b}_{name}": value
-            for b in range(len(parts))
-            for name, value in MULTIGRID.items()
-        }
-        self._comm, self._prefix = comm, prefix
-        self._parts, self._modes = list(parts), list(modes)
-        self._blocks: list[list[PETSc.Mat]] = []
-        self._nest: PETSc.Mat | None = None
+        self.defaults: Mapping[str, object] = bodywise_options(len(parts))
+        self.most_changed = MOST_CHANGED
+        self._blocks = BodyBlocks(comm, parts, modes)
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Split the matrix into its blocks and build the multigrid hierarchies."""
-        if self._nest is None:
-            self._blocks = [
-                [matrix.createSubMatrix(row, column) for column in self._parts]
-                for row in self._parts
-            ]
-            self._attach_modes(held)
-            self._nest = PETSc.Mat().createNest(
-                self._blocks, isrows=self._parts, iscols=self._parts, comm=self._comm
-            )
-            self._ksp.setOperators(self._nest)
-            self._ksp.pc.setType("fieldsplit")
-            self._ksp.pc.setFieldSplitIS(
-                *((str(b), part) for b, part in enumerate(self._nest.getNestISs()[0]))
-            )
+        first = self._blocks.nest is None
+        self._ksp.setOperators(self._blocks.update(matrix, held))
+        if first:
+            self._blocks.split(self._ksp.pc)
             self._ksp.setFromOptions()
-        else:
-            for row, blocks in zip(self._parts, self._blocks, strict=True):
-                for column, block in zip(self._parts, blocks, strict=True):
-                    matrix.createSubMatrix(row, column, block)
-            self._nest.assemble()
-            self._ksp.setOperators(self._nest)
         self._ksp.setUp()
-
-    def _attach_modes(self, held: BoolArray) -> None:
-        start = 0
-        for b, modes in enumerate(self._modes):
-            block, size = self._blocks[b][b], modes.shape[1]
-            vectors = []
-            for mode in modes:
-                vector = block.createVecRight()
-                vector.array[:] = np.where(held[start : start + size], 0.0, mode)
-                vectors.append(vector)
-            start += size
-            block.setNearNullSpace(PETSc.NullSpace().create(vectors=orthonormal(vectors)))
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the result of one sweep for b."""
@@ -138,10 +178,7 @@ class BodywiseMultigrid:
     def destroy(self) -> None:
         """Free the hierarchies and blocks."""
         self._ksp.destroy()
-        if self._nest is not None:
-            self._nest.destroy()
-        for block in (block for blocks in self._blocks for block in blocks):
-            block.destroy()
+        self._blocks.destroy()
 
 
 def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:

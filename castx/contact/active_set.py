@@ -40,18 +40,21 @@ class ActiveSet:
         self.changes = 0
         self.cycles = False
 
-    def update(self, gaps: FloatArray, forces: FloatArray, stiffness: float) -> bool:
+    def update(
+        self, gaps: FloatArray, forces: FloatArray, stiffness: float, threshold: float = 0.0
+    ) -> bool:
         """Change the pairs that violate their state; return whether any did, on any rank.
 
         Args:
             gaps: present gaps [m], shape (pairs,).
             forces: contact forces that closed pairs carry [N], shape (pairs,).
             stiffness: force per length by which penetration and pull are compared [N/m].
+            threshold: pull or penetration times stiffness that is noise [N].
         """
         violation = np.where(self.closed, -forces, -stiffness * gaps)
         violation[~self._free] = 0.0
         largest = self._comm.allreduce(float(np.abs(forces).max(initial=0.0)), op=MPI.MAX)
-        wrong = violation > 1e-12 * largest
+        wrong = violation > max(1e-12 * largest, threshold)
         if self.cycles or self._repeats(wrong):
             self.cycles = True
             wrong &= self._is_worst(violation)

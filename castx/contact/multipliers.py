@@ -21,6 +21,10 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
+AUGMENTATION = 50.0
+"""Penalty of the augmented block of the bodies, in units of G/L."""
+
+
 class _Part(NamedTuple):
     """The number of nodes of one part of a layout on this rank."""
 
@@ -120,6 +124,10 @@ class MultiplierContact:
         """Return coordinates with zero pressures behind them."""
         rest = np.zeros((*coordinates.shape[:-1], len(self._gaps.local)))
         return np.concatenate((coordinates, rest), axis=-1)
+
+    def schur_weights(self) -> FloatArray:
+        """Return the weights W whose penalty BᵀW⁻¹B is stiff beside the bodies, shape (pairs,)."""
+        return np.asarray(self._scales / AUGMENTATION)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""
