@@ -159,10 +159,12 @@ class MaterialDescription(Description):
     stress_free: Temperature | None = None
     liquid: Liquid | None = None
     solidification_shrinkage: Annotated[float, NotYet(0.0)] = 0.0
-    yield_stress: Annotated[None, NotYet()] = None
-    hardening: Annotated[float, NotYet(0.0)] = 0.0
+    # Data of the inelastic laws: a thermo-elastic body does not read them, and a body whose law
+    # would read them is refused until that law exists.
+    yield_stress: Annotated[Table, over_temperature(STRESS, above=0.0)] | None = None
+    hardening: Annotated[float, Quantity(STRESS, least=0.0)] = 0.0
+    viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)] | None = None
     law: Annotated[None, NotYet()] = None
-    viscosity: Annotated[None, NotYet()] = None
     exponent: Annotated[None, NotYet()] = None
     coefficient: Annotated[None, NotYet()] = None
     activation_energy: Annotated[None, NotYet()] = None

@@ -134,10 +134,10 @@ def test_problems_of_all_parts_are_shown_together(file):
         ("bodies.0.law=elastic", 'law = "elastic": unknown; allowed: thermo-elastic'),
         ("bodies.0.formulation=q1p0", "formulation = .*: not available yet"),
         (
-            "materials.steel.yield_stress=1e6",
-            "materials.steel.yield_stress = .*: not available yet",
+            "materials.steel.activation_energy=1e5",
+            "materials.steel.activation_energy = .*: not available yet",
         ),
-        ("materials.steel.hardening=1e6", "materials.steel.hardening = .*: not available yet"),
+        ("materials.steel.exponent=5", "materials.steel.exponent = .*: not available yet"),
         (
             "materials.steel.conductivity=[[20,25],[90,-1]]",
             r"steel.conductivity\[1\] = \[90, -1\]: ",
