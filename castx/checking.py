@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from mpi4py import MPI
 
-from rich.console import Console
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.table import Table
 
 from castx.case import Case
@@ -18,8 +18,8 @@ from castx.pairs import node_pairs
 from castx.results.probes import readings_of
 
 
-def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
-    """Build the mesh of a case, find its surfaces, pairs and probes in it, and show all; collective.
+def check_case(case: Case, comm: MPI.Comm, console: Console) -> None:
+    """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Raises:
         CaseError: a probe lies outside its body.
@@ -32,8 +32,8 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
     summary = mesh_summary(mesh)
-    low, high = (", ".join(f"{x:g}" for x in corner) for corner in (summary.lowest, summary.highest))
-    console.print(f"{case.name}: {case.geometry.model}, from ({low}) to ({high}) m", markup=False)
+    box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
+    console.print(f"{case.name}: {case.geometry.model}, {box}", markup=False)
     console.print(body_table(case, summary))
     console.print(surface_table(case, summary))
     console.print(size_text(case.geometry.model), markup=False)
@@ -44,9 +44,15 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     console.print("the case can be run", markup=False)
 
 
+def corner_text(corner: Sequence[float]) -> str:
+    """Return a point as people write it."""
+    return f"({', '.join(f'{value:g}' for value in corner)})"
+
+
 def body_table(case: Case, summary: MeshSummary) -> Table:
     """Return the bodies with their materials and sizes."""
-    table = Table("body", "material", "initially", "law", "nodes", "cells", "volume, m³", box=SIMPLE_HEAD)
+    headings = ("body", "material", "initially", "law", "nodes", "cells", "volume, m³")
+    table = Table(*headings, box=SIMPLE_HEAD)
     for body, sizes in zip(case.bodies, summary.bodies, strict=True):
         table.add_row(
             body.name,
@@ -121,14 +127,14 @@ def material_warnings(case: Case) -> Iterator[str]:
             found.setdefault(item.valid, []).append(item.property)
         for (start, end), properties in found.items():
             yield (
-                f"{body.material} ({body.name}) is known from {start:g} to {end:g} °C, the temperatures "
-                f"of the case go from {low:g} to {high:g} °C; beyond its range stays constant: "
-                f"{', '.join(properties)}"
+                f"{body.material} ({body.name}) is known from {start:g} to {end:g} °C, the "
+                f"temperatures of the case go from {low:g} to {high:g} °C; beyond its range "
+                f"stays constant: {', '.join(properties)}"
             )
 
 
 def temperature_range(case: Case) -> tuple[float, float]:
-    """Return the lowest and the highest temperature that bodies and surroundings start with [°C]."""
+    """Return the lowest and the highest temperature that a case names [°C]."""
     found = [body.temperature for body in case.bodies]
     tables = [body.temperature_history for body in case.bodies]
     for boundary in case.boundaries:

@@ -49,7 +49,7 @@ def main() -> None:
     sys.exit(execute(sys.argv[1:], MPI.COMM_WORLD))
 
 
-def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
+def execute(arguments: Sequence[str], comm: MPI.Comm) -> int:
     """Run a command line and return its exit code.
 
     What castx refuses or gives up is raised on all ranks and shown by rank 0. Anything else is a
@@ -77,7 +77,7 @@ def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return Exit.FAILED
 
 
-def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
+def say(comm: MPI.Comm, message: object, code: Exit) -> Exit:
     """Show a message on the standard error output of rank 0 and return the exit code."""
     if comm.rank == 0:
         Console(stderr=True, soft_wrap=True).print(
@@ -86,7 +86,7 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
     return code
 
 
-def prepare_logging(comm: MPI.Intracomm) -> None:
+def prepare_logging(comm: MPI.Comm) -> None:
     """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
     console = Console(stderr=True, soft_wrap=True)
     handler = RichHandler(console=console, show_time=False, show_path=False, highlighter=None)
@@ -97,9 +97,9 @@ def prepare_logging(comm: MPI.Intracomm) -> None:
     logger.propagate = False
 
 
-def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
+def output_of(context: typer.Context) -> tuple[MPI.Comm, Console]:
     """Return the ranks, and a console that is silent on all but the first."""
-    comm: MPI.Intracomm = context.obj
+    comm: MPI.Comm = context.obj
     return comm, Console(quiet=comm.rank != 0, soft_wrap=True, highlight=False)
 
 

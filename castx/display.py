@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from castx.errors import CaseError
 
-SCREEN = "2000x1600x24"
+SERVER_OPTIONS = ("-screen", "0", "2000x1600x24", "-nolisten", "tcp", "-noreset")
 PR_SET_PDEATHSIG = 1
 """Option of prctl(2): the signal that a process gets when its parent dies."""
 
@@ -31,7 +31,8 @@ def display() -> Iterator[None]:
     if program is None:
         if "DISPLAY" not in os.environ and os.name == "posix":
             raise CaseError(
-                "pictures need an X server, and there is none; install Xvfb (Debian: apt install xvfb)"
+                "pictures need an X server, and there is none; install Xvfb "
+                "(Debian: apt install xvfb)"
             )
         yield
         return
@@ -57,7 +58,7 @@ def start_server(program: str) -> tuple[subprocess.Popen[bytes], str]:
     """
     reader, writer = os.pipe()
     server = subprocess.Popen(
-        [program, "-displayfd", str(writer), "-screen", "0", SCREEN, "-nolisten", "tcp", "-noreset"],
+        [program, "-displayfd", str(writer), *SERVER_OPTIONS],
         pass_fds=(writer,),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
@@ -70,7 +71,7 @@ def start_server(program: str) -> tuple[subprocess.Popen[bytes], str]:
         number = answer.readline().strip()
     if not number:
         server.wait()
-        raise CaseError("pictures need an X server, and Xvfb does not start; try it by hand: Xvfb :9")
+        raise CaseError("pictures need an X server, and Xvfb does not start; try by hand: Xvfb :9")
     return server, number
 
 

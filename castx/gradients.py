@@ -1,4 +1,4 @@
-"""How steep a nodal field is: magnitudes of the gradients of the cells round each node, averaged."""
+"""How steep a nodal field is: the mean of the magnitudes of its gradient round each node."""
 
 from __future__ import annotations
 

@@ -40,9 +40,7 @@ def material_table(name: str) -> Table:
         new = row.property != before
         at = "" if row.temperature is None else f"{row.temperature:g} °C"
         value = row.value if isinstance(row.value, str) else f"{row.value:.6g}"
-        table.add_row(
-            row.property if new else "", at, value, row.unit, row.source if new else ""
-        )
+        table.add_row(row.property if new else "", at, value, row.unit, row.source if new else "")
         before = row.property
     return table
 

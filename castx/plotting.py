@@ -1,7 +1,7 @@
 """Pictures of written fields, drawn off-screen with pyvista.
 
-They are made inside `castx.display.display()` and are arrays of pixels (height, width, 3); the colour
-bar is left to whoever puts them into a figure.
+They are made inside `castx.display.display()` and are arrays of pixels (height, width, 3); the
+colour bar is left to whoever puts them into a figure.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from castx.tables import FloatArray
 Image = npt.NDArray[np.uint8]
 PIXELS = 900
 """Largest side of a picture."""
+
+SHADING = {"ambient": 0.7, "diffuse": 0.35}
+"""Little, so that colours can be read off faces of any direction."""
 
 NEUTRAL = "#c9ccd1"
 EDGE = "#30343a"
@@ -78,8 +81,13 @@ class View:
     direction: FloatArray | None
 
     @classmethod
-    def of(cls, model: str, grids: Iterable[pyvista.UnstructuredGrid]) -> View:
-        """Return the view that shows all bodies, a 3-D model from its planes of symmetry."""
+    def of(
+        cls, model: str, grids: Iterable[pyvista.UnstructuredGrid], outside: bool = False
+    ) -> View:
+        """Return the view that shows all bodies.
+
+        A 3-D model is seen from its planes of symmetry or, `outside`, from the other side.
+        """
         points = np.concatenate([grid.points for grid in grids])
         low, high = points.min(axis=0), points.max(axis=0)
         margin = 0.04 * np.linalg.norm(high - low)
@@ -91,6 +99,8 @@ class View:
         open_x, open_y = np.abs(low[:2]) < 1e-6 * (high - low)[:2]
         along = {(True, True): (-0.75, -1.0), (True, False): (-1.0, -0.45)}
         direction = np.array([*along.get((bool(open_x), bool(open_y)), (-0.45, -1.0)), 0.55])
+        if outside:
+            return cls(model, low, high, False, direction * [-1.0, -1.0, 1.0])
         cut = not (open_x or open_y) and low[1] < 0.0 < high[1]
         return cls(model, low, high, cut, direction)
 
@@ -124,7 +134,7 @@ class View:
         plotter.enable_parallel_projection()
         plotter.camera.focal_point = centre
         if self.direction is None:
-            plotter.camera.position = centre + [0.0, 0.0, self.size]
+            plotter.camera.position = centre + np.array([0.0, 0.0, self.size])
             plotter.camera.up = (0.0, 1.0, 0.0)
             plotter.camera.parallel_scale = 0.5 * (self.high - self.low)[1]
         else:
@@ -171,11 +181,10 @@ def picture(
                 nan_color=NEUTRAL,
                 show_scalar_bar=False,
                 lighting=not flat,
-                ambient=0.35,
-                diffuse=0.7,
+                **SHADING,
             )
         else:
-            plotter.add_mesh(surface, color=NEUTRAL, lighting=not flat, ambient=0.35, diffuse=0.7)
+            plotter.add_mesh(surface, color=NEUTRAL, lighting=not flat, **SHADING)
         add_lines(plotter, outline(surface), EDGE, 2)
         if front and name in coloured and "solid_fraction" in surface.point_data:
             add_lines(plotter, surface.contour([0.5], scalars="solid_fraction"), FRONT, 4)
@@ -233,14 +242,15 @@ def limits_of(
 
     `share` leaves out the largest values that only few points or cells have.
     """
-    values = [state[name][field] for state in states for name in bodies if field in state[name].array_names]
-    found = np.concatenate([array[np.isfinite(array)] for array in values]) if values else np.empty(0)
+    grids = [state[name] for state in states for name in bodies]
+    values = [grid[field] for grid in grids if field in grid.array_names]
+    found = np.concatenate([np.empty(0), *(array[np.isfinite(array)] for array in values)])
     if found.size == 0:
         return None
     return float(found.min()), float(np.quantile(found, share))
 
 
 def chosen_times(times: Sequence[float]) -> list[float]:
-    """Return up to four of the times, early ones closer together: near 1/9, 2/9, 4/9 and the end."""
+    """Return up to four of the times, near 1/9, 2/9, 4/9 and all of the last one."""
     wanted = [share * times[-1] for share in (1 / 9, 2 / 9, 4 / 9, 1.0)]
     return sorted({min(times, key=lambda time: abs(time - share)) for share in wanted})

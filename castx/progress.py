@@ -27,7 +27,7 @@ class Progress:
         console: where to; by default the standard output of rank 0.
     """
 
-    def __init__(self, end: float, comm: MPI.Intracomm, console: Console | None = None) -> None:
+    def __init__(self, end: float, comm: MPI.Comm, console: Console | None = None) -> None:
         self._end = end
         self._shown = comm.rank == 0
         self._console = console or Console(quiet=not self._shown, soft_wrap=True)
@@ -70,7 +70,7 @@ class Progress:
             self._bar.update(self._task, completed=snapshot.time, description=line)
 
     def _remaining(self, now: float) -> float | None:
-        """Return the wall clock time left at the pace of the recent steps [s], None at the start."""
+        """Return the wall clock time left at the pace of the last steps [s], None at first."""
         passed = sum(step for step, _ in self._recent)
         wall = sum(wall for _, wall in self._recent)
         return wall / passed * max(self._end - now, 0.0) if passed > 0 else None

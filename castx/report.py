@@ -58,8 +58,11 @@ class Run:
     @property
     def freezing(self) -> list[str]:
         """The bodies that were not all solid at the start."""
-        columns = {name: self.history.get(f"{name}.solid_fraction") for name in self.record["bodies"]}
-        return [name for name, values in columns.items() if values is not None and values[0] < SOLID]
+        return [
+            body
+            for body in self.record["bodies"]
+            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
+        ]
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,10 @@ def write_report(folder: Path) -> Path:
 
     run = Run.read(folder)
     loader = jinja2.PackageLoader("castx", "templates")
-    environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined)
-    text = environment.get_template("report.html.j2").render(
+    template = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
+    ).get_template("report.html.j2")
+    text = template.render(
         record=run.record,
         ended=run.record["exit"],
         summary=summary(run),
@@ -113,6 +118,7 @@ def summary(run: Run) -> list[tuple[str, str]]:
     if "energy_error" in history:
         rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
     counts, memory = record["totals"], record["peak_memory"]
+    wall = timedelta(seconds=round(record["wall"]))
     rows += [
         ("steps", f"{counts['steps']}, {counts['cutbacks']} of them cut"),
         (
@@ -120,7 +126,7 @@ def summary(run: Run) -> list[tuple[str, str]]:
             f"{counts['heat_iterations']} heat, {counts['mechanics_iterations']} mechanics, "
             f"in {counts['passes']} passes",
         ),
-        ("wall clock time", f"{timedelta(seconds=round(record['wall']))} on {record['ranks']} ranks"),
+        ("wall clock time", f"{wall} on {record['ranks']} rank{'s' * (record['ranks'] > 1)}"),
         ("peak memory", f"{memory.get('all_ranks', 0) / 2**20:.0f} MiB, all ranks"),
     ]
     return rows

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pyvista
@@ -24,6 +23,8 @@ from castx.report import Figure, Run
 from castx.tables import FloatArray
 
 State = Mapping[str, pyvista.UnstructuredGrid]
+SMALLEST_RANGE = 1e-6
+"""Range of values, in the unit shown, below which a picture would show round-off."""
 
 
 def curve_figures(run: Run) -> list[Figure]:
@@ -46,7 +47,7 @@ def curve_figures(run: Run) -> list[Figure]:
         ("Displacements", "Displacements at the probes.", displacements(run), run.probes),
         (
             "How the solution went",
-            "Step size, iterations of each step with all its passes and tries, and the energy balance.",
+            "Step size, iterations of each step with all passes and tries, and the energy balance.",
             numerics(run),
             run.history,
         ),
@@ -75,22 +76,24 @@ def filled(panels: Sequence[Panel]) -> list[Panel]:
 
 def cooling(run: Run) -> list[Panel]:
     """Return the cooling curves, with the freezing ranges as levels."""
-    levels = {}
+    levels: dict[str, float] = {}
     for name, body in run.record["bodies"].items():
-        solidus, liquidus = body["freezes"] or (None, None)
-        if solidus is not None and name in run.freezing:
-            levels |= {"solidus": solidus, "liquidus": liquidus}
-            if solidus == liquidus:
-                levels = {"melting point": solidus}
+        if name in run.freezing:
+            solidus, liquidus = body["freezes"]
+            ends = {"solidus": solidus, "liquidus": liquidus}
+            levels |= ends if solidus < liquidus else {"melting point": solidus}
     return filled([Panel("temperature [°C]", columns(run.probes, "temperature"), levels)])
 
 
 def solidification(run: Run) -> list[Panel]:
     """Return solid fractions, and the heat that has passed each interface."""
     fractions = columns(run.history, "solid_fraction", 100.0)
-    heat = {name: 1e-3 * run.history[f"{name}.heat"] for name in run.record["interfaces"]
-            if f"{name}.heat" in run.history}  # fmt: skip
-    per = {"axisymmetric": "", "3d": ""}.get(run.record["model"], "/m")
+    heat = {
+        name: values
+        for name, values in columns(run.history, "heat", 1e-3).items()
+        if name in run.record["interfaces"]
+    }
+    per = "" if run.record["model"] in ("axisymmetric", "3d") else "/m"
     freezing = {name: fractions[name] for name in run.freezing}
     return filled([Panel("solid [%]", freezing), Panel(f"heat passed [kJ{per}]", heat)])
 
@@ -100,7 +103,11 @@ def contact(run: Run) -> list[Panel]:
     return filled(
         [
             Panel("gap [µm]", columns(run.probes, "gap", 1e6), least=1.0),
-            Panel("contact pressure [MPa]", columns(run.probes, "contact_pressure", 1e-6), least=0.1),
+            Panel(
+                "contact pressure [MPa]",
+                columns(run.probes, "contact_pressure", 1e-6),
+                least=0.1,
+            ),
             Panel("h [W/m²/K]", columns(run.probes, "heat_transfer_coefficient")),
         ]
     )
@@ -108,10 +115,15 @@ def contact(run: Run) -> list[Panel]:
 
 def displacements(run: Run) -> list[Panel]:
     """Return the displacements at the probes by direction."""
-    directions = sorted({name.rpartition(".")[2] for name in run.probes if ".displacement." in name})
+    named = [name for name in run.probes if ".displacement." in name]
+    directions = sorted({name.rpartition(".")[2] for name in named})
     return filled(
         [
-            Panel(f"displacement {axis} [µm]", columns(run.probes, f"displacement.{axis}", 1e6))
+            Panel(
+                f"displacement {axis} [µm]",
+                columns(run.probes, f"displacement.{axis}", 1e6),
+                least=1.0,
+            )
             for axis in directions
         ]
     )
@@ -151,6 +163,7 @@ class Topic:
         front: whether the line f_s = 0.5 is drawn.
         share: of the values inside the colours.
         moved: whether bodies are drawn deformed.
+        outside: whether it lives on the outside: shown in 3-D, without the bodies around.
     """
 
     field: str
@@ -164,19 +177,24 @@ class Topic:
     front: bool = False
     share: float = 1.0
     moved: bool = False
+    outside: bool = False
 
 
 TOPICS = (
-    Topic("temperature", "Temperature", "The blue line is f_s = 0.5.", "temperature [°C]", "inferno",
-          front=True),
+    Topic("temperature", "Temperature", "The blue line is f_s = 0.5.", "temperature [°C]",
+          "inferno", front=True),
     Topic("solid_fraction", "Solid fraction", "", "solid fraction", "Blues", melting=True),
     Topic("von_mises", "Distortion and stress", "", "von Mises stress [MPa]", "viridis", 1e-6,
           share=0.99, moved=True),
+    Topic("gap", "Gap", "The castings seen from outside, without their moulds.", "gap [µm]",
+          "YlGnBu", 1e6, melting=True, outside=True),
+    Topic("contact_pressure", "Contact pressure", "", "contact pressure [MPa]", "YlOrRd", 1e-6,
+          melting=True, share=0.99, outside=True),
     Topic("solidification_time", "Local solidification time",
           "Time between liquidus and solidus.", "time [s]", "cividis", melting=True, final=True),
     Topic("niyama", "Niyama criterion",
-          "G/√Ṫ at f_s = 0.9. Shrinkage porosity is likely where it is low; the limit depends on the "
-          "alloy, for steel castings it is near 1 K^½ s^½/mm.",
+          "G/√Ṫ at f_s = 0.9. Shrinkage porosity is likely where it is low; the limit depends on "
+          "the alloy, for steel castings it is near 1 K^½ s^½/mm.",
           "Niyama [K$^{1/2}$ s$^{1/2}$/mm]", "RdYlGn", 1e-3, melting=True, final=True, share=0.9),
 )  # fmt: skip
 
@@ -195,18 +213,22 @@ def topic_figures(
 ) -> Iterator[Figure]:
     """Yield the figure of a field, if it was written."""
     bodies = run.freezing if topic.melting else list(states[0])
+    model = run.record["model"]
     if topic.final:
         times, states = times[-1:], states[-1:]
+    if topic.outside:
+        states = [{name: state[name] for name in bodies} for state in states]
     limits = limits_of(states, topic.field, bodies, topic.share)
-    if limits is None:
+    if limits is None or (topic.outside and model != "3d"):
         return
-    model = run.record["model"]
-    view = View.of(model, states[-1].values())
+    if topic.factor * (limits[1] - limits[0]) < SMALLEST_RANGE:
+        return
+    view = View.of(model, states[-1].values(), topic.outside)
     factor = exaggeration(view, states[-1]) if topic.moved else 0.0
     if factor:
         moved = [deformed(grid, factor) for grid in states[-1].values()]
         view = View.of(model, [*states[0].values(), *moved])
-    if topic.melting and not topic.final:
+    if topic.field == "solid_fraction":
         limits = (0.0, 1.0)
     images = [
         picture(view, state, topic.field, limits, colours=topic.colours, coloured=bodies,

@@ -1,4 +1,4 @@
-"""What the simulation hands out after every accepted step, and everything that looks at results reads."""
+"""What a simulation hands out after every accepted step, and all that shows results reads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""fields/: VTU pieces of all bodies, ranks and times, and the collection castx.pvd that lists them."""
+"""fields/: VTU pieces of all bodies, ranks and times, and the collection that lists them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class State:
 
 
 class Fields:
-    """Writer of the fields at chosen times; the last state is kept, so that it can always be written.
+    """Writer of the fields at chosen times; the last state is kept, to be written at any end.
 
     Args:
         folder: the folder of the files.
@@ -149,7 +149,7 @@ def collection(times: Sequence[float], holders: Mapping[str, Sequence[int]]) -> 
         times: of the outputs [s].
         holders: the ranks that have cells of each body.
     """
-    lines = ['<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">', "  <Collection>"]
+    lines = ['<VTKFile type="Collection" version="1.0">', "  <Collection>"]
     for index, time in enumerate(times):
         pieces = [(body, rank) for body, ranks in holders.items() for rank in ranks]
         for part, (body, rank) in enumerate(pieces):

@@ -16,9 +16,10 @@ RECORD = "run.json"
 SERIES = ("probes.csv", "history.csv")
 REPORT = "report.html"
 FIELDS = "fields"
+CURE = "choose another one with output.folder or --output"
 
 
-def claim_folder(folder: Path, comm: MPI.Intracomm) -> None:
+def claim_folder(folder: Path, comm: MPI.Comm) -> None:
     """Make sure that results can be written to a folder, which is made if it does not exist.
 
     Nothing in it is touched yet. Results of an earlier run may be written over; a folder that holds
@@ -36,20 +37,17 @@ def claim_folder(folder: Path, comm: MPI.Intracomm) -> None:
 def refusal_of(folder: Path) -> str | None:
     """Return why a folder cannot take results, or None when it can."""
     if folder.exists() and not folder.is_dir():
-        return f"the output folder {folder} is a file; choose another one with output.folder or --output"
+        return f"the output folder {folder} is a file; {CURE}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        return (
-            f"the output folder {folder} cannot be written: {error.strerror or error}; "
-            "choose another one with output.folder or --output"
-        )
+        return f"the output folder {folder} cannot be written: {error.strerror or error}; {CURE}"
     if any(folder.iterdir()) and not holds_results(folder):
         return (
             f"the output folder {folder} holds files that are not results of castx (no {RECORD}); "
-            "choose an empty or a new one with output.folder or --output"
+            f"{CURE}"
         )
     return None
 

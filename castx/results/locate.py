@@ -44,7 +44,7 @@ class Place:
     weights: FloatArray
 
     def interpolate(self, values: FloatArray) -> FloatArray:
-        """Return the value of a nodal field (nodes,) or (nodes, n): a number or (n,), 0 elsewhere."""
+        """Return the value of a nodal field (nodes,) or (nodes, n) here, 0 on the other ranks."""
         return np.asarray(np.tensordot(self.weights, values[self.nodes], axes=1))
 
 
@@ -90,7 +90,7 @@ def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[
 def nearest_point(
     mesh: Mesh, dim: int, entities: IntArray, wanted: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Return which of some entities lies nearest to a point (1, 3), as an array, and where it does."""
+    """Return which entity lies nearest to a point (1, 3), as an array, and where it does."""
     if entities.size == 0:
         return entities, wanted
     mesh.topology.create_connectivity(dim, mesh.topology.dim)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 CELLWISE = ("stress", "von_mises", "plastic_strain")
+MECHANICAL = ("displacement", "pressure", *CELLWISE)
+"""What a run without mechanics does not have."""
+
 PAIRED = ("gap", "contact_pressure", "heat_transfer_coefficient")
 
 

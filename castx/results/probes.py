@@ -76,7 +76,7 @@ class Probes:
         total = np.empty_like(row)
         self._comm.Reduce(row, total, MPI.SUM, root=0)
         if self._series is not None:
-            self._series.append([snapshot.time, *total.tolist()])
+            self._series.append([snapshot.time, *total])
 
     def close(self) -> None:
         """Close the file."""
@@ -84,9 +84,7 @@ class Probes:
             self._series.close()
 
 
-def readings_of(
-    probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
-) -> list[Reading]:
+def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> list[Reading]:
     """Return what is read at one probe."""
     where = f"probe {probe.name!r}"
     if probe.body is not None:
@@ -100,9 +98,7 @@ def readings_of(
     secondary = mesh.bodies[pairs[name].secondary]
     place = place_on_surface(secondary, pairs[name].primary, probe.at)
     require_near(place, f"{where} at {point_text(probe.at)}", f"interface {name!r}")
-    return [
-        interface_reading(probe.name, name, quantity, place) for quantity in probe.quantities
-    ]
+    return [interface_reading(probe.name, name, quantity, place) for quantity in probe.quantities]
 
 
 def require_near(place: Place, probe: str, owner: str) -> None:
@@ -113,8 +109,8 @@ def require_near(place: Place, probe: str, owner: str) -> None:
     """
     if place.distance >= place.size:
         raise CaseError(
-            f"{probe} lies outside {owner}: it is {place.distance:.4g} m away, and only points nearer "
-            f"than one element ({place.size:.4g} m) are moved to the nearest point of it"
+            f"{probe} lies outside {owner}: it is {place.distance:.4g} m away, and only points "
+            f"nearer than one element ({place.size:.4g} m) are moved to the nearest point of it"
         )
 
 

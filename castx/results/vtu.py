@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -51,7 +51,7 @@ class Piece:
         if owned.size == 0:
             none = np.empty(0, dtype=np.int64)
             return cls(0, none, np.empty((0, 3)), none, 0)
-        rows, kinds, points = vtk_mesh(body.nodes, owned)
+        rows, kinds, points = vtk_mesh(body.nodes, entities=owned)
         corners = rows.reshape(owned.size, -1)[:, 1:]
         nodes, connectivity = np.unique(corners, return_inverse=True)
         return cls(
@@ -110,10 +110,11 @@ def add_arrays(
 ) -> None:
     """Add named arrays to the point or cell data of a grid."""
     for name, values in arrays.items():
+        columns: npt.NDArray[Any] = values
         if values.ndim == 2 and values.shape[1] == 2:
-            values = np.column_stack([values, np.zeros(len(values))])
+            columns = np.column_stack([values, np.zeros(len(values))])
         if values.ndim == 2 and values.shape[1] == 6:
-            values = values[:, VTK_TENSOR]
-        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+            columns = values[:, VTK_TENSOR]
+        array = numpy_to_vtk(np.ascontiguousarray(columns), deep=True)
         array.SetName(name)
         target.AddArray(array)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from castx.errors import CaseError
 from castx.materials import find_material
-from castx.quantities import QUANTITIES, Solidification, Thresholds
+from castx.quantities import QUANTITIES, Solidification, thresholds_of
 from castx.results.fields import Fields
 from castx.results.folder import FIELDS, RECORD, claim_folder, clear_results
 from castx.results.history import History
+from castx.results.names import MECHANICAL
 from castx.results.probes import Probes
 from castx.results.record import Reason, RunRecord
 from castx.snapshot import Snapshot
@@ -27,8 +29,8 @@ class Results:
 
     Making it checks everything that could be wrong with probes, fields and folder and touches no
     old results; entering it replaces them. Leaving it writes the last accepted state and how the
-    run ended. An exception other than ConvergenceError and KeyboardInterrupt may have struck one
-    rank alone, so that nothing collective happens after it.
+    run ended; all files are whole then on all ranks. An exception other than ConvergenceError and
+    KeyboardInterrupt may have struck one rank alone, so that nothing collective happens after it.
 
     Args:
         case: what is run.
@@ -44,6 +46,7 @@ class Results:
         self._comm = mesh.comm
         self._folder = case.output.folder
         claim_folder(self._folder, mesh.comm)
+        refuse_without_mechanics(case)
         self._solidification = solidification_of(case, mesh)
         self._history = History(
             self._folder / "history.csv",
@@ -53,7 +56,7 @@ class Results:
         self._probes = Probes(self._folder / "probes.csv", case.probes, mesh, pairs)
         self._fields = Fields(
             self._folder / FIELDS,
-            case.output.fields,
+            wanted_fields(case),
             case.output.every,
             mesh,
             self._solidification,
@@ -79,7 +82,7 @@ class Results:
         self._fields.update(snapshot)
 
     def note_interruption(self) -> None:
-        """Write down at once that the run was interrupted, should it be killed before it can stop."""
+        """Write down at once that the run was interrupted: it may be killed before it can stop."""
         if self._comm.rank == 0:
             self._record.write(Reason.INTERRUPTED, "killed before the end of its step")
 
@@ -92,20 +95,53 @@ class Results:
         self._probes.close()
         self._history.close()
         reason = Reason.of(error)
-        if reason is not Reason.FAILED:
-            self._fields.write_pending()
-        if self._comm.rank == 0 or reason is Reason.FAILED:
-            self._record.write(reason, "" if error is None else str(error))
+        message = "" if error is None else str(error)
+        if reason is Reason.FAILED:
+            self._record.write(reason, message)
+            return
+        self._fields.write_pending()
+        if self._comm.rank == 0:
+            self._record.write(reason, message)
+        self._comm.Barrier()
+
+
+def wanted_fields(case: Case) -> list[str]:
+    """Return the fields to write: those of the case, or those of the default that the run has."""
+    return [
+        name
+        for name in case.output.fields
+        if case.coupling.scheme != "thermal" or name not in MECHANICAL
+    ]
+
+
+def refuse_without_mechanics(case: Case) -> None:
+    """Refuse what was asked for by name though a run without mechanics does not have it.
+
+    Raises:
+        CaseError: with the place in the case and the name.
+    """
+    if case.coupling.scheme != "thermal":
+        return
+    asked = [(f"probe {probe.name!r}", probe.quantities) for probe in case.probes]
+    if "fields" in case.output.model_fields_set:
+        asked.append(("output.fields", case.output.fields))
+    for where, names in asked:
+        for name in names:
+            if name in MECHANICAL:
+                raise CaseError(
+                    f'{where}: there is no {name} in a run with coupling.scheme = "thermal"; leave '
+                    "it out or choose another scheme"
+                )
 
 
 def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
-    """Return what follows the solidification of the bodies that melt, none if no field asks for it."""
+    """Return what follows the bodies that melt through solidification, if a field asks for it."""
     thresholds = {}
     if any(name in QUANTITIES for name in case.output.fields):
         for body in case.bodies:
             material = find_material(body.material, case.materials)
             if material.melts:
-                thresholds[body.name] = Thresholds.of(material.enthalpy)
+                thresholds[body.name] = thresholds_of(material.enthalpy)
     return Solidification(mesh, thresholds)
 
 

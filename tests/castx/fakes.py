@@ -28,7 +28,9 @@ class FakeGeometry:
     file: Path | None = None
 
 
-def cylinder_mesh(comm: MPI.Intracomm, model: str = "axisymmetric", size: float = 4e-3) -> CastingMesh:
+def cylinder_mesh(
+    comm: MPI.Intracomm, model: str = "axisymmetric", size: float = 4e-3
+) -> CastingMesh:
     """Return a cylinder, radius 20 mm and height 40 mm, in a mould 10 mm thick."""
     arguments = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size}
     if model == "3d":
@@ -50,7 +52,7 @@ def casting_pairs(mesh: CastingMesh) -> dict[str, NodePairs]:
 
 @dataclass
 class FakeSnapshot:
-    """A snapshot whose fields are formulas of the position (points, gdim), zero where none is given."""
+    """A snapshot whose fields are formulas of the position (points, gdim), otherwise zero."""
 
     time: float
     step: int

@@ -1,6 +1,7 @@
 """Foundry quantities of a temperature field that travels with constant speed, where all is known.
 
-T = T_f + G (x - v t): gradient G, cooling rate G v, Niyama √(G/v), solidification time (T_L - T_S)/(G v).
+T = T_f + G (x - v t): gradient G, cooling rate G v, Niyama √(G/v), and the time (T_L - T_S)/(G v)
+between liquidus and solidus.
 """
 
 from mpi4py import MPI
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from castx.gradients import Steepness
-from castx.quantities import BodySolidification, Solidification, Thresholds
+from castx.quantities import LEVELS, BodySolidification, Solidification, thresholds_of
 from castx.tables import Table
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh, slab_mesh
 
@@ -52,22 +53,21 @@ def travelling(mesh, time, step, speed=SPEED):
 
 def follow(comm, step_size=0.1, end=60.0):
     mesh = slab_mesh(comm, 1e-3)
-    solidification = BodySolidification(mesh.bodies["casting"], Thresholds.of(Curve()))
+    solidification = BodySolidification(mesh.bodies["casting"], thresholds_of(Curve()))
     for step in range(round(end / step_size) + 1):
         solidification.update(travelling(mesh, step * step_size, step), "casting")
     return mesh, solidification
 
 
 def extremes(comm, values):
-    return comm.allreduce(float(values.min()), MPI.MIN), comm.allreduce(float(values.max()), MPI.MAX)
+    low, high = float(values.min()), float(values.max())
+    return comm.allreduce(low, MPI.MIN), comm.allreduce(high, MPI.MAX)
 
 
 def test_thresholds_are_where_the_fraction_says():
-    thresholds = Thresholds.of(Curve())
-    assert thresholds.start == pytest.approx(CAPACITY * LIQUIDUS + LATENT, rel=1e-12)
-    assert thresholds.end == pytest.approx(CAPACITY * SOLIDUS, rel=1e-12)
-    middle = SOLIDUS + 0.1 * (LIQUIDUS - SOLIDUS)
-    assert thresholds.niyama == pytest.approx(CAPACITY * middle + 0.1 * LATENT, rel=1e-12)
+    thresholds = thresholds_of(Curve())
+    temperatures = LIQUIDUS - np.array(LEVELS) * (LIQUIDUS - SOLIDUS)
+    np.testing.assert_allclose(thresholds, Curve().enthalpy(temperatures), rtol=1e-12)
 
 
 def test_a_travelling_front_has_its_exact_quantities(comm):
@@ -85,11 +85,12 @@ def test_a_travelling_front_has_its_exact_quantities(comm):
 @pytest.mark.parametrize("step_size", [0.7, 7.0, 70.0])
 def test_times_do_not_depend_on_the_step_when_heat_leaves_steadily(comm, step_size):
     mesh = slab_mesh(comm, 5e-3)
-    thresholds = Thresholds.of(Curve())
+    thresholds = thresholds_of(Curve())
     solidification = BodySolidification(mesh.bodies["casting"], thresholds)
-    rate = (thresholds.start - thresholds.end) / 33.3
+    start, end = Curve().enthalpy(np.array([LIQUIDUS, SOLIDUS]))
+    rate = (start - end) / 33.3
     for step in range(round(70.0 / step_size) + 1):
-        enthalpy = thresholds.start + rate * (11.1 - step * step_size)
+        enthalpy = start + rate * (11.1 - step * step_size)
         formulas = {"enthalpy": lambda x, value=enthalpy: np.full(len(x), value)}
         state = FakeSnapshot(step * step_size, step, mesh, formulas=formulas)
         solidification.update(state, "casting")
@@ -110,7 +111,7 @@ def test_what_has_not_passed_is_not_a_number_and_remelting_wipes(comm):
 
 def test_a_body_that_does_not_melt_has_none(comm):
     mesh = cylinder_mesh(comm, size=5e-3)
-    solidification = Solidification(mesh, {"casting": Thresholds.of(Curve())})
+    solidification = Solidification(mesh, {"casting": thresholds_of(Curve())})
     assert np.isnan(solidification.nodal("mould", "niyama")).all()
 
 

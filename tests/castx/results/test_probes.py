@@ -32,9 +32,8 @@ def record(comm, folder, probes, steps=1):
 
 def test_linear_fields_are_exact_at_any_point(comm, shared_tmp_path):
     point = (0.0071, 0.0133)
-    series = record(
-        comm, shared_tmp_path, [fake_probe("p", point, "temperature", "displacement", body="casting")]
-    )
+    probe = fake_probe("p", point, "temperature", "displacement", body="casting")
+    series = record(comm, shared_tmp_path, [probe])
     assert list(series) == ["time", "p.temperature", "p.displacement.r", "p.displacement.z"]
     assert series["p.temperature"] == pytest.approx([300.0 + 7.1 - 26.6], abs=1e-10)
     assert series["p.displacement.r"] == pytest.approx([0.0204], abs=1e-14)
@@ -69,7 +68,7 @@ def test_a_point_just_outside_moves_to_the_surface(comm, shared_tmp_path):
 
 def test_a_point_far_outside_is_refused_with_its_distance(comm, shared_tmp_path):
     probe = fake_probe("far", (0.0275, 0.013), "temperature", body="casting")
-    with pytest.raises(CaseError, match=r"probe 'far' at \(0.0275, 0.013\) m lies outside body 'cast"):
+    with pytest.raises(CaseError, match=r"'far' at \(0.0275, 0.013\) m lies outside body 'cast"):
         record(comm, shared_tmp_path, [probe])
     with pytest.raises(CaseError, match=r"it is 0.0075 m away"):
         record(comm, shared_tmp_path, [probe])

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pyvista
 import pytest
+import pyvista
 
 from castx.case import read_case
 from castx.errors import CaseError, ConvergenceError
@@ -78,7 +78,7 @@ def test_a_finished_run_leaves_everything(comm, shared_tmp_path):
 
 @pytest.mark.parametrize(
     "ending, reason",
-    [(ConvergenceError("no step below 1e-4 s"), "not converged"), (KeyboardInterrupt(), "interrupted")],
+    [(ConvergenceError("no step"), "not converged"), (KeyboardInterrupt(), "interrupted")],
 )
 def test_the_last_accepted_state_is_there_after_a_common_end(comm, shared_tmp_path, ending, reason):
     with pytest.raises(type(ending)):
