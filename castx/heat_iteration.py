@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from castx.heat_system import HeatSystem
 
-FULL_STEPS = 3
+FULL_STEPS = 8
 """Newton steps of a solve that are taken in full before `shorten_step` looks at them."""
 
 

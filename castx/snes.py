@@ -80,7 +80,7 @@ class NonlinearSolver:
             self.snes.setConvergenceTest(converged)
         if step_rule is not None:
             self.snes.setLineSearchPreCheck(step_rule, args=(self.snes,))
-        self.snes.setConvergenceHistory()
+        self.snes.setConvergenceHistory(reset=True)
 
     @contextmanager
     def _options_in_database(self) -> Iterator[None]:
