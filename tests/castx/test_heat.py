@@ -332,7 +332,7 @@ def test_large_steps_need_few_iterations(comm, kind, solidus):
     ]
     heat = HeatProblem(mesh, bodies, [exchange], [outside()])
     for time in (0.0, 300.0):
-        assert heat.advance(time, 300.0, resistances(mesh)).iterations <= 12
+        assert heat.advance(time, 300.0, resistances(mesh)).iterations <= 20
         heat.commit()
     assert heat.totals()["energy_error"] < 1e-9
 

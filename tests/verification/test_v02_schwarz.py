@@ -126,10 +126,12 @@ def check(errors: dict[str, float]) -> None:
     assert errors["energy"] < 1e-6
 
 
+@pytest.mark.serial
 def test_one_temperature(comm):
     check(solve(comm, 0.5e-3, 0.02))
 
 
+@pytest.mark.serial
 def test_errors_fall(comm):
     # The heat is too large by h²/(24 α_m t) and too small by 0.11 Δt/t: at these steps, one leads.
     coarse, fine = solve(comm, 0.5e-3, 0.08), solve(comm, 0.25e-3, 0.04)
@@ -137,5 +139,6 @@ def test_errors_fall(comm):
         assert coarse[measure] > 1.6 * fine[measure], measure
 
 
+@pytest.mark.serial
 def test_small_resistance(comm):
     check(solve(comm, 0.5e-3, 0.04, kind="resistance"))

@@ -130,6 +130,7 @@ def test_the_exact_solution_is_that_of_the_record():
     assert abs(parts[2].y[1, -1]) < 1e-6 * flux
 
 
+@pytest.mark.serial
 def test_errors_at_half_a_millimetre_and_their_fall(comm):
     coarse, fine = solve(comm, 1e-3, 0.04), solve(comm, 0.5e-3, 0.02)
     assert fine["temperature"] < 1.5

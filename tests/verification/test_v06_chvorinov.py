@@ -54,6 +54,7 @@ def solidification_time(comm, thickness: float) -> float:
     return float(times[np.flatnonzero(parts > 1 - 1e-9)[0]])
 
 
+@pytest.mark.serial
 def test_time_grows_with_the_square_of_the_modulus(comm):
     thickness = np.array([10e-3, 20e-3, 40e-3])
     times = np.array([solidification_time(comm, value) for value in thickness])
