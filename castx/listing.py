@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Group
 from rich.table import Table
+from rich.text import Text
 
 from castx.environment import versions
 from castx.materials import database_entry, database_names, find_material
@@ -28,21 +30,25 @@ def freezing_text(name: str) -> str:
     return f"{material.solidus:g} to {material.liquidus:g} °C"
 
 
-def material_table(name: str) -> Table:
-    """Return all numbers of a material of the database with their sources.
+def material_table(name: str) -> Group:
+    """Return all numbers of a material of the database, and their sources below.
 
     Raises:
         CaseError: there is no such material.
     """
     table = Table("property", "at", "value", "unit", "source", box=SIMPLE_HEAD, title=name)
+    sources: list[str] = []
     before = ""
     for row in find_material(name, {}).rows():
-        new = row.property != before
+        if row.source not in sources:
+            sources.append(row.source)
         at = "" if row.temperature is None else f"{row.temperature:g} °C"
         value = row.value if isinstance(row.value, str) else f"{row.value:.6g}"
-        table.add_row(row.property if new else "", at, value, row.unit, row.source if new else "")
+        number = str(sources.index(row.source) + 1)
+        table.add_row(row.property if row.property != before else "", at, value, row.unit, number)
         before = row.property
-    return table
+    notes = [Text(f"{number}  {source}") for number, source in enumerate(sources, start=1)]
+    return Group(table, *notes)
 
 
 def version_table() -> Table:

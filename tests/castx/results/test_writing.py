@@ -11,6 +11,7 @@ from castx.case import read_case
 from castx.errors import CaseError, ConvergenceError
 from castx.mesh import build_mesh
 from castx.results import Results, read_series
+from castx.results.writing import wanted_fields
 from castx.snapshot import StepCounters
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
@@ -94,6 +95,21 @@ def test_a_bug_is_recorded_too(comm, shared_tmp_path):
         run(comm, shared_tmp_path, ZeroDivisionError("division by zero"))
     comm.Barrier()
     assert record(shared_tmp_path)["exit"]["reason"] == "failed"
+
+
+def test_a_thermal_run_writes_what_it_has_and_refuses_what_it_has_not(comm, shared_tmp_path):
+    thermal = {**CONTENT, "coupling": {"scheme": "thermal"}}
+    output = {"folder": str(shared_tmp_path)}
+    case = read_case({**thermal, "output": output}, Path("case.toml"))
+    assert wanted_fields(case) == ["temperature", "solid_fraction"]
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    case = read_case({**thermal, "output": {**output, "fields": ["stress"]}}, Path("case.toml"))
+    with pytest.raises(CaseError, match=r"output.fields: there is no stress in a run with"):
+        Results(case, mesh, casting_pairs(mesh))
+    moving = {"name": "p", "body": "casting", "at": [0, 0.02], "quantities": ["displacement"]}
+    case = read_case({**thermal, "output": output, "probes": [moving]}, Path("case.toml"))
+    with pytest.raises(CaseError, match="probe 'p': there is no displacement"):
+        Results(case, mesh, casting_pairs(mesh))
 
 
 def test_old_results_are_replaced_but_not_by_a_refused_case(comm, shared_tmp_path):
