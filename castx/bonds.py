@@ -257,7 +257,10 @@ class Bonds:
         return np.asarray(self._flow_weights @ (left - fed))
 
     def _sums(self, values: FloatArray) -> FloatArray:
-        return np.bincount(self._groups, weights=values, minlength=len(self._starts))
+        """Return the sums over the members of each group."""
+        sums = np.zeros(len(self._starts))
+        np.add.at(sums, self._groups, values)
+        return sums
 
 
 def _flow_weights(links: Links, inverse: IntArray, labels: IntArray, interfaces: int) -> FloatArray:

@@ -29,7 +29,7 @@ def strip(comm, *, size: float, length: float, mould_length: float = 0.0) -> Cas
     arguments = {"length": length, "width": size, "size": size}
     if mould_length:
         arguments["mould_length"] = mould_length
-    geometry = SimpleNamespace(
+    geometry: Any = SimpleNamespace(
         model="plane-strain",
         generator="two_slabs" if mould_length else "slab",
         file=None,
@@ -46,7 +46,7 @@ def wall_at(temperature: float) -> SurfaceHeat:
 
 
 def casting_on_mould(
-    mesh: CastingMesh, bodies: Sequence[HeatBody], kind: str, surfaces: Sequence[SurfaceHeat] = ()
+    mesh: CastingMesh, bodies: Sequence[HeatBody], kind: Any, surfaces: Sequence[SurfaceHeat] = ()
 ) -> HeatProblem:
     """Return the problem of a casting that touches a mould."""
     pairs = node_pairs(mesh, "casting", "mould")

@@ -48,7 +48,7 @@ def shoot(flux: float) -> list:
         def reached(eta, state, mushy, goal=goal):
             return state[0] - goal if np.isfinite(goal) else -1.0
 
-        reached.terminal = True
+        vars(reached)["terminal"] = True
         parts.append(
             solve_ivp(
                 rates,
