@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from castx.errors import CaseError
 from castx.materials import Material
+from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -28,12 +30,14 @@ class CellState:
         compressibility: 1/K [1/Pa], shape (cells,).
         thermal_strain: volumetric thermal strain, shape (cells,).
         coherent: whether the cell is a solid, shape (cells,).
+        solid_compressibility: 1/K that the cell has as a solid [1/Pa], shape (cells,).
     """
 
     shear_modulus: FloatArray
     compressibility: FloatArray
     thermal_strain: FloatArray
     coherent: BoolArray
+    solid_compressibility: FloatArray
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,7 @@ class ThermoElasticLaw:
         compressibility = np.mean(3 * (1 - 2 * nu) / E, axis=1)
         strain = self.material.volumetric_thermal_strain(temperature, self.stress_free)
         thermal_strain = np.mean(strain, axis=1)
+        solid_compressibility = compressibility
         coherent = np.ones(len(shear_modulus), dtype=bool)
         liquid = self.material.liquid
         if liquid is not None:
@@ -78,10 +83,17 @@ class ThermoElasticLaw:
             shear_modulus = np.where(coherent, shear_modulus, viscosity / step)
             compressibility = np.where(coherent, compressibility, 0.0)
             thermal_strain = np.where(coherent, thermal_strain, 0.0)
-        return CellState(shear_modulus, compressibility, thermal_strain, coherent)
+        return CellState(
+            shear_modulus, compressibility, thermal_strain, coherent, solid_compressibility
+        )
 
-    def _elastic_tables(self):  # type: ignore[no-untyped-def]
-        return self.material.young_modulus, self.material.poisson_ratio
+    def _elastic_tables(self) -> tuple[Table, Table]:
+        young, poisson = self.material.young_modulus, self.material.poisson_ratio
+        if young is None or poisson is None:
+            raise CaseError(
+                f"material {self.material.name!r} needs young_modulus and poisson_ratio"
+            )
+        return young, poisson
 
 
 class BirthHistory:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -98,6 +98,10 @@ class MechanicalProblem:
                 f"contact methods {', '.join(sorted(methods))} in one case; use the same for all"
             )
         names = list(bodies)
+        bodies = {
+            n: replace(body, closed=_closed_surfaces(mesh, n, displacements.get(n, ())))
+            for n, body in bodies.items()
+        }
         fixed = [
             fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
         ]
@@ -182,6 +186,15 @@ class MechanicalProblem:
         x.destroy()
         y.destroy()
         return np.asarray(image)
+
+
+def _closed_surfaces(
+    mesh: CastingMesh, name: str, displacements: Sequence[SurfaceDisplacement]
+) -> set[str]:
+    """Return the surfaces of a body through which no liquid can follow."""
+    surfaces = mesh.bodies[name].surfaces
+    shut = {s for s in surfaces if s in mesh.bodies or s.startswith("symmetry-")}
+    return shut | {d.surface for d in displacements if d.value is not None}
 
 
 def _extent(mesh: CastingMesh) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,10 +19,15 @@ from castx.constraints import FixedDirections
 from castx.forms import kinematics, momentum, stabilisation
 from castx.measures import cell_measure, surface_measure
 from castx.mesh import BodyMesh
+from castx.pockets import Pockets
 from castx.projection import Projection
 from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
+
+
+TRAPPED_SHARE = 1e-6
+"""Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class MechanicalBody:
             function of the position.
         loads: loads on surfaces.
         starts_liquid: whether the body has no solid at the start.
+        closed: names of the surfaces through which no liquid can follow.
     """
 
     law: ThermoElasticLaw
@@ -60,6 +66,7 @@ class MechanicalBody:
     body_force: Sequence[float] | Callable[[Any], Any] = ()
     loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
     starts_liquid: bool = False
+    closed: Collection[str] = ()
 
 
 class BodyMechanics:
@@ -117,6 +124,9 @@ class BodyMechanics:
         self._reference_strain = fem.Function(tensor)
         self._cell_tensor = fem.Function(tensor)
         self._history = BirthHistory(len(self.cell_nodes), components)
+        self.pockets: Pockets | None = None
+        if self.mixed and self.description.law.material.liquid is not None:
+            self.pockets = Pockets(self.mesh, self.model, self.description.closed)
         if self.description.starts_liquid:
             self._history.begin_liquid()
 
@@ -148,11 +158,16 @@ class BodyMechanics:
             self._thermal_strain,
             kinematics.symmetric_tensor(self._reference_strain, model),
         )
+        if self.pockets is not None:
+            self._cell_state = self._cell_state._replace(
+                trapped=self.pockets.trapped, trapped_pressure=self.pockets.pressure
+            )
         # Plane stress puts p into the strain: both must then be integrated alike.
         dx = cell_measure(self.mesh, model, 2 if model == "plane-stress" and self.mixed else 1)
         dx_p = cell_measure(self.mesh, model, 2)
         if self.mixed:
-            self.tau = stabilisation.tau(
+            # A given pressure needs no stabilisation.
+            self.tau = (1 - self._cell_state.trapped) * stabilisation.tau(
                 self._shear_modulus,
                 stabilisation.element_length(mesh, self.dimension),
                 stabilisation.CONSTANTS[self.description.stabilisation],
@@ -196,7 +211,7 @@ class BodyMechanics:
             total = kinematics.strain(u, model, x)
             stress = momentum.displacement_stress(u, state, model, x)
         points = self._cell_tensor.function_space.element.interpolation_points()
-        strain = kinematics.symmetric_components(kinematics.deviator(total), model)
+        strain = kinematics.symmetric_components(total, model)
         self._strain_expression = fem.Expression(strain, points)
         self._stress_expression = fem.Expression(
             kinematics.symmetric_components(stress, model), points
@@ -232,6 +247,11 @@ class BodyMechanics:
         self._thermal_strain.x.array[:] = state.thermal_strain
         self._reference_strain.x.array[:] = self._history.reference(state.coherent).ravel()
         self.coherent = state.coherent
+        if self.pockets is not None:
+            trapped = self.pockets.update(~state.coherent)
+            # Little enough to leave the pressures of the shell alone.
+            share = TRAPPED_SHARE * state.solid_compressibility[trapped]
+            self._compressibility.x.array[trapped] = share
         if self.projection is not None:
             self.projection.assemble()
         return state
@@ -263,6 +283,12 @@ class BodyMechanics:
         assemble_matrix(A, self._jacobian_form)
         A.assemble()
 
+    def nodal_pressure(self) -> FloatArray:
+        """Return the pressure at the local nodes [Pa], shape (nodes,)."""
+        if not self.mixed:
+            return self.nodal_mean(self.stress()[:, :3].mean(axis=1))
+        return np.asarray(self.pressure_scale * self.solution.x.array[self.dimension :: self.block_size])
+
     def stress(self) -> FloatArray:
         """Return the stress in the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz."""
         self._cell_tensor.interpolate(self._stress_expression)
@@ -288,5 +314,9 @@ class BodyMechanics:
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
         self._cell_tensor.interpolate(self._strain_expression)
-        strain = self._cell_tensor.x.array.reshape(len(self.cell_nodes), -1)
+        strain = self._cell_tensor.x.array.reshape(len(self.cell_nodes), -1).copy()
+        dilatation = strain[:, :3].sum(axis=1)
+        strain[:, :3] -= dilatation[:, None] / 3
         self._history.commit(self.coherent, strain)
+        if self.pockets is not None:
+            self.pockets.commit(self.nodal_pressure(), dilatation)

@@ -76,7 +76,9 @@ class Projection:
         self._pressure.array[:] = pressure[:owned]
         self._gradient.mult(self._pressure, self._projected)
         projected = self._projected.array.reshape(owned, -1)
-        projected /= self._weight.array[:owned, None]
+        # Nodes inside trapped liquid have no weight: nothing is projected there.
+        weight = self._weight.array[:owned, None]
+        np.divide(projected, weight, out=projected, where=weight > 0)
         mirrored = self._mirrored
         projected[mirrored] = np.einsum("nij,nj->ni", self._in_planes, projected[mirrored])
         self._gradient.multTranspose(self._projected, self._force)

@@ -45,17 +45,12 @@ class State:
         if name in fields:
             return np.asarray(fields[name][body].x.array)
         mechanics = self._mechanics(body, name)
-        values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
         if name == "displacement":
+            values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
             return np.asarray(values[:, : mechanics.dimension])
         if name == "pressure":
-            return self._pressure(mechanics, values)
+            return mechanics.nodal_pressure()
         raise CaseError(f"no nodal field {name!r} on body {body!r}")
-
-    def _pressure(self, mechanics: BodyMechanics, values: FloatArray) -> FloatArray:
-        if mechanics.mixed:
-            return np.asarray(mechanics.pressure_scale * values[:, -1])
-        return mechanics.nodal_mean(mechanics.stress()[:, :3].mean(axis=1))
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
@@ -98,6 +93,9 @@ class State:
         for interface in self.problem.interfaces:
             totals |= self._interface_totals(interface.name)
         if self.problem.mechanics is not None:
+            for name, body in self.problem.mechanics.bodies.items():
+                if body.pockets is not None:
+                    totals[f"{name}.unfed_volume"] = body.pockets.volume
             totals["support_force"] = self.problem.mechanics.equilibrium.support_force()
         return totals
 
@@ -109,7 +107,7 @@ class State:
 
     def _interface_totals(self, name: str) -> dict[str, float]:
         comm, state, pairs = self.mesh.comm, self._interface(name), self.pairs[name]
-        closed = state.gap <= 0
+        closed = state.closed | (state.gap <= 0)
         forces = self.problem.contact_force_vectors(name)
         local = np.array([pairs.areas @ state.gap, pairs.areas @ closed, pairs.areas.sum()])
         gap, touching, area = comm.allreduce(local, op=MPI.SUM)

@@ -21,12 +21,16 @@ class ElasticState(NamedTuple):
         compressibility: 1/K [1/Pa], zero in a liquid.
         thermal_strain: volumetric thermal strain e^θ.
         reference_strain: deviatoric strain e0 without deviatoric stress, shape (3, 3).
+        trapped: one in liquid that cannot be fed, else zero.
+        trapped_pressure: pressure of trapped liquid [Pa].
     """
 
     shear_modulus: Any
     compressibility: Any
     thermal_strain: Any
     reference_strain: Any
+    trapped: Any = 0.0
+    trapped_pressure: Any = 0.0
 
 
 def mixed_strain(u: Any, p: Any, state: ElasticState, model: str, x: Any) -> Any:
@@ -54,6 +58,9 @@ def mixed_internal_virtual_work(
 ) -> Any:
     """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) (section 2.2, weak form).
 
+    Trapped liquid acts with its given pressure and has (p_trapped - p)/K in place of the last factor:
+    its volume is free.
+
     Args:
         u: displacement [m].
         p: pressure, the mean stress [Pa].
@@ -69,8 +76,11 @@ def mixed_internal_virtual_work(
     total = mixed_strain(u, p, state, model, x)
     variation = mixed_strain(eta, q, free, model, x)
     shear = ufl.inner(deviatoric_stress(total, state), deviator(variation)) * dx
-    pressure = p * ufl.tr(variation) * dx_p
-    continuity = q * (ufl.tr(total) - state.compressibility * p - state.thermal_strain) * dx_p
+    given = state.trapped * state.trapped_pressure
+    pressure = ((1 - state.trapped) * p + given) * ufl.tr(variation) * dx_p
+    dilatation = (1 - state.trapped) * ufl.tr(total) - state.thermal_strain
+    relative_pressure = p - given
+    continuity = q * (dilatation - state.compressibility * relative_pressure) * dx_p
     return shear + pressure + continuity
 
 

@@ -1,0 +1,96 @@
+"""Liquid that no free surface feeds, on a cylinder whose top is free."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mpi4py import MPI
+
+from castx.mesh import BodyMesh, build_mesh
+from castx.pockets import FeedingPaths, Pockets
+
+RADIUS, HEIGHT, SIZE = 0.03, 0.06, 0.004
+
+
+@pytest.fixture(scope="module")
+def casting() -> BodyMesh:
+    geometry = SimpleNamespace(
+        model="axisymmetric",
+        generator="cylinder_in_mould",
+        file=None,
+        arguments={"radius": RADIUS, "height": HEIGHT, "wall": 0.01, "size": SIZE},
+    )
+    return build_mesh(geometry, ["casting", "mould"], MPI.COMM_WORLD).bodies["casting"]
+
+
+def midpoints(body: BodyMesh) -> np.ndarray:
+    return body.points[body.nodes.dofmap.list].mean(axis=1)
+
+
+def total(body: BodyMesh, cells: np.ndarray) -> int:
+    owned = body.mesh.topology.index_map(body.mesh.topology.dim).size_local
+    return body.mesh.comm.allreduce(int(np.count_nonzero(cells[:owned])))
+
+
+def test_liquid_in_the_middle_is_trapped(casting) -> None:
+    r, z = midpoints(casting).T
+    core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
+    trapped = FeedingPaths(casting, "axisymmetric", ["mould", "base"]).trapped(core)
+    assert total(casting, core) > 20
+    assert np.array_equal(trapped, core)
+
+
+def test_liquid_that_reaches_the_top_is_fed_on_any_number_of_ranks(casting) -> None:
+    r, z = midpoints(casting).T
+    column = (r < RADIUS / 3) & (z > HEIGHT / 4)
+    pocket = (r > 0.6 * RADIUS) & (z > HEIGHT / 4) & (z < HEIGHT / 2)
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base"])
+    trapped = paths.trapped(column | pocket)
+    assert total(casting, pocket) > 5
+    assert np.array_equal(trapped, pocket)
+
+
+def test_the_surfaces_decide(casting) -> None:
+    r, _ = midpoints(casting).T
+    column = r < RADIUS / 3
+    every = FeedingPaths(casting, "axisymmetric", ["mould", "base", "top"]).trapped(column)
+    none = FeedingPaths(casting, "axisymmetric", ["mould"]).trapped(column)
+    assert np.array_equal(every, column)
+    assert not none.any()
+
+
+def test_no_liquid_is_no_pocket(casting) -> None:
+    nothing = np.zeros(len(midpoints(casting)), dtype=bool)
+    assert not FeedingPaths(casting, "axisymmetric", ["mould"]).trapped(nothing).any()
+
+
+def test_a_pocket_keeps_the_pressure_at_which_it_closed_and_books_its_volume(casting) -> None:
+    r, z = midpoints(casting).T
+    core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
+    column = core | ((r < RADIUS / 2) & (z > HEIGHT / 2))
+    pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
+    nodes, cells = len(casting.points), len(r)
+    pockets.update(column)
+    pockets.commit(np.full(nodes, -5e4), np.zeros(cells))
+    assert pockets.volume == 0.0
+    for pressure, dilatation in ((7e6, 1e-3), (9e6, 3e-3)):
+        pockets.update(core)
+        held = pockets.pressure.x.array[casting.nodes.dofmap.list[core].ravel()]
+        assert np.allclose(held, -5e4, rtol=1e-14)
+        pockets.commit(np.full(nodes, pressure), np.full(cells, dilatation))
+    area = casting.mesh.comm.allreduce(float(weighted_area(casting)[core[: owned(casting)]].sum()))
+    assert pockets.volume == pytest.approx(3e-3 * area, rel=1e-12)
+
+
+def owned(body: BodyMesh) -> int:
+    return body.mesh.topology.index_map(2).size_local
+
+
+def weighted_area(body: BodyMesh) -> np.ndarray:
+    """Volumes of the owned cells by the rule of Pappus."""
+    corners = body.points[body.nodes.dofmap.list][: owned(body)]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return 2 * np.pi * corners[:, :, 0].mean(axis=1) * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
