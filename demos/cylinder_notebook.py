@@ -47,7 +47,7 @@ coarse = ["geometry.size=5e-3", "time.end=70", "time.temperature_change=40"]
 # What a case file says can be replaced without touching it, here and on the command line (`--set`).
 
 # %%
-
+# %%capture
 run("cylinder.toml", coarse, output=folder / "gap")
 constant = 'interfaces.0.heat={ law = "constant", closed = 2300 }'
 run("cylinder.toml", [*coarse, constant], output=folder / "constant")
