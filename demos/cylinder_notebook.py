@@ -71,6 +71,7 @@ lower.set_ylabel("gap [µm]")
 lower.set_xlabel("time [s]")
 upper.legend()
 lower.legend()
+plt.show()
 
 # %% [markdown]
 # The gap opens in both runs, but only in one of them does the heat flow notice.
@@ -112,3 +113,4 @@ plt.figure(figsize=(6, 6))
 plt.imshow(image)
 plt.axis("off")
 plt.title(f"{fields.times[-1]:g} s, displacements × {factor:g}")
+plt.show()
