@@ -8,13 +8,14 @@ the first guess comes from the gap extrapolated in time.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
-
-from dolfinx import fem
 from mpi4py import MPI
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
 
 from castx.errors import ConvergenceError
 from castx.heat import HeatReport
@@ -22,6 +23,8 @@ from castx.mechanical_problem import MechanicalProblem
 from castx.pairs import NodePairs
 from castx.relaxation import Relaxation
 from castx.tables import FloatArray
+
+BoolArray = npt.NDArray[np.bool_]
 
 
 class Temperatures(Protocol):
@@ -92,6 +95,7 @@ class CoupledReport:
         linear_iterations: linear iterations of the equilibrium.
         contact_changes: pairs that opened or closed.
         temperature_change: of the fastest node [K].
+        solid_fraction_change: likewise.
     """
 
     passes: int = 0
@@ -100,15 +104,24 @@ class CoupledReport:
     linear_iterations: int = 0
     contact_changes: int = 0
     temperature_change: float = 0.0
+    solid_fraction_change: float = 0.0
 
 
 @dataclass(frozen=True)
 class InterfaceState:
-    """Gap [m], contact pressure [Pa] and resistance R = 1/h [m² K/W] of the pairs of an interface."""
+    """The pairs of an interface.
+
+    Attributes:
+        gap: [m], shape (pairs,).
+        pressure: contact pressure [Pa].
+        resistance: R = 1/h [m² K/W].
+        closed: whether the pair touches; the gap of one that does is zero but for round-off.
+    """
 
     gap: FloatArray
     pressure: FloatArray
     resistance: FloatArray
+    closed: BoolArray
 
 
 class CoupledProblem:
@@ -142,12 +155,17 @@ class CoupledProblem:
         self.states = [self._initial_state(interface) for interface in self.interfaces]
         self._committed = list(self.states)
         self._gap_rates = [np.zeros(len(s.gap)) for s in self.states]
+        self._solid_fraction = self._present_solid_fraction()
         self._step = 0.0
+
+    def _present_solid_fraction(self) -> FloatArray:
+        parts = [function.x.array for function in self.heat.solid_fraction.values()]
+        return np.concatenate(parts)
 
     def _initial_state(self, interface: CoupledInterface) -> InterfaceState:
         gap = interface.initial_gap.copy()
         pressure = np.zeros(len(gap))
-        return InterfaceState(gap, pressure, _resistance(interface, gap, pressure))
+        return InterfaceState(gap, pressure, _resistance(interface, gap, pressure), gap <= 0)
 
     def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
         """Find the trial state at the end of a step that starts from the committed state.
@@ -170,7 +188,7 @@ class CoupledProblem:
             tried = self._concatenated(guess)
             change = _largest_change(self.comm, found, tried)
             if self._scheme != "iterated" or change <= self._tolerance:
-                return total
+                return replace(total, solid_fraction_change=self._solid_fraction_change())
             guess = self._split(relaxation.next(tried, found))
         raise ConvergenceError(
             f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
@@ -216,6 +234,7 @@ class CoupledProblem:
     def _read_interfaces(self) -> None:
         assert self.mechanics is not None
         gaps, forces = self.mechanics.equilibrium.pair_values()
+        closed = self.mechanics.equilibrium.active.closed
         areas = self.mechanics.gaps.areas
         pressures = np.divide(forces, areas, out=np.zeros_like(forces), where=areas > 0)
         feedback = self._scheme in ("staggered", "iterated")
@@ -227,7 +246,11 @@ class CoupledProblem:
             resistance = _resistance(interface, gap, pressure)
             if not feedback:
                 resistance = self._committed[i].resistance
-            self.states[i] = InterfaceState(gap, pressure, resistance)
+            self.states[i] = InterfaceState(gap, pressure, resistance, closed[part].copy())
+
+    def _solid_fraction_change(self) -> float:
+        change = np.abs(self._present_solid_fraction() - self._solid_fraction)
+        return float(self.comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
 
     def _concatenated(self, parts: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate([np.zeros(0), *parts])
@@ -255,6 +278,7 @@ class CoupledProblem:
         ]
         self._committed = list(self.states)
         self.heat.commit()
+        self._solid_fraction = self._present_solid_fraction()
         if self.mechanics is not None:
             self.mechanics.equilibrium.commit()
 

@@ -27,6 +27,10 @@ EASY_PASSES = 10
 CHANGE_PER_SUBSTEP = 0.25
 """Share of the wanted temperature change that one heat sub-step aims at."""
 
+SOLID_PER_SUBSTEP = 0.1
+"""Solid fraction that a heat sub-step aims to add to the fastest node: a front passes no more of an
+element, while temperatures hardly change on either side of it."""
+
 MOST_SUBSTEPS = 10
 
 
@@ -52,7 +56,7 @@ class Simulation:
         self.mesh, self.pairs, self.problem = mesh, dict(pairs), problem
         self.control = StepControl(settings)
         self._wanted, self._substeps = settings.temperature_change, substeps
-        self._change_rate = np.inf
+        self._substep_rate = np.inf
         self.time = 0.0
         self.step = 0
 
@@ -98,19 +102,21 @@ class Simulation:
             break
         self.problem.commit()
         self.control.accept(step, report.temperature_change, report.passes <= EASY_PASSES)
-        self._change_rate = report.temperature_change / step
+        self._substep_rate = self._wanted_substeps(report) / step
         self.time += step
         self.step += 1
         return _counters(report, step, clock.perf_counter() - begin, cutbacks)
 
+    def _wanted_substeps(self, report: CoupledReport) -> float:
+        by_temperature = report.temperature_change / (CHANGE_PER_SUBSTEP * self._wanted)
+        return max(by_temperature, report.solid_fraction_change / SOLID_PER_SUBSTEP)
+
     def _heat_substeps(self, step: float) -> int:
-        """Return the heat steps inside a step: the faster the temperature changes, the more."""
+        """Return the heat steps inside a step: the faster the state changes, the more."""
         if self._substeps is not None:
             return self._substeps
-        if not np.isfinite(self._change_rate):
-            return MOST_SUBSTEPS
-        expected = self._change_rate * step / (CHANGE_PER_SUBSTEP * self._wanted)
-        return min(max(ceil(expected), 1), MOST_SUBSTEPS)
+        expected = min(self._substep_rate * step, MOST_SUBSTEPS)
+        return max(ceil(expected), 1)
 
     def _state(self, counters: StepCounters) -> State:
         return State(self.mesh, self.pairs, self.problem, self.time, self.step, counters)
