@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import gmsh
 import numpy as np
@@ -15,6 +16,8 @@ from castx.geometry import Geometry
 from castx.gmsh_import import NamedMesh, read_model
 from castx.meshes import GENERATORS
 from castx.refusal import among
+
+MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
 
 
 @contextmanager
@@ -84,12 +87,29 @@ def _fill(geometry: Geometry) -> None:
 
 
 def _open(file: Path) -> None:
+    """Read a mesh, and nothing but a mesh.
+
+    gmsh takes a file that does not begin like a mesh for a script and runs it, and reads options
+    beside the file that may run commands as well; so it gets a copy in a folder of its own.
+    """
     if not file.is_file():
         raise MeshError(f"there is no mesh file {file}")
     try:
-        gmsh.merge(str(file))
-    except Exception as error:  # gmsh raises nothing more special
-        raise MeshError(f"gmsh cannot read {file}: {error}") from error
+        content = file.read_bytes()
+    except OSError as error:
+        raise MeshError(f"cannot read the mesh file {file}: {error.strerror}") from None
+    if not content.startswith(MESH_BEGINNINGS):
+        raise MeshError(
+            f"{file} is not a gmsh mesh: it must begin with $MeshFormat; "
+            "export it from gmsh as .msh, version 2 or 4"
+        )
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / "mesh.msh"
+        copy.write_bytes(content)
+        try:
+            gmsh.merge(str(copy))
+        except Exception as error:  # gmsh raises nothing more special
+            raise MeshError(f"gmsh cannot read {file}: {error}") from error
 
 
 def _generate(geometry: Geometry) -> None:
