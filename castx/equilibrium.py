@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from castx.contact.active_set import ActiveSet
@@ -85,6 +86,14 @@ class BodyAssembly:
             self._nest.convert("aij", self._matrix)
         return self._matrix
 
+    def displacement_rows(self) -> FloatArray:
+        """Return 1 at the owned unknowns that are displacements, else 0."""
+        rows = np.zeros(self.layout.size_local)
+        for b, body in enumerate(self.bodies):
+            part = rows[self.layout.local_slice(b)].reshape(-1, body.block_size)
+            part[:, : body.dimension] = 1.0
+        return rows
+
     def corrections(self) -> list[Correction]:
         """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
         found: list[Correction] = []
@@ -152,6 +161,8 @@ class Equilibrium:
         )
         self._solver.snes.ksp.pc.setType("python")
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
+        # Those of pressures are far larger in liquids, since τ is.
+        self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
         self._stiffness = 0.0
         self._internal = self._external = 0.0
         self._time, self._fresh, self._changed = 0.0, True, False
@@ -190,7 +201,8 @@ class Equilibrium:
     def _update_matrix(self) -> None:
         self._operator.matrix = self._contact.matrix(self._assembly.matrix())
         diagonal = self._operator.matrix.getDiagonal()
-        self._stiffness = diagonal.norm(PETSc.NormType.NORM_INFINITY)
+        largest = float(np.abs(diagonal.array_r[self._displacement_rows]).max(initial=0.0))
+        self._stiffness = self._assembly.layout.comm.allreduce(largest, op=MPI.MAX)
         diagonal.destroy()
 
     def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:

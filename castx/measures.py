@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import ufl
 from dolfinx import fem, la
+from dolfinx.mesh import Mesh
 
 from mpi4py import MPI
 
@@ -48,3 +49,9 @@ def bounding_box(points: FloatArray, comm: MPI.Comm) -> tuple[FloatArray, FloatA
     comm.Allreduce(MPI.IN_PLACE, low, op=MPI.MIN)
     comm.Allreduce(MPI.IN_PLACE, high, op=MPI.MAX)
     return low, high
+
+
+def extent(mesh: Mesh) -> float:
+    """Return the largest edge of the box round a mesh [m]."""
+    low, high = bounding_box(mesh.geometry.x, mesh.comm)
+    return float((high - low).max())
