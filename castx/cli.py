@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.logging import RichHandler
 
 from castx.errors import CaseError, ConvergenceError, MeshError
+from castx.terminal import console_of
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
 Overrides = Annotated[
@@ -79,17 +80,14 @@ def execute(arguments: Sequence[str], comm: MPI.Comm) -> int:
 
 def say(comm: MPI.Comm, message: object, code: Exit) -> Exit:
     """Show a message on the standard error output of rank 0 and return the exit code."""
-    if comm.rank == 0:
-        Console(stderr=True, soft_wrap=True).print(
-            f"castx: {message}", markup=False, highlight=False
-        )
+    console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code
 
 
 def prepare_logging(comm: MPI.Comm) -> None:
     """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
-    console = Console(stderr=True, soft_wrap=True)
-    handler = RichHandler(console=console, show_time=False, show_path=False, highlighter=None)
+    console = console_of(comm, stderr=True)
+    handler = RichHandler(console=console, show_time=False, show_path=False)
     level = logging.INFO if comm.rank == 0 else logging.CRITICAL
     logger = logging.getLogger("castx")
     logger.handlers = [handler]
@@ -100,7 +98,7 @@ def prepare_logging(comm: MPI.Comm) -> None:
 def output_of(context: typer.Context) -> tuple[MPI.Comm, Console]:
     """Return the ranks, and a console that is silent on all but the first."""
     comm: MPI.Comm = context.obj
-    return comm, Console(quiet=comm.rank != 0, soft_wrap=True, highlight=False)
+    return comm, console_of(comm)
 
 
 @app.command()

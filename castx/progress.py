@@ -13,6 +13,10 @@ from rich import progress
 from rich.console import Console
 
 from castx.snapshot import Snapshot
+from castx.terminal import console_of
+
+WIDE = 105
+"""Width of a terminal that has room for a bar beside the numbers."""
 
 REMEMBERED = 8
 """Steps from which the remaining time is estimated."""
@@ -30,11 +34,12 @@ class Progress:
     def __init__(self, end: float, comm: MPI.Comm, console: Console | None = None) -> None:
         self._end = end
         self._shown = comm.rank == 0
-        self._console = console or Console(quiet=not self._shown, soft_wrap=True)
+        self._console = console or console_of(comm)
         self._recent: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
         self._freezing: str | None = None
+        bar = [progress.BarColumn(bar_width=20)] if self._console.width >= WIDE else []
         self._bar = progress.Progress(
-            progress.BarColumn(bar_width=20),
+            *bar,
             progress.TextColumn("{task.description}", markup=False),
             console=self._console,
             disable=not (self._shown and self._console.is_terminal),
@@ -87,13 +92,13 @@ def freezing_body(snapshot: Snapshot) -> str | None:
 def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) -> str:
     """Return one step as a line."""
     counters = snapshot.counters
-    parts = [f"t = {snapshot.time:.4g} s", f"step {snapshot.step}"]
+    parts = [f"t {snapshot.time:.4g} s", f"step {snapshot.step}"]
     if snapshot.step > 0:
-        parts.append(f"Δt {counters.step:.3g} s")
+        parts[-1] += f" ({counters.step:.3g} s)"
     if freezing is not None:
         parts.append(f"solid {100.0 * snapshot.totals[freezing]:.1f} %")
     if snapshot.step > 0:
-        parts.append(f"iterations {counters.heat_iterations} + {counters.mechanics_iterations}")
+        parts.append(f"iterations {counters.heat_iterations}+{counters.mechanics_iterations}")
         parts.append(f"passes {counters.passes}")
     if counters.cutbacks:
         parts.append(f"cut {counters.cutbacks}×")

@@ -125,6 +125,19 @@ def test_exit_codes_of_the_other_endings(comm, monkeypatch, capsys, error, code)
     assert "Traceback" not in said(comm, capsys)
 
 
+def test_a_run_that_does_not_converge_leaves_its_last_state(
+    comm, case_file, shared_tmp_path, capsys
+):
+    folder = shared_tmp_path / "out"
+    arguments = ["run", str(case_file), "--output", str(folder)]
+    for override in ("solver.mechanics_tolerance=1e-30", "time.smallest_step=0.05"):
+        arguments += ["--set", override]
+    assert execute(arguments, comm) == 3
+    assert "castx: not converged: no solution with the smallest step" in said(comm, capsys)
+    assert json.loads((folder / "run.json").read_text())["exit"]["reason"] == "not converged"
+    assert "casting_00000_0.vtu" in (folder / "fields" / "castx.pvd").read_text()
+
+
 @pytest.mark.serial
 def test_a_bug_shows_its_traceback(comm, monkeypatch, capsys):
     def fail(*arguments, **options):

@@ -34,9 +34,9 @@ def test_plain_lines(comm):
         assert lines == []
         return
     assert lines == [
-        "t = 0 s  step 0  solid 0.0 %",
-        "t = 0.5 s  step 1  Δt 0.5 s  solid 25.0 %  iterations 7 + 4  passes 3  left 0:00:38",
-        "t = 1 s  step 2  Δt 0.5 s  solid 50.0 %  iterations 7 + 4  passes 3  cut 1×  left 0:00:36",
+        "t 0 s  step 0  solid 0.0 %",
+        "t 0.5 s  step 1 (0.5 s)  solid 25.0 %  iterations 7+4  passes 3  left 0:00:38",
+        "t 1 s  step 2 (0.5 s)  solid 50.0 %  iterations 7+4  passes 3  cut 1×  left 0:00:36",
     ]
 
 
