@@ -22,6 +22,9 @@ BoolArray = npt.NDArray[np.bool_]
 HELD = 1e-8
 """Sum of squares above which constraint rows hold a motion that moves nodes by about one."""
 
+TIE = 1e-6
+"""Relative difference below which two entries fix a motion equally well."""
+
 STIFFNESS = 1e-7
 """Stiffness of the springs per volume, in units of G/L²."""
 
@@ -106,16 +109,24 @@ class FloatingMotions:
         return Support(motions, weights, pins, self._stiffness, self._comm)
 
     def _pins(self, motions: FloatArray) -> IntArray:
-        """Return owned entries that together fix all motions, by pivoting on the largest."""
+        """Return owned entries that together fix all motions, by pivoting on the largest.
+
+        Of nearly equal ones the first is taken, so that neither round-off nor the basis of the
+        motions decides and the entries stay from solve to solve.
+        """
         columns, pins = motions.copy(), []
         for _ in range(len(motions)):
             sizes = np.linalg.norm(columns, axis=0)
-            best = int(np.argmax(sizes)) if sizes.size else -1
-            size = float(sizes[best]) if sizes.size else -1.0
-            _, rank = self._comm.allreduce((size, self._comm.rank), op=MPI.MAXLOC)
+            largest = self._comm.allreduce(float(sizes.max(initial=0.0)), op=MPI.MAX)
+            near = np.flatnonzero(sizes > (1 - TIE) * largest)
+            rank = self._comm.allreduce(
+                self._comm.rank if len(near) else self._comm.size, op=MPI.MIN
+            )
             here = rank == self._comm.rank
-            direction = self._comm.bcast(columns[:, best] / size if here else None, root=rank)
+            direction = self._comm.bcast(
+                columns[:, near[0]] / sizes[near[0]] if here else None, root=rank
+            )
             if here:
-                pins.append(best)
+                pins.append(near[0])
             columns -= np.outer(direction, direction @ columns)
         return np.array(pins, dtype=np.intp)
