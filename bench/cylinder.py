@@ -1,0 +1,74 @@
+"""Cost of the coupled cylinder in space: steps, iterations, passes, time and memory by mesh size.
+
+    bin/with-fenicsx mpirun -n 2 python3 bench/cylinder.py [NODES ...]
+
+Runs demos/cylinder_3d.toml with about so many nodes in all (default 1300 5400 20000), without output
+files. CPU seconds and memory are sums over the ranks; memory is the peak of the resident sets, which
+never falls, so each size is best run alone: bench/cylinder.py 20000.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from pathlib import Path
+
+from mpi4py import MPI
+
+from castx.case import load_case
+from castx.simulation import Simulation
+
+CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
+SIZES = {1300: 0.0072, 5400: 0.0043, 20000: 0.00271}
+COLUMNS = (
+    "nodes", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its", "wall s", "CPU s",
+    "memory MB", "energy error", "solid at end",
+)
+
+
+def main() -> None:
+    """Run the sizes and print a line for each."""
+    wanted = [int(argument) for argument in sys.argv[1:]] or list(SIZES)
+    show(COLUMNS)
+    for nodes in wanted:
+        show(measure(element_size(nodes)))
+
+
+def element_size(nodes: int) -> float:
+    """Return the element size [m] that gives about so many nodes."""
+    return SIZES.get(nodes) or SIZES[5400] * (5400 / nodes) ** (1 / 3)
+
+
+def measure(size: float) -> tuple[str, ...]:
+    """Run the case with an element size [m]; return a line of the table."""
+    comm = MPI.COMM_WORLD
+    case = load_case(CASE, [f"geometry.size={size}"])
+    begin, cpu = time.perf_counter(), time.process_time()
+    simulation = Simulation.from_case(case, comm)
+    counts = dict.fromkeys(("cutbacks", "passes", "heat_iterations", "mechanics_iterations"), 0)
+    for state in simulation:
+        for name in counts:
+            counts[name] += getattr(state.counters, name)
+    wall = time.perf_counter() - begin
+    cpu = comm.allreduce(time.process_time() - cpu)
+    memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024
+    bodies = simulation.mesh.bodies.values()
+    nodes = sum(body.nodes.dofmap.index_map.size_global for body in bodies)
+    totals = state.totals
+    simulation.destroy()
+    return (
+        f"{nodes}", f"{comm.size}", f"{state.step}", *(f"{count}" for count in counts.values()),
+        f"{wall:.0f}", f"{cpu:.0f}", f"{memory:.0f}", f"{totals['energy_error']:.1e}",
+        f"{totals['casting.solid_fraction']:.3f}",
+    )
+
+
+def show(cells: tuple[str, ...]) -> None:
+    """Print a line of the table on rank 0."""
+    if MPI.COMM_WORLD.rank == 0:
+        print("".join(f"{cell:>13}" for cell in cells), flush=True)
+
+
+if __name__ == "__main__":
+    main()
