@@ -20,7 +20,7 @@ from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import InnerSolver
-from castx.measures import bounding_box, nodal_volumes
+from castx.measures import extent, nodal_volumes
 from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
@@ -123,13 +123,14 @@ class MechanicalProblem:
         )
         initial = [c.initial_gap(p.points) for c, p in zip(contacts, self.pairs, strict=True)]
         self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial)
-        stiffness = max(body.pressure_scale for body in parts) / _extent(mesh)
+        length = extent(mesh.parent)
+        stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
         contact: ContactSystem
         if condensed:
             contact = CondensedContact(coordinates, self.gaps)
         else:
             contact = MultiplierContact(coordinates, self.gaps, stiffness)
-        floating = self._floating(coordinates, contact, stiffness / _extent(mesh))
+        floating = self._floating(coordinates, contact, stiffness / length)
         inner = self._inner_solver(settings.linear, coordinates, contact)
         self.equilibrium = Equilibrium(
             BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
@@ -195,9 +196,3 @@ def _closed_surfaces(
     surfaces = mesh.bodies[name].surfaces
     shut = {s for s in surfaces if s in mesh.bodies or s.startswith("symmetry-")}
     return shut | {d.surface for d in displacements if d.value is not None}
-
-
-def _extent(mesh: CastingMesh) -> float:
-    """Return the largest edge of the box round all bodies [m]."""
-    low, high = bounding_box(mesh.parent.geometry.x, mesh.comm)
-    return float((high - low).max())

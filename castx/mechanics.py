@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from castx.constitutive import BirthHistory, CellState, ThermoElasticLaw
 from castx.constraints import FixedDirections
 from castx.forms import kinematics, momentum, stabilisation
-from castx.measures import cell_measure, surface_measure
+from castx.measures import cell_measure, extent, surface_measure
 from castx.mesh import BodyMesh
 from castx.pockets import Pockets
 from castx.projection import Projection
@@ -25,6 +25,9 @@ from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
 
+
+PRESSURE_SHARE = 0.1
+"""Unit of the pressure unknown in G/L: with 1 multigrid takes a fifth more iterations at a liquid."""
 
 TRAPPED_SHARE = 1e-6
 """Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
@@ -73,7 +76,7 @@ class BodyMechanics:
     """Residual and Jacobian of one body, its displacement and its history.
 
     The unknown has the displacement and, in the mixed formulation, the pressure over
-    `pressure_scale` at each node, so that all rows have the size of forces.
+    `pressure_scale` at each node, which makes a length of it and forces of all rows.
 
     Args:
         body: mesh of the body.
@@ -98,7 +101,10 @@ class BodyMechanics:
         self.block_size = self.dimension + int(self.mixed)
         self.space = fem.functionspace(body.mesh, ("Lagrange", 1, (self.block_size,)))
         self.solution = fem.Function(self.space, name=f"motion of {body.name}")
-        self.pressure_scale = description.law.largest_shear_modulus()
+        stiffness = description.law.largest_shear_modulus() / extent(body.mesh)
+        self.pressure_scale = PRESSURE_SHARE * stiffness
+        # A constant: forms are compiled once for all values.
+        self._pressure_unit = fem.Constant(body.mesh, self.pressure_scale)
         self.cell_nodes = body.nodes.dofmap.list
         self.coherent = np.ones(len(self.cell_nodes), dtype=bool)
         self._create_state()
@@ -222,7 +228,7 @@ class BodyMechanics:
         if not self.mixed:
             return w, None
         u = ufl.as_vector([w[i] for i in range(self.dimension)])
-        return u, self.pressure_scale * w[self.dimension]
+        return u, self._pressure_unit * w[self.dimension]
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]."""
