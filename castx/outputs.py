@@ -22,6 +22,7 @@ FIELDS = (
     "plastic_strain",
     "gap",
     "contact_pressure",
+    "heat_transfer_coefficient",
     "enthalpy",
     "pressure",
     "solidification_time",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -114,7 +114,7 @@ class NonlinearSolver:
             raise ConvergenceError(
                 f"{self.name} did not converge: {self._reason(reason)} after "
                 f"{self.snes.getIterationNumber()} iterations, residuals "
-                + ", ".join(f"{value:.3e}" for value in residuals)
+                + _history_text(residuals)
             )
         return SolveReport(
             self.snes.getIterationNumber(), self.snes.getLinearSolveIterations(), residuals
@@ -143,3 +143,11 @@ def _reason_text(reasons: type, reason: int) -> str:
     """Return the name of a reason in small letters."""
     names = [name for name, value in vars(reasons).items() if value == reason and name.isupper()]
     return names[0].lower().replace("_", " ") if names else f"reason {reason}"
+
+
+def _history_text(residuals: Sequence[float]) -> str:
+    """Return the residuals of an iteration, of a long one the ends."""
+    texts = [f"{value:.3e}" for value in residuals]
+    if len(texts) > 8:
+        texts[3:-4] = ["…"]
+    return ", ".join(texts)
