@@ -2,9 +2,9 @@
 
     bin/with-fenicsx mpirun -n 2 python3 bench/cylinder.py [NODES ...]
 
-Runs demos/cylinder_3d.toml with about so many nodes in all (default 1300 5400 20000), without output
-files. CPU seconds and memory are sums over the ranks; memory is the peak of the resident sets, which
-never falls, so each size is best run alone: bench/cylinder.py 20000.
+Runs demos/cylinder_3d.toml with about so many nodes in all (default 1300 5400 20000), without
+output files. CPU seconds and memory are sums over the ranks; memory is the peak of the resident
+sets, which never falls, so each size is best run alone: bench/cylinder.py 20000.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Thermo-mechanics of metal casting: solidification, stresses, contact and the heat that depends on it."""
+"""Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it."""
 
 from typing import Any
 

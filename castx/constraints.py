@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mpi4py import MPI
+
 import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
-
-from mpi4py import MPI
 
 from castx.errors import CaseError
 from castx.measures import surface_measure

@@ -1,8 +1,8 @@
 """One thermo-mechanical step: heat, equilibrium, new gaps, until the interfaces agree.
 
-The unknown of the passes is the thermal resistance R = 1/h of every pair, which is linear in an open
-gap. Aitken's factor on R breaks the two-cycle into which the plain iteration falls at large steps;
-the first guess comes from the gap extrapolated in time.
+The unknown of the passes is the thermal resistance R = 1/h of every pair, which is linear in an
+open gap. Aitken's factor on R breaks the two-cycle into which the plain iteration falls at large
+steps; the first guess comes from the gap extrapolated in time.
 """
 
 from __future__ import annotations
@@ -260,7 +260,7 @@ class CoupledProblem:
         return list(np.split(values, ends[:-1])) if len(ends) else []
 
     def contact_force_vectors(self, name: str) -> FloatArray:
-        """Return the forces on the secondary nodes of an interface [N], shape (pairs, dimension)."""
+        """Return the forces on an interface's secondary nodes [N], shape (pairs, dimension)."""
         names = [interface.name for interface in self.interfaces]
         index = names.index(name)
         contact, pairs = self.interfaces[index].contact, self.interfaces[index].pairs

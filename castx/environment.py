@@ -1,4 +1,4 @@
-"""What castx runs on: versions for the record of a run, and a check for a slow BLAS at the start."""
+"""What castx runs on: versions for the record of a run, and whether the BLAS is slow."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ PACKAGES = (
     "pyvista",
     "adios4dolfinx",
 )
-# Measured on one thread: OpenBLAS 6 to 9 times, the reference BLAS 0.6 to 1 times as fast as a plain loop.
+# On one thread OpenBLAS is 6 to 9 times as fast as a plain loop, the reference BLAS 0.6 to 1.
 FEWEST_TIMES_FASTER = 2.5
 
 
 def versions() -> dict[str, str]:
-    """Return the version of castx, Python and each package underneath, "missing" for one not found."""
+    """Return the versions of castx, Python and the packages underneath, or "missing"."""
     found = {"castx": castx.__version__, "python": platform.python_version()}
     for package in PACKAGES:
         try:
@@ -47,12 +47,13 @@ def blas_advantage() -> float:
 
 
 def blas_warning(advantage: float) -> str | None:
-    """Return what to tell the user about a BLAS this much faster than a plain loop, None if it is good."""
+    """Return what to tell about a BLAS so many times faster than a loop, None if it is good."""
     if advantage > FEWEST_TIMES_FASTER:
         return None
     return (
-        "the BLAS in use is slow, no better than a plain loop: the solvers' dense kernels take about ten "
-        "times longer than they need; install OpenBLAS (Debian: apt install libopenblas0-pthread)"
+        "the BLAS in use is slow, no better than a plain loop: the solvers' dense kernels take "
+        "about ten times longer than they need; install OpenBLAS "
+        "(Debian: apt install libopenblas0-pthread)"
     )
 
 

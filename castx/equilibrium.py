@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from mpi4py import MPI
 from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
 
 from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
@@ -62,8 +62,8 @@ class BodyAssembly:
         self.unknowns = layout.create_vector()
         self.residual_vector = layout.create_vector()
         self._blocks = [body.create_jacobian() for body in bodies]
-        count = len(bodies)
-        diagonal = [[self._blocks[i] if i == j else None for j in range(count)] for i in range(count)]
+        count = range(len(bodies))
+        diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
         self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
         self._matrix: PETSc.Mat | None = None
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import ufl
 from dolfinx import fem, la
 from dolfinx.mesh import Mesh
-
-from mpi4py import MPI
 
 from castx.forms import kinematics
 from castx.mesh import BodyMesh
@@ -53,5 +53,5 @@ def bounding_box(points: FloatArray, comm: MPI.Comm) -> tuple[FloatArray, FloatA
 
 def extent(mesh: Mesh) -> float:
     """Return the largest edge of the box round a mesh [m]."""
-    low, high = bounding_box(mesh.geometry.x, mesh.comm)
+    low, high = bounding_box(np.asarray(mesh.geometry.x, dtype=np.float64), mesh.comm)
     return float((high - low).max())

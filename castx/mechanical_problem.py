@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
-from petsc4py import PETSc
 
 from castx.constraints import SurfaceDisplacement, fixed_directions
 from castx.contact.condensed import CondensedContact
@@ -23,7 +24,7 @@ from castx.linear import InnerSolver
 from castx.measures import extent, nodal_volumes
 from castx.mechanics import BodyMechanics, MechanicalBody
 from castx.mesh import CastingMesh
-from castx.pairs import NodePairs, node_pairs
+from castx.pairs import node_pairs
 from castx.rigid_modes import near_null_modes, rigid_modes
 from castx.schur import ArrowSchur
 from castx.solvers import MOST_CHANGED, BodywiseMultigrid, DirectSolver

@@ -1,14 +1,16 @@
 """Liquid that no free surface feeds: where it is, and the volume that it lacks.
 
-An incompressible pocket inside a shrinking shell would be squeezed to absurd pressures. It keeps the
-pressure it had when it closed instead, and the volume that its shell takes from it or leaves empty
-is booked: the shrinkage porosity.
+An incompressible pocket inside a shrinking shell would be squeezed to absurd pressures. It keeps
+the pressure it had when it closed instead, and the volume that its shell takes from it or leaves
+empty is booked: the shrinkage porosity.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Collection
+
+from mpi4py import MPI
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +19,6 @@ from dolfinx import fem, la
 from dolfinx import mesh as dmesh
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-
-from mpi4py import MPI
 
 from castx.measures import cell_measure
 from castx.mesh import BodyMesh
@@ -139,7 +139,8 @@ class FeedingPaths:
         number, corners = cells.shape
         rows = np.repeat(np.arange(number), corners)
         ones = np.ones(rows.size, dtype=np.int8)
-        joins = coo_matrix((ones, (rows, number + cells.ravel())), shape=(number + self._nodes,) * 2)
+        total = number + self._nodes
+        joins = coo_matrix((ones, (rows, number + cells.ravel())), shape=(total, total))
         labels = connected_components(joins, directed=False)[1][:number]
         names, inverse = np.unique(labels, return_inverse=True)
         return len(names), inverse.astype(np.int32)

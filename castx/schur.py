@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-import numpy.typing as npt
-
 from mpi4py import MPI
 from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
 
 from castx.solvers import BodyBlocks, bodywise_options
 
@@ -17,11 +17,11 @@ BoolArray = npt.NDArray[np.bool_]
 
 
 class ArrowSchur:
-    """Schur complement field split of bodies and multipliers, on a nest whose first block is a nest.
+    """Schur complement field split of bodies and multipliers; the first block is a nest itself.
 
-    The block of the bodies is augmented by BᵀW⁻¹B, a penalty on every closed pair, so that the Schur
-    complement is about -W (Benzi, Golub and Liesen 2005, section 10.2); the right-hand side gets
-    BᵀW⁻¹ times that of the multipliers. The bodies are swept one after the other by multigrid.
+    The block of the bodies is augmented by BᵀW⁻¹B, a penalty on every closed pair, so that the
+    Schur complement is about -W (Benzi, Golub and Liesen 2005, section 10.2); the right-hand side
+    gets BᵀW⁻¹ times that of the multipliers. The bodies are swept one after the other by multigrid.
 
     Args:
         comm: communicator of the matrix.

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from math import ceil
 from typing import Self
 
-import numpy as np
-
 from mpi4py import MPI
+
+import numpy as np
 
 from castx.building import build_problem, step_settings
 from castx.case import Case

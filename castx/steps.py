@@ -1,9 +1,9 @@
 """Step control: pure numbers, no solver.
 
-A step that changes some node by more than the wanted temperature makes the next one smaller, by less
-larger, within bounds on growth and size; many passes or iterations forbid growth. A rejected step is
-halved. Steps land on the end and on milestones such as output times without leaving a sliver: the
-rest up to the next of them is divided evenly once it is shorter than two steps.
+A step that changes some node by more than the wanted temperature makes the next one smaller, by
+less larger, within bounds on growth and size; many passes or iterations forbid growth. A rejected
+step is halved. Steps land on the end and on milestones such as output times without leaving a
+sliver: the rest up to the next of them is divided evenly once it is shorter than two steps.
 """
 
 from __future__ import annotations

@@ -3,17 +3,17 @@
 The springs act on these motions only, so that a body which stands on a floor and can slide is held
 sideways and its weight still goes to the floor. In the linear solve they are exact: the resultant
 of the load is taken out (spread over the body like its volume), the rest solved with as many pinned
-entries as there are motions, which is statically determinate, and the motion put back by the springs.
+entries as there are motions, which is statically determinate, and the springs put the motion back.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mpi4py import MPI
+
 import numpy as np
 import numpy.typing as npt
-
-from mpi4py import MPI
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]

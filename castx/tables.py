@@ -69,6 +69,6 @@ class Table:
         return np.asarray(np.interp(argument, self.arguments, self.values))
 
     def derivative(self, argument: Any) -> FloatArray:
-        """Return the slope at an array of arguments: of the segment above at a point, zero outside."""
+        """Return the slopes at arguments: of the segment above at a point, zero outside."""
         slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))
         return np.asarray(slopes[np.searchsorted(self.arguments, argument, side="right")])

@@ -1,4 +1,4 @@
-"""Quasi-static balance of momentum, mixed displacement-pressure and displacement (Chiumenti, 2.2).
+"""Quasi-static balance of momentum with and without a pressure field (Chiumenti, section 2.2).
 
 The stress is σ = p 1 + s with s = 2 G (dev ε - e0): G is the secant shear modulus of the step and e0
 the deviatoric strain at which the material is free of deviatoric stress. Tension is positive.
@@ -58,8 +58,8 @@ def mixed_internal_virtual_work(
 ) -> Any:
     """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) (section 2.2, weak form).
 
-    Trapped liquid acts with its given pressure and has (p_trapped - p)/K in place of the last factor:
-    its volume is free.
+    Trapped liquid acts with its given pressure and has (p_trapped - p)/K in place of the last
+    factor: its volume is free.
 
     Args:
         u: displacement [m].

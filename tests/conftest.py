@@ -1,9 +1,10 @@
 """Run the tests on any number of MPI ranks: shared fixtures, and one common verdict for each test.
 
-Under ``mpirun -n 2 python3 -m pytest`` every rank runs the same tests. Only rank 0 prints. After each phase of a
-test the ranks exchange their outcomes; a test that failed anywhere has failed everywhere, so that they all go on
-together and rank 0 shows the tracebacks of all. A rank that failed while others still wait for it inside a
-collective call ends the run after a grace period, with its traceback.
+Under ``mpirun -n 2 python3 -m pytest`` every rank runs the same tests. Only rank 0 prints. After
+each phase of a test the ranks exchange their outcomes; a test that failed anywhere has failed
+everywhere, so that they all go on together and rank 0 shows the tracebacks of all. A rank that
+failed while others still wait for it inside a collective call ends the run after a grace period,
+with its traceback.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def shared_tmp_path(tmp_path: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def collect_garbage() -> Iterator[None]:
-    """Free what the test left behind on all ranks together: the destructors of PETSc are collective."""
+    """Free what the test left behind on all ranks together: PETSc's destructors are collective."""
     yield
     gc.collect()
     if petsc := sys.modules.get("petsc4py.PETSc"):
@@ -90,9 +91,9 @@ def pytest_runtest_makereport(
     if "failed" in outcomes or len(outcomes) > 1:
         report.outcome = "failed"
         report.longrepr = "\n".join(
-            f"---- {verdict[0]} on ranks {[rank for rank, own in enumerate(verdicts) if own == verdict]}"
-            f"\n{verdict[1]}"
-            for verdict in dict.fromkeys(verdicts)
+            f"---- {outcome} on ranks "
+            f"{[rank for rank, own in enumerate(verdicts) if own == (outcome, text)]}\n{text}"
+            for outcome, text in dict.fromkeys(verdicts)
         )
     return report
 

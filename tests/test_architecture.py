@@ -20,7 +20,15 @@ LEGAL_IMPORTS = {
     "forms": {"ufl", "castx.forms"},
     "meshes": {"gmsh", "numpy", "castx.meshes"},
 }
-STANDARD_LIBRARY = {"__future__", "collections", "dataclasses", "enum", "functools", "math", "typing"}
+STANDARD_LIBRARY = {
+    "__future__",
+    "collections",
+    "dataclasses",
+    "enum",
+    "functools",
+    "math",
+    "typing",
+}
 
 
 def python_files(*folders: str) -> list[Path]:
@@ -113,8 +121,9 @@ def test_packages_of_the_build_are_the_folders_on_disk():
 
 def test_build_takes_every_other_file_along():
     build = tomllib.loads((PROJECT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    taken = {path for glob in build["package-data"]["castx"] for path in (PROJECT / "castx").glob(glob)}
-    files = {path for path in (PROJECT / "castx").rglob("*") if path.is_file()}
+    package = PROJECT / "castx"
+    taken = {path for glob in build["package-data"]["castx"] for path in package.glob(glob)}
+    files = {path for path in package.rglob("*") if path.is_file()}
     assert taken == {path for path in files if path.suffix not in {".py", ".pyc"}}
 
 

@@ -1,16 +1,16 @@
 """The primal-dual active set: which pairs are closed (Hintermüller, Ito, Kunisch 2002).
 
-A closed pair that is pulled opens, an open pair that penetrates closes. A set that comes back would
-go round for ever, as happens with pairs of no pressure on a soft liquid; from then on only the worst
-pair changes.
+A closed pair that is pulled opens, an open pair that penetrates closes. A set that comes back
+would go round for ever, as happens with pairs of no pressure on a soft liquid; from then on only
+the worst pair changes.
 """
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import numpy.typing as npt
-
-from mpi4py import MPI
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

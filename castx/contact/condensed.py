@@ -1,4 +1,4 @@
-"""Condensed contact: the gap of every pair is one of the unknowns (exact, no penalty, no multiplier).
+"""Condensed contact: the gap of every pair is one of the unknowns (no penalty, no multiplier).
 
 With u = P v the matrix is PᵀAP and the residual Pᵀr; a closed pair is the Dirichlet condition
 v_k = -g0 and its contact force p_c S the residual of that row.
@@ -6,10 +6,10 @@ v_k = -g0 and its contact force p_c S the residual of that row.
 
 from __future__ import annotations
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
-
-from petsc4py import PETSc
 
 from castx.contact.gaps import Gaps
 from castx.coordinates import Coordinates
@@ -39,7 +39,7 @@ class CondensedContact:
         self._P.mult(x, u)
 
     def residual(self, x: PETSc.Vec, r: PETSc.Vec) -> FloatArray:
-        """Return the owned rows of the problem without contact from the residual r of the bodies."""
+        """Return the owned rows of the residual without contact from r, that of the bodies."""
         self._P.multTranspose(r, self._residual)
         return self._residual.array_r.copy()
 
@@ -68,7 +68,7 @@ class CondensedContact:
     def hold(
         self, x: PETSc.Vec, closed: BoolArray, held: BoolArray, violation: FloatArray
     ) -> None:
-        """Mark the unknowns that closed pairs hold, with their distance from where they belong [m]."""
+        """Mark the unknowns that closed pairs hold, with their distance from their place [m]."""
         local = self._gaps.local[closed]
         held[local] = True
         violation[local] = x.array_r[local] + self._gaps.initial[closed]

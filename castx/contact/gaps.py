@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
+
+from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
-
-from petsc4py import PETSc
 
 from castx.coordinates import PairCoordinates
 from castx.layout import Layout
@@ -39,7 +40,7 @@ class Gaps:
         self.free = self.local >= 0
         self.areas = np.concatenate([np.zeros(0), *(i.areas for i in interfaces)])
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
-        self.slices = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self.slices = [slice(a, b) for a, b in pairwise(ends)]
         self.matrix = self._assemble(layout, list(body_names))
         self._values = self.matrix.createVecLeft()
 

@@ -1,17 +1,19 @@
 """Contact by Lagrange multipliers (Chiumenti, section 8), the three-block arrow-shaped system.
 
-    [ A   Bᵀ ] [ v ]        B = -S ∂g/∂u, λ = p_c ≥ 0 and, for a closed pair, B u = S g0;
-    [ B   0  ] [ λ ]        an open pair has λ = 0.
+    [ A   Bᵀ ] [ v ]
+    [ B   0  ] [ λ ]
+
+with B = -S ∂g/∂u, λ = p_c ≥ 0 and, for a closed pair, B u = S g0; an open pair has λ = 0.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
-
-from petsc4py import PETSc
 
 from castx.contact.gaps import Gaps
 from castx.coordinates import Coordinates
@@ -83,7 +85,7 @@ class MultiplierContact:
         return np.concatenate((rows, gaps))
 
     def matrix(self, A: PETSc.Mat) -> PETSc.Mat:
-        """Return the assembled form of the nest [[PᵀAP, Bᵀ], [B, C]]; the next call overwrites it."""
+        """Return the nest [[PᵀAP, Bᵀ], [B, C]] assembled; the next call overwrites it."""
         if self._A is None:
             self._A = A.ptap(self._P)
             self._nest = PETSc.Mat().createNest([[self._A, self._Bt], [self._B, self._C]])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
-
-from petsc4py import PETSc
 
 from castx.layout import Layout
 

@@ -64,5 +64,5 @@ def test_options_beside_a_mesh_are_not_run(tmp_path) -> None:
 
 
 def test_a_missing_file_is_named(tmp_path) -> None:
-    with pytest.raises(MeshError, match="there is no mesh file .*gone.msh"):
+    with pytest.raises(MeshError, match=r"there is no mesh file .*gone\.msh"):
         named_mesh(geometry(tmp_path / "gone.msh"), ["casting"])

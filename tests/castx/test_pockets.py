@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
-
-from mpi4py import MPI
 
 from castx.mesh import BodyMesh, build_mesh
 from castx.pockets import FeedingPaths, Pockets
@@ -93,4 +93,5 @@ def weighted_area(body: BodyMesh) -> np.ndarray:
     """Volumes of the owned cells by the rule of Pappus."""
     corners = body.points[body.nodes.dofmap.list][: owned(body)]
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 2 * np.pi * corners[:, :, 0].mean(axis=1) * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    return 2 * np.pi * corners[:, :, 0].mean(axis=1) * areas

@@ -1,4 +1,4 @@
-"""Contact methods: the gap against known planes, PᵀAP against dense products, action and reaction."""
+"""Contact methods: the gap against known planes, PᵀAP against dense products, reaction."""
 
 from __future__ import annotations
 
@@ -46,7 +46,9 @@ def ring(comm, method: str, overlap: float = -2e-5, **law):
     return made
 
 
-@pytest.mark.parametrize("law", [{}, {"formulation": "displacement"}], ids=["mixed", "displacement"])
+@pytest.mark.parametrize(
+    "law", [{}, {"formulation": "displacement"}], ids=["mixed", "displacement"]
+)
 @pytest.mark.parametrize("method", METHODS)
 def test_action_is_reaction(comm, method, law):
     """At every pair the forces of the two bodies are ±f n, and nothing acts elsewhere."""
