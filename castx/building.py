@@ -171,7 +171,7 @@ def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBo
         ThermoElasticLaw(material, stress_free),
         body.formulation,
         body.stabilisation,
-        tuple(material.density * g for g in case.loads.gravity),
+        tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
         tuple(load for load in loads if load is not None),
         material.liquid is not None,
     )

@@ -157,6 +157,8 @@ class CoupledProblem:
         self._gap_rates = [np.zeros(len(s.gap)) for s in self.states]
         self._solid_fraction = self._present_solid_fraction()
         self._step = 0.0
+        # Nothing has moved yet, so that any step gives the stress of the initial state.
+        self._update_bodies(step=1.0)
 
     def _present_solid_fraction(self) -> FloatArray:
         parts = [function.x.array for function in self.heat.solid_fraction.values()]
@@ -220,16 +222,19 @@ class CoupledProblem:
         )
         if self.mechanics is None:
             return heat
-        for name, body in self.mechanics.bodies.items():
-            body.update_state(
-                self.heat.temperature[name].x.array, self.heat.solid_fraction[name].x.array, step
-            )
+        self._update_bodies(step)
         found = self.mechanics.equilibrium.solve(time + step)
         self._read_interfaces()
         return CoupledReport(
             1, heat.heat_iterations, found.iterations, found.linear_iterations,
             found.contact_changes, heat.temperature_change,
         )
+
+    def _update_bodies(self, step: float) -> None:
+        if self.mechanics is not None:
+            for name, body in self.mechanics.bodies.items():
+                temperature = self.heat.temperature[name].x.array
+                body.update_state(temperature, self.heat.solid_fraction[name].x.array, step)
 
     def _read_interfaces(self) -> None:
         assert self.mechanics is not None

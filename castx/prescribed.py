@@ -23,7 +23,7 @@ class PrescribedBody:
 
 
 class PrescribedTemperatures:
-    """The fields of a heat problem, given as functions of time.
+    """The fields of a heat problem, given as functions of time; there is no enthalpy.
 
     Args:
         mesh: mesh of all bodies.
@@ -34,7 +34,7 @@ class PrescribedTemperatures:
         self._bodies = dict(bodies)
         spaces = {name: mesh.bodies[name].nodes for name in bodies}
         self.temperature = {n: fem.Function(space) for n, space in spaces.items()}
-        self.enthalpy = {n: fem.Function(space) for n, space in spaces.items()}
+        self.enthalpy: dict[str, fem.Function] = {}
         self.solid_fraction = {n: fem.Function(space) for n, space in spaces.items()}
         self._time = 0.0
         self._set(0.0)
@@ -43,10 +43,8 @@ class PrescribedTemperatures:
         self._trial = time
         for name, body in self._bodies.items():
             T = np.full_like(self.temperature[name].x.array, float(body.temperature(time)))
-            curve = body.material.enthalpy
             self.temperature[name].x.array[:] = T
-            self.enthalpy[name].x.array[:] = curve.enthalpy(T)
-            self.solid_fraction[name].x.array[:] = curve.solid_fraction(curve.enthalpy(T))
+            self.solid_fraction[name].x.array[:] = body.material.solid_fraction_at(T)
 
     def advance(
         self,

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from mpi4py import MPI
+
+import numpy as np
 
 from castx.coupling import CoupledProblem, InterfaceState
 from castx.errors import CaseError
@@ -43,6 +43,8 @@ class State:
             "solid_fraction": heat.solid_fraction,
         }
         if name in fields:
+            if body not in fields[name]:
+                raise CaseError(f"no {name} in a run without the heat equation (coupling.scheme)")
             return np.asarray(fields[name][body].x.array)
         mechanics = self._mechanics(body, name)
         if name == "displacement":

@@ -13,7 +13,13 @@ from castx.errors import CaseError
 from castx.materials.description import Liquid, MaterialDescription
 from castx.materials.enthalpy import EnthalpyCurve, enthalpy_curve
 from castx.materials.phased import Phased
-from castx.materials.solid_fraction import LeverLaw, LinearLaw, ScheilLaw, SolidFractionLaw
+from castx.materials.solid_fraction import (
+    LeverLaw,
+    LinearLaw,
+    ScheilLaw,
+    SolidFractionLaw,
+    fraction_at,
+)
 from castx.materials.sources import (
     OutsideRange,
     PropertyRow,
@@ -24,6 +30,8 @@ from castx.materials.sources import (
 from castx.tables import FloatArray, Table
 
 Value = TypeVar("Value")
+
+PURPOSES = {"density": "the heat equation and gravity"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +142,12 @@ class Material:
             law=self.solid_fraction,
         )
 
+    def solid_fraction_at(self, temperature: FloatArray) -> FloatArray:
+        """Return f_s at temperatures [°C] in equilibrium; needs no thermal property."""
+        if self.solid_fraction is None or self.solidus is None or self.liquidus is None:
+            return np.ones_like(temperature)
+        return fraction_at(self.solid_fraction, self.solidus, self.liquidus, temperature)
+
     def conductivity_at(self, enthalpy: Any) -> tuple[FloatArray, FloatArray]:
         """Return k [W/m/K] and dk/dH = ∂k/∂T T'(H) + ∂k/∂f_s f_s'(H) at enthalpies [J/m³]."""
         curve = self.enthalpy
@@ -196,6 +210,6 @@ class Material:
 
     def _given(self, name: str, value: Value | None) -> Value:
         if value is None:
-            self.require((name,), "the heat equation")
+            self.require((name,), PURPOSES.get(name, "the heat equation"))
             raise AssertionError(name)
         return value

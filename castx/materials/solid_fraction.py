@@ -32,6 +32,17 @@ class SolidFractionLaw(Protocol):
         ...
 
 
+def fraction_at(
+    law: SolidFractionLaw, solidus: float, liquidus: float, temperature: FloatArray
+) -> FloatArray:
+    """Return the solid fraction at temperatures [°C]; at a plateau the liquid side of the jump."""
+    fraction = np.where(temperature < solidus, 1.0, 0.0)
+    for piece in law.pieces(solidus, liquidus):
+        inside = (temperature >= piece.start) & (temperature < piece.end)
+        fraction[inside] = piece.fraction(temperature[inside])
+    return fraction
+
+
 def linear_piece(start: float, end: float, first: float, last: float) -> Piece:
     """Return the piece on which the fraction runs straight from `first` to `last`."""
 
