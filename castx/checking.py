@@ -18,7 +18,7 @@ from castx.pairs import node_pairs
 from castx.results.probes import readings_of
 
 
-def check_case(case: Case, comm: MPI.Comm, console: Console) -> None:
+def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Raises:

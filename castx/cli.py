@@ -50,7 +50,7 @@ def main() -> None:
     sys.exit(execute(sys.argv[1:], MPI.COMM_WORLD))
 
 
-def execute(arguments: Sequence[str], comm: MPI.Comm) -> int:
+def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
     """Run a command line and return its exit code.
 
     What castx refuses or gives up is raised on all ranks and shown by rank 0. Anything else is a
@@ -78,13 +78,13 @@ def execute(arguments: Sequence[str], comm: MPI.Comm) -> int:
         return Exit.FAILED
 
 
-def say(comm: MPI.Comm, message: object, code: Exit) -> Exit:
+def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
     """Show a message on the standard error output of rank 0 and return the exit code."""
     console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code
 
 
-def prepare_logging(comm: MPI.Comm) -> None:
+def prepare_logging(comm: MPI.Intracomm) -> None:
     """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
     console = console_of(comm, stderr=True)
     handler = RichHandler(console=console, show_time=False, show_path=False)
@@ -95,9 +95,9 @@ def prepare_logging(comm: MPI.Comm) -> None:
     logger.propagate = False
 
 
-def output_of(context: typer.Context) -> tuple[MPI.Comm, Console]:
+def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
     """Return the ranks, and a console that is silent on all but the first."""
-    comm: MPI.Comm = context.obj
+    comm: MPI.Intracomm = context.obj
     return comm, console_of(comm)
 
 

@@ -20,7 +20,7 @@ Partitioner = Callable[..., Any]
 
 
 def create_simplex_mesh(
-    comm: MPI.Comm,
+    comm: MPI.Intracomm,
     points: NDArray[np.float64],
     cells: NDArray[np.int64],
     dimension: int,

@@ -105,9 +105,9 @@ class BirthHistory:
     """
 
     def __init__(self, cells: int, components: int) -> None:
-        self._coherent = np.ones(cells, dtype=bool)
-        self._reference = np.zeros((cells, components))
-        self._strain = np.zeros((cells, components))
+        self._coherent: BoolArray = np.ones(cells, dtype=bool)
+        self._reference: FloatArray = np.zeros((cells, components))
+        self._strain: FloatArray = np.zeros((cells, components))
 
     def begin_liquid(self) -> None:
         """State that nothing has been born yet."""

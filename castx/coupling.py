@@ -140,7 +140,7 @@ class CoupledProblem:
 
     def __init__(
         self,
-        comm: MPI.Comm,
+        comm: MPI.Intracomm,
         heat: Temperatures,
         mechanics: MechanicalProblem | None,
         interfaces: Sequence[CoupledInterface],
@@ -154,7 +154,7 @@ class CoupledProblem:
         self._scheme, self._tolerance, self._most_passes = scheme, tolerance, most_passes
         self.states = [self._initial_state(interface) for interface in self.interfaces]
         self._committed = list(self.states)
-        self._gap_rates = [np.zeros(len(s.gap)) for s in self.states]
+        self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
         self._solid_fraction = self._present_solid_fraction()
         self._step = 0.0
         # Nothing has moved yet, so that any step gives the stress of the initial state.
@@ -278,7 +278,7 @@ class CoupledProblem:
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
         self._gap_rates = [
-            (new.gap - old.gap) / self._step
+            np.asarray((new.gap - old.gap) / self._step, dtype=np.float64)
             for new, old in zip(self.states, self._committed, strict=True)
         ]
         self._committed = list(self.states)
@@ -308,7 +308,7 @@ def _resistance(interface: CoupledInterface, gap: FloatArray, pressure: FloatArr
         return np.asarray(1.0 / interface.law.coefficient(gap, pressure))
 
 
-def _largest_change(comm: MPI.Comm, found: FloatArray, tried: FloatArray) -> float:
+def _largest_change(comm: MPI.Intracomm, found: FloatArray, tried: FloatArray) -> float:
     compared = np.isfinite(found) & np.isfinite(tried) & (found > 0)
     change = np.abs(found[compared] - tried[compared]) / found[compared]
     if (np.isfinite(found) != np.isfinite(tried)).any():

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import matplotlib as mpl
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -28,7 +29,7 @@ STYLE = {
     "axes.grid": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.prop_cycle": mpl.cycler(color=COLOURS),
+    "axes.prop_cycle": cycler(color=COLOURS),
     "grid.color": "#e3e5e8",
     "grid.linewidth": 0.8,
     "xtick.color": "#30343a",
@@ -135,7 +136,7 @@ def row(
         scale = ScalarMappable(Normalize(*limits), colours)
         bar = canvas.colorbar(scale, ax=list(axes), shrink=0.9, pad=0.02, aspect=25)
         bar.set_label(label)
-        bar.outline.set_visible(False)
+        bar.ax.spines["outline"].set_visible(False)
         canvas.savefig(stream, dpi=DOTS_PER_INCH)
         return stream.getvalue()
 

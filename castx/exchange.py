@@ -59,7 +59,7 @@ class PairExchange:
         self.local = layout.local_slice(secondary).start + pairs.secondary_local
         self.secondary_dofs = layout.dofs(secondary, pairs.secondary_nodes, 0)
         self.primary_dofs = layout.dofs(primary, pairs.primary_nodes, 0)
-        self.resistance = np.full(len(self.areas), np.inf)
+        self.resistance: FloatArray = np.full(len(self.areas), np.inf)
         self._primary = RemoteEntries(vector, self.primary_dofs)
 
     def set_resistance(self, start: FloatArray, end: FloatArray, part: float) -> None:

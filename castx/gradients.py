@@ -74,7 +74,7 @@ def midpoint_gradients(
         Gradients (cells, nodes, gdim) [1/m], volumes (cells,) [m^gdim].
     """
     element = space.element.basix_element
-    reference = basix.geometry(element.cell_type)
+    reference = np.asarray(basix.geometry(element.cell_type))
     midpoint = reference.mean(axis=0, keepdims=True)
     slopes = element.tabulate(1, midpoint)[1:, 0, :, 0]
     jacobians = np.einsum("cai,ka->cik", corners, slopes)

@@ -31,7 +31,7 @@ class Interruption:
             since mpirun kills its ranks a quarter of a second later.
     """
 
-    def __init__(self, comm: MPI.Comm, at_once: Callable[[], None]) -> None:
+    def __init__(self, comm: MPI.Intracomm, at_once: Callable[[], None]) -> None:
         self._comm = comm
         self._at_once = at_once
         self._since: float | None = None

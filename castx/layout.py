@@ -23,7 +23,7 @@ class Layout:
     """
 
     def __init__(
-        self, comm: MPI.Comm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]
+        self, comm: MPI.Intracomm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]
     ) -> None:
         """Gather the ranges of all ranks."""
         self.comm = comm

@@ -95,7 +95,7 @@ class SystemPreconditioner:
         comm: ranks.
     """
 
-    def __init__(self, operator: SystemOperator, inner: InnerSolver, comm: MPI.Comm) -> None:
+    def __init__(self, operator: SystemOperator, inner: InnerSolver, comm: MPI.Intracomm) -> None:
         self._operator, self._inner, self._comm = operator, inner, comm
         self._work: list[PETSc.Vec] = []
         self._set_up_for: BoolArray | None = None

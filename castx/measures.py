@@ -42,7 +42,7 @@ def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
     return np.asarray(volumes.array[: body.nodes.dofmap.index_map.size_local])
 
 
-def bounding_box(points: FloatArray, comm: MPI.Comm) -> tuple[FloatArray, FloatArray]:
+def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest coordinates of the points of all ranks, shape (dimension,)."""
     low = np.ascontiguousarray(points.min(axis=0, initial=np.inf))
     high = np.ascontiguousarray(points.max(axis=0, initial=-np.inf))

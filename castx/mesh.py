@@ -82,13 +82,13 @@ class BodyMesh:
 class CastingMesh:
     """One conforming mesh and its bodies, in the order of the case."""
 
-    comm: MPI.Comm
+    comm: MPI.Intracomm
     model: str
     parent: dolfinx.mesh.Mesh
     bodies: dict[str, BodyMesh]
 
 
-def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Comm) -> CastingMesh:
+def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
     """Make or read the mesh on rank 0, distribute it and cut it into bodies.
 
     Raises:
@@ -129,7 +129,7 @@ class _Prepared:
     offsets: IntArray
 
 
-def _on_rank_zero(comm: MPI.Comm, task: Callable[[], T]) -> T | None:
+def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
     """Run a task on rank 0; what it raises there is raised as MeshError everywhere."""
     result, failure, message = None, None, None
     if comm.rank == 0:
@@ -153,7 +153,9 @@ def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
     return _Prepared(mesh, names, *destinations(ranks, across))
 
 
-def _distributed(comm: MPI.Comm, dimension: int, prepared: _Prepared | None) -> dolfinx.mesh.Mesh:
+def _distributed(
+    comm: MPI.Intracomm, dimension: int, prepared: _Prepared | None
+) -> dolfinx.mesh.Mesh:
     points: NDArray[np.float64] = np.empty((0, dimension))
     cells: NDArray[np.int64] = np.empty((0, dimension + 1), dtype=np.int64)
     parts: IntArray = np.empty(0, dtype=np.int32)

@@ -90,11 +90,10 @@ class View:
         """
         points = np.concatenate([grid.points for grid in grids])
         low, high = points.min(axis=0), points.max(axis=0)
-        margin = 0.04 * np.linalg.norm(high - low)
         if model != "3d":
+            margin = 0.04 * np.linalg.norm(high - low) * np.array([1.0, 1.0, 0.0])
             if model == "axisymmetric":
                 low = low * [0.0, 1.0, 1.0] - high * [1.0, 0.0, 0.0]
-            margin = np.array([margin, margin, 0.0])
             return cls(model, low - margin, high + margin, False, None)
         open_x, open_y = np.abs(low[:2]) < 1e-6 * (high - low)[:2]
         along = {(True, True): (-0.75, -1.0), (True, False): (-1.0, -0.45)}
@@ -131,7 +130,7 @@ class View:
     def aim(self, plotter: pyvista.Plotter) -> None:
         """Point the camera."""
         centre = 0.5 * (self.low + self.high)
-        plotter.enable_parallel_projection()
+        plotter.camera.enable_parallel_projection()
         plotter.camera.focal_point = centre
         if self.direction is None:
             plotter.camera.position = centre + np.array([0.0, 0.0, self.size])
@@ -168,7 +167,7 @@ def picture(
         exaggeration: factor on the displacements; 0: undeformed.
     """
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.window()))
-    plotter.set_background("white")
+    plotter.background_color = "white"
     flat = view.direction is None
     for name, grid in grids.items():
         surface = view.shown(deformed(grid, exaggeration))

@@ -51,9 +51,9 @@ class Pockets:
             fem.form(ufl.TestFunction(cells) * cell_measure(body, model, 2))
         ).array[: cells.dofmap.index_map.size_local]
         self._was_trapped = np.zeros(len(self._cell_nodes), dtype=bool)
-        self._held_pressure = np.zeros(len(body.parent_vertices))
-        self._last_pressure = np.zeros(len(body.parent_vertices))
-        self._last_dilatation = np.zeros(len(self._cell_nodes))
+        self._held_pressure: FloatArray = np.zeros(len(body.parent_vertices))
+        self._last_pressure: FloatArray = np.zeros(len(body.parent_vertices))
+        self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
 
     def update(self, liquid: BoolArray) -> BoolArray:
         """Find the trapped cells of a trial step; return them, shape (cells,)."""

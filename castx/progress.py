@@ -31,7 +31,7 @@ class Progress:
         console: where to; by default the standard output of rank 0.
     """
 
-    def __init__(self, end: float, comm: MPI.Comm, console: Console | None = None) -> None:
+    def __init__(self, end: float, comm: MPI.Intracomm, console: Console | None = None) -> None:
         self._end = end
         self._shown = comm.rank == 0
         self._console = console or console_of(comm)

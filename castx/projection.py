@@ -89,9 +89,9 @@ def _tangential(
     planes: Sequence[FixedDirections], owned: int, dimension: int
 ) -> tuple[npt.NDArray[np.intp], FloatArray]:
     """Return the owned nodes on planes and projectors on the directions that all planes allow."""
-    normals = np.zeros((owned, len(planes), dimension))
+    everywhere = np.zeros((owned, len(planes), dimension))
     for k, plane in enumerate(planes):
-        normals[plane.nodes, k] = plane.directions
-    nodes = np.flatnonzero(normals.any(axis=(1, 2)))
-    normals = normals[nodes]
+        everywhere[plane.nodes, k] = plane.directions
+    nodes = np.flatnonzero(everywhere.any(axis=(1, 2)))
+    normals = everywhere[nodes]
     return nodes, np.eye(dimension) - np.linalg.pinv(normals, rcond=1e-6) @ normals

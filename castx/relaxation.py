@@ -20,7 +20,7 @@ class Relaxation:
         comm: ranks over which the iterates are spread.
     """
 
-    def __init__(self, comm: MPI.Comm) -> None:
+    def __init__(self, comm: MPI.Intracomm) -> None:
         self._comm = comm
         self._factor = 1.0
         self._residual: FloatArray | None = None

@@ -47,7 +47,7 @@ def near_null_modes(body: BodyMechanics) -> FloatArray:
     return np.array(modes)
 
 
-def _rotations(points: FloatArray, comm: MPI.Comm) -> list[FloatArray]:
+def _rotations(points: FloatArray, comm: MPI.Intracomm) -> list[FloatArray]:
     low, high = bounding_box(points, comm)
     arms = (points - (low + high) / 2) / (np.linalg.norm(high - low) / 2)
     if points.shape[1] == 2:

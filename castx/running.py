@@ -19,7 +19,7 @@ def run(
     overrides: Sequence[str] = (),
     *,
     output: str | Path | None = None,
-    comm: MPI.Comm | None = None,
+    comm: MPI.Intracomm | None = None,
 ) -> Path:
     """Run a case file and return its results folder; collective.
 
@@ -47,7 +47,7 @@ def with_output(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"output": output})
 
 
-def run_case(case: Case, comm: MPI.Comm) -> Path:
+def run_case(case: Case, comm: MPI.Intracomm) -> Path:
     """Run a case and return its results folder; collective. Raises as `run` does."""
     simulation = Simulation.from_case(case, comm)
     with (

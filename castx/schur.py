@@ -33,7 +33,7 @@ class ArrowSchur:
 
     def __init__(
         self,
-        comm: MPI.Comm,
+        comm: MPI.Intracomm,
         prefix: str,
         parts: Sequence[PETSc.IS],
         modes: Sequence[FloatArray],

@@ -61,7 +61,7 @@ class Simulation:
         self.step = 0
 
     @classmethod
-    def from_case(cls, case: Case, comm: MPI.Comm) -> Self:
+    def from_case(cls, case: Case, comm: MPI.Intracomm) -> Self:
         """Build the mesh and the problems of a case.
 
         Raises:

@@ -38,7 +38,7 @@ class DirectSolver:
         most_changed: held unknowns by which a factorisation may fall behind.
     """
 
-    def __init__(self, comm: MPI.Comm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
+    def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
         self.most_changed = most_changed
         self.defaults: Mapping[str, object] = {
             "ksp_type": "preonly",
@@ -77,7 +77,7 @@ class BodyBlocks:
     """
 
     def __init__(
-        self, comm: MPI.Comm, parts: Sequence[PETSc.IS], modes: Sequence[FloatArray]
+        self, comm: MPI.Intracomm, parts: Sequence[PETSc.IS], modes: Sequence[FloatArray]
     ) -> None:
         self._comm, self._parts, self._modes = comm, list(parts), list(modes)
         self._blocks: list[list[PETSc.Mat]] = []
@@ -151,7 +151,7 @@ class BodywiseMultigrid:
 
     def __init__(
         self,
-        comm: MPI.Comm,
+        comm: MPI.Intracomm,
         prefix: str,
         parts: Sequence[PETSc.IS],
         modes: Sequence[FloatArray],

@@ -45,7 +45,7 @@ class Support:
     weights: FloatArray
     pins: IntArray
     stiffness: float
-    comm: MPI.Comm
+    comm: MPI.Intracomm
 
     def amplitudes(self, x: FloatArray) -> FloatArray:
         """Return the amplitudes Wᵀx of the motions in an owned part x."""
@@ -75,7 +75,7 @@ class FloatingMotions:
     """
 
     def __init__(
-        self, motions: FloatArray, weights: FloatArray, stiffness: float, comm: MPI.Comm
+        self, motions: FloatArray, weights: FloatArray, stiffness: float, comm: MPI.Intracomm
     ) -> None:
         self.motions, self._comm = motions, comm
         # Springs see the mean motion: a volume-weighted inner product that integrates to one.

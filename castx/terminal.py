@@ -9,7 +9,7 @@ from mpi4py import MPI
 from rich.console import Console
 
 
-def console_of(comm: MPI.Comm, *, stderr: bool = False) -> Console:
+def console_of(comm: MPI.Intracomm, *, stderr: bool = False) -> Console:
     """Return a console that is silent on all ranks but the first.
 
     Under mpirun the output of rank 0 is a pseudo-terminal even when mpirun writes into a file, so

@@ -1,7 +1,7 @@
-"""Quasi-static balance of momentum with and without a pressure field (Chiumenti, section 2.2).
+"""Quasi-static balance of momentum, with and without a pressure field (Chiumenti, 2.2).
 
-The stress is σ = p 1 + s with s = 2 G (dev ε - e0): G is the secant shear modulus of the step and e0
-the deviatoric strain at which the material is free of deviatoric stress. Tension is positive.
+The stress is σ = p 1 + s with s = 2 G (dev ε - e0): G is the secant shear modulus of the step and
+e0 the deviatoric strain at which the material is free of deviatoric stress. Tension is positive.
 """
 
 from __future__ import annotations

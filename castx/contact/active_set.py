@@ -27,7 +27,7 @@ class ActiveSet:
     """
 
     def __init__(
-        self, comm: MPI.Comm, initial_gaps: FloatArray, free: BoolArray, keys: FloatArray
+        self, comm: MPI.Intracomm, initial_gaps: FloatArray, free: BoolArray, keys: FloatArray
     ) -> None:
         self._comm, self._free, self._keys = comm, free, keys
         self.closed: BoolArray = free & (initial_gaps <= 0)

@@ -45,7 +45,7 @@ class MultiplierContact:
 
     def __init__(self, coordinates: Coordinates, gaps: Gaps, stiffness: float) -> None:
         self._gaps, self._bodies = gaps, coordinates.layout
-        self._scales = stiffness * gaps.areas
+        self._scales: FloatArray = np.asarray(stiffness * gaps.areas)
         self._P = coordinates.to_displacements
         pairs = len(gaps.local)
         parts = [_Part(coordinates.owned_nodes(b)) for b in range(len(self._bodies.block_sizes))]
@@ -116,10 +116,10 @@ class MultiplierContact:
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
         """Return the changes of the gaps of closed pairs by motions, shape (motions, closed)."""
         values = np.zeros((len(motions), int(np.count_nonzero(closed))))
-        for value, motion in zip(values, motions, strict=True):
-            self._v.array[:] = motion[: self._size]
+        for row in range(len(motions)):
+            self._v.array[:] = motions[row, : self._size]
             self._B.mult(self._v, self._pressures)
-            value[:] = (self._pressures.array_r / self._scales)[closed]
+            values[row] = (self._pressures.array_r / self._scales)[closed]
         return values
 
     def to_unknowns(self, coordinates: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ FIELDS = "fields"
 CURE = "choose another one with output.folder or --output"
 
 
-def claim_folder(folder: Path, comm: MPI.Comm) -> None:
+def claim_folder(folder: Path, comm: MPI.Intracomm) -> None:
     """Make sure that results can be written to a folder, which is made if it does not exist.
 
     Nothing in it is touched yet. Results of an earlier run may be written over; a folder that holds

@@ -103,7 +103,7 @@ class RunRecord:
         write_whole(self.path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
 
 
-def peak_memory(comm: MPI.Comm) -> dict[str, int]:
+def peak_memory(comm: MPI.Intracomm) -> dict[str, int]:
     """Return the peak resident memory so far [bytes]: of the largest rank, and of all."""
     own = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return {

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +11,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from castx.geometry import Geometry
 from castx.mesh import CastingMesh, build_mesh
 from castx.pairs import NodePairs, node_pairs
 from castx.snapshot import StepCounters
@@ -20,29 +20,21 @@ from castx.tables import FloatArray
 Formula = Callable[[FloatArray], FloatArray]
 
 
-@dataclass(frozen=True)
-class FakeGeometry:
-    model: str
-    generator: str | None
-    arguments: Mapping[str, Any]
-    file: Path | None = None
-
-
 def cylinder_mesh(
     comm: MPI.Intracomm, model: str = "axisymmetric", size: float = 4e-3
 ) -> CastingMesh:
     """Return a cylinder, radius 20 mm and height 40 mm, in a mould 10 mm thick."""
-    arguments = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size}
-    if model == "3d":
-        arguments["sector"] = "quarter"
-    geometry = FakeGeometry(model, "cylinder_in_mould", arguments)
-    return build_mesh(geometry, ["casting", "mould"], comm)
+    sizes = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size}
+    sector = {"sector": "quarter"} if model == "3d" else {}
+    description = {"model": model, "generator": "cylinder_in_mould", **sizes, **sector}
+    return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
 
 
 def slab_mesh(comm: MPI.Intracomm, size: float, length: float = 0.02) -> CastingMesh:
     """Return a plane slab of four elements' width, cooled from x = 0."""
-    arguments = {"length": length, "width": 4 * size, "size": size}
-    return build_mesh(FakeGeometry("plane-strain", "slab", arguments), ["casting"], comm)
+    sizes = {"length": length, "width": 4 * size, "size": size}
+    description = {"model": "plane-strain", "generator": "slab", **sizes}
+    return build_mesh(Geometry.model_validate(description), ["casting"], comm)
 
 
 def casting_pairs(mesh: CastingMesh) -> dict[str, NodePairs]:

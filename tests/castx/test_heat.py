@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from functools import partial
-from types import SimpleNamespace
 
 from mpi4py import MPI
 
@@ -10,6 +9,7 @@ import pytest
 
 from castx.errors import CaseError, ConvergenceError, MeshError
 from castx.exchange import HeatExchange
+from castx.geometry import Geometry
 from castx.heat import HeatProblem
 from castx.heat_boundaries import SurfaceHeat
 from castx.heat_iteration import jacobian, residual
@@ -40,10 +40,8 @@ def cylinder(comm, *, size=6e-3, length=1.0, model="axisymmetric"):
     arguments = {name: value * length for name, value in arguments.items()}
     if model == "3d":
         arguments["sector"] = "quarter"
-    geometry = SimpleNamespace(
-        model=model, generator="cylinder_in_mould", file=None, arguments=arguments
-    )
-    return build_mesh(geometry, ["casting", "mould"], comm)
+    description = {"model": model, "generator": "cylinder_in_mould", **arguments}
+    return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
 
 
 def outside(kind="convection", **numbers) -> SurfaceHeat:
@@ -339,13 +337,9 @@ def test_large_steps_need_few_iterations(comm, kind, solidus):
 
 def test_full_newton_steps_alone_can_run_in_a_cycle(comm, monkeypatch):
     """A melt in contact with sand at α Δt/h² = 4200: see `castx.heat_iteration`."""
-    geometry = SimpleNamespace(
-        model="plane-strain",
-        generator="two_slabs",
-        file=None,
-        arguments={"length": 0.02, "mould_length": 0.02, "width": 5e-4, "size": 5e-4},
-    )
-    mesh = build_mesh(geometry, ["casting", "mould"], comm)
+    sizes = {"length": 0.02, "mould_length": 0.02, "width": 5e-4, "size": 5e-4}
+    description = {"model": "plane-strain", "generator": "two_slabs", **sizes}
+    mesh = build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
     sand = {"density": 1600.0, "heat_capacity": 1100.0, "conductivity": 0.6}
 
     def solidify() -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from castx.errors import MeshError
+from castx.geometry import Geometry
 from castx.mesh_source import named_mesh
 
 pytestmark = pytest.mark.serial
@@ -36,8 +36,8 @@ $EndElements
 """
 
 
-def geometry(file: Path) -> SimpleNamespace:
-    return SimpleNamespace(model="plane-strain", generator=None, arguments={}, file=file)
+def geometry(file: Path) -> Geometry:
+    return Geometry.model_validate({"model": "plane-strain", "file": file})
 
 
 def test_a_mesh_is_read(tmp_path) -> None:

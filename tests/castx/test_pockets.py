@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 from mpi4py import MPI
 
 import numpy as np
 import pytest
 
+from castx.geometry import Geometry
 from castx.mesh import BodyMesh, build_mesh
 from castx.pockets import FeedingPaths, Pockets
 
@@ -17,12 +16,9 @@ RADIUS, HEIGHT, SIZE = 0.03, 0.06, 0.004
 
 @pytest.fixture(scope="module")
 def casting() -> BodyMesh:
-    geometry = SimpleNamespace(
-        model="axisymmetric",
-        generator="cylinder_in_mould",
-        file=None,
-        arguments={"radius": RADIUS, "height": HEIGHT, "wall": 0.01, "size": SIZE},
-    )
+    sizes = {"radius": RADIUS, "height": HEIGHT, "wall": 0.01, "size": SIZE}
+    description = {"model": "axisymmetric", "generator": "cylinder_in_mould", **sizes}
+    geometry = Geometry.model_validate(description)
     return build_mesh(geometry, ["casting", "mould"], MPI.COMM_WORLD).bodies["casting"]
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from castx.exchange import HeatExchange
+from castx.geometry import Geometry
 from castx.heat import HeatProblem
 from castx.heat_boundaries import SurfaceHeat
 from castx.materials import Material, MaterialDescription, find_material
@@ -26,16 +26,12 @@ def material(**properties: Any) -> Material:
 
 def strip(comm, *, size: float, length: float, mould_length: float = 0.0) -> CastingMesh:
     """Return a strip one element wide, with a mould at x < 0 if that has a length."""
-    arguments = {"length": length, "width": size, "size": size}
-    if mould_length:
-        arguments["mould_length"] = mould_length
-    geometry: Any = SimpleNamespace(
-        model="plane-strain",
-        generator="two_slabs" if mould_length else "slab",
-        file=None,
-        arguments=arguments,
-    )
-    return build_mesh(geometry, ["casting", "mould"] if mould_length else ["casting"], comm)
+    bodies = ["casting", "mould"] if mould_length else ["casting"]
+    mould = {"mould_length": mould_length} if mould_length else {}
+    generator = "two_slabs" if mould_length else "slab"
+    sizes = {"length": length, "width": size, "size": size, **mould}
+    description = {"model": "plane-strain", "generator": generator, **sizes}
+    return build_mesh(Geometry.model_validate(description), bodies, comm)
 
 
 def wall_at(temperature: float) -> SurfaceHeat:
