@@ -16,17 +16,18 @@ contact force is the residual of that row of Pᵀ r(P v).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-
-import numpy as np
-import numpy.typing as npt
+from dataclasses import dataclass
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
+import numpy as np
+import numpy.typing as npt
+
 from castx.constraints import PARALLEL, FixedDirections
 from castx.errors import CaseError
 from castx.layout import Layout
+from castx.node_rows import NodeRows
 from castx.pairs import NodePairs
 from castx.tables import Table
 
@@ -67,51 +68,6 @@ class PairCoordinates:
         return self.local >= 0
 
 
-@dataclass
-class _NodeRows:
-    """Rows collected for the owned nodes of one body, in slots 0, 1, … of each node."""
-
-    rows: FloatArray
-    count: IntArray
-    uniform: list[tuple[IntArray, IntArray]] = field(default_factory=list)
-
-    def try_add(self, nodes: IntArray, directions: FloatArray, smallest: float) -> IntArray:
-        """Add a row at each node where it is independent; return slots, -1 where it is not."""
-        rest = directions.copy()
-        orthonormal = self._orthonormal(nodes)
-        for k in range(orthonormal.shape[1]):
-            q = orthonormal[:, k]
-            rest -= np.sum(rest * q, axis=1, keepdims=True) * q
-        free = np.linalg.norm(rest, axis=1) > smallest
-        free &= self.count[nodes] < self.rows.shape[1]
-        chosen = nodes[free]
-        slots = np.full(len(nodes), -1, dtype=np.int32)
-        slots[free] = self.count[chosen]
-        self.rows[chosen, self.count[chosen]] = directions[free]
-        self.count[chosen] += 1
-        return slots
-
-    def _orthonormal(self, nodes: IntArray) -> FloatArray:
-        basis = np.zeros((len(nodes), *self.rows.shape[1:]))
-        for m in range(1, self.rows.shape[1] + 1):
-            here = self.count[nodes] == m
-            if here.any():
-                q = np.linalg.qr(self.rows[nodes[here], :m].transpose(0, 2, 1))[0]
-                basis[here, :m] = q.transpose(0, 2, 1)
-        return basis
-
-    def complete(self) -> IntArray:
-        """Complete the rows of every node to a basis; return the nodes that have any."""
-        dimension = self.rows.shape[1]
-        special = np.flatnonzero(self.count).astype(np.int32)
-        for m in range(1, dimension):
-            nodes = special[self.count[special] == m]
-            if len(nodes):
-                q = np.linalg.qr(self.rows[nodes, :m].transpose(0, 2, 1), mode="complete")[0]
-                self.rows[nodes, m:] = q[:, :, m:].transpose(0, 2, 1)
-        return special
-
-
 class Coordinates:
     """The change of coordinates of all bodies and the entries that conditions fix.
 
@@ -122,6 +78,9 @@ class Coordinates:
         fixed: fixed directions of each body.
         pairs: node pairs of the interfaces with contact.
         condensed: whether the gaps are among the coordinates.
+
+    Raises:
+        CaseError: a uniform surface or a pair whose motion a condition prescribes.
     """
 
     def __init__(
@@ -134,23 +93,23 @@ class Coordinates:
         condensed: bool,
     ) -> None:
         self.layout = layout
-        self._offset = int(layout.comm.exscan(layout.size_local) or 0)
+        self._offset = _first_owned(layout)
         self._names = list(body_names)
         self._dimension = dimension
-        self._rows = [self._empty_rows(b) for b in range(len(body_names))]
+        self._rows = [
+            NodeRows.none(self.owned_nodes(b), dimension) for b in range(len(body_names))
+        ]
         self.prescribed: list[Prescribed] = []
         self._ties: list[tuple[int, IntArray, IntArray]] = []
         for b, conditions in enumerate(fixed):
             for condition in conditions:
                 self._add_condition(b, condition)
+        held = [rows.copy() for rows in self._rows]
         self.interfaces = [self._add_pairs(p, fixed, condensed) for p in pairs]
+        for interface in self.interfaces:
+            self._refuse_one_sided(interface, held)
         self._condensed = condensed
         self._assemble()
-
-    def _empty_rows(self, b: int) -> _NodeRows:
-        owned = self.owned_nodes(b)
-        d = self._dimension
-        return _NodeRows(np.zeros((owned, d, d)), np.zeros(owned, dtype=np.int32))
 
     def owned_nodes(self, b: int) -> int:
         """Return the number of nodes of a body that this rank owns."""
@@ -192,11 +151,35 @@ class Coordinates:
         normals = np.divide(
             vectors, areas[:, None], out=np.zeros_like(vectors), where=areas[:, None] > 0
         )
-        rows = self._rows[b] if condensed else _copy(self._rows[b])
+        rows = self._rows[b] if condensed else self._rows[b].copy()
         slots = rows.try_add(pairs.secondary_local, normals, GRAZING)
         return PairCoordinates(
             pairs, normals, areas, self._local(b, pairs.secondary_local, slots)
         )
+
+    def _refuse_one_sided(self, interface: PairCoordinates, held: Sequence[NodeRows]) -> None:
+        """Refuse pairs whose secondary node is held along the normal while the primary can move."""
+        comm, pairs = self.layout.comm, interface.pairs
+        stuck = np.flatnonzero(~interface.free & (interface.areas > 0))
+        rows = held[self._names.index(pairs.secondary)].copy()
+        free = rows.try_add(pairs.secondary_local[stuck], interface.normals[stuck], GRAZING) >= 0
+        stuck = stuck[~free]
+        mine = (pairs.primary_nodes[stuck], interface.normals[stuck], pairs.points[stuck])
+        all_of = zip(*comm.allgather(mine), strict=True)
+        nodes, normals, points = (np.concatenate(parts) for parts in all_of)
+        b = self._names.index(pairs.primary)
+        local = self.layout.dofs(b, nodes) - self._offset - self.layout.local_slice(b).start
+        local //= self.layout.block_sizes[b]
+        here = np.flatnonzero((local >= 0) & (local < self.owned_nodes(b)))
+        slots = held[b].copy().try_add(local[here], normals[here], GRAZING)
+        found = [point for part in comm.allgather(points[here[slots >= 0]]) for point in part]
+        if found:
+            place = ", ".join(f"{x:g}" for x in found[0])
+            raise CaseError(
+                f"the conditions of {pairs.secondary!r} hold its node at ({place}) m along the "
+                f"normal of the contact with {pairs.primary!r}, which can move there: name the "
+                f"bodies of the interface the other way round, or free {pairs.secondary!r}"
+            )
 
     def _assemble(self) -> None:
         local_size, size = self.layout.size_local, self.layout.size_global
@@ -276,8 +259,11 @@ class Coordinates:
             contact.setValues(rows, columns[i], np.outer(inverses[b][node][:, slot], n))
 
 
-def _copy(rows: _NodeRows) -> _NodeRows:
-    return _NodeRows(rows.rows.copy(), rows.count.copy())
+def _first_owned(layout: Layout) -> int:
+    vector = layout.create_vector()
+    first = vector.getOwnershipRange()[0]
+    vector.destroy()
+    return int(first)
 
 
 def _sum_of_powers(contact: PETSc.Mat, frames: PETSc.Mat) -> PETSc.Mat:

@@ -15,6 +15,7 @@ from castx.coordinates import Coordinates
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.mechanical_problem import Contact
+from castx.mesh import CastingMesh
 from castx.pairs import node_pairs
 from tests.elastic_bodies import (
     body,
@@ -35,7 +36,7 @@ FREE = {"casting": (), "mould": ()}
 class Made(NamedTuple):
     """Coordinates with what they were made from."""
 
-    mesh: object
+    mesh: CastingMesh
     layout: Layout
     fixed: list
     pairs: list
@@ -92,8 +93,9 @@ def corner(comm, folder):
             gmsh.model.addPhysicalGroup(2, [tag], name=name)
         bottom = [lines[6, 7], lines[7, 8]]
         gmsh.model.addPhysicalGroup(1, bottom, name="bottom")
-        gmsh.model.addPhysicalGroup(1, [lines[3, 0] if (3, 0) in lines else lines[0, 3]], name="far")
+        gmsh.model.addPhysicalGroup(1, [lines[3, 0]], name="far")
         gmsh.model.addPhysicalGroup(1, [lines[5, 4]], name="top")
+        gmsh.model.addPhysicalGroup(1, [lines[4, 3]], name="cap")
         gmsh.model.mesh.generate(2)
 
     return drawn(comm, "plane-strain", ["casting", "wall", "floor"], folder / "corner.msh", draw)
@@ -124,7 +126,8 @@ def product_with_vector(matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
 
 def random_displacement(layout: Layout) -> np.ndarray:
     """Return owned values that depend on the global number only."""
-    first = int(layout.comm.exscan(layout.size_local) or 0)
+    vector = layout.create_vector()
+    first = vector.getOwnershipRange()[0]
     return np.sin(1.7 * (first + np.arange(layout.size_local)) ** 1.3)
 
 
@@ -133,7 +136,7 @@ def body_values(made: Made, b: int, values: np.ndarray) -> np.ndarray:
     size = made.layout.block_sizes[b]
     dimension = 3 if made.mesh.model == "3d" else 2
     own = values[made.layout.local_slice(b)].reshape(-1, size)[:, :dimension]
-    return everywhere(made.mesh.comm, own)
+    return everywhere(made.mesh.parent.comm, own)
 
 
 def test_transformations_are_inverse(made):
@@ -229,15 +232,24 @@ def test_several_constraints_at_one_node(comm, shared_tmp_path):
         np.testing.assert_allclose(np.sum(moved * pairs.normals, axis=1), 1.0, rtol=1e-12)
 
 
-def test_third_constraint_in_the_plane_is_left_out(comm, shared_tmp_path):
+def test_a_pair_that_both_sides_hold_carries_no_constraint(comm, shared_tmp_path):
     mesh = corner(comm, shared_tmp_path)
-    held = {"casting": [fixed("top", "x")], "wall": [fixed("far", "x")]}
+    held = {"casting": [fixed("top", "x")], "wall": [fixed("cap", "x")]}
     made = coordinates(mesh, held, CORNER_CONTACTS)
     wall = made.coordinates.interfaces[0]
     top = np.abs(wall.pairs.points[:, 1] - 1) < 1e-9
     assert comm.allreduce(int(top.sum())) == 1
     assert not np.any(wall.free[top])
     assert np.all(wall.free[~top])
+
+
+@pytest.mark.parametrize("condensed", [True, False])
+def test_refuses_a_pair_that_only_the_primary_could_open(comm, shared_tmp_path, condensed):
+    mesh = corner(comm, shared_tmp_path)
+    held = {"casting": [fixed("top", "x")], "wall": [fixed("far", "x")]}
+    with pytest.raises(CaseError, match=r"'casting' hold its node at \(0, 1\) m .* with 'wall'"):
+        coordinates(mesh, held, CORNER_CONTACTS, condensed)
+    coordinates(mesh, held, [("wall", "casting"), *CORNER_CONTACTS[1:]], condensed)
 
 
 def test_normals_lie_in_symmetry_planes_and_areas_are_projected(comm):
