@@ -6,13 +6,13 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from petsc4py import PETSc
+
 import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
-
-from petsc4py import PETSc
 
 from castx.constitutive import BirthHistory, CellState, ThermoElasticLaw
 from castx.constraints import FixedDirections
@@ -27,7 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 PRESSURE_SHARE = 0.1
-"""Unit of the pressure unknown in G/L: with 1 multigrid takes a fifth more iterations at a liquid."""
+"""Unit of the pressure unknown in G/L; with 1 a liquid costs multigrid a fifth more iterations."""
 
 TRAPPED_SHARE = 1e-6
 """Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
@@ -104,9 +104,9 @@ class BodyMechanics:
         stiffness = description.law.largest_shear_modulus() / extent(body.mesh)
         self.pressure_scale = PRESSURE_SHARE * stiffness
         # A constant: forms are compiled once for all values.
-        self._pressure_unit = fem.Constant(body.mesh, self.pressure_scale)
+        self._pressure_unit = fem.Constant(body.mesh, np.float64(self.pressure_scale))
         self.cell_nodes = body.nodes.dofmap.list
-        self.coherent = np.ones(len(self.cell_nodes), dtype=bool)
+        self.coherent: npt.NDArray[np.bool_] = np.ones(len(self.cell_nodes), dtype=bool)
         self._create_state()
         self._create_loads()
         self._create_forms()
@@ -149,8 +149,8 @@ class BodyMechanics:
         for load in self.description.loads:
             tables = load.traction if load.pressure is None else (load.pressure,)
             assert tables is not None
-            shape = np.zeros(len(tables)) if load.pressure is None else 0.0
-            self._load_values.append((fem.Constant(mesh, shape), tables))
+            none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
+            self._load_values.append((fem.Constant(mesh, none), tables))
 
     def _create_forms(self) -> None:
         mesh, model = self.mesh.mesh, self.model
@@ -293,7 +293,8 @@ class BodyMechanics:
         """Return the pressure at the local nodes [Pa], shape (nodes,)."""
         if not self.mixed:
             return self.nodal_mean(self.stress()[:, :3].mean(axis=1))
-        return np.asarray(self.pressure_scale * self.solution.x.array[self.dimension :: self.block_size])
+        scaled = self.solution.x.array[self.dimension :: self.block_size]
+        return np.asarray(self.pressure_scale * scaled)
 
     def stress(self) -> FloatArray:
         """Return the stress in the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from castx.constitutive import ThermoElasticLaw
 from castx.constraints import SurfaceDisplacement
+from castx.geometry import Geometry
 from castx.materials import Material, MaterialDescription
 from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
 from castx.mechanics import MechanicalBody, SurfaceLoad
@@ -24,21 +24,12 @@ from castx.tables import FloatArray, Table
 STRESS_FREE = 20.0
 
 
-@dataclass(frozen=True)
-class Shape:
-    """A geometry as `build_mesh` takes it."""
-
-    model: str
-    generator: str | None = None
-    arguments: Mapping[str, Any] = field(default_factory=dict)
-    file: Path | None = None
-
-
 def generated(
     comm: MPI.Intracomm, model: str, generator: str, bodies: Sequence[str], **arguments: Any
 ) -> CastingMesh:
     """Return the mesh of a generator."""
-    return build_mesh(Shape(model, generator, arguments), bodies, comm)
+    description = {"generator": generator, "model": model, **arguments}
+    return build_mesh(Geometry.model_validate(description), bodies, comm)
 
 
 def drawn(
@@ -50,7 +41,7 @@ def drawn(
             draw()
             gmsh.write(str(file))
     comm.Barrier()
-    return build_mesh(Shape(model, file=file), bodies, comm)
+    return build_mesh(Geometry.model_validate({"file": file, "model": model}), bodies, comm)
 
 
 def blocks(
@@ -89,7 +80,9 @@ def elastic(young: Any, poisson: Any, expansion: float = 0.0, **properties: Any)
     return Material("test", description)
 
 
-def body(material: Material, stress_free: float = STRESS_FREE, **description: Any) -> MechanicalBody:
+def body(
+    material: Material, stress_free: float = STRESS_FREE, **description: Any
+) -> MechanicalBody:
     """Return the mechanical description of a body."""
     return MechanicalBody(ThermoElasticLaw(material, stress_free), **description)
 
@@ -132,11 +125,11 @@ def heat(
     """Give all bodies a temperature [°C] and solid fraction, numbers or functions of the place."""
     for part in made.bodies.values():
         points = part.mesh.nodes.tabulate_dof_coordinates()[:, : part.dimension]
-        values = [
+        values, fractions = (
             given(points) if callable(given) else np.full(len(points), given)
             for given in (temperature, solid_fraction)
-        ]
-        part.update_state(*values, step)
+        )
+        part.update_state(values, fractions, step)
 
 
 def everywhere(comm: MPI.Intracomm, values: FloatArray) -> FloatArray:

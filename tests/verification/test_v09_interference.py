@@ -1,9 +1,9 @@
 """V9: shrink fit of a shaft in a hub (Lamé).
 
 A solid shaft of radius a in a hub of outer radius b with radial overlap δ, plane stress, without
-friction: p (C1 + C2) = δ with C1 = a (1 - ν1)/E1 and C2 = a/E2 ((b² + a²)/(b² - a²) + ν2); in the hub
-σ_θ(r) = p a²/(b² - a²) (1 + b²/r²), in the shaft σ_r = σ_θ = -p. S. P. Timoshenko and J. N. Goodier,
-Theory of Elasticity, 3rd ed., section 28.
+friction: p (C1 + C2) = δ with C1 = a (1 - ν1)/E1 and C2 = a/E2 ((b² + a²)/(b² - a²) + ν2); in the
+hub σ_θ(r) = p a²/(b² - a²) (1 + b²/r²), in the shaft σ_r = σ_θ = -p. S. P. Timoshenko and J. N.
+Goodier, Theory of Elasticity, 3rd ed., section 28.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def hoop_stresses(comm, made) -> tuple[np.ndarray, np.ndarray]:
 
 
 def errors(comm, n: int) -> tuple[float, float]:
-    """Return the relative errors of the pressure at its worst node and of σ_θ in the mean square."""
+    """Return the largest relative error of the pressure and the mean one of σ_θ."""
     made = fitted(comm, n)
     radius, hoop = hoop_stresses(comm, made)
     exact = PRESSURE * INNER**2 / (OUTER**2 - INNER**2) * (1 + OUTER**2 / radius**2)
@@ -86,6 +86,7 @@ def test_pressure_hoop_stress_and_displacement(comm, method):
     assert made.equilibrium.support_force() == 0.0
 
 
+@pytest.mark.serial  # a matter of the mesh; ranks agree in the other tests
 def test_error_falls_with_the_element_size(comm):
     coarse, fine = errors(comm, 8), errors(comm, 16)
     assert coarse[0] > 1.6 * fine[0]
