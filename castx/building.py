@@ -7,7 +7,8 @@ from castx.boundaries import Boundary
 from castx.case import Case
 from castx.constitutive import ThermoElasticLaw
 from castx.constraints import SurfaceDisplacement
-from castx.coupling import CoupledInterface, CoupledProblem, Temperatures
+from castx.coupled_interface import CoupledInterface
+from castx.coupling import CoupledProblem, Temperatures
 from castx.errors import CaseError
 from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
@@ -15,8 +16,8 @@ from castx.heat_boundaries import SurfaceHeat
 from castx.interfaces import Interface
 from castx.materials import Material, find_material
 from castx.measures import nodal_volumes
+from castx.mechanical_body import MechanicalBody, SurfaceLoad
 from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
-from castx.mechanics import MechanicalBody, SurfaceLoad
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures

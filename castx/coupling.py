@@ -14,17 +14,14 @@ from typing import Protocol
 from mpi4py import MPI
 
 import numpy as np
-import numpy.typing as npt
 from dolfinx import fem
 
+from castx.coupled_interface import CoupledInterface, InterfaceState
 from castx.errors import ConvergenceError
 from castx.heat import HeatReport
 from castx.mechanical_problem import MechanicalProblem
-from castx.pairs import NodePairs
 from castx.relaxation import Relaxation
 from castx.tables import FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 class Temperatures(Protocol):
@@ -56,34 +53,6 @@ class Temperatures(Protocol):
         """Free what PETSc holds."""
 
 
-class HeatLaw(Protocol):
-    """Heat-transfer coefficient of an interface."""
-
-    def coefficient(self, gap: FloatArray, pressure: FloatArray) -> FloatArray:
-        """Return h [W/m²/K] at gaps [m] and contact pressures [Pa]."""
-
-
-@dataclass(frozen=True)
-class CoupledInterface:
-    """An interface as the coupling sees it.
-
-    Attributes:
-        name: "secondary/primary".
-        pairs: its node pairs.
-        law: law of the heat transfer; None: no heat crosses.
-        initial_gap: gaps without displacement [m], shape (pairs,).
-        contact: number of the interface among those with contact; None: it has none.
-        exchanges: whether the heat problem takes resistances for it.
-    """
-
-    name: str
-    pairs: NodePairs
-    law: HeatLaw | None
-    initial_gap: FloatArray
-    contact: int | None
-    exchanges: bool
-
-
 @dataclass(frozen=True)
 class CoupledReport:
     """What one coupled step took.
@@ -105,23 +74,6 @@ class CoupledReport:
     contact_changes: int = 0
     temperature_change: float = 0.0
     solid_fraction_change: float = 0.0
-
-
-@dataclass(frozen=True)
-class InterfaceState:
-    """The pairs of an interface.
-
-    Attributes:
-        gap: [m], shape (pairs,).
-        pressure: contact pressure [Pa].
-        resistance: R = 1/h [m² K/W].
-        closed: whether the pair touches; the gap of one that does is zero but for round-off.
-    """
-
-    gap: FloatArray
-    pressure: FloatArray
-    resistance: FloatArray
-    closed: BoolArray
 
 
 class CoupledProblem:
@@ -167,7 +119,7 @@ class CoupledProblem:
     def _initial_state(self, interface: CoupledInterface) -> InterfaceState:
         gap = interface.initial_gap.copy()
         pressure = np.zeros(len(gap))
-        return InterfaceState(gap, pressure, _resistance(interface, gap, pressure), gap <= 0)
+        return InterfaceState(gap, pressure, interface.resistance(gap, pressure), gap <= 0)
 
     def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
         """Find the trial state at the end of a step that starts from the committed state.
@@ -204,7 +156,7 @@ class CoupledProblem:
         for interface, state, rate in zip(
             self.interfaces, self._committed, self._gap_rates, strict=True
         ):
-            guesses.append(_resistance(interface, state.gap + step * rate, state.pressure))
+            guesses.append(interface.resistance(state.gap + step * rate, state.pressure))
         return guesses
 
     def _pass(
@@ -248,7 +200,7 @@ class CoupledProblem:
                 continue
             part = self.mechanics.gaps.slices[interface.contact]
             gap, pressure = gaps[part], pressures[part]
-            resistance = _resistance(interface, gap, pressure)
+            resistance = interface.resistance(gap, pressure)
             if not feedback:
                 resistance = self._committed[i].resistance
             self.states[i] = InterfaceState(gap, pressure, resistance, closed[part].copy())
@@ -299,13 +251,6 @@ class CoupledProblem:
         self.heat.destroy()
         if self.mechanics is not None:
             self.mechanics.equilibrium.destroy()
-
-
-def _resistance(interface: CoupledInterface, gap: FloatArray, pressure: FloatArray) -> FloatArray:
-    if interface.law is None:
-        return np.full(len(gap), np.inf)
-    with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / interface.law.coefficient(gap, pressure))
 
 
 def _largest_change(comm: MPI.Intracomm, found: FloatArray, tried: FloatArray) -> float:

@@ -22,7 +22,8 @@ from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import InnerSolver
 from castx.measures import extent, nodal_volumes
-from castx.mechanics import BodyMechanics, MechanicalBody
+from castx.mechanical_body import MechanicalBody
+from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh
 from castx.pairs import node_pairs
 from castx.rigid_modes import near_null_modes, rigid_modes

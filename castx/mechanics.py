@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
 from petsc4py import PETSc
@@ -14,10 +13,11 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
-from castx.constitutive import BirthHistory, CellState, ThermoElasticLaw
+from castx.constitutive import BirthHistory, CellState
 from castx.constraints import FixedDirections
 from castx.forms import kinematics, momentum, stabilisation
 from castx.measures import cell_measure, extent, surface_measure
+from castx.mechanical_body import MechanicalBody
 from castx.mesh import BodyMesh
 from castx.pockets import Pockets
 from castx.projection import Projection
@@ -31,45 +31,6 @@ PRESSURE_SHARE = 0.1
 
 TRAPPED_SHARE = 1e-6
 """Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
-
-
-@dataclass(frozen=True)
-class SurfaceLoad:
-    """A load on a named surface: a pressure that pushes on it, or a traction.
-
-    Attributes:
-        surface: name of the surface.
-        pressure: over time [Pa], positive against the outward normal.
-        traction: components over time [Pa].
-    """
-
-    surface: str
-    pressure: Table | None = None
-    traction: tuple[Table, ...] | None = None
-
-
-@dataclass(frozen=True)
-class MechanicalBody:
-    """What the mechanics must know of a body besides its mesh.
-
-    Attributes:
-        law: thermo-elastic law.
-        formulation: "mixed" or "displacement".
-        stabilisation: "osgs" or "gls"; acts in the mixed formulation.
-        body_force: force per volume [N/m³], one number for each direction, or a UFL vector as a
-            function of the position.
-        loads: loads on surfaces.
-        starts_liquid: whether the body has no solid at the start.
-        closed: names of the surfaces through which no liquid can follow.
-    """
-
-    law: ThermoElasticLaw
-    formulation: str = "mixed"
-    stabilisation: str = "osgs"
-    body_force: Sequence[float] | Callable[[Any], Any] = ()
-    loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
-    starts_liquid: bool = False
-    closed: Collection[str] = ()
 
 
 class BodyMechanics:

@@ -10,7 +10,8 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.coupling import CoupledProblem, InterfaceState
+from castx.coupled_interface import InterfaceState
+from castx.coupling import CoupledProblem
 from castx.errors import CaseError
 from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh

@@ -15,8 +15,8 @@ from castx.constitutive import ThermoElasticLaw
 from castx.constraints import SurfaceDisplacement
 from castx.geometry import Geometry
 from castx.materials import Material, MaterialDescription
+from castx.mechanical_body import MechanicalBody, SurfaceLoad
 from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
-from castx.mechanics import MechanicalBody, SurfaceLoad
 from castx.mesh import CastingMesh, build_mesh
 from castx.mesh_source import gmsh_session
 from castx.tables import FloatArray, Table

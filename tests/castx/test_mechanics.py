@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from castx.constitutive import BirthHistory
-from castx.mechanics import BodyMechanics, SurfaceLoad
+from castx.mechanical_body import SurfaceLoad
+from castx.mechanics import BodyMechanics
 from castx.tables import Table
 from tests.elastic_bodies import (
     STRESS_FREE,
@@ -44,8 +45,8 @@ def slab(comm, model: str = "plane-strain"):
 
 
 def alone(comm, model: str, **description: Any) -> BodyMechanics:
-    mesh = slab(comm, model)
-    return BodyMechanics(mesh.bodies["casting"], model, body(elastic(70e9, 0.33, 2e-5), **description))
+    solid = body(elastic(70e9, 0.33, 2e-5), **description)
+    return BodyMechanics(slab(comm, model).bodies["casting"], model, solid)
 
 
 def random_field(part: BodyMechanics, seed: float) -> np.ndarray:
