@@ -167,11 +167,19 @@ def fields(state: State) -> dict[str, FloatArray]:
     return found
 
 
-def largest_difference(a: Mapping[str, FloatArray], b: Mapping[str, FloatArray]) -> tuple:
-    """Return the largest difference relative to the largest value of its field, and the field."""
+def largest_difference(
+    a: Mapping[str, FloatArray], b: Mapping[str, FloatArray]
+) -> tuple[float, str]:
+    """Return the largest difference relative to the largest value of its kind, and the field.
+
+    A kind is the last word of the name: a body that does not move is compared with one that does.
+    """
     assert a.keys() == b.keys()
-    scale = {name: max(np.abs(a[name]).max(), np.abs(b[name]).max()) for name in a}
-    worst = {n: float(np.abs(a[n] - b[n]).max() / s) for n, s in scale.items() if s > 0}
+    scales: dict[str, float] = {}
+    for name in a:
+        kind, size = name.split()[-1], float(max(np.abs(a[name]).max(), np.abs(b[name]).max()))
+        scales[kind] = max(size, scales.get(kind, 0.0))
+    worst = {n: float(np.abs(a[n] - b[n]).max()) / (scales[n.split()[-1]] or 1.0) for n in a}
     name = max(worst, key=worst.__getitem__)
     return worst[name], name
 
