@@ -108,9 +108,9 @@ class CoupledProblem:
         self._committed = list(self.states)
         self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
         self._solid_fraction = self._present_solid_fraction()
-        self._step = 0.0
         # Nothing has moved yet, so that any step gives the stress of the initial state.
-        self._update_bodies(step=1.0)
+        self._step = self._committed_step = 1.0
+        self._update_bodies(self._step)
 
     def _present_solid_fraction(self) -> FloatArray:
         parts = [function.x.array for function in self.heat.solid_fraction.values()]
@@ -233,7 +233,7 @@ class CoupledProblem:
             np.asarray((new.gap - old.gap) / self._step, dtype=np.float64)
             for new, old in zip(self.states, self._committed, strict=True)
         ]
-        self._committed = list(self.states)
+        self._committed, self._committed_step = list(self.states), self._step
         self.heat.commit()
         self._solid_fraction = self._present_solid_fraction()
         if self.mechanics is not None:
@@ -243,6 +243,7 @@ class CoupledProblem:
         """Return to the committed state."""
         self.states = list(self._committed)
         self.heat.rewind()
+        self._update_bodies(self._committed_step)
         if self.mechanics is not None:
             self.mechanics.equilibrium.rewind()
 

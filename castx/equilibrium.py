@@ -147,6 +147,7 @@ class Equilibrium:
         self.active = ActiveSet(comm, gaps.initial, gaps.free, gaps.keys())
         self.x = contact.layout.create_vector()
         self._committed = self.x.array_r.copy()
+        self._committed_support: Support | None = None
         self._operator = SystemOperator(assembly.corrections())
         self._preconditioner = SystemPreconditioner(self._operator, inner, comm)
         self._matrix = _python_matrix(contact.layout, self._operator)
@@ -288,14 +289,17 @@ class Equilibrium:
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""
         self._committed = self.x.array_r.copy()
+        self._committed_support = self._operator.support
         self.active.commit()
         for body in self._assembly.bodies:
             body.commit()
 
     def rewind(self) -> None:
-        """Return to the last committed solution."""
+        """Return to the last committed solution, the displacements of the bodies included."""
         self.x.array[:] = self._committed
+        self._operator.support = self._committed_support
         self.active.rewind()
+        self._rows(self.x)
 
     def destroy(self) -> None:
         """Free what PETSc holds."""
