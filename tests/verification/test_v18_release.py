@@ -1,9 +1,10 @@
 """V18: an elastic cube cut by an inclined plane closes when heated and opens when cooled.
 
 The x faces are held in x, the y faces in y, the z faces free. Heated by ΔT above the stress-free
-temperature each part is in the state σ_xx = σ_yy = -E α ΔT/(1 - ν), σ_zz = 0 (Timoshenko and Goodier,
-Theory of Elasticity, 3rd ed., section 149, a plate that cannot expand in its plane), hydrostatic in the
-x-y plane, so that every plane with its normal in x-y carries this pressure and no shear.
+temperature each part is in the state σ_xx = σ_yy = -E α ΔT/(1 - ν), σ_zz = 0 (Timoshenko and
+Goodier, Theory of Elasticity, 3rd ed., section 149: a plate that cannot expand in its plane). It is
+hydrostatic in the x-y plane, so that every plane with its normal there carries this pressure and no
+shear.
 """
 
 from __future__ import annotations
