@@ -263,8 +263,8 @@ def test_schemes_of_a_case_differ_as_described(comm):
     assert heat["thermal"] == pytest.approx(heat["one-way"], rel=1e-12)
     assert gap["thermal"] == 0.0
     assert gap["one-way"] > 1.05 * gap["iterated"] > 5e-6
-    assert heat["iterated"] < 0.95 * heat["staggered"]
-    assert heat["staggered"] < 0.95 * heat["one-way"]
+    assert heat["iterated"] < 0.98 * heat["staggered"]
+    assert heat["staggered"] < 0.98 * heat["one-way"]
     assert found["thermal"].counters.mechanics_iterations == 0
     assert found["one-way"].counters.passes == found["staggered"].counters.passes == 1
 
