@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
@@ -167,20 +169,19 @@ def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBo
     stress_free = material.stress_free
     if stress_free is None:
         stress_free = body.temperature if material.solidus is None else material.solidus
-    loads = [_load(b) for b in case.boundaries if b.body == body.name]
+    loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
     return MechanicalBody(
         ThermoElasticLaw(material, stress_free),
         body.formulation,
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
-        tuple(load for load in loads if load is not None),
+        tuple(loads),
         material.liquid is not None,
     )
 
 
-def _load(boundary: Boundary) -> SurfaceLoad | None:
+def _loads(boundary: Boundary) -> Iterator[SurfaceLoad]:
     if boundary.pressure is not None:
-        return SurfaceLoad(boundary.surface, pressure=boundary.pressure)
+        yield SurfaceLoad(boundary.surface, pressure=boundary.pressure)
     if boundary.traction is not None:
-        return SurfaceLoad(boundary.surface, traction=boundary.traction)
-    return None
+        yield SurfaceLoad(boundary.surface, traction=boundary.traction)
