@@ -47,10 +47,11 @@ def shared_tmp_path(tmp_path: Path) -> Path:
 def collect_garbage() -> Iterator[None]:
     """Free what the test left behind on all ranks together: PETSc's destructors are collective."""
     yield
-    gc.collect()
-    if petsc := sys.modules.get("petsc4py.PETSc"):
-        petsc.garbage_cleanup()
-    WORLD.Barrier()
+    if WORLD.size > 1:
+        gc.collect()
+        if petsc := sys.modules.get("petsc4py.PETSc"):
+            petsc.garbage_cleanup()
+        WORLD.Barrier()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -6,6 +6,8 @@ import pytest
 from castx.bonds import Links, MixedNodes, _flow_weights
 from castx.materials import MaterialDescription, find_material
 
+pytestmark = pytest.mark.serial
+
 
 def curve(**properties):
     given = {"density": 1.0, "heat_capacity": {"solid": 3e6, "liquid": 2.6e6}, "conductivity": 1.0}

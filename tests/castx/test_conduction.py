@@ -7,6 +7,8 @@ from scipy.integrate import quad
 from castx.conduction import conduction_potential
 from castx.materials import MaterialDescription, find_material
 
+pytestmark = pytest.mark.serial
+
 
 def metal(**properties):
     given = {

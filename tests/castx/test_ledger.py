@@ -5,6 +5,8 @@ import pytest
 
 from castx.ledger import Account, Ledger
 
+pytestmark = pytest.mark.serial
+
 ACCOUNTS = (Account("mould/outside.heat", 1), Account("casting/mould.heat", 1, 0))
 
 

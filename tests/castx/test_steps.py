@@ -5,6 +5,8 @@ import pytest
 from castx.errors import ConvergenceError
 from castx.steps import CUT, GROWTH, SAFETY, SHRINKAGE, StepControl, StepSettings
 
+pytestmark = pytest.mark.serial
+
 CAUSE = ConvergenceError("the heat problem did not converge")
 
 

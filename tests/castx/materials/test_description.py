@@ -7,6 +7,8 @@ import pytest
 from castx.errors import CaseError
 from tests.castx.materials.descriptions import described
 
+pytestmark = pytest.mark.serial
+
 ALLOY = {"partition_coefficient": 0.13, "melting_point": 660.0}
 
 

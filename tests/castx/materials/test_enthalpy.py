@@ -20,6 +20,8 @@ from castx.materials.enthalpy import CURVE_TOLERANCE
 from castx.materials.solid_fraction import SolidFractionLaw
 from castx.tables import Table
 
+pytestmark = pytest.mark.serial
+
 DENSITY = 2500.0
 LATENT = 4e5
 SOLIDUS, LIQUIDUS = 550.0, 610.0

@@ -10,6 +10,8 @@ from castx.materials import MaterialDescription, database_entry, database_names,
 from castx.materials.database import read_entry
 from tests.castx.materials.descriptions import described
 
+pytestmark = pytest.mark.serial
+
 
 def part(**keys) -> MaterialDescription:
     return MaterialDescription.read(keys)

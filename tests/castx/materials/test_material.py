@@ -9,6 +9,8 @@ from castx.errors import CaseError
 from castx.materials import Material, PropertyRow
 from tests.castx.materials.descriptions import alloy, described
 
+pytestmark = pytest.mark.serial
+
 
 def test_thermal_strain_from_the_stress_free_temperature() -> None:
     material = alloy(expansion=2.4e-5)
