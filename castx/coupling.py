@@ -193,7 +193,9 @@ class CoupledProblem:
         gaps, forces = self.mechanics.equilibrium.pair_values()
         closed = self.mechanics.equilibrium.active.closed
         areas = self.mechanics.gaps.areas
-        pressures = np.divide(forces, areas, out=np.zeros_like(forces), where=areas > 0)
+        # The last digits of a closed pair without pressure may pull.
+        pushes = np.maximum(forces, 0.0)
+        pressures = np.divide(pushes, areas, out=np.zeros_like(forces), where=areas > 0)
         feedback = self._scheme in ("staggered", "iterated")
         for i, interface in enumerate(self.interfaces):
             if interface.contact is None:

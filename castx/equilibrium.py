@@ -164,6 +164,7 @@ class Equilibrium:
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
+        self._linear_tolerance_given = "ksp_rtol" in options
         self._stiffness = 0.0
         self._internal = self._external = 0.0
         self._time, self._fresh, self._changed = 0.0, True, False
@@ -270,8 +271,9 @@ class Equilibrium:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
             return reasons.DIVERGED_MAX_IT
-        share = LINEAR_SHARE * target / norm if norm > 0 else 1e-2
-        snes.ksp.setTolerances(rtol=float(np.clip(share, 1e-12, 1e-2)), atol=0.0)
+        if not self._linear_tolerance_given:
+            share = LINEAR_SHARE * target / norm if norm > 0 else 1e-2
+            snes.ksp.setTolerances(rtol=float(np.clip(share, 1e-12, 1e-2)), atol=0.0)
         return reasons.CONVERGED_ITERATING
 
     def pair_values(self) -> tuple[FloatArray, FloatArray]:
