@@ -20,7 +20,7 @@ from castx.case import load_case
 from castx.simulation import Simulation
 
 CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
-SIZES = {1300: 0.0072, 5400: 0.0043, 20000: 0.00271}
+SIZES = {1300: 0.0072, 5400: 0.0042, 20000: 0.00258}
 COLUMNS = (
     "nodes", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its", "wall s", "CPU s",
     "memory MB", "energy error", "solid at end",
