@@ -47,8 +47,10 @@ def merged(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
     result = deepcopy(dict(data))
     for key, value in changes.items():
         inner = result.get(key)
-        both = isinstance(inner, Mapping) and isinstance(value, Mapping)
-        result[key] = merged(inner, value) if both else deepcopy(value)
+        if isinstance(inner, Mapping) and isinstance(value, Mapping):
+            result[key] = merged(inner, value)
+        else:
+            result[key] = deepcopy(value)
     return result
 
 
@@ -110,19 +112,19 @@ def ring(*changes: Mapping[str, Any], method: str = "condensed", **geometry: Any
     return data
 
 
-def simulation(comm: MPI.Comm, data: Mapping[str, Any], folder: Path = Path()) -> Simulation:
+def simulation(comm: MPI.Intracomm, data: Mapping[str, Any], folder: Path = Path()) -> Simulation:
     """Return the simulation of a case; mesh files are relative to the folder."""
     return Simulation.from_case(read_case(data, folder / "case.toml"), comm)
 
 
-def states(comm: MPI.Comm, data: Mapping[str, Any], folder: Path = Path()) -> Iterator[State]:
+def states(comm: MPI.Intracomm, data: Mapping[str, Any], folder: Path = Path()) -> Iterator[State]:
     """Yield the states of a run, the initial one first; frees everything behind the last."""
     run = simulation(comm, data, folder)
     yield from run
     run.destroy()
 
 
-def final_state(comm: MPI.Comm, data: Mapping[str, Any], folder: Path = Path()) -> State:
+def final_state(comm: MPI.Intracomm, data: Mapping[str, Any], folder: Path = Path()) -> State:
     """Return the last state of a run."""
     *_, last = simulation(comm, data, folder)
     return last
@@ -135,7 +137,7 @@ def places(state: State, body: str) -> FloatArray:
     return points[:, : state.mesh.parent.geometry.dim]
 
 
-def ordered(comm: MPI.Comm, points: FloatArray, values: FloatArray) -> FloatArray:
+def ordered(comm: MPI.Intracomm, points: FloatArray, values: FloatArray) -> FloatArray:
     """Return the rows of values of all ranks in an order that only their places decide."""
     points = np.concatenate(comm.allgather(points))
     values = np.concatenate(comm.allgather(values))

@@ -20,7 +20,7 @@ REMOVED = object()
 
 
 def base() -> dict[str, Any]:
-    """Return the ring with conditions of every kind, two steps of 2 s from above its melting point."""
+    """Return the ring with conditions of every kind, two steps of 2 s from above melting."""
     data = ring({"time": {"end": 4.0, "fixed_step": 2.0, "heat_substeps": 2}}, size=0.01)
     data["materials"]["aluminium"] |= {"stress_free": 650.0, "expansion_reference": 20.0,
                                        "expansion": [[20.0, 2.3e-5], [660.0, 2.5e-5]]}  # fmt: skip
@@ -177,8 +177,10 @@ def test_coupling_numbers_reach_the_coupling(comm):
 
 def test_support_can_be_switched_off(comm):
     data = changed(base(), "support.mode", "none")
-    assert coupled_cases.simulation(comm, data).problem.mechanics.equilibrium._floating is None
-    assert coupled_cases.simulation(comm, base()).problem.mechanics.equilibrium._floating is not None
+    problems = [coupled_cases.simulation(comm, case).problem for case in (data, base())]
+    without, supported = (problem.mechanics.equilibrium for problem in problems)
+    assert without._floating is None
+    assert supported._floating is not None
 
 
 def test_unknown_surface_of_a_file_is_refused(comm, shared_tmp_path):

@@ -69,7 +69,7 @@ def cup(comm, model="3d", sector="quarter"):
 def corner(comm, folder):
     """A casting on a floor and against a wall that stands on the floor too."""
 
-    def draw():
+    def draw() -> None:
         geo = gmsh.model.geo
         places = [(-1, 0), (0, 0), (1, 0), (-1, 1), (0, 1), (1, 1), (-1, -1), (0, -1), (1, -1)]
         p = [geo.addPoint(x, y, 0, 0.3) for x, y in places]

@@ -1,6 +1,7 @@
 """One coupled step: schemes, passes, failure and rewind, on problems with known answers."""
 
 from types import SimpleNamespace
+from typing import Any
 
 from mpi4py import MPI
 
@@ -17,13 +18,14 @@ FIXED = {"time": {"end": 2.0, "fixed_step": 1.0}}
 
 
 class FakeHeat:
-    """Two facing points: the temperature falls by (1/R at the end) in every step, twice per unit."""
+    """Two facing points: the temperature falls by 0.1/R at the end in a step of 1 s."""
 
     def __init__(self) -> None:
         self.temperature = {"casting": fake_function(1.0)}
         self.enthalpy = self.temperature
         self.solid_fraction = {"casting": fake_function(0.0)}
-        self.committed, self.given, self.fails = 1.0, [], False
+        self.committed, self.fails = 1.0, False
+        self.given: list[list[Any]] = []
 
     def advance(self, time, step, resistances=(), substeps=1) -> HeatReport:
         self.given.append([None if r is None else (r[0].copy(), r[1].copy()) for r in resistances])

@@ -34,7 +34,7 @@ def test_options_of_the_contact_reach_the_solver_of_the_bodies(comm) -> None:
 
 def test_options_of_the_heat_reach_its_linear_solver(comm) -> None:
     weak = {"ksp_type": "gmres", "pc_type": "none", "ksp_max_it": 1, "ksp_rtol": 1e-12}
-    with pytest.raises(ConvergenceError, match="the heat problem did not converge: .*linear"):
+    with pytest.raises(ConvergenceError, match=r"the heat problem did not converge: .*linear"):
         first_step(comm, heat=weak)
 
 

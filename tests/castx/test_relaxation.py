@@ -1,4 +1,4 @@
-"""Aitken's relaxation of the passes: contraction of what alternates, positivity, any number of ranks."""
+"""Aitken's relaxation of the passes: what alternates contracts, stays positive, on all ranks."""
 
 from mpi4py import MPI
 

@@ -1,14 +1,15 @@
 """The checks without a reference on coupled runs (verification: "Checks without a reference").
 
 1 energy, 2 heat across interfaces, 3 contact forces, 4 turned and moved models and any number of
-ranks, 5 symmetry, 6 units. Cases: the cylinder in a mould, axisymmetric and a quarter in space, whose
-contact opens; a ring that shrinks onto a core, whose contact closes and conducts by pressure; a hot
-block on a cold plate in the plane, with gravity, whose contact opens at the rim.
+ranks, 5 symmetry, 6 units. Cases: the cylinder in a mould, axisymmetric and a quarter in space,
+whose contact opens; a ring that shrinks onto a core, whose contact closes and conducts by pressure;
+a hot block on a cold plate in the plane, with gravity, whose contact opens at the rim.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from mpi4py import MPI
 
@@ -21,7 +22,7 @@ from castx.meshes.blocks import stacked_blocks
 from tests import coupled_cases
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring
 
-QUARTER = {"model": "3d", "sector": "quarter", "size": 0.01, "height": 0.04}
+QUARTER: dict[str, Any] = {"model": "3d", "sector": "quarter", "size": 0.01, "height": 0.04}
 SHORT = {"time": {"end": 2.0}}
 
 
@@ -285,9 +286,8 @@ def test_other_units(comm, name):
     """Check 6: in millimetres, tonnes and MPa the same iterations and the same steps."""
     counts, ends = [], []
     for length, mass in ((1.0, 1.0), (1e3, 1e-3)):
-        *_, state = taken = list(
-            counted(coupled_cases.states(comm, in_units(CASES[name], length, mass)))
-        )
+        data = in_units(CASES[name], length, mass)
+        taken = list(counted(coupled_cases.states(comm, data)))
         counts.append([row for row, _ in taken])
         ends.append([row for _, row in taken])
     assert counts[0] == counts[1]

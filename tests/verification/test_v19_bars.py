@@ -6,11 +6,12 @@ overlap x = expansion of both bars − initial gap,
     x ≤ 0: g = −x, p = 0, h = min(h0, k/g);    x > 0: g = 0, p = x / (L1/E1 + L2/E2),
     h = h0 + (1/R)(p/H_e)^b;    q = (T1 − T2) / (L1/k1 + 1/h + L2/k2),
 
-the expansion of each bar being α L (T̄ − 20), T̄ the mean of its end temperatures. It is solved here by
-bisection; law and numbers of the first case after Chiumenti, section 9 (Yovanovich's form).
+the expansion of each bar being α L (T̄ − 20), T̄ the mean of its end temperatures. It is solved here
+by bisection; law and numbers of the first case after Chiumenti, section 9 (Yovanovich's form).
 
-The mean pressure and the resultant are exact on any mesh. Pair by pair the pressure of linear elements
-alternates with the diagonals of the cells, since the thermal strain varies inside them: by O(h).
+The mean pressure and the resultant are exact on any mesh. Pair by pair the pressure of linear
+elements alternates with the diagonals of the cells, since the thermal strain varies inside them: by
+O(h).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """V20: an aluminium cylinder solidifies in a steel mould, after Chiumenti, section 10.2.
 
-670 °C in 200 °C, 2300 W/m²/K as long as they touch, insulated outside, thermo-elastic bodies; dimensions
-and materials are ours, so there are no digits of the paper to meet. Shown are the facts that it
-describes, the agreement of the section with the quarter in space, of the two contact methods, of large
-with small steps, and the effect of a viscous liquid core.
+670 °C in 200 °C, 2300 W/m²/K as long as they touch, insulated outside, thermo-elastic bodies;
+dimensions and materials are ours, so there are no digits of the paper to meet. Shown are the facts
+that it describes, the agreement of the section with the quarter in space, of the two contact
+methods, of large with small steps, and the effect of a viscous liquid core.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def mean_gap(state, height: float) -> float:
 
 
 def history(comm, data, height: float = MIDDLE) -> np.ndarray:
-    """Return time, centre, face of the casting, face and outside of the mould [°C], gap [µm], f_s."""
+    """Return time, centre and face of the casting, face and outside of the mould, gap [µm], f_s."""
     return np.array(
         [
             [
@@ -99,7 +99,7 @@ def test_section_and_quarter_agree(comm):
 
 
 def test_facts(comm):
-    """The mould moves at once, the casting later, the gap grows, the heat flow slows, no heat is lost."""
+    """The mould moves at once, the casting later, the gap grows, heat slows, none is lost."""
     data = cylinder({"time": {"end": 40.0}}, **SLICE)
     gaps, mould, casting, heat, times = [], [], [], [], []
     for state in states(comm, data):
@@ -164,7 +164,7 @@ def small_steps():
 @pytest.mark.serial  # long, and of one rank's concern
 @pytest.mark.parametrize("steps", [{"fixed_step": 5.0}, {"largest_step": 5.0}])
 def test_large_steps(comm, small_steps, steps):
-    """Steps of up to 5 s against 0.1 s: 10 K and 8 %, the end of solidification 2 % or half a step."""
+    """Steps up to 5 s against 0.1 s: 10 K and 8 %, the end of freezing by 2 % or half a step."""
     found = history(comm, cylinder({"time": {"end": 60.0, **steps}}, **SLICE))
     assert np.diff(found[:, 0]).max() > 2.4
     check_agreement(found[1:], small_steps, 10.0, 0.08, 1.0)
