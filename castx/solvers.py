@@ -111,7 +111,8 @@ class BodyBlocks:
                 vector.array[:] = np.where(held[start : start + size], 0.0, mode)
                 vectors.append(vector)
             start += size
-            block.setNearNullSpace(PETSc.NullSpace().create(vectors=orthonormal(vectors)))
+            motions = PETSc.NullSpace().create(vectors=orthonormal(vectors), comm=self._comm)
+            block.setNearNullSpace(motions)
 
     def split(self, pc: PETSc.PC) -> None:
         """Make a PC sweep over the bodies one after the other."""

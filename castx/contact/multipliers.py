@@ -88,7 +88,8 @@ class MultiplierContact:
         """Return the nest [[PᵀAP, Bᵀ], [B, C]] assembled; the next call overwrites it."""
         if self._A is None:
             self._A = A.ptap(self._P)
-            self._nest = PETSc.Mat().createNest([[self._A, self._Bt], [self._B, self._C]])
+            blocks = [[self._A, self._Bt], [self._B, self._C]]
+            self._nest = PETSc.Mat().createNest(blocks, comm=self._bodies.comm)
             self._nest.assemble()
             self._matrix = self._nest.convert("aij", PETSc.Mat())
         else:
