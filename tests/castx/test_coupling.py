@@ -215,7 +215,11 @@ def everything(problem) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("case", [cylinder, ring])
 @pytest.mark.parametrize("failure", ["passes", "heat", "mechanics"])
 def test_failed_step_leaves_no_trace(comm, case, failure):
-    """After a rewind the state is the same to the last bit, and so is the step that follows."""
+    """After a rewind the state is the same to the last bit, and so is the step that follows.
+
+    On several ranks MUMPS adds in the order in which messages arrive: there the step that follows
+    is the same to round-off.
+    """
     data = merged(case(TIGHT), {"coupling": {"passes": 60}})
     spoilt, clean = (coupled_cases.simulation(comm, data).problem for _ in range(2))
     for problem in (spoilt, clean):
@@ -248,7 +252,11 @@ def test_failed_step_leaves_no_trace(comm, case, failure):
         problem.commit()
     one, other = everything(spoilt), everything(clean)
     for name, value in one.items():
-        assert np.array_equal(value, other[name]), name
+        if comm.size == 1:
+            assert np.array_equal(value, other[name]), name
+        else:
+            size = comm.allreduce(float(np.abs(value).max(initial=0.0)), op=MPI.MAX)
+            assert value == pytest.approx(other[name], rel=0, abs=1e-8 * size), name
 
 
 def run(comm, scheme: str):
