@@ -16,6 +16,9 @@ from castx.meshes.ring import core_in_ring
 from tests import coupled_cases
 from tests.coupled_cases import final_state, ring
 
+# Keys reach their problems alike on all ranks; the problems themselves are tested on several.
+pytestmark = pytest.mark.serial
+
 REMOVED = object()
 
 
