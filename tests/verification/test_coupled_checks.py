@@ -24,6 +24,7 @@ from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, 
 
 QUARTER: dict[str, Any] = {"model": "3d", "sector": "quarter", "size": 0.01, "height": 0.04}
 SHORT = {"time": {"end": 2.0}}
+BRIEF = {"time": {"end": 6.0}}
 
 
 def blocks(*changes, method="condensed", gravity=(0.0, -9.81), **geometry) -> dict:
@@ -138,7 +139,7 @@ def test_contact_forces(comm, name, options, method):
 @pytest.mark.parametrize("method", ["condensed", "multipliers"])
 def test_contact_forces_of_a_shrink_fit(comm, method):
     """Check 3 under pressure: radial forces of all pairs, axial ones away from the held base."""
-    state = final_state(comm, ring(TIGHT, method=method))
+    state = final_state(comm, ring(TIGHT, BRIEF, method=method))
     (interface,) = state.pairs
     secondary, primary = facing_forces(state, interface)
     largest = np.abs(secondary).max()
@@ -209,9 +210,9 @@ def test_turned_and_moved_model(comm, shared_tmp_path, angle, shift):
 
 TIGHT_CASES = {
     "cylinder": cylinder(TIGHT),
-    "multipliers": ring(TIGHT, method="multipliers"),
+    "multipliers": ring(TIGHT, BRIEF, method="multipliers"),
     "quarter": cylinder(TIGHT, SHORT, **QUARTER),
-    "ring": ring(TIGHT),
+    "ring": ring(TIGHT, BRIEF),
     "blocks": blocks(TIGHT, SHORT),
 }
 
