@@ -133,6 +133,7 @@ LONG = merged(
 )
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize("liquid", [{}, VISCOUS], ids=["elastic", "viscous"])
 def test_methods_agree_over_the_whole_run(comm, liquid):
     """Multipliers and condensed contact: the same steps, all fields to 1e-8 at each."""
