@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from mpi4py import MPI
@@ -13,14 +12,14 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.assembly import BodyAssembly
 from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.errors import ConvergenceError
 from castx.layout import Layout
-from castx.linear import Correction, InnerSolver, SystemOperator, SystemPreconditioner
-from castx.mechanics import BodyMechanics
+from castx.linear import InnerSolver, SystemOperator, SystemPreconditioner
 from castx.snes import NonlinearSolver
 from castx.supports import FloatingMotions, Support
 
@@ -47,73 +46,6 @@ class EquilibriumReport:
     linear_iterations: int
     contact_changes: int
     residuals: tuple[float, ...]
-
-
-class BodyAssembly:
-    """Residual and matrix of all bodies without contact, in the layout of their unknowns.
-
-    Args:
-        layout: numbering of the unknowns of all bodies.
-        bodies: the bodies in the order of the layout.
-    """
-
-    def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
-        self.layout, self.bodies = layout, list(bodies)
-        self.unknowns = layout.create_vector()
-        self.residual_vector = layout.create_vector()
-        self._blocks = [body.create_jacobian() for body in bodies]
-        count = range(len(bodies))
-        diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
-        self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
-        self._matrix: PETSc.Mat | None = None
-
-    def residual(self) -> PETSc.Vec:
-        """Return internal minus external forces at `unknowns`."""
-        self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
-        values = self.residual_vector.array
-        for b, body in enumerate(self.bodies):
-            values[self.layout.local_slice(b)] = body.residual()
-        return self.residual_vector
-
-    def matrix(self) -> PETSc.Mat:
-        """Return the assembled Jacobian; the next call overwrites it."""
-        for body, block in zip(self.bodies, self._blocks, strict=True):
-            body.assemble_jacobian(block)
-        self._nest.assemble()
-        if self._matrix is None:
-            self._matrix = self._nest.convert("aij", PETSc.Mat())
-        else:
-            self._nest.convert("aij", self._matrix)
-        return self._matrix
-
-    def displacement_rows(self) -> FloatArray:
-        """Return 1 at the owned unknowns that are displacements, else 0."""
-        rows = np.zeros(self.layout.size_local)
-        for b, body in enumerate(self.bodies):
-            part = rows[self.layout.local_slice(b)].reshape(-1, body.block_size)
-            part[:, : body.dimension] = 1.0
-        return rows
-
-    def corrections(self) -> list[Correction]:
-        """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
-        found: list[Correction] = []
-        for b, body in enumerate(self.bodies):
-            if body.projection is not None:
-                part = self.layout.local_slice(b)
-                rows = slice(part.start + body.dimension, part.stop, body.block_size)
-                found.append(partial(_add_projection, body, rows))
-        return found
-
-    def destroy(self) -> None:
-        """Free matrices and vectors."""
-        for item in (self._matrix, self._nest, *self._blocks, self.unknowns, self.residual_vector):
-            if item is not None:
-                item.destroy()
-
-
-def _add_projection(body: BodyMechanics, rows: slice, x: FloatArray, y: FloatArray) -> None:
-    assert body.projection is not None
-    y[rows] += body.projection.correction(x[rows])
 
 
 class Equilibrium:
@@ -167,7 +99,8 @@ class Equilibrium:
         self._linear_tolerance_given = "ksp_rtol" in options
         self._stiffness = 0.0
         self._internal = self._external = 0.0
-        self._time, self._fresh, self._changed = 0.0, True, False
+        self._time = 0.0
+        self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
 
     def solve(self, time: float) -> EquilibriumReport:
         """Solve for the present state of the bodies, from the present displacements.
@@ -193,7 +126,7 @@ class Equilibrium:
             return self._try(time)
 
     def _try(self, time: float) -> EquilibriumReport:
-        self._time, self._fresh, self._changed = time, True, False
+        self._time = time
         self.active.begin()
         report = self._solver.solve(self.x)
         return EquilibriumReport(
@@ -209,19 +142,39 @@ class Equilibrium:
 
     def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
         rows = self._rows(x)
-        gaps = self._contact.gaps(x, self._assembly.unknowns)
-        forces = self._contact.forces(x, rows)
+        self._evaluated = x.array_r.copy(), rows.copy()
         self._internal, self._external = self._norms(x, rows)
-        if not self._fresh:
-            threshold = LINEAR_SHARE * self._target()
-            self._changed = self.active.update(gaps, forces, self._stiffness, threshold)
-        self._fresh = False
+        self._balance(x, rows, f)
+
+    def _balance(self, x: PETSc.Vec, rows: FloatArray, f: PETSc.Vec) -> None:
+        """Fill the residual for the present set of closed pairs."""
         held, violation = self._held(x)
         support = self._support(held)
         self._operator.hold(held, self._stiffness, support)
         if support is not None:
             rows += support.force(x.array_r)
         f.array[:] = np.where(held, self._stiffness * violation, rows)
+
+    def _change_set(self, snes: PETSc.SNES) -> bool:
+        """Close and open pairs at the present iterate; return whether the residual is a new one.
+
+        A line search tries several points with one set, so this is not done in the residual.
+        """
+        x, f = snes.getSolution(), snes.getFunction()[0]
+        at, rows = self._evaluated
+        if not self._all(np.array_equal(at, x.array_r)):
+            self._residual(snes, x, f)
+            rows = self._evaluated[1]
+        gaps = self._contact.gaps(x, self._assembly.unknowns)
+        forces = self._contact.forces(x, rows)
+        threshold = LINEAR_SHARE * self._target()
+        if not self.active.update(gaps, forces, self._stiffness, threshold):
+            return False
+        self._balance(x, rows.copy(), f)
+        return True
+
+    def _all(self, here: bool) -> bool:
+        return bool(self._assembly.layout.comm.allreduce(here, op=MPI.LAND))
 
     def _norms(self, x: PETSc.Vec, rows: FloatArray) -> tuple[float, float]:
         """Return the norms of the internal forces and of thermal and other loads [N]."""
@@ -263,11 +216,12 @@ class Equilibrium:
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
     ) -> Any:
         reasons = PETSc.SNES.ConvergedReason
-        norm = norms[2]
-        if not np.isfinite(norm):
+        if not np.isfinite(norms[2]):
             return reasons.DIVERGED_FNORM_NAN
+        changed = iteration > 0 and self._change_set(snes)
+        norm = snes.getFunction()[0].norm() if changed else norms[2]
         target = self._target()
-        if norm <= target and not self._changed and iteration > 0:
+        if norm <= target and not changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
             return reasons.DIVERGED_MAX_IT

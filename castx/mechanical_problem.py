@@ -11,13 +11,14 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.assembly import BodyAssembly
 from castx.constraints import SurfaceDisplacement, fixed_directions
 from castx.contact.condensed import CondensedContact
 from castx.contact.gaps import Gaps
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
-from castx.equilibrium import PREFIX, BodyAssembly, Equilibrium
+from castx.equilibrium import PREFIX, Equilibrium
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import InnerSolver

@@ -1,0 +1,82 @@
+"""Residual and matrix of all bodies without contact, in the layout of their unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.layout import Layout
+from castx.linear import Correction
+from castx.mechanics import BodyMechanics
+from castx.tables import FloatArray
+
+
+class BodyAssembly:
+    """Residual and matrix of all bodies without contact, in the layout of their unknowns.
+
+    Args:
+        layout: numbering of the unknowns of all bodies.
+        bodies: the bodies in the order of the layout.
+    """
+
+    def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
+        self.layout, self.bodies = layout, list(bodies)
+        self.unknowns = layout.create_vector()
+        self.residual_vector = layout.create_vector()
+        self._blocks = [body.create_jacobian() for body in bodies]
+        count = range(len(bodies))
+        diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
+        self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
+        self._matrix: PETSc.Mat | None = None
+
+    def residual(self) -> PETSc.Vec:
+        """Return internal minus external forces at `unknowns`."""
+        self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
+        values = self.residual_vector.array
+        for b, body in enumerate(self.bodies):
+            values[self.layout.local_slice(b)] = body.residual()
+        return self.residual_vector
+
+    def matrix(self) -> PETSc.Mat:
+        """Return the assembled Jacobian; the next call overwrites it."""
+        for body, block in zip(self.bodies, self._blocks, strict=True):
+            body.assemble_jacobian(block)
+        self._nest.assemble()
+        if self._matrix is None:
+            self._matrix = self._nest.convert("aij", PETSc.Mat())
+        else:
+            self._nest.convert("aij", self._matrix)
+        return self._matrix
+
+    def displacement_rows(self) -> FloatArray:
+        """Return 1 at the owned unknowns that are displacements, else 0."""
+        rows = np.zeros(self.layout.size_local)
+        for b, body in enumerate(self.bodies):
+            part = rows[self.layout.local_slice(b)].reshape(-1, body.block_size)
+            part[:, : body.dimension] = 1.0
+        return rows
+
+    def corrections(self) -> list[Correction]:
+        """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
+        found: list[Correction] = []
+        for b, body in enumerate(self.bodies):
+            if body.projection is not None:
+                part = self.layout.local_slice(b)
+                rows = slice(part.start + body.dimension, part.stop, body.block_size)
+                found.append(partial(_add_projection, body, rows))
+        return found
+
+    def destroy(self) -> None:
+        """Free matrices and vectors."""
+        for item in (self._matrix, self._nest, *self._blocks, self.unknowns, self.residual_vector):
+            if item is not None:
+                item.destroy()
+
+
+def _add_projection(body: BodyMechanics, rows: slice, x: FloatArray, y: FloatArray) -> None:
+    assert body.projection is not None
+    y[rows] += body.projection.correction(x[rows])
