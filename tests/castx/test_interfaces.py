@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from castx.interfaces import Contact, Interface, InterfaceHeat
+from castx.contact.description import Contact
+from castx.interfaces import Interface, InterfaceHeat
 from castx.refusal import Refusal
 
 pytestmark = pytest.mark.serial
