@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from castx.boundaries import Boundary
 from castx.errors import CaseError
+from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
 from castx.materials.finding import find_material
 from castx.refusal import Problem, Refusal, among
@@ -94,9 +95,27 @@ def _body_problems(
         text = f'prescribes the temperature, but coupling.scheme = "{scheme}" solves for it'
         cure = 'use scheme = "mechanical" or leave it out'
         yield Problem(("bodies", index, "temperature_history"), f"{text}; {cure}")
-    if scheme != "thermal" and material.liquid is not None and body.formulation != "mixed":
+    if scheme == "thermal":
+        return
+    for key, text in law_problems(material, body.law):
+        stated = body.material in case.materials
+        place = ("materials", body.material, key) if stated else ("bodies", index, "material")
+        yield Problem(place, f"{key} is {text}; body {body.name!r} needs it for its law")
+    yield from _not_yet(index, body, material)
+    if material.liquid is not None and body.formulation != "mixed":
         text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
         yield Problem(("bodies", index, "formulation"), text)
+
+
+def _not_yet(index: int, body: Body, material: MaterialDescription) -> Iterator[Problem]:
+    """Yield what no body can do yet although materials can be described with it."""
+    place = ("bodies", index, "material")
+    if material.liquid is not None and material.liquid.model == "norton":
+        text = 'has a liquid with model = "norton", which is not available yet; use "viscous"'
+        yield Problem(place, f"{body.material!r} {text}")
+    if material.solidification_shrinkage:
+        text = "has a solidification_shrinkage, which is not available yet; leave it out"
+        yield Problem(place, f"{body.material!r} {text}")
 
 
 def _needed_properties(

@@ -13,18 +13,29 @@ from castx.entries import (
     Choice,
     Description,
     EntryName,
-    NotYet,
     Quantity,
     Tabulated,
     Temperature,
     over_temperature,
 )
 from castx.errors import CaseError
+from castx.materials.inelastic import (
+    COEFFICIENT,
+    EXPONENT,
+    LAW_KEYS,
+    ONE,
+    ZERO,
+    Hardening,
+    HardeningEntry,
+    ViscosityEntry,
+    inelastic_problems,
+)
 from castx.materials.phased import Phased
 from castx.materials.solid_fraction import TabulatedLaw
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import Table
 from castx.units import (
+    ACTIVATION_ENERGY,
     CONDUCTIVITY,
     DENSITY,
     EXPANSION,
@@ -123,12 +134,35 @@ def _freezing_rows(rows: list[tuple[float, float]]) -> tuple[tuple[float, float]
     return tuple(rows[max(solid - 1, 0) : len(rows) - max(liquid - 1, 0)])
 
 
-class Liquid(Description):
-    """How a material flows where its solid fraction is below coherency."""
+_LIQUID_KEYS = {
+    "viscous": ("viscosity",),
+    "norton": ("coefficient", "exponent", "activation_energy"),
+}
 
-    model: Annotated[str, Choice(("viscous",))] = "viscous"
-    viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)]
+
+class Liquid(Description):
+    """How a material flows where its solid fraction is below coherency.
+
+    viscous: s = 2 viscosity ė; norton: like the solid's law of this name. What a model does not
+    read is 0, the exponent 1.
+    """
+
+    model: Annotated[str, Choice(tuple(_LIQUID_KEYS))] = "viscous"
+    viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)] = ZERO
+    coefficient: Annotated[Table, COEFFICIENT] = ZERO
+    exponent: Annotated[Table, EXPONENT] = ONE
+    activation_energy: Annotated[Table, over_temperature(ACTIVATION_ENERGY, least=0.0)] = ZERO
     coherency: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)]
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield what the model needs and what it would ignore."""
+        first, *others = _LIQUID_KEYS[self.model]
+        if first not in self.model_fields_set:
+            yield Problem((first,), f'missing; model = "{self.model}" needs it')
+        for key in sorted(self.model_fields_set - {"model", "coherency", first, *others}):
+            model = next(name for name, keys in _LIQUID_KEYS.items() if key in keys)
+            text = f'acts only with model = "{model}", and here it is "{self.model}"'
+            yield Problem((key,), f"{text}; leave it out or change model")
 
 
 class MaterialDescription(Description):
@@ -158,16 +192,16 @@ class MaterialDescription(Description):
     expansion_reference: Temperature | None = None
     stress_free: Temperature | None = None
     liquid: Liquid | None = None
-    solidification_shrinkage: Annotated[float, NotYet(0.0)] = 0.0
-    # Data of the inelastic laws: a thermo-elastic body does not read them, and a body whose law
-    # would read them is refused until that law exists.
-    yield_stress: Annotated[Table, over_temperature(STRESS, above=0.0)] | None = None
-    hardening: Annotated[float, Quantity(STRESS, least=0.0)] = 0.0
-    viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)] | None = None
-    law: Annotated[None, NotYet()] = None
-    exponent: Annotated[None, NotYet()] = None
-    coefficient: Annotated[None, NotYet()] = None
-    activation_energy: Annotated[None, NotYet()] = None
+    solidification_shrinkage: Annotated[float, Quantity(PURE_NUMBER, above=-1.0, below=1.0)] = 0.0
+    yield_stress: Annotated[Table, over_temperature(STRESS, least=0.0)] | None = None
+    hardening: Annotated[Hardening, HardeningEntry()] = Hardening(linear=ZERO)
+    kinematic_hardening: Annotated[Table, over_temperature(STRESS, least=0.0)] = ZERO
+    law: Annotated[str, Choice(tuple(LAW_KEYS))] = "perzyna"
+    viscosity: Annotated[Table, ViscosityEntry()] | None = None
+    exponent: Annotated[Table, EXPONENT] = ONE
+    coefficient: Annotated[Table, COEFFICIENT] | None = None
+    activation_energy: Annotated[Table, over_temperature(ACTIVATION_ENERGY, least=0.0)] = ZERO
+    dissipation: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=1.0)] = 0.9
 
     @property
     def freezing_range(self) -> tuple[float, float] | None:
@@ -192,6 +226,7 @@ class MaterialDescription(Description):
         if self.expansion_reference is not None and self.expansion is None:
             text = "the reference of an expansion that is not given; add expansion"
             yield Problem(("expansion_reference",), text)
+        yield from inelastic_problems(self)
 
     def _range_problems(self) -> Iterator[Problem]:
         if isinstance(self.solid_fraction, TabulatedLaw):
@@ -214,6 +249,8 @@ class MaterialDescription(Description):
         for key in ("latent_heat", "liquid", "partition_coefficient", "melting_point"):
             if getattr(self, key) is not None:
                 yield Problem((key,), cure)
+        if self.solidification_shrinkage:
+            yield Problem(("solidification_shrinkage",), cure)
         if "solid_fraction" in self.model_fields_set:
             yield Problem(("solid_fraction",), cure)
         for key in ("heat_capacity", "conductivity"):

@@ -8,6 +8,7 @@ from typing import Any
 from castx.errors import CaseError
 from castx.materials.database import Entry, database_entry, database_names
 from castx.materials.description import ALLOY_LAWS, MaterialDescription
+from castx.materials.inelastic import RATE_KEYS
 from castx.materials.material import Material
 from castx.materials.sources import Source
 from castx.refusal import Refusal, among, refuse
@@ -60,7 +61,8 @@ def _resolve(
 def _merge(name: str, own: MaterialDescription, parent: Entry) -> Entry:
     """Return the parent with the given properties in place of its own."""
     given = own.model_fields_set - {"extends"}
-    kept = parent.description.model_fields_set - {"extends"} - given - _replaced(own)
+    left_out = {"extends"} | given | _replaced(own, parent.description)
+    kept = parent.description.model_fields_set - left_out
     properties: dict[str, Any] = {key: getattr(parent.description, key) for key in kept}
     properties |= {key: getattr(own, key) for key in given}
     try:
@@ -77,9 +79,10 @@ def _known(case_materials: Mapping[str, MaterialDescription]) -> list[str]:
     return sorted({*case_materials, *database_names()})
 
 
-def _replaced(own: MaterialDescription) -> set[str]:
-    """Return the keys that a new law of solidification makes meaningless."""
+def _replaced(own: MaterialDescription, parent: MaterialDescription) -> set[str]:
+    """Return the keys of the parent that a new law of flow or of solidification takes away."""
+    flow = set(RATE_KEYS) if "law" in own.model_fields_set and own.law != parent.law else set()
     if "solid_fraction" not in own.model_fields_set or own.solid_fraction in ALLOY_LAWS:
-        return set()
-    replaced = {"partition_coefficient", "melting_point"}
+        return flow
+    replaced = flow | {"partition_coefficient", "melting_point"}
     return replaced if isinstance(own.solid_fraction, str) else replaced | {"solidus", "liquidus"}

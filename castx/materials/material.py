@@ -116,6 +116,11 @@ class Material:
         return self.description.liquid
 
     @property
+    def dissipation(self) -> float:
+        """Fraction of the plastic work that becomes heat."""
+        return self.description.dissipation
+
+    @property
     def solid_fraction(self) -> SolidFractionLaw | None:
         """Law of the solid fraction between solidus and liquidus; None for what never melts."""
         law = self.description.solid_fraction
@@ -182,6 +187,21 @@ class Material:
         if self.melts:
             strain = np.where(temperature > stress_free, 0.0, strain)
         return np.asarray(strain)
+
+    def shrinkage_strain(self, solid_fraction: Any) -> FloatArray:
+        """Return the volumetric strain of solidification, to be added to the thermal one.
+
+        It begins at coherency and reaches −solidification_shrinkage where all is solid; in a
+        material without `liquid` it begins with the first solid.
+
+        Args:
+            solid_fraction: f_s, array of any shape.
+        """
+        begin = 0.0 if self.liquid is None else self.liquid.coherency
+        if begin == 1.0:
+            return np.zeros_like(solid_fraction, dtype=np.float64)
+        share = (np.asarray(solid_fraction) - begin) / (1.0 - begin)
+        return np.asarray(-self.description.solidification_shrinkage * np.clip(share, 0.0, 1.0))
 
     def require(self, properties: Sequence[str], purpose: str) -> None:
         """Check that properties are given.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from castx.materials.description import MaterialDescription
 from castx.materials.phased import Phased
@@ -29,7 +29,23 @@ _UNITS = {
     "expansion": "1/K",
     "expansion_reference": "°C",
     "stress_free": "°C",
+    "solidification_shrinkage": "",
+    "yield_stress": "Pa",
+    "hardening.linear": "Pa",
+    "hardening.saturation": "Pa",
+    "hardening.rate": "",
+    "kinematic_hardening": "Pa",
+    "law": "",
+    "viscosity": "Pa s^(1/exponent)",
+    "exponent": "",
+    "coefficient": "1/(s Pa^exponent)",
+    "activation_energy": "J/mol",
+    "dissipation": "",
+    "liquid.model": "",
     "liquid.viscosity": "Pa s",
+    "liquid.coefficient": "1/(s Pa^exponent)",
+    "liquid.exponent": "",
+    "liquid.activation_energy": "J/mol",
     "liquid.coherency": "",
 }
 
@@ -104,12 +120,12 @@ def outside_range(
 
 def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
     """Yield the dotted names and values of all given properties."""
-    liquid = description.liquid
     for name in _UNITS:
-        if name.startswith("liquid."):
-            value = None if liquid is None else getattr(liquid, name.removeprefix("liquid."))
-        else:
-            value = getattr(description, name)
+        value: Any = description
+        for key in name.split("."):
+            # The law of the solid fraction is worth a line even where the default holds.
+            given = value is not None and key in value.model_fields_set | {"solid_fraction"}
+            value = getattr(value, key) if given else None
         if name == "solid_fraction" and description.freezing_range is None:
             continue
         if isinstance(value, Phased) and value.solid is not value.liquid:

@@ -135,9 +135,9 @@ def test_problems_of_all_parts_are_shown_together(file):
         ("bodies.0.formulation=q1p0", "formulation = .*: not available yet"),
         (
             "materials.steel.activation_energy=1e5",
-            "materials.steel.activation_energy = .*: not available yet",
+            'materials.steel.activation_energy = .*: acts only with law = "norton"',
         ),
-        ("materials.steel.exponent=5", "materials.steel.exponent = .*: not available yet"),
+        ("materials.steel.exponent=0", "materials.steel.exponent = 0: must be positive"),
         (
             "materials.steel.conductivity=[[20,25],[90,-1]]",
             r"steel.conductivity\[1\] = \[90, -1\]: ",

@@ -65,10 +65,10 @@ def test_quantities_carry_units() -> None:
         ({"solid_fraction": [[550, 1]]}, r"^solid_fraction: the solid fraction must fall"),
         ({"solid_fraction": [[560, 1], [610, 0]]}, r"^solidus: the table solid_fraction says 560"),
         ({"yield_stress": [[20, -6e7]]}, r"^yield_stress\[0\]"),
-        ({"solidification_shrinkage": 0.05}, r"^solidification_shrinkage: not available yet"),
+        ({"solidification_shrinkage": 1.5}, r"^solidification_shrinkage: must be above -1"),
         ({"hardening": -1e9}, r"^hardening: must"),
         ({"viscosity": 0}, r"^viscosity: must"),
-        ({"exponent": 5}, r"^exponent: not available yet"),
+        ({"exponent": 0}, r"^exponent: must be positive"),
         ({"liquid": {"viscosity": 1e6}}, r"^liquid.coherency: missing"),
         ({"liquid": {"viscosity": 1e6, "coherency": 1.5}}, r"^liquid.coherency: must be"),
         ({"expansion": None, "expansion_reference": 20}, r"^expansion_reference: .* add expansion"),
@@ -88,7 +88,7 @@ def test_refusals(changes, message) -> None:
 
 
 def test_what_asks_for_nothing_is_accepted() -> None:
-    assert described(solidification_shrinkage=0.0, hardening=0).hardening == 0.0
+    assert not described(solidification_shrinkage=0.0, hardening=0).hardening.acts
 
 
 def test_part_of_a_material_is_checked_when_it_is_complete() -> None:
