@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
+from castx.cell_kinds import KINDS
 from castx.constitutive import ThermoElasticLaw
 from castx.constraints import SurfaceDisplacement
 from castx.coupled_interface import CoupledInterface
@@ -63,6 +64,7 @@ def build_problem(
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     mechanics = None
+    refuse_unfinished(case, mesh)
     if scheme != "thermal":
         mechanics = _mechanics(case, mesh, materials, contacts)
     heat: Temperatures
@@ -88,6 +90,24 @@ def build_problem(
     return CoupledProblem(
         mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance, coupling.passes
     )
+
+
+def refuse_unfinished(case: Case, mesh: CastingMesh) -> None:
+    """Refuse mechanics where only heat is there yet.
+
+    Raises:
+        CaseError: the model or the cells of the mesh have no mechanics.
+    """
+    if case.coupling.scheme == "thermal":
+        return
+    cure = 'coupling.scheme = "thermal" works'
+    if case.geometry.model == "generalised-plane-strain":
+        raise CaseError(f"geometry.model: {case.geometry.model!r} has no mechanics yet; {cure}")
+    if not mesh.simplicial:
+        plural = KINDS[mesh.parent.topology.cell_name()].plural
+        raise CaseError(
+            f'geometry: {plural} have no mechanics yet; use cells = "simplices", or {cure}'
+        )
 
 
 def _check_surfaces(case: Case, mesh: CastingMesh) -> None:

@@ -10,6 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from castx.building import refuse_unfinished
 from castx.case import Case
 from castx.materials import find_material
 from castx.mesh import build_mesh
@@ -22,10 +23,11 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Raises:
-        CaseError: a probe lies outside its body.
+        CaseError: a probe lies outside its body, or the mesh has no mechanics.
         MeshError: the mesh does not hold what the case asks of it.
     """
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    refuse_unfinished(case, mesh)
     pairs = {item.name: node_pairs(mesh, item.secondary, item.primary) for item in case.interfaces}
     for boundary in case.boundaries:
         mesh.bodies[boundary.body].surface_tag(boundary.surface)

@@ -19,24 +19,23 @@ IntArray = NDArray[np.int32]
 Partitioner = Callable[..., Any]
 
 
-def create_simplex_mesh(
+def create_linear_mesh(
     comm: MPI.Intracomm,
     points: NDArray[np.float64],
     cells: NDArray[np.int64],
-    dimension: int,
+    kind: str,
     partitioner: Partitioner,
 ) -> Mesh:
-    """Distribute linear triangles or tetrahedra; each rank gives any share of points and cells.
+    """Distribute linear cells of one kind; each rank gives any share of points and cells.
 
     Args:
         comm: ranks of the mesh.
-        points: (points, gdim) [m].
-        cells: (cells, dimension + 1) global numbers of points.
-        dimension: 2 or 3, also the geometric one.
+        points: (points, gdim) [m], gdim also the dimension of the cells.
+        cells: (cells, corners) global numbers of points.
+        kind: "triangle", "quadrilateral", "tetrahedron" or "hexahedron".
         partitioner: (comm, parts, cell types, cells) -> destinations of this rank's cells.
     """
-    shape = "triangle" if dimension == 2 else "tetrahedron"
-    domain = ufl.Mesh(basix.ufl.element("Lagrange", shape, 1, shape=(dimension,)))
+    domain = ufl.Mesh(basix.ufl.element("Lagrange", kind, 1, shape=(points.shape[1],)))
     return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=domain, partitioner=partitioner)
 
 

@@ -21,34 +21,36 @@ def face_keys(*groups: IntArray) -> list[IntArray]:
     return np.split(keys, np.cumsum([len(group) for group in groups])[:-1])
 
 
-def cell_faces(cells: IntArray) -> IntArray:
-    """Faces of simplices, (cells * corners, nodes); face i lies opposite corner i as in DOLFINx."""
-    corners = cells.shape[1]
-    return np.stack([np.delete(cells, i, axis=1) for i in range(corners)], axis=1).reshape(
-        -1, corners - 1
-    )
+def cell_faces(cells: IntArray, faces: IntArray) -> IntArray:
+    """Nodes of the faces of cells, cell by cell in DOLFINx's order, (cells * faces, nodes).
+
+    Args:
+        cells: (cells, corners).
+        faces: corners of each face of a cell, (faces, nodes).
+    """
+    return cells[:, faces].reshape(-1, faces.shape[1])
 
 
-def neighbours(cells: IntArray, source: str) -> IntArray:
-    """The cell across each face, (cells, corners), NO_NEIGHBOUR outside.
+def neighbours(cells: IntArray, faces: IntArray, source: str) -> IntArray:
+    """The cell across each face, (cells, faces), NO_NEIGHBOUR outside.
 
     Raises:
         MeshError: more than two cells share a face.
     """
-    (keys,) = face_keys(cell_faces(cells))
+    (keys,) = face_keys(cell_faces(cells, faces))
     order = np.argsort(keys, kind="stable")
     same = keys[order][1:] == keys[order][:-1]
     if (same[1:] & same[:-1]).any():
         raise MeshError(f"{source}: more than two elements share a face; the parts overlap")
     across = np.full(len(keys), NO_NEIGHBOUR, dtype=np.int64)
     first, second = order[:-1][same], order[1:][same]
-    across[first] = second // cells.shape[1]
-    across[second] = first // cells.shape[1]
-    return across.reshape(cells.shape)
+    across[first] = second // len(faces)
+    across[second] = first // len(faces)
+    return across.reshape(len(cells), len(faces))
 
 
 def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:
-    """What each face of each cell is, (cells, corners).
+    """What each face of each cell is, (cells, faces).
 
     INSIDE for faces within a body and outer ones without a name; else the index of the surface, or,
     towards another body, the number of surfaces plus the index of that body.
@@ -57,7 +59,7 @@ def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:
         MeshError: a face has two names.
     """
     outer = across == NO_NEIGHBOUR
-    cell_keys, named_keys = face_keys(cell_faces(mesh.cells), mesh.faces)
+    cell_keys, named_keys = face_keys(cell_faces(mesh.cells, mesh.kind.faces), mesh.faces)
     surfaces = np.full(cell_keys.max() + 1, INSIDE, dtype=np.int64)
     if len(named_keys):
         surfaces = np.full(max(cell_keys.max(), named_keys.max()) + 1, INSIDE, dtype=np.int64)

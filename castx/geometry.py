@@ -15,11 +15,10 @@ from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.units import LENGTH, PURE_NUMBER
 
-MODELS = ("3d", "axisymmetric", "plane-strain", "plane-stress")
-PLANE_MODELS = ("plane-strain", "plane-stress")
+PLANE_MODELS = ("plane-strain", "plane-stress", "generalised-plane-strain")
+MODELS = ("3d", "axisymmetric", *PLANE_MODELS)
 
-_MODELS_LATER = ("generalised-plane-strain",)
-_GENERATORS_LATER = ("box_in_mould", "plate_in_mould", "wheel_in_die", "engine_block_in_die")
+_GENERATORS_LATER = ("plate_in_mould", "wheel_in_die", "engine_block_in_die")
 _MOST_CELLS = 2e8
 _LENGTH = Quantity(LENGTH, above=0.0)
 _BORE = Quantity(LENGTH, least=0.0)
@@ -92,6 +91,19 @@ def _blocks(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
         yield "symmetry", "an axisymmetric mesh lies in r >= 0; leave it true"
 
 
+def _box(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
+    dimension = 3 if model == "3d" else 2
+    if len(arguments["box"]) != dimension:
+        yield "box", f"the model {model!r} needs {dimension} lengths"
+
+
+def _box_extents(arguments: dict[str, Any]) -> list[float]:
+    width, height, *depth = arguments["box"]
+    walls = 2 * arguments["wall"]
+    above = walls if arguments.get("lid", False) else arguments["wall"]
+    return [width + walls, height + above, *(side + walls for side in depth)]
+
+
 def _radii(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
     if arguments.get("core_bore", 0.0) >= arguments["core_radius"]:
         yield "core_bore", "must be smaller than core_radius"
@@ -109,7 +121,7 @@ COMMON_ARGUMENTS = {
     "size": _PLAIN,
     "interface_size": Argument(_LENGTH.read, needed=()),
     "order_of_growth": Argument(Quantity(PURE_NUMBER, above=0.0, most=10.0).read, needed=()),
-    "cells": Argument(Choice(("simplices",), ("quadrilaterals",)).read, needed=()),
+    "cells": Argument(Choice(("simplices", "quadrilaterals")).read, needed=()),
 }
 
 GENERATORS = {
@@ -155,6 +167,17 @@ GENERATORS = {
         extents=lambda a: [a["base"][0], a["base"][1] + a["upper"][1], *a["base"][2:]],
         check=_blocks,
     ),
+    "box_in_mould": Generator(
+        models=("3d", *PLANE_MODELS),
+        arguments={
+            "box": Argument(_sides),
+            "wall": _PLAIN,
+            "lid": Argument(_truth, needed=()),
+        },
+        surfaces={"casting": ("top",), "mould": ("outside", "base", "top")},
+        extents=_box_extents,
+        check=_box,
+    ),
     "core_in_ring": Generator(
         models=MODELS,
         arguments={
@@ -186,7 +209,7 @@ class Geometry(Description):
     `arguments` holds what the case gives, in SI; the generator has the defaults of the rest.
     """
 
-    model: Annotated[str, Choice(MODELS, _MODELS_LATER)]
+    model: Annotated[str, Choice(MODELS)]
     generator: Annotated[str | None, Choice(tuple(GENERATORS), _GENERATORS_LATER)] = None
     file: Annotated[Path | None, PlainValidator(_mesh_file)] = None
     parts: Annotated[None, NotYet()] = None
@@ -271,7 +294,6 @@ def _read_arguments(
                 problems.extend(error.inside(name).problems)
             except CaseError as error:
                 problems.append(Problem((name,), str(error)))
-    arguments.pop("cells", None)  # simplices, the only ones there are
     for name, argument in known.items():
         if name not in given and model in argument.needed:
             problems.append(Problem((name,), f"missing; the model {model!r} needs it"))

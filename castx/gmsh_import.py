@@ -9,29 +9,29 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
+from castx.cell_kinds import KINDS, CellKind, kinds_of_dimension
 from castx.errors import MeshError
 from castx.refusal import among
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LINEAR_SIMPLEX = {1: 1, 2: 2, 3: 4}
-"""gmsh's number of the linear line, triangle and tetrahedron, by dimension."""
-
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """Linear simplices with named bodies and surfaces, as arrays on one rank.
+    """Linear cells of one kind with named bodies and surfaces, as arrays on one rank.
 
     Args:
+        kind: of the cells.
         points: (points, gdim) [m].
-        cells: (cells, gdim + 1), positively oriented.
+        cells: (cells, corners), positively oriented, corners in DOLFINx's order.
         bodies: (cells,) index of the body.
-        faces: (faces, gdim) nodes of the named faces.
+        faces: (faces, corners of a face) nodes of the named faces.
         face_surfaces: (faces,) index of the surface.
         surface_names: names of the surfaces.
     """
 
+    kind: CellKind
     points: FloatArray
     cells: IntArray
     bodies: IntArray
@@ -51,26 +51,27 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
     Raises:
         MeshError: the model's names, elements or dimension do not fit.
     """
-    _check_elements(dimension, source)
+    kind = _checked_kind(dimension, source)
     tags, points = _nodes(dimension, source)
     groups = _groups(dimension, source)
     if not groups:
-        kind = "volumes" if dimension == 3 else "surfaces"
+        parts = "volumes" if dimension == 3 else "surfaces"
         raise MeshError(
-            f"{source} has no named physical {kind}; name one per body: {', '.join(body_names)}"
+            f"{source} has no named physical {parts}; name one per body: {', '.join(body_names)}"
         )
     _check_bodies(list(groups), body_names, source)
-    cells, bodies = _elements(dimension, {name: groups[name] for name in body_names}, source)
+    cells, bodies = _elements(kind, {name: groups[name] for name in body_names}, source)
     _check_shares(dimension, bodies, body_names, source)
     used, cells = np.unique(np.searchsorted(tags, cells), return_inverse=True)
-    points, cells = points[used], cells.reshape(-1, dimension + 1)
+    points, cells = points[used], cells.reshape(-1, kind.corners)
     surfaces = _groups(dimension - 1, source)
     _check_surfaces(list(surfaces), body_names, source)
-    faces, face_surfaces = _elements(dimension - 1, surfaces, source)
+    faces, face_surfaces = _elements(KINDS[kind.face], surfaces, source)
     faces, known = _renumbered(np.searchsorted(tags, faces), used)
     return NamedMesh(
+        kind,
         points,
-        _oriented(points, cells, source),
+        _oriented(kind, points, cells, source),
         bodies,
         faces[known],
         face_surfaces[known],
@@ -78,7 +79,7 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
     )
 
 
-def _check_elements(dimension: int, source: str) -> None:
+def _checked_kind(dimension: int, source: str) -> CellKind:
     kinds = {dim: list(gmsh.model.mesh.getElementTypes(dim)) for dim in (2, 3)}
     highest = 3 if kinds[3] else 2
     if not kinds[highest]:
@@ -88,13 +89,14 @@ def _check_elements(dimension: int, source: str) -> None:
             f"the case's model is {dimension}-D but {source} is a {highest}-D mesh; "
             "change geometry.model or the mesh"
         )
-    if kinds[dimension] != [LINEAR_SIMPLEX[dimension]]:
+    allowed = {kind.gmsh: kind for kind in kinds_of_dimension(dimension)}
+    if len(kinds[dimension]) > 1 or kinds[dimension][0] not in allowed:
         names = (gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds[dimension])
-        allowed = "tetrahedra" if dimension == 3 else "triangles"
+        known = " or only of ".join(f"linear {kind.plural}" for kind in allowed.values())
         raise MeshError(
-            f"{source} has elements of the kinds {', '.join(names)}; "
-            f"only linear {allowed} are allowed"
+            f"{source} has elements of the kinds {', '.join(names)}; it must be only of {known}"
         )
+    return allowed[kinds[dimension][0]]
 
 
 def _nodes(dimension: int, source: str) -> tuple[IntArray, FloatArray]:
@@ -144,9 +146,11 @@ def _check_surfaces(found: Sequence[str], bodies: Sequence[str], source: str) ->
         )
 
 
-def _elements(dim: int, groups: dict[str, list[int]], source: str) -> tuple[IntArray, IntArray]:
-    """Node tags (elements, dim + 1) and index of the group of each element."""
-    nodes, owners = [np.empty((0, dim + 1), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+def _elements(
+    kind: CellKind, groups: dict[str, list[int]], source: str
+) -> tuple[IntArray, IntArray]:
+    """Node tags (elements, corners) and index of the group of each element."""
+    nodes, owners = [np.empty((0, kind.corners), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     name_of: dict[int, str] = {}
     for index, (name, entities) in enumerate(groups.items()):
         for entity in entities:
@@ -155,8 +159,9 @@ def _elements(dim: int, groups: dict[str, list[int]], source: str) -> tuple[IntA
                     f"{source}: {name_of[entity]!r} and {name!r} overlap; a part has one name"
                 )
             name_of[entity] = name
-            _, corners = gmsh.model.mesh.getElementsByType(LINEAR_SIMPLEX[dim], entity)
-            nodes.append(corners.reshape(-1, dim + 1).astype(np.int64))
+            _, corners = gmsh.model.mesh.getElementsByType(kind.gmsh, entity)
+            corners = corners.reshape(-1, kind.corners)[:, kind.from_gmsh]
+            nodes.append(corners.astype(np.int64))
             owners.append(np.full(len(nodes[-1]), index))
     return np.concatenate(nodes), np.concatenate(owners)
 
@@ -179,14 +184,15 @@ def _renumbered(nodes: IntArray, used: IntArray) -> tuple[IntArray, NDArray[np.b
     return place, (used[place] == nodes).all(axis=1)
 
 
-def _oriented(points: FloatArray, cells: IntArray, source: str) -> IntArray:
-    edges = points[cells[:, 1:]] - points[cells[:, :1]]
-    volume = np.linalg.det(edges)
-    size = np.abs(edges).max(axis=(1, 2)) ** edges.shape[1]
-    flat = np.flatnonzero(np.abs(volume) < 1e-12 * size)
-    if len(flat):
-        place = ", ".join(f"{x:g}" for x in points[cells[flat[0]]].mean(axis=0))
-        raise MeshError(f"{source}: {len(flat)} elements have no volume, the first at ({place}) m")
-    turned = cells.copy()
-    turned[volume < 0, -2:] = cells[volume < 0][:, [-1, -2]]
-    return turned
+def _oriented(kind: CellKind, points: FloatArray, cells: IntArray, source: str) -> IntArray:
+    corners = points[cells]
+    volume = kind.corner_volumes(corners)
+    size = np.ptp(corners, axis=1).max(axis=1) ** kind.dimension
+    negative = volume[:, 0] < 0
+    least = np.where(negative[:, None], -volume, volume).min(axis=1)
+    bad = np.flatnonzero(least < 1e-12 * size)
+    if len(bad):
+        place = ", ".join(f"{x:g}" for x in corners[bad[0]].mean(axis=0))
+        what = "have no volume" if kind.simplex else "are flat or not convex"
+        raise MeshError(f"{source}: {len(bad)} elements {what}, the first at ({place}) m")
+    return np.where(negative[:, None], cells[:, kind.mirrored], cells)

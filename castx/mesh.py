@@ -14,6 +14,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from castx import compat
+from castx.cell_kinds import KINDS, CellKind
 from castx.errors import MeshError
 from castx.faces import INSIDE, face_names, neighbours
 from castx.geometry import Geometry
@@ -87,6 +88,11 @@ class CastingMesh:
     parent: dolfinx.mesh.Mesh
     bodies: dict[str, BodyMesh]
 
+    @property
+    def simplicial(self) -> bool:
+        """Whether the cells are triangles or tetrahedra; else quadrilaterals or hexahedra."""
+        return KINDS[self.parent.topology.cell_name()].simplex
+
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
     """Make or read the mesh on rank 0, distribute it and cut it into bodies.
@@ -100,12 +106,17 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         return _prepare(named_mesh(geometry, body_names), comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
-    surface_names, bodies, names = comm.bcast(
-        (prepared.mesh.surface_names, prepared.mesh.bodies, prepared.face_names)
+    kind, surface_names, bodies, names = comm.bcast(
+        (
+            prepared.mesh.kind.name,
+            prepared.mesh.surface_names,
+            prepared.mesh.bodies,
+            prepared.face_names,
+        )
         if prepared
         else None
     )
-    parent = _distributed(comm, 3 if geometry.model == "3d" else 2, prepared)
+    parent = _distributed(comm, KINDS[kind], prepared)
     cell = np.asarray(parent.topology.original_cell_index)
     face_of = [*surface_names, *body_names]
     return CastingMesh(
@@ -146,7 +157,7 @@ def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
 
 
 def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
-    across = neighbours(mesh.cells, source)
+    across = neighbours(mesh.cells, mesh.kind.faces, source)
     names = face_names(mesh, across, source).astype(np.int16)
     midpoints = mesh.points[mesh.cells].mean(axis=1)
     ranks = partition(midpoints, mesh.bodies, across, parts)
@@ -154,10 +165,10 @@ def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
 
 
 def _distributed(
-    comm: MPI.Intracomm, dimension: int, prepared: _Prepared | None
+    comm: MPI.Intracomm, kind: CellKind, prepared: _Prepared | None
 ) -> dolfinx.mesh.Mesh:
-    points: NDArray[np.float64] = np.empty((0, dimension))
-    cells: NDArray[np.int64] = np.empty((0, dimension + 1), dtype=np.int64)
+    points: NDArray[np.float64] = np.empty((0, kind.dimension))
+    cells: NDArray[np.int64] = np.empty((0, kind.corners), dtype=np.int64)
     parts: IntArray = np.empty(0, dtype=np.int32)
     offsets: IntArray = np.zeros(1, dtype=np.int32)
     if prepared is not None:
@@ -167,7 +178,7 @@ def _distributed(
     def partitioner(*_: Any) -> Any:
         return compat.destinations(parts, offsets)
 
-    return compat.create_simplex_mesh(comm, points, cells, dimension, partitioner)
+    return compat.create_linear_mesh(comm, points, cells, kind.name, partitioner)
 
 
 def _body_mesh(
@@ -183,7 +194,7 @@ def _body_mesh(
         parent: the mesh of all bodies.
         name: of the body.
         inside: (local cells,) cells of the body.
-        names: (local cells, corners) name of each face, an index into face_of.
+        names: (local cells, faces) name of each face, an index into face_of.
         face_of: names of surfaces and bodies.
     """
     mesh, cells, vertices = compat.create_submesh(parent, np.flatnonzero(inside).astype(np.int32))
@@ -207,7 +218,7 @@ def _body_mesh(
 def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[IntArray, IntArray]:
     """Local facets with a name and the index of it, by ascending facet."""
     dim = mesh.topology.dim
-    facets = mesh.topology.connectivity(dim, dim - 1).array.reshape(-1, dim + 1)
+    facets = mesh.topology.connectivity(dim, dim - 1).array.reshape(names.shape)
     facets, first = np.unique(facets[names != INSIDE], return_index=True)
     return facets.astype(np.int32), names[names != INSIDE][first].astype(np.int32)
 
@@ -225,7 +236,8 @@ def _vertex_nodes(space: fem.FunctionSpace) -> IntArray:
 def _nodes_on(space: fem.FunctionSpace, vertex_nodes: IntArray, facets: IntArray) -> IntArray:
     """Local nodes of facets, also where only another rank has the facet; collective."""
     topology = space.mesh.topology
-    corners = topology.connectivity(topology.dim - 1, 0).array.reshape(-1, topology.dim)
+    kind = KINDS[topology.cell_name()]
+    corners = topology.connectivity(topology.dim - 1, 0).array.reshape(-1, kind.faces.shape[1])
     marker = la.vector(space.dofmap.index_map, 1, dtype=np.int8)
     marker.array[:] = 0
     marker.array[vertex_nodes[corners[facets].ravel()]] = 1

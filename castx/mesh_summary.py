@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import factorial, pi
+from math import pi
 
 from mpi4py import MPI
 
@@ -12,10 +12,15 @@ import numpy as np
 from dolfinx.mesh import entities_to_geometry
 from numpy.typing import NDArray
 
+from castx.cell_kinds import KINDS
 from castx.mesh import BodyMesh, CastingMesh
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+
+QUADRATURE_DEGREE = 4
+"""Exact for cells and plane faces, times the radius; other faces have areas that no polynomial is.
+"""
 
 
 @dataclass(frozen=True)
@@ -122,14 +127,20 @@ def _owned_outer_facets(body: BodyMesh) -> IntArray:
 
 
 def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -> FloatArray:
-    """Length, area or volume of simplices, times 2πr when axisymmetric."""
-    corners = body.mesh.geometry.x[entities_to_geometry(body.mesh, dim, entities)]
-    edges = corners[:, 1:] - corners[:, :1]
-    gram = np.einsum("nia,nja->nij", edges, edges)
-    measures = np.sqrt(np.maximum(np.linalg.det(gram), 0.0)) / factorial(dim)
+    """Length, area or volume of cells or facets, times 2πr when axisymmetric."""
+    if not len(entities):  # DOLFINx divides by the number of cells
+        return np.empty(0)
+    kind = KINDS[body.mesh.topology.cell_name()]
+    kind = kind if dim == kind.dimension else KINDS[kind.face]
+    nodes = entities_to_geometry(body.mesh, dim, entities)
+    corners: FloatArray = np.asarray(body.mesh.geometry.x, dtype=np.float64)[nodes]
+    points, weights = kind.quadrature(QUADRATURE_DEGREE)
+    jacobians = kind.jacobians(corners, points)
+    gram = np.einsum("cpik,cpil->cpkl", jacobians, jacobians)
+    densities = np.sqrt(np.maximum(np.linalg.det(gram), 0.0))
     if mesh.model == "axisymmetric":
-        measures *= 2 * pi * corners[:, :, 0].mean(axis=1)
-    return measures
+        densities *= 2 * pi * corners[:, :, 0] @ kind.shape_functions(points)[0].T
+    return np.asarray(densities @ weights)
 
 
 def _count_nodes(mesh: CastingMesh, secondary: str, primary: str) -> int:

@@ -30,14 +30,14 @@ def partition(midpoints: FloatArray, bodies: IntArray, across: IntArray, parts: 
     Args:
         midpoints: (cells, gdim) [m].
         bodies: (cells,) body of each cell.
-        across: (cells, corners) neighbours, negative outside.
+        across: (cells, faces) neighbours, negative outside.
         parts: number of ranks.
     """
     rank = np.zeros(len(bodies), dtype=np.int64)
     if parts == 1:
         return rank
-    cell, corner = np.nonzero(across >= 0)
-    edges = np.column_stack([cell, across[cell, corner]])
+    cell, face = np.nonzero(across >= 0)
+    edges = np.column_stack([cell, across[cell, face]])
     edges = edges[edges[:, 0] < edges[:, 1]]
     cluster = _clusters(edges[bodies[edges[:, 0]] != bodies[edges[:, 1]]], len(bodies))
     sums = [np.bincount(cluster, x)[cluster] for x in midpoints.T]
@@ -115,8 +115,8 @@ def _imbalance(bodies: IntArray, left: NDArray[np.bool_], share: float) -> float
 
 def destinations(rank: IntArray, across: IntArray) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Ranks that hold each cell, owner first, then ghosts; values and offsets."""
-    cell, corner = np.nonzero(across >= 0)
-    holder = rank[across[cell, corner]]
+    cell, face = np.nonzero(across >= 0)
+    holder = rank[across[cell, face]]
     ghost = holder != rank[cell]
     ghosts = np.unique(np.column_stack([cell[ghost], holder[ghost]]), axis=0)
     cells = np.concatenate([np.arange(len(rank)), ghosts[:, 0]])

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
+from castx.meshes.linear_mesh import SIMPLICES, IntArray, LinearMesh, checked_cells, mirrored
 from castx.meshes.model import everything_else, fill_model, plane
-from castx.meshes.triangulation import IntArray, Simplices, grid, mirrored, swept
+from castx.meshes.structured import grid, swept
 
 
 def slab(
@@ -18,6 +19,7 @@ def slab(
     depth: float | None = None,
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
+    cells: str = SIMPLICES,
 ) -> None:
     """A casting in 0 <= x <= length, 0 <= y <= width (0 <= z <= depth).
 
@@ -32,10 +34,12 @@ def slab(
         depth: extent in z [m].
         interface_size: element size at the wall [m].
         order_of_growth: exponent with which the size grows away from the wall.
+        cells: "simplices" or "quadrilaterals" (hexahedra in 3-D).
     """
+    checked_cells(cells)
     sizing = Sizing(size, interface_size, order_of_growth)
     require_positive(length=length, width=width)
-    mesh = _bars(graded(length, sizing), width, _checked_depth(model, depth), size)
+    mesh = _bars(graded(length, sizing), width, _checked_depth(model, depth), size, cells)
     tolerance = 1e-8 * max(length, width)
     surfaces = [plane("wall", 0, 0.0, tolerance), plane("far", 0, length, tolerance)]
     fill_model(mesh, ["casting"], surfaces + _sides(width, depth, tolerance))
@@ -51,6 +55,7 @@ def two_slabs(
     depth: float | None = None,
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
+    cells: str = SIMPLICES,
 ) -> None:
     """A casting in 0 <= x <= length that meets a mould in -mould_length <= x <= 0.
 
@@ -65,11 +70,13 @@ def two_slabs(
         depth: extent in z [m].
         interface_size: element size at the interface [m].
         order_of_growth: exponent with which the size grows away from the interface.
+        cells: "simplices" or "quadrilaterals" (hexahedra in 3-D).
     """
+    checked_cells(cells)
     sizing = Sizing(size, interface_size, order_of_growth)
     require_positive(length=length, mould_length=mould_length, width=width)
     x = np.concatenate([-graded(mould_length, sizing)[:0:-1], graded(length, sizing)])
-    mesh = _bars(x, width, _checked_depth(model, depth), size)
+    mesh = _bars(x, width, _checked_depth(model, depth), size, cells)
     tolerance = 1e-8 * max(length, mould_length, width)
     surfaces = [plane("far", 0, -mould_length, tolerance), plane("far", 0, length, tolerance)]
     fill_model(mesh, ["casting", "mould"], surfaces + _sides(width, depth, tolerance))
@@ -84,6 +91,7 @@ def stacked_blocks(
     symmetry: bool = True,
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
+    cells: str = SIMPLICES,
 ) -> None:
     """An upper block that stands on a base of equal or greater width; they meet at height 0.
 
@@ -99,7 +107,9 @@ def stacked_blocks(
         symmetry: mesh the half (quarter in 3-D) x >= 0 (y >= 0) only.
         interface_size: element size at the interface [m], in the direction of the height.
         order_of_growth: exponent with which the size grows away from the interface.
+        cells: "simplices" or "quadrilaterals" (hexahedra in 3-D).
     """
+    checked_cells(cells)
     sizing = Sizing(size, interface_size, order_of_growth)
     dim = 3 if model == "3d" else 2
     _check_blocks(upper, base, dim)
@@ -109,11 +119,11 @@ def stacked_blocks(
     x = _stepped(0.5 * upper[0], 0.5 * base[0], size)
     wide = 0.5 * upper[0]
     if dim == 2:
-        mesh = grid(x, heights, lambda m: _block(m[:, 0] < wide, m[:, 1] > 0))
+        mesh = grid(x, heights, lambda m: _block(m[:, 0] < wide, m[:, 1] > 0), cells)
         mesh = mesh if symmetry else mirrored(mesh, 0)
     else:
         y, deep = _stepped(0.5 * upper[2], 0.5 * base[2], size), 0.5 * upper[2]
-        plan = grid(x, y, lambda m: ((m[:, 0] < wide) & (m[:, 1] < deep)).astype(int))
+        plan = grid(x, y, lambda m: ((m[:, 0] < wide) & (m[:, 1] < deep)).astype(int), cells)
         plan = plan if symmetry else mirrored(mirrored(plan, 0), 1)
         mesh = swept(plan, heights, lambda under, z: _block(under == 1, np.full(len(under), z > 0)))
     tolerance = 1e-8 * max(*upper, *base)
@@ -160,12 +170,13 @@ def _checked_depth(model: str, depth: float | None) -> float | None:
     return depth
 
 
-def _bars(x: FloatArray, width: float, depth: float | None, size: float) -> Simplices:
+def _bars(x: FloatArray, width: float, depth: float | None, size: float, cells: str) -> LinearMesh:
     """Bodies 0 (x > 0) and 1 (x < 0) over the width and depth."""
-    mesh = grid(x, uniform(width, size, even=True), lambda m: (m[:, 0] < 0).astype(int))
+    even = cells == SIMPLICES
+    mesh = grid(x, uniform(width, size, even), lambda m: (m[:, 0] < 0).astype(int), cells)
     if depth is None:
         return mesh
-    return swept(mesh, uniform(depth, size, even=True), lambda regions, z: regions)
+    return swept(mesh, uniform(depth, size, even), lambda regions, z: regions)
 
 
 def _sides(width: float, depth: float | None, tolerance: float) -> list:

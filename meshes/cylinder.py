@@ -3,9 +3,10 @@
 import numpy as np
 
 from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
+from castx.meshes.linear_mesh import SIMPLICES, IntArray, checked_cells
 from castx.meshes.model import fill_model, plane, round_surface
 from castx.meshes.round_section import disc
-from castx.meshes.triangulation import IntArray, grid, swept
+from castx.meshes.structured import grid, swept
 
 CASTING, MOULD = 0, 1
 
@@ -21,6 +22,7 @@ def cylinder_in_mould(
     sector: str = "full",
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
+    cells: str = SIMPLICES,
 ) -> None:
     """A cylindrical casting, 0 <= z <= height, in a mould with a wall and, with floor > 0, a floor.
 
@@ -38,7 +40,10 @@ def cylinder_in_mould(
         sector: "full", "half" (x >= 0) or "quarter" of the 3-D body.
         interface_size: element size at the interface [m].
         order_of_growth: exponent with which the size grows away from the interface.
+        cells: "simplices" or "quadrilaterals"; hexahedra keep to the size along the interface and
+            are longer outside of it.
     """
+    checked_cells(cells)
     sizing = Sizing(size, interface_size, order_of_growth)
     require_positive(radius=radius, height=height, wall=wall)
     if floor < 0:
@@ -52,14 +57,14 @@ def cylinder_in_mould(
     ]
     if model == "axisymmetric":
         r = np.concatenate([radius - graded(radius, sizing)[:0:-1], radius + graded(wall, sizing)])
-        mesh = grid(r, z, lambda m: _body(m[:, 0] > radius, m[:, 1] < 0))
+        mesh = grid(r, z, lambda m: _body(m[:, 0] > radius, m[:, 1] < 0), cells)
         surfaces = [
             plane("top", 1, height, tolerance),
             plane("base", 1, -floor, tolerance),
             plane("outside", 0, radius + wall, tolerance),
         ]
     elif model == "3d":
-        plan = disc([0.0, radius, radius + wall], radius, sizing, sector)
+        plan = disc((0.0, radius, radius + wall), sizing, sector, cells)
         mesh = swept(plan, z, lambda ring, middle: _body(ring == 1, np.full(len(ring), middle < 0)))
         sides = {"full": [], "half": [0], "quarter": [0, 1]}[sector]
         surfaces = [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in sides] + surfaces

@@ -55,12 +55,15 @@ def uniform(length: float, size: float, even: bool = False) -> FloatArray:
     return np.linspace(0.0, length, intervals + 1, dtype=np.float64)
 
 
-def graded(length: float, sizing: Sizing) -> FloatArray:
-    """Positions from 0 (the interface) to length that follow the sizing."""
+def graded(length: float, sizing: Sizing, extent: float | None = None) -> FloatArray:
+    """Positions from 0 (the interface) to length that follow the sizing.
+
+    The extent is that of the body if it goes on beyond the length [m].
+    """
     if sizing.interface_size is None:
         return uniform(length, sizing.size)
     fine = np.linspace(0.0, length, 4001, dtype=np.float64)
-    density = 1.0 / sizing.at(fine, length)
+    density = 1.0 / sizing.at(fine, length if extent is None else extent)
     count = np.concatenate(([0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))))
     intervals = max(1, math.ceil(count[-1] * (1 - 1e-6)))
     positions = np.interp(np.linspace(0.0, count[-1], intervals + 1), count, fine)

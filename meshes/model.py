@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 import gmsh
 import numpy as np
 
-from castx.meshes.triangulation import FloatArray, IntArray, Simplices
+from castx.meshes.linear_mesh import KINDS, FloatArray, IntArray, LinearMesh, free_faces
 
 Surface = tuple[str, Callable[[FloatArray], np.ndarray]]
 
-ELEMENT = {2: 1, 3: 2, 4: 4}
-"""gmsh's number of the linear line, triangle and tetrahedron, by their number of nodes."""
+LINE = 1
+"""gmsh's number of the linear line."""
 
 
 def plane(name: str, axis: int, value: float, tolerance: float) -> Surface:
@@ -28,7 +28,7 @@ def everything_else(name: str) -> Surface:
     return name, lambda points: np.ones(len(points), dtype=bool)
 
 
-def fill_model(mesh: Simplices, bodies: Sequence[str], surfaces: Sequence[Surface]) -> None:
+def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surface]) -> None:
     """Fill the current gmsh model with a mesh.
 
     Args:
@@ -37,7 +37,7 @@ def fill_model(mesh: Simplices, bodies: Sequence[str], surfaces: Sequence[Surfac
         surfaces: pairs of name and predicate on points; a free face belongs to the first whose
             predicate holds for all its nodes. Faces between two bodies get no name.
     """
-    dim = mesh.cells.shape[1] - 1
+    dim = mesh.dimension
     for region, body in enumerate(bodies):
         cells = mesh.cells[mesh.regions == region]
         nodes = mesh.points if region == 0 else None
@@ -55,12 +55,13 @@ def _add_group(dim: int, tag: int, name: str, cells: IntArray, points: FloatArra
         coordinates = np.zeros((len(points), 3))
         coordinates[:, : points.shape[1]] = points
         gmsh.model.mesh.addNodes(dim, tag, np.arange(1, len(points) + 1), coordinates.ravel())
-    gmsh.model.mesh.addElementsByType(tag, ELEMENT[cells.shape[1]], [], (cells + 1).ravel())
+    kind = LINE if dim == 1 else KINDS[dim, cells.shape[1]].gmsh
+    gmsh.model.mesh.addElementsByType(tag, kind, [], (cells + 1).ravel())
     gmsh.model.addPhysicalGroup(dim, [tag], tag, name=name)
 
 
-def _named_faces(mesh: Simplices, surfaces: Sequence[Surface]) -> dict[str, IntArray]:
-    faces = free_faces(mesh.cells)
+def _named_faces(mesh: LinearMesh, surfaces: Sequence[Surface]) -> dict[str, IntArray]:
+    faces = free_faces(mesh)
     left = np.ones(len(faces), dtype=bool)
     named: dict[str, IntArray] = {}
     for name, holds in surfaces:
@@ -69,13 +70,3 @@ def _named_faces(mesh: Simplices, surfaces: Sequence[Surface]) -> dict[str, IntA
         if taken.any():
             named[name] = np.concatenate([named.get(name, faces[:0]), faces[taken]])
     return named
-
-
-def free_faces(cells: IntArray) -> IntArray:
-    """Faces that only one cell has, (faces, nodes)."""
-    corners = cells.shape[1]
-    faces = np.concatenate([np.delete(cells, i, axis=1) for i in range(corners)])
-    _, first, count = np.unique(
-        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    return faces[first[count == 1]]

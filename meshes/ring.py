@@ -3,9 +3,11 @@
 import numpy as np
 
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
+from castx.meshes.linear_mesh import SIMPLICES, LinearMesh, checked_cells
 from castx.meshes.model import Surface, fill_model, plane, round_surface
+from castx.meshes.o_grid import Radii
 from castx.meshes.round_section import disc
-from castx.meshes.triangulation import Simplices, grid, swept
+from castx.meshes.structured import grid, swept
 
 
 def core_in_ring(
@@ -19,6 +21,7 @@ def core_in_ring(
     sector: str = "full",
     interface_size: float | None = None,
     order_of_growth: float = 1.0,
+    cells: str = SIMPLICES,
 ) -> None:
     """A core, hollow with core_bore > 0, in a ring-shaped casting that shrinks onto it.
 
@@ -35,7 +38,10 @@ def core_in_ring(
         sector: "full", "half" (x >= 0) or "quarter" of the 3-D body.
         interface_size: element size at the interface [m].
         order_of_growth: exponent with which the size grows away from the interface.
+        cells: "simplices" or "quadrilaterals", of which round plans keep to the size along the
+            interface and are longer outside of it.
     """
+    checked_cells(cells)
     sizing = Sizing(size, interface_size, order_of_growth)
     if not 0 <= core_bore < core_radius < outer_radius:
         raise ValueError(
@@ -48,27 +54,28 @@ def core_in_ring(
         raise ValueError(f'the model "{model}" needs a height')
     else:
         require_positive(height=height)
-    radii = [core_bore, core_radius, outer_radius]
+    radii = (core_bore, core_radius, outer_radius)
     if model == "axisymmetric":
-        mesh = _half_section(radii, height or 0.0, sizing)
+        mesh = _half_section(radii, height or 0.0, sizing, cells)
     else:
-        mesh = disc(radii, core_radius, sizing, sector)
+        mesh = disc(radii, sizing, sector, cells)
     if model == "3d":
         mesh = swept(mesh, uniform(height or 0.0, size), lambda ring, middle: ring)
     fill_model(mesh, ["core", "casting"], _surfaces(model, radii, height, sector))
 
 
-def _half_section(radii: list[float], height: float, sizing: Sizing) -> Simplices:
+def _half_section(radii: Radii, height: float, sizing: Sizing, cells: str) -> LinearMesh:
     bore, interface, outer = radii
     r = np.concatenate(
         [interface - graded(interface - bore, sizing)[::-1],
          interface + graded(outer - interface, sizing)[1:]]
     )  # fmt: skip
     r[0] = bore
-    return grid(r, uniform(height, sizing.size), lambda m: (m[:, 0] > interface).astype(int))
+    z = uniform(height, sizing.size)
+    return grid(r, z, lambda m: (m[:, 0] > interface).astype(int), cells)
 
 
-def _surfaces(model: str, radii: list[float], height: float | None, sector: str) -> list[Surface]:
+def _surfaces(model: str, radii: Radii, height: float | None, sector: str) -> list[Surface]:
     tolerance = 1e-8 * (radii[-1] + (height or 0.0))
     surfaces = []
     if height is not None:

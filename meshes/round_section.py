@@ -6,38 +6,42 @@ import gmsh
 import numpy as np
 
 from castx.meshes.grading import Sizing
-from castx.meshes.triangulation import Simplices, mirrored, oriented
+from castx.meshes.linear_mesh import QUADRILATERALS, SIMPLICES, LinearMesh, mirrored, oriented
+from castx.meshes.o_grid import Radii, quarter_o_grid
 
 SECTORS = ("full", "half", "quarter")
 
 
 def disc(
-    radii: Sequence[float], interface: float, sizing: Sizing, sector: str = "quarter"
-) -> Simplices:
-    """Triangles of concentric rings; ring i lies between radii i and i + 1 and is region i.
+    radii: Radii, sizing: Sizing, sector: str = "quarter", cells: str = SIMPLICES
+) -> LinearMesh:
+    """Two concentric rings; the inner one is region 0, the outer one 1.
 
     The quarter x, y >= 0 is meshed, a half (x >= 0) and the full disc are its mirror images.
 
     Args:
-        radii: (rings + 1,) growing, the first may be 0 [m].
-        interface: the radius from which the sizes grow [m].
-        sizing: wanted sizes.
+        radii: of the bore, which may be 0, of the interface and of the outside [m].
+        sizing: wanted sizes; they grow away from the interface.
         sector: "full", "half" (x >= 0) or "quarter".
+        cells: "simplices" or "quadrilaterals".
     """
     if sector not in SECTORS:
         raise ValueError(f"sector must be one of {', '.join(SECTORS)}; got {sector!r}")
-    mesh = _quarter(radii, interface, sizing)
+    if cells == QUADRILATERALS:
+        mesh = quarter_o_grid(radii, sizing)
+    else:
+        mesh = _quarter_triangles(radii, sizing)
     for axis in {"quarter": (), "half": (1,), "full": (1, 0)}[sector]:
         mesh = mirrored(mesh, axis)
     return mesh
 
 
-def _quarter(radii: Sequence[float], interface: float, sizing: Sizing) -> Simplices:
+def _quarter_triangles(radii: Radii, sizing: Sizing) -> LinearMesh:
     previous = gmsh.model.getCurrent()
     gmsh.model.add("quarter disc")
     try:
         surfaces = _draw_rings(radii)
-        _set_sizes(radii, interface, sizing)
+        _set_sizes(radii, sizing)
         gmsh.model.mesh.generate(2)
         return _read_rings(surfaces)
     finally:
@@ -46,7 +50,7 @@ def _quarter(radii: Sequence[float], interface: float, sizing: Sizing) -> Simpli
         gmsh.model.setCurrent(previous)
 
 
-def _draw_rings(radii: Sequence[float]) -> list[int]:
+def _draw_rings(radii: Radii) -> list[int]:
     geo = gmsh.model.geo
     centre = geo.addPoint(0, 0, 0)
     on_x = [geo.addPoint(r, 0, 0) if r > 0 else centre for r in radii]
@@ -66,8 +70,9 @@ def _draw_rings(radii: Sequence[float]) -> list[int]:
     return surfaces
 
 
-def _set_sizes(radii: Sequence[float], interface: float, sizing: Sizing) -> None:
-    inside, outside = interface - radii[0], radii[-1] - interface
+def _set_sizes(radii: Radii, sizing: Sizing) -> None:
+    bore, interface, outer = radii
+    inside, outside = interface - bore, outer - interface
 
     def wanted(dim: int, tag: int, x: float, y: float, z: float, given: float) -> float:
         distance = np.hypot(x, y) - interface
@@ -79,7 +84,7 @@ def _set_sizes(radii: Sequence[float], interface: float, sizing: Sizing) -> None
     gmsh.model.mesh.setSizeCallback(wanted)
 
 
-def _read_rings(surfaces: Sequence[int]) -> Simplices:
+def _read_rings(surfaces: Sequence[int]) -> LinearMesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     points = coordinates.reshape(-1, 3)[:, :2].copy()
     index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -93,4 +98,4 @@ def _read_rings(surfaces: Sequence[int]) -> Simplices:
     points = points[used]
     points[np.abs(points) < 1e-12 * points.max()] = 0.0
     regions = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    return Simplices(points, oriented(points, cells), regions, np.arange(len(points)))
+    return LinearMesh(points, oriented(points, cells), regions, np.arange(len(points)))

@@ -10,9 +10,10 @@ from mpi4py import MPI
 
 import numpy as np
 import numpy.typing as npt
-from dolfinx import fem, geometry
+from dolfinx import geometry
 from dolfinx.mesh import entities_to_geometry
 
+from castx.cell_kinds import KINDS, CellKind
 from castx.tables import FloatArray
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from castx.mesh import BodyMesh
 
 IntArray = npt.NDArray[np.int32]
+
+MOST_ITERATIONS = 30
+SMALLEST_CHANGE = 1e-13
+"""Of the position in the reference cell."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,7 @@ class Place:
         owned: whether this rank holds it; true on exactly one rank.
         entity: local cell or facet, -1 on the other ranks.
         nodes: local nodes of the entity, empty on the other ranks.
-        weights: of the linear interpolation between them.
+        weights: of the linear, bilinear or trilinear interpolation between them.
     """
 
     distance: float
@@ -82,9 +87,21 @@ def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[
     size = comm.allreduce(float(mesh.h(dim, entity)[0]) if owned else 0.0, MPI.MAX)
     if not owned:
         return Place(least, size, False, -1, np.empty(0, dtype=np.int32), np.empty(0))
-    nodes = fem.locate_dofs_topological(body.nodes, dim, entity, remote=False)
+    kind, nodes = nodes_of(body, dim, int(entity[0]))
     corners = body.nodes.tabulate_dof_coordinates()[nodes]
-    return Place(least, size, True, int(entity[0]), nodes, linear_weights(corners, foot[0]))
+    weights = interpolation_weights(kind, corners, foot[0])
+    return Place(least, size, True, int(entity[0]), nodes, weights)
+
+
+def nodes_of(body: BodyMesh, dim: int, entity: int) -> tuple[CellKind, IntArray]:
+    """Return the kind of a cell or facet and its local nodes in the order of the reference one."""
+    topology = body.nodes.mesh.topology
+    kind = KINDS[topology.cell_name()]
+    if dim == topology.dim:
+        return kind, body.nodes.dofmap.cell_dofs(entity)
+    cell = topology.connectivity(dim, topology.dim).links(entity)[0]
+    number = np.flatnonzero(topology.connectivity(topology.dim, dim).links(cell) == entity)[0]
+    return KINDS[kind.face], body.nodes.dofmap.cell_dofs(cell)[kind.faces[number]]
 
 
 def nearest_point(
@@ -101,10 +118,22 @@ def nearest_point(
     return entity, wanted + geometry.compute_distance_gjk(corners, wanted)
 
 
-def linear_weights(corners: FloatArray, point: FloatArray) -> FloatArray:
-    """Return weights (corners,) that give a point (3,) from corners (corners, 3) and sum to one."""
-    centre = corners.mean(axis=0)
-    scale = np.abs(corners - centre).max()
-    system = np.vstack([(corners - centre).T / scale, np.ones(len(corners))])
-    target = np.append((point - centre) / scale, 1.0)
-    return np.asarray(np.linalg.lstsq(system, target, rcond=None)[0])
+def interpolation_weights(kind: CellKind, corners: FloatArray, point: FloatArray) -> FloatArray:
+    """Return the weights (corners,) of a point in a linear cell or facet, which sum to one.
+
+    Newton's method on the position in the reference cell, in least squares where that is of lower
+    dimension; one iteration for simplices.
+
+    Args:
+        kind: of the cell or facet.
+        corners: positions (corners, 3) [m].
+        point: (3,), in the convex hull of the corners [m].
+    """
+    place = kind.reference.mean(axis=0, keepdims=True)
+    for _ in range(MOST_ITERATIONS):
+        values, slopes = kind.shape_functions(place)
+        change = np.linalg.lstsq(corners.T @ slopes[0], point - values[0] @ corners, rcond=None)[0]
+        place = place + change
+        if np.abs(change).max() < SMALLEST_CHANGE:
+            break
+    return kind.shape_functions(place)[0][0]

@@ -1,9 +1,9 @@
 """Meshes of other makers: what is read, and what is refused with which words."""
 
 import gmsh
-import numpy as np
 import pytest
 
+from castx.cell_kinds import KINDS
 from castx.errors import MeshError
 from castx.geometry import Geometry
 from castx.mesh import build_mesh
@@ -53,15 +53,31 @@ def read(file, comm, model="plane-strain", bodies=("casting", "mould")):
     )
 
 
+def transfinite(dim):
+    """Make the boxes of quadrilaterals or hexahedra, askew inside."""
+    gmsh.option.setNumber("Mesh.RecombineAll", 1)
+    for curve in gmsh.model.getEntities(1):
+        gmsh.model.mesh.setTransfiniteCurve(curve[1], 4, "Progression", 1.2)
+    for _, surface in gmsh.model.getEntities(2):
+        gmsh.model.mesh.setTransfiniteSurface(surface)
+    for _, volume in gmsh.model.getEntities(3) if dim == 3 else ():
+        gmsh.model.mesh.setTransfiniteVolume(volume)
+
+
+@pytest.mark.parametrize("simplicial", [True, False])
 @pytest.mark.parametrize("dim, model", [(2, "plane-stress"), (3, "3d")])
-def test_any_mesh_with_names_is_read(dim, model, comm, shared_tmp_path):
+def test_any_mesh_with_names_is_read(dim, model, simplicial, comm, shared_tmp_path):
     def build():
         two_boxes(dim)
         name_side(0, "gate", dim)
         name_side(1, "inner", dim)
+        if not simplicial:
+            transfinite(dim)
 
     file = written(shared_tmp_path, comm, build)
-    casting, mould = mesh_summary(read(file, comm, model)).bodies
+    mesh = read(file, comm, model)
+    assert mesh.simplicial == simplicial
+    casting, mould = mesh_summary(mesh).bodies
     assert casting.volume == pytest.approx(1.0) and mould.volume == pytest.approx(1.0)
     assert casting.surfaces == pytest.approx({"gate": 1.0, "mould": 1.0})
     assert mould.surfaces == pytest.approx({"casting": 1.0})
@@ -78,20 +94,17 @@ def test_a_name_may_span_several_parts_of_a_body(comm, shared_tmp_path):
     assert body.volume == pytest.approx(2.0) and body.unnamed == pytest.approx(6.0)
 
 
-def test_cells_turned_the_wrong_way_are_turned_back(comm, shared_tmp_path):
+@pytest.mark.parametrize("recombine", [0, 1])
+def test_cells_turned_the_wrong_way_are_turned_back(recombine, comm, shared_tmp_path):
     def build():
         two_boxes()
+        gmsh.option.setNumber("Mesh.RecombineAll", recombine)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.reverse([(2, gmsh.model.getEntities(2)[0][1])])
 
-    mesh = read(written(shared_tmp_path, comm, build, mesh=False), comm)
-    corners = mesh.parent.geometry.x[mesh.parent.geometry.dofmap][:, :, :2]
-    assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
-
-
-def quadrilaterals():
-    two_boxes()
-    gmsh.option.setNumber("Mesh.RecombineAll", 1)
+    mesh = read(written(shared_tmp_path, comm, build, mesh=False), comm).parent
+    corners = mesh.geometry.x[mesh.geometry.dofmap][:, :, :2]
+    assert (KINDS[mesh.topology.cell_name()].corner_volumes(corners) > 0).all()
 
 
 def second_order():
@@ -144,8 +157,12 @@ def nameless():
         (two_boxes, "3d", ["casting", "mould"], "model is 3-D but .*part.msh is a 2-D mesh"),
         (lambda: two_boxes(3), "plane-strain", ["casting", "mould"], "is 2-D but .* a 3-D mesh"),
         (nameless, "plane-strain", ["casting", "mould"], "has no named physical surfaces; name"),
-        (quadrilaterals, "plane-strain", ["casting", "mould"], "only linear triangles are allowed"),
-        (second_order, "plane-strain", ["casting", "mould"], "only linear triangles are allowed"),
+        (
+            second_order,
+            "plane-strain",
+            ["casting", "mould"],
+            "must be only of linear triangles or only of linear quadrilaterals",
+        ),
         (mixed_kinds, "plane-strain", ["casting", "mould"], "kinds Triangle 3, Quadrilateral 4;"),
         (partly_named, "plane-strain", ["casting"], "elements belong to no named body; give every"),
         (numbered_only, "plane-strain", ["casting"], "without a name: dimension 2, number 9"),
@@ -187,18 +204,19 @@ def test_meshes_that_do_not_fit_are_refused(build, model, bodies, text, comm, sh
         read(file, comm, model, bodies)
 
 
-def triangles(points, cells):
-    """A discrete model from points and, for each body, triangles."""
+def polygons(points, cells):
+    """A discrete model from points and, for each body, triangles or quadrilaterals."""
     for tag, (name, corners) in enumerate(cells.items(), start=1):
         gmsh.model.addDiscreteEntity(2, tag)
         if tag == 1:
             flat = [float(v) for point in points for v in (*point, 0.0)]
             gmsh.model.mesh.addNodes(2, tag, range(1, len(points) + 1), flat)
-        gmsh.model.mesh.addElementsByType(tag, 2, [], [node + 1 for c in corners for node in c])
+        kind = len(corners[0]) - 1 if corners else 2
+        gmsh.model.mesh.addElementsByType(tag, kind, [], [n + 1 for c in corners for n in c])
         gmsh.model.addPhysicalGroup(2, [tag], tag, name=name)
 
 
-SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0)]
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (2, 0), (2, 1), (1.5, 0.9)]
 
 
 @pytest.mark.parametrize(
@@ -212,11 +230,19 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0)]
             {"casting": [(0, 1, 2), (0, 2, 3)], "mould": [(0, 2, 4)]},
             "more than two elements share a face; the parts overlap",
         ),
+        (
+            {"casting": [(0, 1, 2, 3)], "mould": [(1, 5, 7, 6)]},
+            r"1 elements are flat or not convex, the first at \(1.625, 0.475\) m",
+        ),
+        (
+            {"casting": [(0, 1, 2, 3)], "mould": [(1, 5, 2, 6)]},
+            r"1 elements are flat or not convex, the first at \(1.5, 0.5\) m",
+        ),
         ({"casting": [(0, 1, 2)], "mould": []}, "the body 'mould' has no elements|no body 'mould'"),
     ],
 )
 def test_broken_meshes_are_refused(cells, text, comm, shared_tmp_path):
-    file = written(shared_tmp_path, comm, lambda: triangles(SQUARE, cells), mesh=False)
+    file = written(shared_tmp_path, comm, lambda: polygons(SQUARE, cells), mesh=False)
     with pytest.raises(MeshError, match=text):
         read(file, comm)
 

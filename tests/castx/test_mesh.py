@@ -7,6 +7,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.cell_kinds import KINDS
 from castx.errors import MeshError
 from castx.geometry import Geometry
 from castx.mesh import build_mesh
@@ -100,6 +101,25 @@ SIZES = {
             "base": {"bottom": 1.2e-3, "side": 1.4e-3, "shelf": 6e-4, "upper": 6e-4},
         },
     ),
+    "box": (
+        {"generator": "box_in_mould", "model": "generalised-plane-strain", "size": 0.006}
+        | {"box": [0.1, 0.06], "wall": 0.02, "interface_size": 0.002},
+        {"casting": 6e-3, "mould": 0.14 * 0.08 - 6e-3},
+        {
+            "casting": {"top": 0.1, "mould": 0.22},
+            "mould": {"top": 0.04, "outside": 0.16, "base": 0.14, "casting": 0.22},
+        },
+    ),
+    "box with lid 3d": (
+        {"generator": "box_in_mould", "model": "3d", "size": 0.01, "lid": True}
+        | {"box": [0.06, 0.03, 0.04], "wall": 0.02},
+        {"casting": 7.2e-5, "mould": 0.1 * 0.07 * 0.08 - 7.2e-5},
+        {
+            "casting": {"mould": 2 * (0.06 * 0.03 + 0.06 * 0.04 + 0.03 * 0.04)},
+            "mould": {"top": 8e-3, "base": 8e-3, "outside": 0.36 * 0.07}
+            | {"casting": 2 * (0.06 * 0.03 + 0.06 * 0.04 + 0.03 * 0.04)},
+        },
+    ),
     "ring axisymmetric": (
         RING | {"model": "axisymmetric", "size": 0.005, "height": 0.02},
         {"core": pi * (0.03**2 - 0.01**2) * 0.02, "casting": pi * (0.06**2 - 0.03**2) * 0.02},
@@ -147,11 +167,14 @@ def faceting(description):
     return angle**2 / 6
 
 
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("name", SIZES)
-def test_bodies_and_surfaces_have_their_names_and_sizes(name, comm):
+def test_bodies_and_surfaces_have_their_names_and_sizes(name, cells, comm):
     description, volumes, areas = SIZES[name]
-    geometry = Geometry.model_validate(description)
-    summary = mesh_summary(build_mesh(geometry, list(volumes), comm))
+    geometry = Geometry.model_validate(description | {"cells": cells})
+    mesh = build_mesh(geometry, list(volumes), comm)
+    assert mesh.simplicial == (cells == "simplices")
+    summary = mesh_summary(mesh)
     tolerance = faceting(description)
     assert [body.name for body in summary.bodies] == list(volumes)
     for body in summary.bodies:
@@ -168,10 +191,14 @@ def cylinder(comm, **arguments):
     )
 
 
-@pytest.fixture(scope="module")
-def quarter():
+@pytest.fixture(scope="module", params=["simplices", "quadrilaterals"])
+def quarter(request):
     """A quarter cylinder in its mould, on all ranks."""
-    return cylinder(MPI.COMM_WORLD)
+    return cylinder(MPI.COMM_WORLD, cells=request.param)
+
+
+def cells_of(mesh):
+    return "simplices" if mesh.simplicial else "quadrilaterals"
 
 
 def test_summary_gives_extent_and_interfaces(quarter):
@@ -181,7 +208,7 @@ def test_summary_gives_extent_and_interfaces(quarter):
     (interface,) = summary.interfaces
     assert interface.bodies == CASTING_AND_MOULD
     assert interface.area == summary.bodies[0].surfaces["mould"]
-    (alone,) = mesh_summary(cylinder(MPI.COMM_SELF)).interfaces
+    (alone,) = mesh_summary(cylinder(MPI.COMM_SELF, cells=cells_of(quarter))).interfaces
     assert interface.pairs == alone.pairs
     assert interface.area == pytest.approx(alone.area, rel=1e-12)
 
@@ -216,20 +243,21 @@ def test_nodes_lie_on_their_parents_vertices(quarter):
         assert np.abs(vertex_points[body.parent_vertices] - points).max(initial=0.0) < 1e-15
 
 
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("model", ["3d", "axisymmetric"])
-def test_cells_are_positively_oriented(model, comm):
+def test_cells_are_positively_oriented(model, cells, comm):
     sector = {"sector": "quarter"} if model == "3d" else {}
-    description = CYLINDER | {"model": model, "size": 0.01} | sector
+    description = CYLINDER | {"model": model, "size": 0.01, "cells": cells} | sector
     mesh = build_mesh(Geometry.model_validate(description), list(CASTING_AND_MOULD), comm)
     for part in (mesh.parent, *(body.mesh for body in mesh.bodies.values())):
         gdim = part.geometry.dim
         assert gdim == part.topology.dim
         corners = part.geometry.x[part.geometry.dofmap][:, :, :gdim]
-        assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
+        assert (KINDS[part.topology.cell_name()].corner_volumes(corners) > 0).all()
 
 
 def test_the_same_mesh_is_made_every_time(quarter, comm):
-    second = cylinder(comm)
+    second = cylinder(comm, cells=cells_of(quarter))
     for body, other in zip(quarter.bodies.values(), second.bodies.values(), strict=True):
         assert np.array_equal(body.mesh.geometry.x, other.mesh.geometry.x)
         assert np.array_equal(body.facet_tags.indices, other.facet_tags.indices)
@@ -243,18 +271,21 @@ def test_every_body_is_spread_over_the_ranks(quarter, comm):
         assert largest < 1.25 * comm.allreduce(cells) / comm.size
 
 
-def test_a_rank_may_hold_nothing_of_a_body(comm):
+@pytest.mark.parametrize("cells, count, pairs", [("simplices", 4, 3), ("quadrilaterals", 1, 2)])
+def test_a_rank_may_hold_nothing_of_a_body(cells, count, pairs, comm):
     description = {"generator": "two_slabs", "model": "plane-strain", "size": 1.0}
-    description |= {"length": 1.0, "mould_length": 1.0, "width": 1.0}
+    description |= {"length": 1.0, "mould_length": 1.0, "width": 1.0, "cells": cells}
     mesh = build_mesh(Geometry.model_validate(description), list(CASTING_AND_MOULD), comm)
     summary = mesh_summary(mesh)
-    assert [body.cells for body in summary.bodies] == [4, 4]
+    assert [body.cells for body in summary.bodies] == [count, count]
     assert [body.volume for body in summary.bodies] == pytest.approx([1.0, 1.0])
-    assert summary.interfaces[0].pairs == 3
+    assert summary.interfaces[0].pairs == pairs
 
 
-def test_a_mesh_survives_its_file(comm, shared_tmp_path):
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_a_mesh_survives_its_file(cells, comm, shared_tmp_path):
     description = CYLINDER | {"model": "3d", "size": 0.01, "sector": "quarter", "floor": F}
+    description |= {"cells": cells}
     geometry = Geometry.model_validate(description)
     file = shared_tmp_path / "part.msh"
     if comm.rank == 0:

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from castx.cell_kinds import TRIANGLE
 from castx.faces import neighbours
-from castx.meshes.triangulation import grid
+from castx.meshes.structured import grid
 from castx.partition import destinations, partition
 
 pytestmark = pytest.mark.serial
@@ -17,7 +18,8 @@ def two_bodies(columns=24, rows=20):
         np.linspace(0, 1, rows + 1),
         lambda m: (m[:, 0] < 1 / 3).astype(int),
     )
-    return mesh.points[mesh.cells].mean(axis=1), mesh.regions, neighbours(mesh.cells, "test")
+    across = neighbours(mesh.cells, TRIANGLE.faces, "test")
+    return mesh.points[mesh.cells].mean(axis=1), mesh.regions, across
 
 
 @pytest.mark.parametrize("parts", [2, 3, 4, 7])
@@ -41,7 +43,7 @@ def test_cells_that_face_each_other_stay_together(parts):
 
 def test_the_shorter_cut_is_taken():
     mesh = grid(np.linspace(0, 10, 101), np.linspace(0, 1, 11), lambda m: np.zeros(len(m), int))
-    across = neighbours(mesh.cells, "test")
+    across = neighbours(mesh.cells, TRIANGLE.faces, "test")
     rank = partition(mesh.points[mesh.cells].mean(axis=1), mesh.regions, across, 2)
     cell, corner = np.nonzero(across >= 0)
     assert np.count_nonzero(rank[cell] != rank[across[cell, corner]]) // 2 <= 10

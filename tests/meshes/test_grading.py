@@ -27,6 +27,13 @@ def test_graded_spacing_starts_at_the_interface_size_and_ends_at_the_size():
     assert (np.diff(steps) > 0).all()
 
 
+def test_graded_spacing_of_a_part_follows_the_sizes_of_the_whole():
+    whole, part = graded(0.1, Sizing(0.01, 0.001)), graded(0.04, Sizing(0.01, 0.001), 0.1)
+    assert part[-1] == 0.04
+    assert part[: len(part) // 2] == pytest.approx(whole[: len(part) // 2], rel=0.1)
+    assert np.diff(part)[-1] == pytest.approx(0.001 + 0.009 * 0.4, rel=0.2)
+
+
 def test_a_higher_order_of_growth_keeps_the_cells_small_for_longer():
     linear, cubic = (graded(0.1, Sizing(0.01, 0.001, order)) for order in (1.0, 3.0))
     assert cubic[len(cubic) // 2] < 0.1 / 2

@@ -1,0 +1,125 @@
+"""Linear meshes of one kind of cell, with what all kinds have in common."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SIMPLICES, QUADRILATERALS = "simplices", "quadrilaterals"
+"""What cells a generator makes: triangles and tetrahedra, or quadrilaterals and hexahedra."""
+
+
+@dataclass(frozen=True)
+class CellKind:
+    """How the corners of a kind of cell are arranged, in the numbering of gmsh.
+
+    Args:
+        gmsh: gmsh's number of the kind.
+        along: corners joined to corner 0 by the edges that are right-handed in this order.
+        mirrored: corners in an order that makes a proper cell of a mirror image.
+        faces: corners of each face, in the order of a cell of the lower dimension.
+    """
+
+    gmsh: int
+    along: tuple[int, ...]
+    mirrored: tuple[int, ...]
+    faces: tuple[tuple[int, ...], ...]
+
+
+KINDS = {
+    (2, 3): CellKind(2, (1, 2), (0, 2, 1), ((0, 1), (1, 2), (2, 0))),
+    (2, 4): CellKind(3, (1, 3), (0, 3, 2, 1), ((0, 1), (1, 2), (2, 3), (3, 0))),
+    (3, 4): CellKind(4, (1, 2, 3), (0, 1, 3, 2), ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))),
+    (3, 8): CellKind(
+        5,
+        (1, 3, 4),
+        (0, 3, 2, 1, 4, 7, 6, 5),
+        ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    ),
+}
+"""By dimension and number of corners."""
+
+
+@dataclass(frozen=True)
+class LinearMesh:
+    """Cells of one kind with the region that each belongs to.
+
+    Args:
+        points: (points, 2) or (points, 3) [m].
+        cells: (cells, corners), positively oriented.
+        regions: (cells,) index of the body.
+        order: (points,) the order in which the nodes of a triangle are taken when it is swept;
+            different for the three nodes of each triangle, equal for a node and its mirror image.
+    """
+
+    points: FloatArray
+    cells: IntArray
+    regions: IntArray
+    order: IntArray
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return self.points.shape[1]
+
+    @property
+    def kind(self) -> CellKind:
+        """How its cells are arranged."""
+        return KINDS[self.dimension, self.cells.shape[1]]
+
+
+def checked_cells(cells: str) -> str:
+    """Return the kind of cells asked for, or refuse it."""
+    if cells not in (SIMPLICES, QUADRILATERALS):
+        raise ValueError(f"cells must be {SIMPLICES} or {QUADRILATERALS}, got {cells!r}")
+    return cells
+
+
+def compacted(mesh: LinearMesh) -> LinearMesh:
+    """Leave out the points that no cell uses."""
+    used, cells = np.unique(mesh.cells, return_inverse=True)
+    return LinearMesh(
+        mesh.points[used], cells.reshape(mesh.cells.shape), mesh.regions, mesh.order[used]
+    )
+
+
+def handedness(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Determinant of the edges at corner 0, positive in a proper cell [m², m³]."""
+    along = KINDS[points.shape[1], cells.shape[1]].along
+    return np.linalg.det(points[cells[:, along]] - points[cells[:, :1]])
+
+
+def oriented(points: FloatArray, cells: IntArray) -> IntArray:
+    """The same cells, positively oriented."""
+    kind = KINDS[points.shape[1], cells.shape[1]]
+    negative = handedness(points, cells) < 0
+    return np.where(negative[:, None], cells[:, kind.mirrored], cells)
+
+
+def mirrored(mesh: LinearMesh, axis: int) -> LinearMesh:
+    """A mesh in coordinate >= 0 with its mirror image in the plane where it is zero."""
+    on_plane = np.abs(mesh.points[:, axis]) < 1e-9 * np.ptp(mesh.points[:, axis])
+    points = mesh.points.copy()
+    points[on_plane, axis] = 0.0
+    images = points[~on_plane].copy()
+    images[:, axis] *= -1.0
+    image_of = np.arange(len(points))
+    image_of[~on_plane] = len(points) + np.arange(len(images))
+    return LinearMesh(
+        np.concatenate([points, images]),
+        np.concatenate([mesh.cells, image_of[mesh.cells[:, mesh.kind.mirrored]]]),
+        np.tile(mesh.regions, 2),
+        np.concatenate([mesh.order, mesh.order[~on_plane]]),
+    )
+
+
+def free_faces(mesh: LinearMesh) -> IntArray:
+    """Faces that only one cell has, (faces, nodes)."""
+    faces = np.concatenate([mesh.cells[:, corners] for corners in mesh.kind.faces])
+    _, first, count = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return faces[first[count == 1]]
