@@ -166,7 +166,11 @@ class Liquid(Description):
 
 
 class MaterialDescription(Description):
-    """Properties of a material as given; with `extends`, only those that differ from another."""
+    """Properties of a material as given; with `extends`, only those that differ from another.
+
+    `law` says how the solid flows over its yield stress, with `viscosity` in Pa·s^(1/exponent)
+    (perzyna) or Pa·s (bingham), or without one, with `coefficient` in 1/(s Pa^exponent) (norton).
+    """
 
     extends: EntryName | None = None
     density: Annotated[float, Quantity(DENSITY, above=0.0)] | None = None

@@ -17,6 +17,7 @@ SPATIAL = {
     "probes__1__at": [0.03, 0, 0.05],
 }
 MECHANICAL = {"coupling__scheme": "mechanical"}
+NORTON = {"model": "norton", "coefficient": 1e-8, "exponent": 2, "coherency": 0.7}
 
 
 @pytest.mark.parametrize(
@@ -35,6 +36,8 @@ MECHANICAL = {"coupling__scheme": "mechanical"}
         {**MECHANICAL, "materials__steel__conductivity": REMOVED},
         {"coupling__scheme": "thermal", "materials__steel__young_modulus": REMOVED},
         {"coupling__scheme": "thermal", "bodies__0__formulation": "displacement"},
+        {"coupling__scheme": "thermal", "materials__aluminium__liquid": NORTON},
+        {"coupling__scheme": "thermal", "materials__aluminium__solidification_shrinkage": 0.06},
         {"loads": {}},
         {"loads__gravity": [0, "-9.81 m/s^2"]},
         {"bodies__1__material": "steel-H13"},
@@ -53,6 +56,14 @@ def test_accepted(changes):
             "bodies[1].material = \"stel\": unknown material 'stel'; known: Al-pure, AlSi7Mg, ",
         ),
         ({"bodies__1__material": "stel"}, '(did you mean "steel"?)'),
+        (
+            {"materials__aluminium__liquid": NORTON},
+            "bodies[0].material = \"aluminium\": 'aluminium' has a liquid with model = \"norton\"",
+        ),
+        (
+            {"materials__aluminium__solidification_shrinkage": 0.06},
+            "'aluminium' has a solidification_shrinkage, which is not available yet; leave it out",
+        ),
         (
             {"bodies__1__name": "die"},
             'bodies[1].name = "die": no such body; cylinder_in_mould makes',

@@ -1,0 +1,206 @@
+"""J2 viscoplasticity once more, in 3 × 3 tensors and rates: what the return mapping must tend to.
+
+Nothing here knows the return mapping or `castx.flow`; the laws are those of the case format.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
+
+GAS = 8.314462618
+PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+Tensor = np.ndarray
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A material at one temperature [°C]; `law` as in a case file, or "plastic"."""
+
+    law: str
+    shear_modulus: float = 26e9
+    yield_stress: float = 0.0
+    linear: float = 0.0
+    saturation: float = 0.0
+    saturation_rate: float = 1.0
+    kinematic: float = 0.0
+    viscosity: float = 1.0
+    exponent: float = 1.0
+    coefficient: float = 1.0
+    activation_energy: float = 0.0
+    temperature: float = 300.0
+
+    @property
+    def keys(self) -> dict:
+        """The keys of the case format that a material needs."""
+        shared = {"young_modulus": 2.6 * self.shear_modulus, "poisson_ratio": 0.3}
+        if self.law == "norton":
+            return shared | {
+                "law": "norton",
+                "coefficient": self.coefficient,
+                "exponent": self.exponent,
+                "activation_energy": self.activation_energy,
+            }
+        hardening = {
+            "linear": self.linear,
+            "saturation": self.saturation,
+            "rate": self.saturation_rate,
+        }
+        solid = shared | {
+            "yield_stress": self.yield_stress,
+            "hardening": hardening,
+            "kinematic_hardening": self.kinematic,
+        }
+        if self.law == "plastic":
+            return solid
+        solid |= {"law": self.law, "viscosity": self.viscosity}
+        return solid | ({"exponent": self.exponent} if self.law == "perzyna" else {})
+
+    @property
+    def back_modulus(self) -> float:
+        return 0.0 if self.law == "norton" else self.kinematic
+
+    def hardening(self, equivalent: float) -> float:
+        if self.law == "norton":
+            return 0.0
+        return self.linear * equivalent + self.saturation * (
+            1.0 - np.exp(-self.saturation_rate * equivalent)
+        )
+
+    def hardening_slope(self, equivalent: float) -> float:
+        return self.linear + self.saturation * self.saturation_rate * np.exp(
+            -self.saturation_rate * equivalent
+        )
+
+    def overstress(self, q: float, equivalent: float) -> float:
+        threshold = 0.0 if self.law == "norton" else self.yield_stress
+        return q - threshold - self.hardening(equivalent)
+
+    def rate(self, f: float) -> float:
+        """Rate of the equivalent viscoplastic strain."""
+        f = max(f, 0.0)
+        if self.law == "perzyna":
+            return float((f / self.viscosity) ** self.exponent)
+        if self.law == "bingham":
+            return f / (3.0 * self.viscosity)
+        arrhenius = np.exp(-self.activation_energy / (GAS * (self.temperature + 273.15)))
+        return float(self.coefficient * f**self.exponent * arrhenius)
+
+    def driving_stress(self, rate: float) -> float:
+        """Overstress at which the material flows at a rate, the inverse of `rate`."""
+        rate = max(rate, 0.0)
+        if self.law == "plastic":
+            return 0.0
+        if self.law == "bingham":
+            return 3.0 * self.viscosity * rate
+        return float((rate / self.rate(1.0)) ** (1.0 / self.exponent))
+
+
+def tensor(components: np.ndarray) -> Tensor:
+    """Return the 3 × 3 tensor of 4 or 6 components."""
+    result = np.zeros((3, 3))
+    for (i, j), value in zip(PLACES, components, strict=False):
+        result[i, j] = result[j, i] = value
+    return result
+
+
+def components(full: Tensor, number: int = 6) -> np.ndarray:
+    return np.array([full[place] for place in PLACES[:number]])
+
+
+def norm(full: Tensor) -> float:
+    return float(np.sqrt(np.tensordot(full, full)))
+
+
+def implicit_step(
+    numbers: Numbers, trial: Tensor, back: Tensor, equivalent: float, step: float, guess: tuple
+) -> tuple[Tensor, float]:
+    """Return stress and increment that fulfil all tensor equations of an implicit Euler step.
+
+    The search starts from a guess of both.
+    """
+    unit, strain = norm(trial - back), guess[1]
+    hk = numbers.back_modulus
+
+    def residual(unknown: np.ndarray) -> np.ndarray:
+        stress, beta = tensor(unknown[:6]) * unit, tensor(unknown[6:12]) * unit
+        increment = unknown[12] * strain
+        q = np.sqrt(1.5) * norm(stress - beta)
+        flow = 1.5 * increment * (stress - beta) / q
+        f = numbers.overstress(q, equivalent + increment)
+        return np.concatenate(
+            (
+                components(stress - trial + 2.0 * numbers.shear_modulus * flow) / unit,
+                components(beta - back - 2.0 / 3.0 * hk * flow) / unit,
+                [(f - numbers.driving_stress(increment / step)) / unit],
+            )
+        )
+
+    direction = (trial - back) / norm(trial - back)
+    beta = back + np.sqrt(2.0 / 3.0) * hk * guess[1] * direction
+    start = np.concatenate(
+        (components(guess[0]) / unit, components(beta) / unit, [guess[1] / strain])
+    )
+    found = root(residual, start, tol=1e-15)
+    assert np.abs(residual(found.x)).max() < 1e-12
+    return tensor(found.x[:6]) * unit, float(found.x[12] * strain)
+
+
+def integrate(
+    at: Callable[[float], Numbers], strain: Callable[[float], Tensor], end: float
+) -> tuple[Tensor, float]:
+    """Return deviatoric stress and ξ at the end of a strain path, to a relative 1e-10.
+
+    Strains are integrated more closely, since stresses come from small differences of them.
+
+    The plastic law flows at the rate that keeps f = 0, from the event f = 0 on.
+
+    Args:
+        at: the material over time [s], whose temperature may change.
+        strain: deviatoric, over time.
+        end: [s].
+    """
+
+    def stresses(time: float, state: np.ndarray) -> tuple[Tensor, Tensor]:
+        """Return s and s − β."""
+        flowed, numbers = tensor(state[:6]), at(time)
+        stress = 2.0 * numbers.shear_modulus * (strain(time) - flowed)
+        return stress, stress - 2.0 / 3.0 * numbers.back_modulus * flowed
+
+    def overstress(time: float, state: np.ndarray) -> float:
+        return at(time).overstress(np.sqrt(1.5) * norm(stresses(time, state)[1]), state[6])
+
+    def flow(time: float, state: np.ndarray) -> np.ndarray:
+        shifted = stresses(time, state)[1]
+        direction = np.sqrt(1.5) * components(shifted) / max(norm(shifted), 1e-300)
+        return rate(time, state) * np.append(direction, 1.0)
+
+    def viscous(time: float, state: np.ndarray) -> float:
+        return at(time).rate(overstress(time, state))
+
+    def plastic(time: float, state: np.ndarray) -> float:
+        h, numbers = 1e-4 * end, at(time)
+        near, far = (
+            overstress(time + k * h, state) - overstress(time - k * h, state) for k in (1, 2)
+        )
+        loading = (8.0 * near - far) / (12.0 * h)
+        elastic = 3.0 * numbers.shear_modulus + numbers.back_modulus
+        return max(loading / (elastic + numbers.hardening_slope(state[6])), 0.0)
+
+    accuracy = {"rtol": 1e-11, "atol": 1e-16, "method": "LSODA"}
+    rate, state, begin = viscous, np.zeros(7), 0.0
+    if at(0.0).law == "plastic":
+        rate, accuracy["method"] = plastic, "DOP853"
+        overstress.terminal, overstress.direction = True, 1.0  # type: ignore[attr-defined]
+        elastic = solve_ivp(
+            lambda time, state: np.zeros(7), (0.0, end), state, events=overstress, **accuracy
+        )
+        begin, state = elastic.t[-1], elastic.y[:, -1]
+    if begin < end:
+        state = solve_ivp(flow, (begin, end), state, **accuracy).y[:, -1]
+    return stresses(end, state)[0], float(state[6])

@@ -1,0 +1,187 @@
+"""The keys of yielding, hardening and creep: units, tables, what is refused and what is shown."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from castx.errors import CaseError
+from castx.materials import find_material
+from castx.materials.description import MaterialDescription
+from tests.castx.materials.descriptions import alloy, described
+
+pytestmark = pytest.mark.serial
+
+NORTON = {"law": "norton", "coefficient": 1e-40, "exponent": 5}
+LIQUID = {"coherency": 0.7}
+
+
+def test_quantities_carry_units() -> None:
+    material = described(
+        law="bingham",
+        yield_stress=[["20 degC", "60 MPa"], [550, 0]],
+        hardening={"linear": "1 GPa", "saturation": [[20, "50 MPa"]], "rate": 12},
+        kinematic_hardening="2 GPa",
+        viscosity="3 GPa*s",
+        dissipation="80 %",
+        solidification_shrinkage="6.5 %",
+    )
+    assert material.yield_stress is not None and material.viscosity is not None
+    assert material.yield_stress(285.0) == pytest.approx(30e6)
+    assert material.hardening.linear(20.0) == pytest.approx(1e9)
+    assert material.hardening.saturation(20.0) == pytest.approx(50e6)
+    assert material.hardening.rate(20.0) == 12.0
+    assert material.kinematic_hardening(20.0) == pytest.approx(2e9)
+    assert material.viscosity(20.0) == pytest.approx(3e9)
+    assert material.dissipation == pytest.approx(0.8)
+    assert material.solidification_shrinkage == pytest.approx(0.065)
+    creeping = described(**NORTON, activation_energy="140 kJ/mol")
+    assert creeping.activation_energy(20.0) == pytest.approx(1.4e5)
+
+
+def test_defaults() -> None:
+    material = described()
+    assert (material.law, material.dissipation) == ("perzyna", 0.9)
+    assert (material.yield_stress, material.viscosity, material.coefficient) == (None,) * 3
+    assert material.exponent(20.0) == 1.0
+    assert not material.hardening.acts and not material.kinematic_hardening.values.any()
+    assert material.solidification_shrinkage == material.activation_energy(20.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    "viscosity", ["2 MPa*s", [[20, "2 MPa*s"], [500, 1e6]], [[20, 2e6], [500, "1e6 Pa*s"]]]
+)
+def test_a_viscosity_with_unit_needs_a_linear_law(viscosity) -> None:
+    described(viscosity=viscosity)
+    described(viscosity=viscosity, exponent=1)
+    described(viscosity=viscosity, law="bingham")
+    with pytest.raises(CaseError, match=r"^viscosity: a unit of Pa·s fits exponent 1 only; give"):
+        described(viscosity=viscosity, exponent=[[20, 1], [500, 2]])
+    case = {
+        "base": described(viscosity=viscosity),
+        "steep": MaterialDescription.read({"extends": "base", "exponent": 4}),
+    }
+    with pytest.raises(CaseError, match=r"materials.steep.viscosity: a unit of Pa·s"):
+        find_material("steep", pickle.loads(pickle.dumps(case)))
+    described(viscosity=2e6, exponent=4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"law": "prezyna"}, r"^law: unknown; .*did you mean \"perzyna\""),
+        ({"viscosity": "3 Pa"}, r"^viscosity: 'Pa' is not a unit of viscosity"),
+        ({"viscosity": [[20, 0]]}, r"^viscosity\[0\]: must be positive"),
+        ({"exponent": [[20, 1], [90, -1]]}, r"^exponent\[1\]: must be positive"),
+        (NORTON | {"coefficient": 0}, r"^coefficient: must be positive"),
+        (NORTON | {"coefficient": "1e-40 1/s"}, r"^coefficient: a plain number in 1/\(s\*Pa\^n\)"),
+        (NORTON | {"activation_energy": -1}, r"^activation_energy: must be at least 0"),
+        (NORTON | {"activation_energy": "1 J/kg"}, r"^activation_energy: 'J/kg' is not a unit"),
+        (NORTON | {"viscosity": 1e9}, r"^viscosity: acts only with law = \"perzyna\" or \"bingham"),
+        ({"coefficient": 1e-40}, r"^coefficient: acts only with law = \"norton\", and here it is"),
+        ({"activation_energy": 1e5}, r"^activation_energy: acts only with law = \"norton\""),
+        (
+            {"law": "bingham", "viscosity": 1e9, "exponent": 2},
+            r"^exponent: acts only with law = \"perzyna\" or \"norton\", .* here it is \"bingham\"",
+        ),
+        ({"yield_stress": -1}, r"^yield_stress: must be at least 0"),
+        ({"hardening": [[20, 1e9], [90, -1]]}, r"^hardening\[1\]: must be at least 0"),
+        ({"hardening": {}}, r"^hardening: needs linear, or saturation and rate"),
+        ({"hardening": {"saturation": 1e8}}, r"^hardening.rate: missing; .*with saturation"),
+        ({"hardening": {"rate": 5}}, r"^hardening.saturation: missing; .*with rate"),
+        ({"hardening": {"saturation": 1e8, "rate": 0}}, r"^hardening.rate: must be positive"),
+        ({"hardening": {"modulus": 1e8}}, r"^hardening.modulus: unknown key; .*linear"),
+        ({"hardening": 1e9}, r"^hardening: acts only with yield_stress; add it"),
+        ({"kinematic_hardening": 1e9}, r"^kinematic_hardening: acts only with yield_stress"),
+        ({"yield_stress": 1e8, "kinematic_hardening": -1}, r"^kinematic_hardening: must be"),
+        ({"dissipation": 1.1}, r"^dissipation: must be at least 0 and at most 1"),
+        ({"solidification_shrinkage": -1}, r"^solidification_shrinkage: must be above -1"),
+        (
+            {"solidus": None, "liquidus": None, "latent_heat": None, "heat_capacity": 900,
+             "conductivity": 90, "solidification_shrinkage": 0.05},
+            r"^solidification_shrinkage: acts only in a material that melts",
+        ),
+        ({"liquid": LIQUID}, r"^liquid.viscosity: missing; model = \"viscous\" needs it"),
+        (
+            {"liquid": LIQUID | {"model": "norton"}},
+            r"^liquid.coefficient: missing; model = \"norton\" needs it",
+        ),
+        (
+            {"liquid": LIQUID | {"viscosity": 1e6, "exponent": 2}},
+            r"^liquid.exponent: acts only with model = \"norton\", and here it is \"viscous\"",
+        ),
+        (
+            {"liquid": LIQUID | {"model": "norton", "coefficient": 1e-8, "viscosity": 1e6}},
+            r"^liquid.viscosity: acts only with model = \"viscous\", and here it is \"norton\"",
+        ),
+        ({"liquid": LIQUID | {"model": "newton"}}, r"^liquid.model: unknown"),
+    ],
+)  # fmt: skip
+def test_refusals(changes, message) -> None:
+    with pytest.raises(CaseError, match=message):
+        described(**changes)
+
+
+def test_data_of_another_law_of_the_body_is_no_mistake() -> None:
+    material = described(**NORTON, yield_stress=5e7, hardening=1e9, kinematic_hardening=1e9)
+    assert material.hardening.acts
+
+
+def test_a_new_law_takes_the_numbers_of_the_old_one_away() -> None:
+    case = {
+        "creeping": described(**NORTON, activation_energy=1e5, yield_stress=5e7),
+        "linear": MaterialDescription.read(
+            {"extends": "creeping", "law": "bingham", "viscosity": 1e9}
+        ),
+        "hotter": MaterialDescription.read({"extends": "creeping", "coefficient": 1e-39}),
+        "same": MaterialDescription.read({"extends": "creeping", "law": "norton"}),
+    }
+    linear = find_material("linear", case).description
+    assert (linear.law, linear.coefficient, linear.exponent(20.0)) == ("bingham", None, 1.0)
+    assert linear.yield_stress is not None
+    for name in ("hotter", "same"):
+        material = find_material(name, case).description
+        assert (material.law, material.exponent(20.0)) == ("norton", 5.0)
+        assert material.activation_energy(20.0) == 1e5
+
+
+def test_shrinkage_grows_from_coherency_to_the_last_liquid() -> None:
+    liquid = {"viscosity": 1e6, "coherency": 0.6}
+    material = alloy(liquid=liquid, solidification_shrinkage=0.06)
+    fraction = np.array([[0.0, 0.6, 0.7], [0.8, 1.0, 1.0]])
+    expected = -0.06 * np.array([[0.0, 0.0, 0.25], [0.5, 1.0, 1.0]])
+    np.testing.assert_allclose(material.shrinkage_strain(fraction), expected, atol=1e-16)
+    graphite = alloy(solidification_shrinkage=-0.02)  # without liquid: from the first solid
+    np.testing.assert_allclose(graphite.shrinkage_strain(fraction), 0.02 * fraction)
+    last = alloy(liquid=liquid | {"coherency": 1.0}, solidification_shrinkage=0.06)
+    np.testing.assert_array_equal(last.shrinkage_strain(fraction), np.zeros((2, 3)))
+
+
+def test_rows_show_what_is_given() -> None:
+    hardening = {"linear": 1e9, "saturation": 5e7, "rate": 10}
+    keys = {"yield_stress": [[20, 6e7], [500, 1e7]], "hardening": hardening, "dissipation": 0.5}
+    liquid = {"model": "norton", "coefficient": 1e-8, "exponent": 2, "coherency": 0.7}
+    rows = {
+        (row.property, row.temperature): (row.value, row.unit)
+        for row in alloy(**keys, **NORTON, liquid=liquid, solidification_shrinkage=0.05).rows()
+    }
+    assert rows["yield_stress", 500.0] == (1e7, "Pa")
+    assert rows["hardening.saturation", None] == (5e7, "Pa")
+    assert rows["hardening.rate", None] == (10.0, "")
+    assert rows["law", None] == ("norton", "")
+    assert rows["coefficient", None] == (1e-40, "1/(s Pa^exponent)")
+    assert rows["dissipation", None] == (0.5, "")
+    assert rows["liquid.model", None] == ("norton", "")
+    assert rows["liquid.exponent", None] == (2.0, "")
+    assert rows["solidification_shrinkage", None] == (0.05, "")
+    defaults = {"activation_energy", "liquid.activation_energy", "kinematic_hardening", "viscosity"}
+    assert not defaults & {name for name, _ in rows}
+    assert not any(row.property in ("law", "dissipation", "exponent") for row in alloy().rows())
+
+
+def test_yield_stress_has_a_range() -> None:
+    material = alloy(yield_stress=[[100, 6e7], [600, 1e7]])
+    names = [entry.property for entry in material.outside_range(50.0, 400.0)]
+    assert names == ["expansion", "yield_stress"]
