@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
 from castx.cell_kinds import KINDS
+from castx.consistency import starts_solid
 from castx.constitutive import ThermoElasticLaw
 from castx.constraints import SurfaceDisplacement
 from castx.coupled_interface import CoupledInterface
@@ -27,6 +29,8 @@ from castx.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.steps import StepSettings
 from castx.tables import Table
 from castx.thermal_body import HeatBody
+
+_log = logging.getLogger(__name__)
 
 EXCHANGE_KINDS = {"perfect": "perfect", "none": "none"}
 
@@ -182,10 +186,14 @@ def _mechanics(
 
 def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBody:
     if body.formulation == "displacement" and material.liquid is not None:
-        raise CaseError(
-            f"body {body.name!r} has formulation 'displacement', but its material "
-            f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
-        )
+        if not starts_solid(body, material.description):
+            raise CaseError(
+                f"body {body.name!r} has formulation 'displacement', but its material "
+                f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
+            )
+        material = material.without_liquid()
+    if material.melts:
+        _log.info("%s", law_above_solidus(body.name, material))
     stress_free = material.stress_free
     if stress_free is None:
         stress_free = body.temperature if material.solidus is None else material.solidus
@@ -198,6 +206,15 @@ def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBo
         tuple(loads),
         material.liquid is not None,
     )
+
+
+def law_above_solidus(body: str, material: Material) -> str:
+    """Return what a material that melts does mechanically while it is not solid, for people."""
+    liquid = material.liquid
+    if liquid is None:
+        return f"{body}: {material.name} is elastic at every temperature, it has no liquid"
+    flow = "flows with its viscosity" if liquid.model == "viscous" else "creeps by Norton's law"
+    return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
 
 
 def _loads(boundary: Boundary) -> Iterator[SurfaceLoad]:

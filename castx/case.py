@@ -15,7 +15,7 @@ from castx.bodies import Body
 from castx.boundaries import Boundary, Loads, Support
 from castx.consistency import case_problems, gravity_along
 from castx.control import Coupling, Solver, Time
-from castx.entries import Description, EntryName, NotYet
+from castx.entries import Description, MaterialName, NotYet
 from castx.errors import CaseError
 from castx.geometry import Geometry
 from castx.interfaces import Interface
@@ -42,7 +42,7 @@ class Case(Description):
 
     name: Annotated[str, PlainValidator(_title)] = ""
     geometry: Geometry
-    materials: dict[EntryName, MaterialDescription] = Field({}, max_length=_MOST_ENTRIES)
+    materials: dict[MaterialName, MaterialDescription] = Field({}, max_length=_MOST_ENTRIES)
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=_MOST_BODIES)
     interfaces: tuple[Interface, ...] = Field((), max_length=_MOST_ENTRIES)
     boundaries: tuple[Boundary, ...] = Field((), max_length=_MOST_ENTRIES)

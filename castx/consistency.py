@@ -47,6 +47,17 @@ def gravity_along(gravity: Sequence[float], model: str) -> tuple[float, ...]:
     return tuple(gravity if model == "3d" else gravity[:2])
 
 
+def starts_solid(body: Body, material: MaterialDescription) -> bool:
+    """Return whether a body lies below its solidus at the start, and later if that is prescribed.
+
+    Such a body, a mould or a chill, may do without the liquid of its material.
+    """
+    history = body.temperature_history
+    hottest = body.temperature if history is None else float(history.values.max())
+    freezing = material.freezing_range
+    return freezing is None or hottest < freezing[0]
+
+
 def _kind(model: str) -> str:
     return model if model in _DIRECTIONS else "plane"
 
@@ -102,9 +113,10 @@ def _body_problems(
         place = ("materials", body.material, key) if stated else ("bodies", index, "material")
         yield Problem(place, f"{key} is {text}; body {body.name!r} needs it for its law")
     yield from _not_yet(index, body, material)
-    if material.liquid is not None and body.formulation != "mixed":
-        text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
-        yield Problem(("bodies", index, "formulation"), text)
+    if body.formulation != "mixed" and material.liquid is not None:
+        if not starts_solid(body, material):
+            text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
+            yield Problem(("bodies", index, "formulation"), f'{text}, or liquid = "none" there')
 
 
 def _not_yet(index: int, body: Body, material: MaterialDescription) -> Iterator[Problem]:

@@ -26,6 +26,7 @@ from castx.units import PURE_NUMBER, TEMPERATURE, TIME, Dimension, number
 LONGEST_TABLE = 10_000
 _LONGEST_NAME = 64
 _NAME = re.compile(r"[\w+-][\w+ -]*")
+_DOTTED_NAME = re.compile(r"[\w+-](?:[\w+. -]*[\w+-])?")
 
 
 class Description(BaseModel):
@@ -211,19 +212,27 @@ class NotYet:
 
 @dataclass(frozen=True)
 class Name:
-    """A name that may also stand in file names and column headings."""
+    """A name that may also stand in file names and, without dots, in column headings.
+
+    Args:
+        dots: whether it may have inner dots, as alloys do.
+    """
+
+    dots: bool = False
 
     def read(self, value: Any) -> str:
         """Return the name.
 
         Raises:
-            CaseError: not a text of letters, digits, `_`, `+`, `-` and spaces.
+            CaseError: not a text of letters, digits, `_`, `+`, `-`, spaces and, if allowed, dots.
         """
         if not isinstance(value, str):
             raise CaseError("a name in quotes is needed")
-        if len(value) > _LONGEST_NAME or not _NAME.fullmatch(value):
+        allowed = _DOTTED_NAME if self.dots else _NAME
+        if len(value) > _LONGEST_NAME or not allowed.fullmatch(value):
+            inner = "inner dots and spaces" if self.dots else "inner spaces"
             raise CaseError(
-                f"a name has 1 to {_LONGEST_NAME} letters, digits, '_', '+', '-' or inner spaces"
+                f"a name has 1 to {_LONGEST_NAME} letters, digits, '_', '+', '-' or {inner}"
             )
         return value
 
@@ -234,6 +243,7 @@ class Name:
 TIMES = Quantity(TIME)
 TEMPERATURES = Quantity(TEMPERATURE)
 EntryName = Annotated[str, Name()]
+MaterialName = Annotated[str, Name(dots=True)]
 PureNumber = Annotated[float, Quantity(PURE_NUMBER)]
 Temperature = Annotated[float, TEMPERATURES]
 

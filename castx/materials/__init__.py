@@ -8,7 +8,7 @@ from castx.materials.inelastic import Hardening
 from castx.materials.material import Material
 from castx.materials.phased import Phased
 from castx.materials.solid_fraction import LeverLaw, LinearLaw, ScheilLaw, TabulatedLaw
-from castx.materials.sources import OutsideRange, PropertyRow, Source
+from castx.materials.sources import OutsideRange, Property, PropertyRow, Source
 
 __all__ = [
     "EnthalpyCurve",
@@ -20,6 +20,7 @@ __all__ = [
     "MaterialDescription",
     "OutsideRange",
     "Phased",
+    "Property",
     "PropertyRow",
     "ScheilLaw",
     "Source",

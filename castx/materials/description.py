@@ -12,7 +12,7 @@ from pydantic_core import CoreSchema, core_schema
 from castx.entries import (
     Choice,
     Description,
-    EntryName,
+    MaterialName,
     Quantity,
     Tabulated,
     Temperature,
@@ -165,6 +165,25 @@ class Liquid(Description):
             yield Problem((key,), f"{text}; leave it out or change model")
 
 
+class LiquidEntry:
+    """The keys of `Liquid`, or "none" to go without, for `Annotated[Liquid | None, ...]`."""
+
+    def read(self, value: Any) -> Liquid | None:
+        """Return the liquid.
+
+        Raises:
+            CaseError: neither of both, or a key is refused.
+        """
+        if value is None or value == "none":
+            return None
+        if not isinstance(value, dict | Liquid):
+            raise CaseError('a table of keys is needed, or "none": elastic at every temperature')
+        return value if isinstance(value, Liquid) else Liquid.read(value)
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+
 class MaterialDescription(Description):
     """Properties of a material as given; with `extends`, only those that differ from another.
 
@@ -172,7 +191,7 @@ class MaterialDescription(Description):
     (perzyna) or Pa·s (bingham), or without one, with `coefficient` in 1/(s Pa^exponent) (norton).
     """
 
-    extends: EntryName | None = None
+    extends: MaterialName | None = None
     density: Annotated[float, Quantity(DENSITY, above=0.0)] | None = None
     heat_capacity: (
         Annotated[Phased, PhasedTable(over_temperature(HEAT_CAPACITY, above=0.0))] | None
@@ -195,7 +214,7 @@ class MaterialDescription(Description):
     expansion: Annotated[Table, over_temperature(EXPANSION)] | None = None
     expansion_reference: Temperature | None = None
     stress_free: Temperature | None = None
-    liquid: Liquid | None = None
+    liquid: Annotated[Liquid | None, LiquidEntry()] = None
     solidification_shrinkage: Annotated[float, Quantity(PURE_NUMBER, above=-1.0, below=1.0)] = 0.0
     yield_stress: Annotated[Table, over_temperature(STRESS, least=0.0)] | None = None
     hardening: Annotated[Hardening, HardeningEntry()] = Hardening(linear=ZERO)

@@ -44,7 +44,7 @@ def _resolve(
     own = case_materials[name]
     parent = own.extends
     if parent is None:
-        return Entry("", own, {})
+        return Entry("", "", own, {})
     chain = (*below, name)
     in_case = parent in case_materials and parent not in chain
     if not in_case and parent not in database_names():
@@ -72,7 +72,7 @@ def _merge(name: str, own: MaterialDescription, parent: Entry) -> Entry:
     sources: dict[str, Source] = {
         key: source for key, source in parent.sources.items() if key.partition(".")[0] in kept
     }
-    return Entry(parent.summary, description, sources)
+    return Entry(parent.summary, parent.material_class, description, sources)
 
 
 def _known(case_materials: Mapping[str, MaterialDescription]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -22,9 +22,11 @@ from castx.materials.solid_fraction import (
 )
 from castx.materials.sources import (
     OutsideRange,
+    Property,
     PropertyRow,
     Source,
     outside_range,
+    properties,
     property_rows,
 )
 from castx.tables import FloatArray, Table
@@ -203,6 +205,11 @@ class Material:
         share = (np.asarray(solid_fraction) - begin) / (1.0 - begin)
         return np.asarray(-self.description.solidification_shrinkage * np.clip(share, 0.0, 1.0))
 
+    def without_liquid(self) -> Material:
+        """Return the material with the solid's elastic law at every temperature."""
+        description = self.description.model_copy(update={"liquid": None})
+        return replace(self, description=description)
+
     def require(self, properties: Sequence[str], purpose: str) -> None:
         """Check that properties are given.
 
@@ -223,6 +230,10 @@ class Material:
     def outside_range(self, lowest: float, highest: float) -> list[OutsideRange]:
         """Return the properties that temperatures from lowest to highest [°C] take out of range."""
         return outside_range(self.description, self.sources, lowest, highest)
+
+    def properties(self) -> list[Property]:
+        """Return all properties with unit, source and range, in the order of the case format."""
+        return list(properties(self.description, self.sources))
 
     def rows(self) -> list[PropertyRow]:
         """Return all numbers with unit and source, tables row by row."""

@@ -12,6 +12,7 @@ from castx.materials.solid_fraction import TabulatedLaw
 from castx.tables import Table
 
 CASE_FILE = "case file"
+DEFAULT = "default of castx"
 _BOTH_PHASES = ("heat_capacity", "conductivity")
 
 _UNITS = {
@@ -65,6 +66,24 @@ class Source:
     valid: tuple[float, float] | None = None
 
 
+class Property(NamedTuple):
+    """One property of a material, with all that is known of it.
+
+    Args:
+        name: dotted, as `conductivity.solid`.
+        value: in `unit`.
+        unit: SI.
+        source: where it comes from.
+        valid: temperatures between which it holds [°C]; None: everywhere.
+    """
+
+    name: str
+    value: Value
+    unit: str
+    source: str
+    valid: tuple[float, float] | None
+
+
 class PropertyRow(NamedTuple):
     """One number of a material for people to read."""
 
@@ -82,16 +101,34 @@ class OutsideRange(NamedTuple):
     valid: tuple[float, float]
 
 
+def unit_of(name: str) -> str | None:
+    """Return the SI unit of a property, dotted, "" for pure numbers; None: no such property."""
+    first, _, last = name.partition(".")
+    if last in ("solid", "liquid"):
+        name = first
+    elif name == "hardening":
+        name = "hardening.linear"
+    return _UNITS.get(name)
+
+
+def properties(
+    description: MaterialDescription, sources: Mapping[str, Source]
+) -> Iterator[Property]:
+    """Yield all given properties in the order of the case format."""
+    for name, value in _values(description):
+        source = _source(name, sources)
+        given = name.partition(".")[0] in description.model_fields_set
+        text = source.text if source else CASE_FILE if given else DEFAULT
+        yield Property(name, value, unit_of(name) or "", text, _valid(name, value, sources))
+
+
 def property_rows(
     description: MaterialDescription, sources: Mapping[str, Source]
 ) -> Iterator[PropertyRow]:
     """Yield all numbers of a material, tables row by row, in the order of the case format."""
-    for name, value in _values(description):
-        unit = _UNITS[name.removesuffix(".solid").removesuffix(".liquid")]
-        source = _source(name, sources)
-        text = source.text if source else CASE_FILE
-        for temperature, number in _numbers(value):
-            yield PropertyRow(name, temperature, number, unit, text)
+    for item in properties(description, sources):
+        for temperature, number in numbers(item.value):
+            yield PropertyRow(item.name, temperature, number, item.unit, item.source)
 
 
 def outside_range(
@@ -126,7 +163,7 @@ def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
             # The law of the solid fraction is worth a line even where the default holds.
             given = value is not None and key in value.model_fields_set | {"solid_fraction"}
             value = getattr(value, key) if given else None
-        if name == "solid_fraction" and description.freezing_range is None:
+        if name == "solid_fraction" and not _freezes_by_law(description):
             continue
         if isinstance(value, Phased) and value.solid is not value.liquid:
             yield f"{name}.solid", value.solid
@@ -135,7 +172,16 @@ def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
             yield name, value.solid if isinstance(value, Phased) else value
 
 
-def _numbers(value: Value) -> Iterator[tuple[float | None, float | str]]:
+def _freezes_by_law(description: MaterialDescription) -> bool:
+    """Whether a law of the solid fraction acts; an isothermal change needs none."""
+    if description.freezing_range is None:
+        return False
+    solidus, liquidus = description.freezing_range
+    return "solid_fraction" in description.model_fields_set or solidus < liquidus
+
+
+def numbers(value: Value) -> Iterator[tuple[float | None, float | str]]:
+    """Yield the rows (°C, number) of a table; what is no function of temperature has no °C."""
     if isinstance(value, TabulatedLaw):
         yield from value.rows
     elif not isinstance(value, Table):

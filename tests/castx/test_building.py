@@ -7,9 +7,10 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.building import build_problem, step_settings
+from castx.building import build_problem, law_above_solidus, step_settings
 from castx.case import read_case
 from castx.errors import CaseError, MeshError
+from castx.materials import find_material
 from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
 from castx.mesh_source import gmsh_session
 from castx.meshes.ring import core_in_ring
@@ -197,6 +198,26 @@ def test_unknown_surface_of_a_file_is_refused(comm, shared_tmp_path):
     data["geometry"] = {"file": "ring.msh", "model": "axisymmetric"}
     with pytest.raises(MeshError, match="chimney"):
         coupled_cases.simulation(comm, data, shared_tmp_path)
+
+
+def test_a_displacement_body_that_starts_solid_goes_without_its_liquid(comm):
+    """A chill of a casting alloy is elastic at every temperature; a melt is refused."""
+    data = changed(base(), "bodies.1.material", "Cu-pure")
+    for formulation, liquid in (("displacement", False), ("mixed", True)):
+        run = coupled_cases.simulation(comm, changed(data, "bodies.1.formulation", formulation))
+        material = run.problem.mechanics.bodies["core"].description.law.material
+        assert material.name == "Cu-pure" and (material.liquid is not None) is liquid
+    hot = changed(data, "bodies.1.temperature", 1084.62)
+    with pytest.raises(CaseError, match=r'incompressible liquid; use "mixed", or liquid = "none"'):
+        coupled_cases.simulation(comm, hot)
+
+
+def test_the_law_above_the_solidus_is_named():
+    copper = find_material("Cu-pure", {})
+    text = "core: Cu-pure flows with its viscosity below a solid fraction of 0.7"
+    assert law_above_solidus("core", copper) == text
+    text = "core: Cu-pure is elastic at every temperature, it has no liquid"
+    assert law_above_solidus("core", copper.without_liquid()) == text
 
 
 def test_methods_of_contact_cannot_be_mixed():

@@ -42,6 +42,10 @@ NORTON = {"model": "norton", "coefficient": 1e-8, "exponent": 2, "coherency": 0.
         {"loads__gravity": [0, "-9.81 m/s^2"]},
         {"bodies__1__material": "steel-H13"},
         {"materials__steel": {"extends": "steel-H13", "conductivity": 30}},
+        {"bodies__1__material": "Cu-pure"},
+        {"materials__aluminium__liquid": "none", "bodies__0__formulation": "displacement"},
+        {"bodies__0__material": "AlCu4.5"},
+        {"materials__AlCu4.5": {"extends": "AlCu4.5"}, "bodies__0__material": "AlCu4.5"},
     ],
 )
 def test_accepted(changes):
@@ -53,7 +57,7 @@ def test_accepted(changes):
     [
         (
             {"bodies__1__material": "stel"},
-            "bodies[1].material = \"stel\": unknown material 'stel'; known: Al-pure, AlSi7Mg, ",
+            "bodies[1].material = \"stel\": unknown material 'stel'; known: Al-pure, AlCu4.5, ",
         ),
         ({"bodies__1__material": "stel"}, '(did you mean "steel"?)'),
         (

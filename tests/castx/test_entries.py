@@ -10,6 +10,7 @@ from castx.entries import (
     Choice,
     Description,
     EntryName,
+    Name,
     NotYet,
     Quantity,
     over_temperature,
@@ -96,6 +97,17 @@ def test_names(name):
 def test_refused_names(name):
     with pytest.raises(Refusal, match=r"^name: a name"):
         Outer.read({"name": name, "inner": {"length": 1}})
+
+
+@pytest.mark.parametrize("name", ["AlCu4.5", "1.2344", "G-AlSi7 v2.1"])
+def test_names_of_materials_may_have_dots(name):
+    assert Name(dots=True).read(name) == name
+
+
+@pytest.mark.parametrize("name", [".a", "a.", "a/b", "..", ""])
+def test_names_of_materials_are_no_paths(name):
+    with pytest.raises(CaseError, match="inner dots"):
+        Name(dots=True).read(name)
 
 
 @pytest.mark.parametrize(

@@ -71,6 +71,7 @@ def test_quantities_carry_units() -> None:
         ({"exponent": 0}, r"^exponent: must be positive"),
         ({"liquid": {"viscosity": 1e6}}, r"^liquid.coherency: missing"),
         ({"liquid": {"viscosity": 1e6, "coherency": 1.5}}, r"^liquid.coherency: must be"),
+        ({"liquid": "viscous"}, r'^liquid: a table of keys is needed, or "none": elastic'),
         ({"expansion": None, "expansion_reference": 20}, r"^expansion_reference: .* add expansion"),
         (
             {"solidus": None, "liquidus": None},
@@ -89,6 +90,10 @@ def test_refusals(changes, message) -> None:
 
 def test_what_asks_for_nothing_is_accepted() -> None:
     assert not described(solidification_shrinkage=0.0, hardening=0).hardening.acts
+
+
+def test_a_liquid_may_be_refused_expressly() -> None:
+    assert described(liquid="none").liquid is None
 
 
 def test_part_of_a_material_is_checked_when_it_is_complete() -> None:

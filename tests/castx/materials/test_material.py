@@ -110,6 +110,6 @@ def test_rows_hold_every_number() -> None:
     rows = alloy(expansion_reference="20 degC", young_modulus=[["20 degC", "70 GPa"]]).rows()
     assert PropertyRow("density", None, 2500.0, "kg/m³", "case file") in rows
     assert PropertyRow("conductivity.solid", 500.0, 160.0, "W/m/K", "case file") in rows
-    assert PropertyRow("solid_fraction", None, "linear", "", "case file") in rows
+    assert PropertyRow("solid_fraction", None, "linear", "", "default of castx") in rows
     assert PropertyRow("young_modulus", None, 70e9, "Pa", "case file") in rows
     assert sum(row.property == "expansion" for row in rows) == 2
