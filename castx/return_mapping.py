@@ -216,7 +216,8 @@ def _solve(equation: _Equation, overstress: FloatArray) -> tuple[FloatArray, Flo
     slopes = np.full_like(overstress, np.nan)
     left = equation
     points: npt.NDArray[np.intp] = np.arange(len(overstress))
-    lower, y, upper = equation.lower_bound(), np.zeros_like(slopes), np.zeros_like(slopes)
+    lower, y = equation.lower_bound(), np.zeros_like(slopes)
+    upper = np.full_like(slopes, 1e-6)  # room for the round-off of the scaling
     for iterations_left in reversed(range(MOST_ITERATIONS)):
         value, slope = left.evaluate(y)
         np.copyto(lower, y, where=value < 0.0)
