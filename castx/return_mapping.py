@@ -9,9 +9,9 @@ beforehand, and the increment Δγ of ξ follows from one scalar equation for ea
 where the right side, the trial overstress, is positive; else the step is elastic. V is the
 overstress that drives the flow through its increment; V = 0 is rate-independent plasticity.
 
-Source of the algorithm: Simo and Hughes, Computational Inelasticity (1998), sections 3.3 (radial
-return, consistent tangent) and 3.6 (viscoplasticity); of the overstress: Perzyna, Fundamental
-problems in viscoplasticity, Advances in Applied Mechanics 9 (1966).
+Source of the algorithm, radial return with its consistent tangent: Simo and Hughes, Computational
+Inelasticity (1998), chapter 3; of the overstress: Perzyna, Fundamental problems in viscoplasticity,
+Advances in Applied Mechanics 9 (1966).
 
 Tensors are arrays of components, shape (points, 4): xx, yy, zz, xy, or (points, 6): xx, yy, zz, xy,
 xz, yz; a shear component counts twice in norms and contractions.
@@ -56,7 +56,7 @@ class Returned(NamedTuple):
 def return_mapping(
     trial: FloatArray, back: FloatArray, equivalent: FloatArray, properties: FlowProperties
 ) -> Returned:
-    """Return stress, flow and tangent after a step (Simo and Hughes 1998, box 3.1 and 3.2).
+    """Return stress, flow and tangent after a step (Simo and Hughes 1998, chapter 3).
 
     The new viscoplastic strain is the old one plus `viscoplastic_strain` of what is returned.
 
