@@ -12,7 +12,16 @@ from castx.entries import Choice, Description, NotYet, Quantity, over_time
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import Table
-from castx.units import ACCELERATION, HEAT_FLUX, HEAT_TRANSFER, LENGTH, STRESS, TEMPERATURE
+from castx.units import (
+    ACCELERATION,
+    HEAT_FLUX,
+    HEAT_TRANSFER,
+    LENGTH,
+    PURE_NUMBER,
+    STRESS,
+    TEMPERATURE,
+)
+from castx.variation import Variation, Varying
 
 DIRECTIONS = ("x", "y", "z", "r", "normal", "all")
 
@@ -21,22 +30,27 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "temperature": ("value",),
     "flux": ("value",),
     "convection": ("coefficient", "ambient"),
+    "radiation": ("emissivity", "ambient"),
 }
+_COEFFICIENT = Varying(
+    Quantity(HEAT_TRANSFER, least=0.0), ("temperature", "time"), ("film", "surface"), rows=True
+)
 _MOST_CONDITIONS = 20
 
 
 class HeatCondition(Description):
-    """Heat through a surface; every number is a table over time.
+    """Heat through a surface; every number may be a table over time.
 
-    `value` is a temperature [°C] or a flux into the body [W/m²], by type; `coefficient` [W/m²/K]
-    and `ambient` [°C] belong to convection.
+    `value` is a temperature [°C] or a flux into the body [W/m²], by type; `coefficient` [W/m²/K] of
+    convection may instead vary over the temperature of the film, (T + ambient)/2, or of the
+    surface; `ambient` [°C] belongs to convection and radiation, `emissivity` to radiation.
     """
 
-    type: Annotated[str, Choice(tuple(_NEEDED), ("radiation",))]
+    type: Annotated[str, Choice(tuple(_NEEDED))]
     value: Table | None = None
-    coefficient: Annotated[Table | None, over_time(HEAT_TRANSFER, least=0.0)] = None
+    coefficient: Annotated[Variation | None, _COEFFICIENT] = None
     ambient: Annotated[Table | None, over_time(TEMPERATURE)] = None
-    emissivity: Annotated[None, NotYet()] = None
+    emissivity: Annotated[Table | None, over_time(PURE_NUMBER, above=0.0, most=1.0)] = None
 
     @field_validator("value", mode="plain")
     @classmethod
@@ -49,7 +63,7 @@ class HeatCondition(Description):
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield numbers that the type lacks or cannot use."""
         needed = _NEEDED[self.type]
-        for key in ("value", "coefficient", "ambient"):
+        for key in ("value", "coefficient", "ambient", "emissivity"):
             if key in needed and getattr(self, key) is None:
                 yield Problem((key,), f"missing; heat of type {self.type!r} needs it")
             if key not in needed and getattr(self, key) is not None:

@@ -19,6 +19,7 @@ from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
 from castx.heat_boundaries import SurfaceHeat
 from castx.interfaces import Interface
+from castx.law_building import heat_exchange
 from castx.materials import Material, find_material
 from castx.measures import nodal_volumes
 from castx.mechanical_body import MechanicalBody, SurfaceLoad
@@ -31,8 +32,6 @@ from castx.tables import Table
 from castx.thermal_body import HeatBody
 
 _log = logging.getLogger(__name__)
-
-EXCHANGE_KINDS = {"perfect": "perfect", "none": "none"}
 
 
 def step_settings(case: Case) -> StepSettings:
@@ -71,21 +70,19 @@ def build_problem(
     refuse_unfinished(case, mesh)
     if scheme != "thermal":
         mechanics = _mechanics(case, mesh, materials, contacts)
+    exchanges = [heat_exchange(i, pairs[i.name], mesh.comm) for i in case.interfaces]
     heat: Temperatures
     if scheme == "mechanical":
-        heat = PrescribedTemperatures(
-            mesh, {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
-        )
+        given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
+        heat = PrescribedTemperatures(mesh, given, exchanges)
     else:
-        heat = _heat(case, mesh, materials, pairs)
+        heat = _heat(case, mesh, materials, exchanges)
     interfaces = [
         CoupledInterface(
             interface.name,
             pairs[interface.name],
-            interface.heat,
             interface.contact.initial_gap.at(pairs[interface.name].points),
             contacts.index(interface) if mechanics is not None and interface in contacts else None,
-            _exchange_kind(interface) == "resistance",
         )
         for interface in case.interfaces
     ]
@@ -123,20 +120,14 @@ def _history(body: Body) -> Table:
     return body.temperature_history or Table.constant(body.temperature)
 
 
-def _exchange_kind(interface: Interface) -> str:
-    law = "none" if interface.heat is None else interface.heat.law
-    return EXCHANGE_KINDS.get(law, "resistance")
-
-
 def _heat(
-    case: Case, mesh: CastingMesh, materials: dict[str, Material], pairs: dict[str, NodePairs]
+    case: Case,
+    mesh: CastingMesh,
+    materials: dict[str, Material],
+    exchanges: list[HeatExchange],
 ) -> HeatProblem:
     bodies = [
         HeatBody(b.name, materials[b.name], b.temperature, b.heat_source) for b in case.bodies
-    ]
-    exchanges = [
-        HeatExchange(i.name, pairs[i.name], _exchange_kind(i))  # type: ignore[arg-type]
-        for i in case.interfaces
     ]
     surfaces = [
         SurfaceHeat(
@@ -146,6 +137,7 @@ def _heat(
             value=condition.value,
             coefficient=condition.coefficient,
             ambient=condition.ambient,
+            emissivity=condition.emissivity,
         )
         for boundary in case.boundaries
         for condition in boundary.heat

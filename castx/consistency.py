@@ -16,6 +16,7 @@ from castx.refusal import Problem, Refusal, among
 if TYPE_CHECKING:
     from castx.bodies import Body
     from castx.case import Case
+    from castx.interfaces import Interface
 
 _DIRECTIONS = {
     "3d": ("x", "y", "z", "normal", "all"),
@@ -165,8 +166,34 @@ def _interface_problems(case: Case) -> Iterator[Problem]:
         if not gap.table.is_constant and gap.along not in coordinates:
             allowed = among("", coordinates, what="coordinates of this model")
             yield Problem((*place, "contact", "initial_gap", "along"), allowed)
+        yield from _heat_problems(case, index, interface)
         if interface.heat is None and case.coupling.scheme != "mechanical":
             yield Problem((*place, "heat"), 'missing; law = "none" lets no heat through')
+
+
+def _heat_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:
+    heat, place = interface.heat, ("interfaces", index, "heat")
+    if heat is None:
+        return
+    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    for number, patch in enumerate(heat.patches):
+        for axis in patch.within:
+            if axis not in coordinates:
+                allowed = among("", coordinates, what="coordinates of this model")
+                yield Problem((*place, "patches", number, "within", axis), allowed)
+    laws = [heat.law, *(heat.on(patch).law for patch in heat.patches)]
+    secondary = [body for body in case.bodies if body.name == interface.secondary]
+    if "solid-fraction" in laws and secondary and not _melts(case, secondary[0]):
+        text = f"the solid fraction of {interface.secondary!r} does not change: it never melts"
+        cure = "name the casting first in bodies, or take another law"
+        yield Problem((*place, "law"), f"{text}; {cure}")
+
+
+def _melts(case: Case, body: Body) -> bool:
+    try:
+        return find_material(body.material, case.materials).melts
+    except CaseError:
+        return True  # refused elsewhere
 
 
 def _boundary_problems(case: Case) -> Iterator[Problem]:

@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from castx.conductance import PairState
 from castx.pairs import NodePairs
 from castx.tables import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
-
-
-class HeatLaw(Protocol):
-    """Heat-transfer coefficient of an interface."""
-
-    def coefficient(self, gap: FloatArray, pressure: FloatArray) -> FloatArray:
-        """Return h [W/m²/K] at gaps [m] and contact pressures [Pa]."""
 
 
 @dataclass(frozen=True)
@@ -28,25 +21,14 @@ class CoupledInterface:
     Attributes:
         name: "secondary/primary".
         pairs: its node pairs.
-        law: law of the heat transfer; None: no heat crosses.
         initial_gap: gaps without displacement [m], shape (pairs,).
         contact: number of the interface among those with contact; None: it has none.
-        exchanges: whether the heat problem takes resistances for it.
     """
 
     name: str
     pairs: NodePairs
-    law: HeatLaw | None
     initial_gap: FloatArray
     contact: int | None
-    exchanges: bool
-
-    def resistance(self, gap: FloatArray, pressure: FloatArray) -> FloatArray:
-        """Return R = 1/h [m² K/W] at gaps [m] and contact pressures [Pa]; infinite: no law."""
-        if self.law is None:
-            return np.full(len(gap), np.inf)
-        with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / self.law.coefficient(gap, pressure))
 
 
 @dataclass(frozen=True)
@@ -56,7 +38,7 @@ class InterfaceState:
     Attributes:
         gap: [m], shape (pairs,).
         pressure: contact pressure [Pa].
-        resistance: R = 1/h [m² K/W].
+        resistance: R = 1/h [m² K/W], without radiation.
         closed: whether the pair touches; the gap of one that does is zero but for round-off.
     """
 
@@ -64,3 +46,8 @@ class InterfaceState:
     pressure: FloatArray
     resistance: FloatArray
     closed: BoolArray
+
+    @property
+    def felt(self) -> PairState:
+        """The state as heat feels it: pairs that touch have no gap at all."""
+        return PairState.of(np.where(self.closed, 0.0, self.gap), self.pressure)

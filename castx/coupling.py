@@ -2,7 +2,10 @@
 
 The unknown of the passes is the thermal resistance R = 1/h of every pair, which is linear in an
 open gap. Aitken's factor on R breaks the two-cycle into which the plain iteration falls at large
-steps; the first guess comes from the gap extrapolated in time.
+steps; the first guess comes from the gap extrapolated in time. Where h depends on temperature too,
+the R that were tried and found are compared at the temperatures of the pass, and heat is given the
+gap and pressure found with the factor that turns their R into the wanted one; radiation takes no
+part, since neither gap nor pressure change it.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ from mpi4py import MPI
 import numpy as np
 from dolfinx import fem
 
+from castx.conductance import PairState
 from castx.coupled_interface import CoupledInterface, InterfaceState
 from castx.errors import ConvergenceError
 from castx.heat import HeatReport
@@ -35,10 +39,13 @@ class Temperatures(Protocol):
         self,
         time: float,
         step: float,
-        resistances: Sequence[tuple[FloatArray, FloatArray] | None] = (),
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
     ) -> HeatReport:
         """Find the trial state at the end of a step."""
+
+    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return 1/h of the pairs of each interface at the trial temperatures."""
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
@@ -104,7 +111,8 @@ class CoupledProblem:
         self.comm, self.heat, self.mechanics = comm, heat, mechanics
         self.interfaces, self.volumes = list(interfaces), dict(volumes)
         self._scheme, self._tolerance, self._most_passes = scheme, tolerance, most_passes
-        self.states = [self._initial_state(interface) for interface in self.interfaces]
+        self.states = self._initial_states()
+        self._initial = [state.felt for state in self.states]
         self._committed = list(self.states)
         self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
         self._solid_fraction = self._present_solid_fraction()
@@ -116,10 +124,15 @@ class CoupledProblem:
         parts = [function.x.array for function in self.heat.solid_fraction.values()]
         return np.concatenate(parts)
 
-    def _initial_state(self, interface: CoupledInterface) -> InterfaceState:
-        gap = interface.initial_gap.copy()
-        pressure = np.zeros(len(gap))
-        return InterfaceState(gap, pressure, interface.resistance(gap, pressure), gap <= 0)
+    def _initial_states(self) -> list[InterfaceState]:
+        gaps = [interface.initial_gap.copy() for interface in self.interfaces]
+        pairs = [PairState.of(gap, np.zeros(len(gap))) for gap in gaps]
+        return [
+            InterfaceState(gap, state.pressure, resistance, gap <= 0)
+            for gap, state, resistance in zip(
+                gaps, pairs, self.heat.resistances(pairs), strict=True
+            )
+        ]
 
     def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
         """Find the trial state at the end of a step that starts from the committed state.
@@ -138,36 +151,41 @@ class CoupledProblem:
         total = CoupledReport()
         for _ in range(self._most_passes):
             total = _sum(total, self._pass(time, step, substeps, guess))
-            found = self._concatenated([state.resistance for state in self.states])
-            tried = self._concatenated(guess)
-            change = _largest_change(self.comm, found, tried)
+            felt = self._felt(self.states)
+            found = self.heat.resistances(felt)
+            self.states = [
+                replace(state, resistance=resistance)
+                for state, resistance in zip(self.states, found, strict=True)
+            ]
+            tried = _concatenated(self.heat.resistances(guess))
+            change = _largest_change(self.comm, _concatenated(found), tried)
             if self._scheme != "iterated" or change <= self._tolerance:
                 return replace(total, solid_fraction_change=self._solid_fraction_change())
-            guess = self._split(relaxation.next(tried, found))
+            wanted = relaxation.next(tried, _concatenated(found))
+            guess = _scaled(felt, found, wanted)
         raise ConvergenceError(
             f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
             f"resistance of some pair still changes by {change:.2g} of its value"
         )
 
-    def _first_guess(self, step: float) -> list[FloatArray]:
+    def _felt(self, states: Sequence[InterfaceState]) -> list[PairState]:
+        """Return what heat feels of the states of the interfaces."""
+        if self._scheme in ("staggered", "iterated"):
+            return [state.felt for state in states]
+        return self._initial
+
+    def _first_guess(self, step: float) -> list[PairState]:
         if self._scheme != "iterated":
-            return [state.resistance for state in self._committed]
-        guesses = []
-        for interface, state, rate in zip(
-            self.interfaces, self._committed, self._gap_rates, strict=True
-        ):
-            guesses.append(interface.resistance(state.gap + step * rate, state.pressure))
-        return guesses
+            return self._felt(self._committed)
+        return [
+            PairState.of(state.felt.gap + step * rate, state.pressure)
+            for state, rate in zip(self._committed, self._gap_rates, strict=True)
+        ]
 
     def _pass(
-        self, time: float, step: float, substeps: int, resistance: Sequence[FloatArray]
+        self, time: float, step: float, substeps: int, guess: Sequence[PairState]
     ) -> CoupledReport:
-        both = [
-            (start.resistance, end) if interface.exchanges else None
-            for interface, start, end in zip(
-                self.interfaces, self._committed, resistance, strict=True
-            )
-        ]
+        both = list(zip(self._felt(self._committed), guess, strict=True))
         report = self.heat.advance(time, step, both, substeps)
         heat = CoupledReport(
             1, report.iterations, temperature_change=report.largest_temperature_change
@@ -196,27 +214,17 @@ class CoupledProblem:
         # The last digits of a closed pair without pressure may pull.
         pushes = np.maximum(forces, 0.0)
         pressures = np.divide(pushes, areas, out=np.zeros_like(forces), where=areas > 0)
-        feedback = self._scheme in ("staggered", "iterated")
         for i, interface in enumerate(self.interfaces):
             if interface.contact is None:
                 continue
             part = self.mechanics.gaps.slices[interface.contact]
-            gap, pressure = gaps[part], pressures[part]
-            resistance = interface.resistance(gap, pressure)
-            if not feedback:
-                resistance = self._committed[i].resistance
-            self.states[i] = InterfaceState(gap, pressure, resistance, closed[part].copy())
+            self.states[i] = replace(
+                self.states[i], gap=gaps[part], pressure=pressures[part], closed=closed[part].copy()
+            )
 
     def _solid_fraction_change(self) -> float:
         change = np.abs(self._present_solid_fraction() - self._solid_fraction)
         return float(self.comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
-
-    def _concatenated(self, parts: Sequence[FloatArray]) -> FloatArray:
-        return np.concatenate([np.zeros(0), *parts])
-
-    def _split(self, values: FloatArray) -> list[FloatArray]:
-        ends = np.cumsum([len(state.gap) for state in self.states])
-        return list(np.split(values, ends[:-1])) if len(ends) else []
 
     def contact_force_vectors(self, name: str) -> FloatArray:
         """Return the forces on an interface's secondary nodes [N], shape (pairs, dimension)."""
@@ -232,7 +240,7 @@ class CoupledProblem:
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
         self._gap_rates = [
-            np.asarray((new.gap - old.gap) / self._step, dtype=np.float64)
+            np.asarray((new.felt.gap - old.felt.gap) / self._step, dtype=np.float64)
             for new, old in zip(self.states, self._committed, strict=True)
         ]
         self._committed, self._committed_step = list(self.states), self._step
@@ -273,3 +281,21 @@ def _sum(a: CoupledReport, b: CoupledReport) -> CoupledReport:
         a.contact_changes + b.contact_changes,
         b.temperature_change,
     )
+
+
+def _concatenated(parts: Sequence[FloatArray]) -> FloatArray:
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def _scaled(
+    pairs: Sequence[PairState], resistances: Sequence[FloatArray], wanted: FloatArray
+) -> list[PairState]:
+    """Return pairs with the factors that turn their resistances into the wanted ones."""
+    scaled, begin = [], 0
+    for state, own in zip(pairs, resistances, strict=True):
+        aim = wanted[begin : begin + len(own)]
+        begin += len(own)
+        finite = np.isfinite(own) & np.isfinite(aim) & (own > 0.0)
+        factor = np.divide(aim, own, out=np.ones(len(own)), where=finite)
+        scaled.append(replace(state, factor=factor))
+    return scaled

@@ -9,10 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from castx.conductance import PairState
 from castx.errors import CaseError, ConvergenceError
-from castx.exchange import HeatExchange
-from castx.heat_boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
-from castx.heat_iteration import converged, jacobian, residual, shorten_step
+from castx.exchange import MECHANISMS, HeatExchange
+from castx.heat_boundaries import FLUXES, SurfaceFlux, SurfaceHeat, SurfaceTemperature
+from castx.heat_iteration import adjust_step, converged, jacobian, residual
+from castx.heat_options import PREFIX, default_options
 from castx.heat_system import HeatSystem
 from castx.layout import Layout
 from castx.ledger import Account, Ledger
@@ -20,35 +22,6 @@ from castx.mesh import CastingMesh
 from castx.snes import NonlinearSolver, SolveReport
 from castx.tables import FloatArray
 from castx.thermal_body import HeatBody, ThermalBody
-
-PREFIX = "castx_heat_"
-
-LARGEST_DIRECT = {2: 100_000, 3: 2_000}
-"""Unknowns up to which "automatic" solves directly, by dimension of the mesh.
-
-Measured on a cylinder: in 3-D GMRES is 1.7 times faster at 3200 nodes, 5 times at 13 000; in 2-D
-equally fast at 16 000 nodes with steps of 5 s, slower with longer steps.
-"""
-
-DIRECT: dict[str, Any] = {
-    "ksp_type": "preonly",
-    "pc_type": "lu",
-    "pc_factor_mat_solver_type": "mumps",
-}
-ITERATIVE: dict[str, Any] = {
-    "ksp_type": "gmres",
-    "ksp_gmres_restart": 100,
-    "ksp_rtol": 1e-9,
-    "pc_type": "bjacobi",
-    "sub_pc_type": "ilu",
-}
-# A search for a smaller residual hurts: a front needs it to grow on its way (see `shorten_step`).
-NEWTON: dict[str, Any] = {
-    "snes_type": "newtonls",
-    "snes_linesearch_type": "basic",
-    "snes_max_it": 50,
-    "snes_stol": 0.0,
-}
 
 
 @dataclass(frozen=True)
@@ -86,7 +59,7 @@ class HeatProblem:
     Args:
         mesh: of all bodies.
         bodies: one for each body of the mesh; their order numbers the unknowns.
-        exchanges: interfaces; the resistances of each step come in this order.
+        exchanges: interfaces; the states of the pairs of each step come in this order.
         surfaces: heat conditions; a surface without one is insulated. Where prescribed temperatures
             meet, the first holds.
         tolerance: of the balance, relative to the heat that changes place in the sub-step.
@@ -123,7 +96,7 @@ class HeatProblem:
             self._layout,
             self._bodies,
             exchanges,
-            [SurfaceFlux(named[s.body], s) for s in surfaces if s.kind in ("flux", "convection")],
+            [SurfaceFlux(named[s.body], s) for s in surfaces if s.kind in FLUXES],
             [SurfaceTemperature(named[s.body], s) for s in surfaces if s.kind == "temperature"],
         )
         self._solver = NonlinearSolver(
@@ -133,9 +106,10 @@ class HeatProblem:
             partial(jacobian, self._system),
             vector=self._system.residual,
             matrix=self._system.jacobian.matrix,
-            options=_default_options(linear, self._layout, mesh) | dict(options or {}),
+            options=default_options(linear, self._layout.size_global, mesh.parent.topology.dim)
+            | dict(options or {}),
             converged=partial(converged, self._system, tolerance),
-            step_rule=partial(shorten_step, self._system),
+            step_rule=partial(adjust_step, self._system),
         )
         self._unknown = self._layout.create_vector()
         self._ledger = self._open_ledger(exchanges)
@@ -146,22 +120,25 @@ class HeatProblem:
     def _open_ledger(self, exchanges: Sequence[HeatExchange]) -> Ledger:
         """Open the ledger and book the heat that evens out bonded nodes at the start."""
         names, system = list(self.temperature), self._system
-        accounts = [Account(f"{name}.source", number) for number, name in enumerate(names)]
+        accounts = [Account.source(name, number) for number, name in enumerate(names)]
         conditions: list[SurfaceFlux | SurfaceTemperature] = [
             *system.fluxes,
             *system.temperatures,
         ]
+        places = [condition.name for condition in conditions]
         for condition in conditions:
-            accounts.append(Account(f"{condition.name}.heat", names.index(condition.body.name)))
+            mechanism = condition.mechanism if places.count(condition.name) > 1 else ""
+            to = names.index(condition.body.name)
+            accounts.append(Account.through(condition.name, mechanism, to))
         for exchange in exchanges:
-            to, origin = exchange.pairs.primary, exchange.pairs.secondary
-            accounts.append(Account(f"{exchange.name}.heat", names.index(to), names.index(origin)))
+            pairs = exchange.pairs
+            to, origin = names.index(pairs.primary), names.index(pairs.secondary)
+            accounts += [Account.through(exchange.name, way, to, origin) for way in MECHANISMS]
         ledger = Ledger(names, accounts, self._sums(self._stored_heat()))
-        through = np.zeros(len(accounts))
-        if exchanges:
-            through[-len(exchanges) :] = system.mix_bonded()
-        heat = self._sums(through)
-        ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()))
+        through = np.zeros((len(exchanges), len(MECHANISMS)))
+        through[:, 0] = system.mix_bonded()
+        heat = self._sums(np.append(np.zeros(len(accounts) - through.size), through))
+        ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()), 0.0)
         ledger.commit()
         return ledger
 
@@ -176,7 +153,7 @@ class HeatProblem:
         self,
         time: float,
         step: float,
-        resistances: Sequence[tuple[FloatArray, FloatArray] | None] = (),
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
     ) -> HeatReport:
         """Find the trial state at the end of a step that starts from the committed state.
@@ -186,9 +163,8 @@ class HeatProblem:
         Args:
             time: start of the step [s].
             step: its size [s].
-            resistances: for each interface those of its pairs at start and end of the step, shape
-                (pairs,) [m² K/W], infinite where nothing passes; None where the kind of the
-                interface needs none.
+            pairs: for each interface the states of its pairs at start and end of the step; None
+                where it has no law.
             substeps: implicit Euler steps of equal size inside the step.
 
         Raises:
@@ -201,7 +177,7 @@ class HeatProblem:
         state, size = self._committed, step / substeps
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
-            self._system.set_resistances(resistances, k / substeps)
+            self._system.exchanges.set_states(pairs, k / substeps)
             guess = known[k - 1] if k <= len(known) else state
             x = self._system.begin(state, guess, time + k * size, size)
             report = self._solve(x)
@@ -236,7 +212,7 @@ class HeatProblem:
     def _book(self, size: float) -> None:
         heat = size * self._sums(self._system.flows())
         moved = size * self._system.balance().moved
-        self._ledger.book(self._sums(self._stored_heat()), heat, moved)
+        self._ledger.book(self._sums(self._stored_heat()), heat, moved, size)
 
     def _largest_temperature_change(self) -> float:
         largest = 0.0
@@ -260,6 +236,16 @@ class HeatProblem:
             )
             for k, enthalpy in enumerate(self._trail, start=1)
         )
+
+    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return R = 1/h of pairs in these states at the trial temperatures [m² K/W].
+
+        It is zero where bodies are bonded and infinite where no heat crosses.
+
+        Args:
+            pairs: state of the pairs of each interface.
+        """
+        return self._system.resistances(pairs)
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
@@ -299,10 +285,3 @@ def _build_bodies(
             )
         mesh.bodies[surface.body].surface_tag(surface.surface)
     return [ThermalBody(mesh.bodies[body.name], mesh.model, body) for body in bodies]
-
-
-def _default_options(linear: str, layout: Layout, mesh: CastingMesh) -> dict[str, Any]:
-    if linear == "automatic":
-        small = layout.size_global <= LARGEST_DIRECT[mesh.parent.topology.dim]
-        linear = "direct" if small else "iterative"
-    return NEWTON | {"direct": DIRECT, "iterative": ITERATIVE}[linear]

@@ -9,18 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.errors import CaseError
+from castx.radiation import emission
 from castx.tables import FloatArray, Table
 from castx.thermal_body import ThermalBody
+from castx.variation import Variation
 
 IntArray = npt.NDArray[np.int32]
-Kind = Literal["insulated", "temperature", "flux", "convection"]
+Kind = Literal["insulated", "temperature", "flux", "convection", "radiation"]
 
 NEEDED: dict[Kind, tuple[str, ...]] = {
     "insulated": (),
     "temperature": ("value",),
     "flux": ("value",),
     "convection": ("coefficient", "ambient"),
+    "radiation": ("emissivity", "ambient"),
 }
+FLUXES: tuple[Kind, ...] = ("flux", "convection", "radiation")
+"""Kinds that give a flux; several may act on one surface."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,10 +35,12 @@ class SurfaceHeat:
     Attributes:
         body: name of the body.
         surface: name of the surface.
-        kind: "insulated", "temperature", "flux" or "convection".
+        kind: "insulated", "temperature", "flux", "convection" or "radiation".
         value: over time: the temperature [°C], or the flux into the body [W/m²].
-        coefficient: of the convection over time [W/m²/K].
+        coefficient: of the convection, over time or over the temperature of "film" or "surface"
+            [W/m²/K].
         ambient: temperature of the surroundings over time [°C].
+        emissivity: of the surface over time.
 
     Raises:
         CaseError: the kind is unknown, or a number it needs is missing.
@@ -43,8 +50,9 @@ class SurfaceHeat:
     surface: str
     kind: Kind
     value: Table | None = None
-    coefficient: Table | None = None
+    coefficient: Variation | None = None
     ambient: Table | None = None
+    emissivity: Table | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in NEEDED:
@@ -82,16 +90,53 @@ class GivenFlux:
 
 @dataclass(frozen=True)
 class Convection:
-    """Flux h(t)·(T_ambient(t) − T)."""
+    """Flux h·(T_ambient(t) − T), h over time or temperature.
 
-    coefficient: Table
+    The temperature is that of the film, (T + T_ambient)/2, or that of the surface.
+    """
+
+    coefficient: Variation
     ambient: Table
 
     def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the flux and its derivative."""
-        coefficient = float(self.coefficient(time))
-        flux = coefficient * (float(self.ambient(time)) - temperature)
-        return flux, np.full_like(temperature, -coefficient)
+        ambient, table = float(self.ambient(time)), self.coefficient.table
+        if self.coefficient.over == "time":
+            h, slope = np.full_like(temperature, table(time)), np.zeros_like(temperature)
+        else:
+            share = 0.5 if self.coefficient.of == "film" else 1.0
+            deciding = share * temperature + (1.0 - share) * ambient
+            h, slope = table(deciding), share * table.derivative(deciding)
+        return h * (ambient - temperature), slope * (ambient - temperature) - h
+
+
+@dataclass(frozen=True)
+class SurfaceRadiation:
+    """Flux ε(t) σ (T_ambient⁴ − T⁴) between a surface and large surroundings (absolute T)."""
+
+    emissivity: Table
+    ambient: Table
+
+    def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the flux and its derivative."""
+        emissivity = float(self.emissivity(time))
+        received, _ = emission(np.asarray(self.ambient(time)))
+        emitted, slope = emission(temperature)
+        return emissivity * (received - emitted), -emissivity * slope
+
+
+def flux_law(description: SurfaceHeat) -> FluxLaw:
+    """Return the law of a condition that gives a flux."""
+    match description.kind:
+        case "convection":
+            assert description.coefficient is not None and description.ambient is not None
+            return Convection(description.coefficient, description.ambient)
+        case "radiation":
+            assert description.emissivity is not None and description.ambient is not None
+            return SurfaceRadiation(description.emissivity, description.ambient)
+        case _:
+            assert description.value is not None
+            return GivenFlux(description.value)
 
 
 class SurfaceFlux:
@@ -103,16 +148,10 @@ class SurfaceFlux:
     """
 
     def __init__(self, body: ThermalBody, description: SurfaceHeat) -> None:
-        self.name = description.name
+        self.name, self.mechanism = description.name, description.kind
         self.body = body
         self.nodes, self.areas = body.surface_areas(description.surface)
-        self.law: FluxLaw
-        if description.kind == "convection":
-            assert description.coefficient is not None and description.ambient is not None
-            self.law = Convection(description.coefficient, description.ambient)
-        else:
-            assert description.value is not None
-            self.law = GivenFlux(description.value)
+        self.law = flux_law(description)
 
     def evaluate(self, time: float) -> tuple[FloatArray, FloatArray]:
         """Return heat into the nodes [W] and its derivative over their temperature [W/K]."""
@@ -130,7 +169,7 @@ class SurfaceTemperature:
 
     def __init__(self, body: ThermalBody, description: SurfaceHeat) -> None:
         assert description.value is not None
-        self.name = description.name
+        self.name, self.mechanism = description.name, description.kind
         self.body = body
         self.value = description.value
         nodes = body.mesh.surface_nodes(description.surface)

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from castx.heat_system import HeatSystem
+from castx.solid_feedback import couple_step
 
 FULL_STEPS = 8
 """Newton steps of a solve that are taken in full before `shorten_step` looks at them."""
@@ -26,6 +27,16 @@ def jacobian(
 ) -> None:
     """Fill the Jacobian."""
     system.assemble_jacobian(x)
+
+
+def adjust_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+    """Complete the Newton step where interfaces feel a whole body, then shorten it if it cycles."""
+    columns = system.solid_columns(x)
+    if columns:
+        couple_step(columns, y, snes.ksp)
+    for vector in (vector for column in columns for vector in column):
+        vector.destroy()
+    return shorten_step(system, x, y, snes) or bool(columns)
 
 
 def shorten_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:

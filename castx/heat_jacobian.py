@@ -26,7 +26,7 @@ class HeatJacobian:
     Args:
         layout: numbering of the nodes of all bodies.
         bodies: in the order of the layout.
-        exchanges: interfaces; None where no resistance counts.
+        exchanges: interfaces under a law.
         bonds: groups of nodes with one unknown.
     """
 
@@ -34,13 +34,13 @@ class HeatJacobian:
         self,
         layout: Layout,
         bodies: Sequence[ThermalBody],
-        exchanges: Sequence[PairExchange | None],
+        exchanges: Sequence[PairExchange],
         bonds: Bonds | None,
     ) -> None:
         self._layout = layout
         self._bonds = bonds
         self._bodies = [self._body_block(number, body) for number, body in enumerate(bodies)]
-        self._pairs = [self._pair_block(exchange) for exchange in exchanges if exchange is not None]
+        self._pairs = [self._pair_block(exchange) for exchange in exchanges]
         self.matrix = self._create_matrix()
 
     def _body_block(

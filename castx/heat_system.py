@@ -10,7 +10,9 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.bonds import Bonds, gather_links
-from castx.exchange import HeatExchange, PairExchange
+from castx.conductance import PairState
+from castx.exchange import HeatExchange
+from castx.exchanges import Exchanges
 from castx.heat_boundaries import SurfaceFlux, SurfaceTemperature
 from castx.heat_jacobian import HeatJacobian
 from castx.layout import Layout
@@ -65,12 +67,15 @@ class HeatSystem:
         self.bodies = tuple(bodies)
         self.fluxes = tuple(fluxes)
         self.temperatures = tuple(temperatures)
+        self._interfaces = len(exchanges)
         self._parts = [layout.local_slice(k) for k in range(len(bodies))]
         self.time, self.step = 0.0, 1.0
         self._create_vectors()
         self._create_exchanges(exchanges)
         self._create_prescribed()
-        self.jacobian = HeatJacobian(layout, self.bodies, self.exchanges, self.bonds)
+        self.jacobian = HeatJacobian(
+            layout, self.bodies, self.exchanges.under_law, self.bonds
+        )
 
     def _create_vectors(self) -> None:
         create = self.layout.create_vector
@@ -82,19 +87,8 @@ class HeatSystem:
         self.previous = self.enthalpy()
 
     def _create_exchanges(self, exchanges: Sequence[HeatExchange]) -> None:
+        self.exchanges = Exchanges(self.layout, self._balance, self.bodies, exchanges)
         names = [body.name for body in self.bodies]
-        self.exchanges: list[PairExchange | None] = [
-            PairExchange(
-                self.layout,
-                self._balance,
-                names.index(exchange.pairs.secondary),
-                names.index(exchange.pairs.primary),
-                exchange,
-            )
-            if exchange.kind == "resistance"
-            else None
-            for exchange in exchanges
-        ]
         links = gather_links(self.layout.comm, self.layout, names, exchanges)
         self.bonds: Bonds | None = None
         if len(links.dofs):
@@ -141,7 +135,7 @@ class HeatSystem:
             Heat that passes through each interface on this rank, secondary to primary [J].
         """
         if self.bonds is None:
-            return np.zeros(len(self.exchanges))
+            return np.zeros(self._interfaces)
         before = self.enthalpy()
         self._enthalpy.array[:] = before
         self.bonds.spread(self.bonds.mix(self._enthalpy), self._enthalpy, self._slope)
@@ -150,18 +144,11 @@ class HeatSystem:
         self._wanted.array[:] = np.nan
         return self.bonds.settle(self._balance, self._wanted, self._reaction)
 
-    def set_resistances(
-        self, resistances: Sequence[tuple[FloatArray, FloatArray] | None], part: float
-    ) -> None:
-        """Set the resistances of all pairs.
-
-        Args:
-            resistances: at start and end of the step for each interface [m² K/W].
-            part: of the step that has passed, between 0 and 1.
-        """
-        for exchange, values in zip(self.exchanges, resistances, strict=True):
-            if exchange is not None and values is not None:
-                exchange.set_resistance(*values, part)
+    def resistances(self, states: Sequence[PairState]) -> list[FloatArray]:
+        """Return R = 1/h of pairs in these states at the present temperatures [m² K/W]."""
+        self._read_temperatures()
+        self.exchanges.face(self._temperature, self.time)
+        return self.exchanges.resistances(states)
 
     def begin(
         self, previous: FloatArray, guess: FloatArray, time: float, step: float
@@ -200,10 +187,14 @@ class HeatSystem:
         if self.bonds is not None:
             self.bonds.spread(x.array_r[self.bonds.masters], self._enthalpy, self._slope)
         self.set_enthalpy(self._enthalpy.array_r)
-        T, dT = self._temperature.array, self._temperature_slope.array
+        self._read_temperatures()
+        dT = self._temperature_slope.array
         for body, part in zip(self.bodies, self._parts, strict=True):
-            T[part] = body.owned_temperature
             dT[part] = body.temperature_slope() * self._slope.array_r[part]
+
+    def _read_temperatures(self) -> None:
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            self._temperature.array[part] = body.owned_temperature
 
     @property
     def temperature(self) -> FloatArray:
@@ -225,19 +216,19 @@ class HeatSystem:
             heat, _ = flux.evaluate(self.time)
             balance[self._start_of(flux.body) + flux.nodes] -= heat
             through += np.abs(heat).sum()
-        for exchange in self.exchanges:
-            if exchange is not None:
-                heat = exchange.heat(self._temperature)
-                exchange.add_heat(heat, self._balance)
-                through += np.abs(heat).sum()
+        self.exchanges.face(self._temperature, self.time)
+        through += self.exchanges.add_heat(self._balance)
         self._moved = np.abs(storage).sum(), through
 
     def gather_residual(self, residual: PETSc.Vec) -> None:
         """Sum the balances over the groups; zero where the unknown is fixed."""
-        residual.array[:] = self._balance.array_r
+        self._gather(self._balance, residual)
+
+    def _gather(self, nodal: PETSc.Vec, gathered: PETSc.Vec) -> None:
+        gathered.array[:] = nodal.array_r
         if self.bonds is not None:
-            residual.array[self.bonds.masters] = self.bonds.collect(self._balance)
-        residual.array[self.fixed] = 0.0
+            gathered.array[self.bonds.masters] = self.bonds.collect(nodal)
+        gathered.array[self.fixed] = 0.0
 
     def balance(self) -> Balance:
         """Return the sums over all ranks that decide on convergence."""
@@ -252,6 +243,7 @@ class HeatSystem:
     def assemble_jacobian(self, x: PETSc.Vec) -> None:
         """Assemble the derivative of the residual into `jacobian.matrix`."""
         self.set_unknown(x)
+        self.exchanges.face(self._temperature, self.time)
         dT = self._temperature_slope.array_r
         diagonal = self.volumes * self._slope.array_r / self.step
         for flux in self.fluxes:
@@ -262,22 +254,40 @@ class HeatSystem:
         typical = self.layout.comm.allreduce(self.volumes.sum()) / self.layout.size_global
         self.jacobian.matrix.zeroRows(self._fixed_dofs, typical / self.step)
 
+    def solid_columns(self, x: PETSc.Vec) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
+        """Return what `castx.solid_feedback` adds to the Jacobian: columns of U and V."""
+        feedback = self.exchanges.feedback
+        if not feedback.exchanges:
+            return []
+        self.set_unknown(x)
+        self.exchanges.face(self._temperature, self.time)
+        columns = []
+        for exchange in feedback.exchanges:
+            u, v = self.residual.duplicate(), self.residual.duplicate()
+            self._reaction.array[:] = 0.0
+            exchange.add_heat(exchange.solid_slope(), self._reaction)
+            self._gather(self._reaction, u)
+            feedback.mean_slope(exchange, self._slope, self._reaction)
+            self._gather(self._reaction, v)
+            columns.append((u, v))
+        return columns
+
     def flows(self) -> FloatArray:
-        """Return the rates of heat on this rank [W]: sources, fluxes, givers, interfaces."""
+        """Return the rates of heat on this rank [W].
+
+        Sources, fluxes, givers, and each interface by mechanism; bonded nodes touch.
+        """
         sources = [body.source(self.time) * body.volumes.sum() for body in self.bodies]
         fluxes = [flux.evaluate(self.time)[0].sum() for flux in self.fluxes]
-        through = np.zeros(len(self.exchanges))
         self._reaction.array[:] = self._balance.array_r
+        through = self.exchanges.flows()
         if self.bonds is not None:
-            through += self.bonds.settle(self._balance, self._wanted, self._reaction)
-        for number, exchange in enumerate(self.exchanges):
-            if exchange is not None:
-                through[number] = exchange.heat(self._temperature).sum()
+            through[:, 0] += self.bonds.settle(self._balance, self._wanted, self._reaction)
         fed = [
             self._reaction.array_r[self._giver == number].sum()
             for number in range(len(self.temperatures))
         ]
-        return np.array([*sources, *fluxes, *fed, *through])
+        return np.array([*sources, *fluxes, *fed, *through.ravel()])
 
     def destroy(self) -> None:
         """Free the PETSc objects."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
+from castx.conductance import Faces, PairState, law_resistance
+from castx.exchange import HeatExchange
 from castx.heat import HeatReport
 from castx.materials import Material
 from castx.mesh import CastingMesh
@@ -28,10 +30,16 @@ class PrescribedTemperatures:
     Args:
         mesh: mesh of all bodies.
         bodies: by name.
+        exchanges: interfaces, whose resistances may be asked for although no heat is exchanged.
     """
 
-    def __init__(self, mesh: CastingMesh, bodies: Mapping[str, PrescribedBody]) -> None:
-        self._bodies = dict(bodies)
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        bodies: Mapping[str, PrescribedBody],
+        exchanges: Sequence[HeatExchange] = (),
+    ) -> None:
+        self._bodies, self._exchanges = dict(bodies), list(exchanges)
         spaces = {name: mesh.bodies[name].nodes for name in bodies}
         self.temperature = {n: fem.Function(space) for n, space in spaces.items()}
         self.enthalpy: dict[str, fem.Function] = {}
@@ -50,7 +58,7 @@ class PrescribedTemperatures:
         self,
         time: float,
         step: float,
-        resistances: Sequence[tuple[FloatArray, FloatArray] | None] = (),
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
     ) -> HeatReport:
         """Set the temperatures at the end of a step."""
@@ -61,6 +69,23 @@ class PrescribedTemperatures:
             for name, body in self._bodies.items()
         ]
         return HeatReport(0, 0, max(changes))
+
+    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return 1/h of pairs in these states [m² K/W]: zero if bonded, infinite without a law."""
+        fixed = {"perfect": 0.0, "none": np.inf}
+        return [
+            np.full(len(state.gap), fixed[exchange.kind])
+            if exchange.kind != "law"
+            else law_resistance(exchange.law, state, self._faces(exchange, len(state.gap)))
+            for exchange, state in zip(self._exchanges, pairs, strict=True)
+        ]
+
+    def _faces(self, exchange: HeatExchange, count: int) -> Faces:
+        secondary = self._bodies[exchange.pairs.secondary]
+        both = (secondary, self._bodies[exchange.pairs.primary])
+        hot, cold = (np.full(count, float(body.temperature(self._trial))) for body in both)
+        solid = float(secondary.material.solid_fraction_at(secondary.temperature(self._trial)))
+        return Faces.at_temperatures(hot, cold, self._trial, solid)
 
     def commit(self) -> None:
         """Make the trial temperatures the present ones."""

@@ -18,8 +18,8 @@ COUNTERS = (
     "cutbacks",
     "wall",
 )
-BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in")
-INTERFACE_TOTALS = ("heat", "mean_gap", "max_gap", "closed_fraction", "force")
+BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "power")
+INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
 RUN_TOTALS = ("energy_error", "support_force")
 
 

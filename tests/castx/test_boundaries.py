@@ -8,6 +8,10 @@ from castx.refusal import Refusal
 pytestmark = pytest.mark.serial
 
 
+CONVECTION = {"type": "convection", "ambient": 20}
+OVER_TIME = {"over": "time", "table": [[0, 1]]}
+
+
 def boundary(**keys):
     return Boundary.read({"on": "mould/outside", **keys})
 
@@ -22,8 +26,27 @@ def test_one_heat_condition_or_a_list():
     convection = {"type": "convection", "coefficient": "50 W/m^2/K", "ambient": "293.15 K"}
     flux = {"type": "flux", "value": [[0, "1 kW/m^2"], ["1 min", 0]]}
     first, second = boundary(heat=[convection, flux]).heat
-    assert first.coefficient(0.0) == 50.0 and first.ambient(7.0) == pytest.approx(20.0)
+    assert first.coefficient.table(0.0) == 50.0 and first.ambient(7.0) == pytest.approx(20.0)
     assert second.value(30.0) == pytest.approx(500.0) and first.value is None
+
+
+def test_a_coefficient_over_time_or_temperature():
+    rows = boundary(heat={**CONVECTION, "coefficient": [[0, 5], ["1 min", 10]]}).heat[0]
+    assert (rows.coefficient.over, rows.coefficient.table(30.0)) == ("time", 7.5)
+    named = boundary(heat={**CONVECTION, "coefficient": OVER_TIME}).heat[0]
+    assert (named.coefficient.over, named.coefficient.table(9.0)) == ("time", 1.0)
+    table = {"over": "temperature", "table": [["293.15 K", 5], [120, 10]]}
+    film = boundary(heat={**CONVECTION, "coefficient": table}).heat[0].coefficient
+    assert (film.over, film.of, film.table(70.0)) == ("temperature", "film", pytest.approx(7.5))
+    surface = {**CONVECTION, "coefficient": {**table, "of": "surface"}}
+    assert boundary(heat=surface).heat[0].coefficient.of == "surface"
+
+
+def test_radiation():
+    given = {"type": "radiation", "emissivity": [[0, 0.2], [10, 0.4]], "ambient": "300 K"}
+    both = boundary(heat=[{**CONVECTION, "coefficient": 5}, given]).heat
+    assert [condition.type for condition in both] == ["convection", "radiation"]
+    assert both[1].emissivity(5.0) == pytest.approx(0.3)
 
 
 def test_the_value_is_a_temperature_or_a_flux_by_type():
@@ -56,8 +79,36 @@ def test_pressure_and_traction():
         ({"on": 3}, 'on: a surface is named "body/surface"'),
         ({"heat": {"type": "insulatd"}}, r'heat.type: unknown.*mean "insulated"\?'),
         (
-            {"heat": {"type": "radiation", "emissivity": 0.8, "ambient": 20}},
-            "heat.type: not available yet; available: insulated, temperature, flux, convection",
+            {"heat": {"type": "radiation", "emissivity": 0.8}},
+            "heat.ambient: missing; heat of type 'radiation' needs it",
+        ),
+        (
+            {"heat": {"type": "radiation", "emissivity": 1.2, "ambient": 20}},
+            "heat.emissivity: must be positive and at most 1",
+        ),
+        (
+            {"heat": {"type": "convection", "coefficient": 5, "ambient": 20, "emissivity": 0.3}},
+            "heat.emissivity: heat of type 'convection' uses coefficient, ambient",
+        ),
+        (
+            {"heat": {**CONVECTION, "coefficient": {"over": "gap", "table": [[0, 1]]}}},
+            "heat.coefficient.over: unknown; allowed: temperature, time",
+        ),
+        (
+            {"heat": {**CONVECTION, "coefficient": {"over": "temperature"}}},
+            "heat.coefficient.table: missing; both over and table are needed",
+        ),
+        (
+            {"heat": {**CONVECTION, "coefficient": {**OVER_TIME, "of": "film"}}},
+            "heat.coefficient.of: only a table over temperature has it, not one over time",
+        ),
+        (
+            {"heat": {**CONVECTION, "coefficient": {**OVER_TIME, "tabel": 3}}},
+            r'heat.coefficient.tabel: unknown key.*did you mean "table"\?',
+        ),
+        (
+            {"heat": {**CONVECTION, "coefficient": {"over": "time", "table": [[0, -1]]}}},
+            r"heat.coefficient.table\[0\]: must be at least 0",
         ),
         ({"heat": {"value": 3}}, "heat.type: missing"),
         (

@@ -39,7 +39,7 @@ def test_the_whole_contract_of_what_is_available(file, monkeypatch):
     assert case.materials["steel"].density == pytest.approx(7800.0)
     assert [body.temperature for body in case.bodies] == pytest.approx([670.0, 200.0])
     assert case.interfaces[0].name == "casting/mould"
-    assert case.interfaces[0].heat.closed == 2300.0
+    assert case.interfaces[0].heat.closed.table(0.0) == 2300.0
     assert case.boundaries[0].heat[0].type == "insulated"
     assert case.boundaries[1].displacement[0].direction == "normal"
     assert case.loads.gravity == (0.0, -9.81)

@@ -20,20 +20,24 @@ FIXED = {"time": {"end": 2.0, "fixed_step": 1.0}}
 class FakeHeat:
     """Two facing points: the temperature falls by 0.1/R at the end in a step of 1 s."""
 
-    def __init__(self) -> None:
+    def __init__(self, law) -> None:
+        self.law = law
         self.temperature = {"casting": fake_function(1.0)}
         self.enthalpy = self.temperature
         self.solid_fraction = {"casting": fake_function(0.0)}
         self.committed, self.fails = 1.0, False
         self.given: list[list[Any]] = []
 
-    def advance(self, time, step, resistances=(), substeps=1) -> HeatReport:
-        self.given.append([None if r is None else (r[0].copy(), r[1].copy()) for r in resistances])
+    def advance(self, time, step, pairs=(), substeps=1) -> HeatReport:
+        self.given.append([tuple(self.resistances(both)) for both in pairs])
         if self.fails:
             raise ConvergenceError("the heat problem did not converge")
         fall = step * 0.1 / self.given[-1][0][1][0]
         self.temperature["casting"].x.array[:] = self.committed - fall
         return HeatReport(2, 2, abs(fall))
+
+    def resistances(self, pairs) -> list[np.ndarray]:
+        return [p.factor * self.law(p.gap, p.pressure) for p in pairs]
 
     def commit(self) -> None:
         self.committed = float(self.temperature["casting"].x.array[0])
@@ -84,11 +88,9 @@ class FakeMechanics:
 
 def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=None):
     """Return a problem with R = 1 + gap (or another law) and the gap after a time, see below."""
-    interface = SimpleNamespace(
-        name="casting/mould", initial_gap=np.zeros(1), contact=0, exchanges=True,
-        resistance=law or (lambda gap, pressure: 1.0 + gap),
-    )  # fmt: skip
-    heat, mechanics = FakeHeat(), FakeMechanics(slope)
+    interface = SimpleNamespace(name="casting/mould", initial_gap=np.zeros(1), contact=0)
+    heat = FakeHeat(law or (lambda gap, pressure: 1.0 + gap))
+    mechanics = FakeMechanics(slope)
     problem = CoupledProblem(
         MPI.COMM_SELF, heat, mechanics, [interface], {}, scheme, tolerance, passes
     )
@@ -119,7 +121,7 @@ def test_first_guess_extrapolates_the_gap():
     problem.advance(0.0, 1.0, 1)
     problem.commit()
     grown = problem.states[0].gap.copy()
-    problem.interfaces[0].resistance = lambda gap, pressure: 1.0 + gap
+    heat.law = lambda gap, pressure: 1.0 + gap
     with pytest.raises(ConvergenceError):
         problem._most_passes = 1
         problem.advance(1.0, 3.0, 1)

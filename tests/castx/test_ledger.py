@@ -7,7 +7,10 @@ from castx.ledger import Account, Ledger
 
 pytestmark = pytest.mark.serial
 
-ACCOUNTS = (Account("mould/outside.heat", 1), Account("casting/mould.heat", 1, 0))
+ACCOUNTS = (
+    Account.through("mould/outside", "convection", 1),
+    Account.through("casting/mould", "contact", 1, 0),
+)
 
 
 def ledger() -> Ledger:
@@ -16,7 +19,7 @@ def ledger() -> Ledger:
 
 def test_heat_of_an_interface_leaves_one_body_and_enters_the_other():
     book = ledger()
-    book.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 40.0)
+    book.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
     book.commit()
     totals = book.totals()
     assert totals["casting.heat_in"] == -20.0
@@ -28,28 +31,64 @@ def test_heat_of_an_interface_leaves_one_body_and_enters_the_other():
 
 def test_errors_of_two_bodies_do_not_hide_each_other():
     book = ledger()
-    book.book(np.array([81.0, 24.0]), np.array([-5.0, 20.0]), 40.0)
+    book.book(np.array([81.0, 24.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
     book.commit()
     assert book.totals()["energy_error"] == pytest.approx(1 / 40)
 
 
 def test_only_what_is_committed_counts():
     book = ledger()
-    book.book(np.array([0.0, 0.0]), np.array([1.0, 2.0]), 3.0)
+    book.book(np.array([0.0, 0.0]), np.array([1.0, 2.0]), 3.0, 2.0)
     assert book.totals()["casting.enthalpy"] == 100.0
     book.rewind()
-    book.book(np.array([90.0, 20.0]), np.array([0.0, 10.0]), 10.0)
+    book.book(np.array([90.0, 20.0]), np.array([0.0, 10.0]), 10.0, 2.0)
     book.commit()
     assert book.totals()["casting/mould.heat"] == 10.0
     assert book.totals()["energy_error"] == 0.0
 
 
 def test_conditions_of_one_surface_add_up():
-    accounts = (Account("mould/outside.heat", 0), Account("mould/outside.heat", 0))
+    accounts = (
+        Account.through("mould/outside", "convection", 0),
+        Account.through("mould/outside", "radiation", 0),
+    )
     book = Ledger(("mould",), accounts, np.array([0.0]))
-    book.book(np.array([3.0]), np.array([1.0, 2.0]), 3.0)
+    book.book(np.array([3.0]), np.array([1.0, 2.0]), 3.0, 2.0)
     book.commit()
-    assert book.totals()["mould/outside.heat"] == 3.0
+    totals = book.totals()
+    assert totals["mould/outside.heat"] == 3.0
+    assert totals["mould/outside.heat.convection"] == 1.0
+    assert totals["mould/outside.heat.radiation"] == 2.0
+    assert totals["mould/outside.power"] == 1.5
+    assert totals["mould/outside.power.radiation"] == 1.0
+
+
+def test_power_is_the_mean_over_the_last_step():
+    book = ledger()
+    book.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 25.0, 1.0)
+    book.commit()
+    for heat in (6.0, 10.0):  # two sub-steps
+        book.book(np.array([80.0, 25.0]), np.array([0.0, heat]), heat, 2.0)
+    assert book.totals()["casting/mould.power"] == 20.0  # nothing is committed yet
+    book.commit()
+    totals = book.totals()
+    assert totals["casting/mould.power.contact"] == totals["casting/mould.power"] == 4.0
+    assert (totals["casting.power"], totals["mould.power"]) == (-4.0, 4.0)
+    assert totals["mould/outside.power"] == 0.0
+    book.book(np.array([0.0, 0.0]), np.array([1.0, 1.0]), 1.0, 5.0)
+    book.rewind()
+    book.book(np.array([80.0, 25.0]), np.array([0.0, 3.0]), 3.0, 1.0)
+    book.commit()
+    assert book.totals()["casting/mould.power"] == 3.0
+
+
+def test_sources_have_their_own_names():
+    book = Ledger(("feeder",), (Account.source("feeder", 0),), np.array([0.0]))
+    book.book(np.array([8.0]), np.array([8.0]), 8.0, 2.0)
+    book.commit()
+    totals = book.totals()
+    assert (totals["feeder.source"], totals["feeder.power.source"]) == (8.0, 4.0)
+    assert totals["feeder.heat_in"] == 8.0
 
 
 def test_nothing_happened():

@@ -53,13 +53,13 @@ def run(
     heat: HeatProblem,
     step: float,
     end: float,
-    resistances: Sequence[Any] = (),
+    pairs: Sequence[Any] = (),
     look: Callable[[float], None] = lambda time: None,
 ) -> int:
     """Advance in equal steps, call `look` after each, and return the Newton iterations."""
     iterations = 0
     for k in range(round(end / step)):
-        iterations += heat.advance(k * step, step, resistances).iterations
+        iterations += heat.advance(k * step, step, pairs).iterations
         heat.commit()
         look((k + 1) * step)
     return iterations

@@ -16,6 +16,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import erf, erfc
 
+from castx.conductance import PairState
 from castx.thermal_body import HeatBody
 from tests.verification.heat_strips import (
     casting_on_mould,
@@ -81,12 +82,12 @@ def solve(comm, size: float, step: float, kind: str = "perfect") -> dict[str, fl
     thickness: dict[float, float] = {}
     pairs = mesh.bodies["casting"].surface_nodes("mould")
     owned = mesh.bodies["casting"].nodes.dofmap.index_map.size_local
-    resistance = np.full(np.count_nonzero(pairs < owned), 1e-8)
+    state = PairState.of_resistance(np.full(np.count_nonzero(pairs < owned), 1e-8))
     run(
         heat,
         step,
         10.0,
-        [(resistance, resistance)],
+        [(state, state)],
         look=lambda t: thickness.update({t: solid_thickness(mesh, heat, size)}),
     )
     errors = [
@@ -141,4 +142,4 @@ def test_errors_fall(comm):
 
 @pytest.mark.serial
 def test_small_resistance(comm):
-    check(solve(comm, 0.5e-3, 0.04, kind="resistance"))
+    check(solve(comm, 0.5e-3, 0.04, kind="law"))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.conductance import PairState
 from castx.heat_boundaries import SurfaceHeat
 from castx.tables import Table
 from castx.thermal_body import HeatBody
@@ -24,7 +25,7 @@ def test_flux_and_wall_temperatures(comm):
     heat = casting_on_mould(
         mesh,
         [HeatBody(name, steel, 20.0) for name in given],
-        "resistance",
+        "law",
         [
             SurfaceHeat(body=name, surface="far", kind="temperature", value=Table.constant(value))
             for name, value in given.items()
@@ -32,9 +33,9 @@ def test_flux_and_wall_temperatures(comm):
     )
     owned = mesh.bodies["casting"].nodes.dofmap.index_map.size_local
     pairs = np.count_nonzero(mesh.bodies["casting"].surface_nodes("mould") < owned)
-    resistance = np.full(pairs, 1 / EXCHANGE)
+    state = PairState.of_resistance(np.full(pairs, 1 / EXCHANGE))
     for k in range(3):
-        heat.advance(k * 1e9, 1e9, [(resistance, resistance)])
+        heat.advance(k * 1e9, 1e9, [(state, state)])
         before = heat.totals()
         heat.commit()
     after = heat.totals()
