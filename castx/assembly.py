@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
 
+from castx.errors import ConvergenceError
 from castx.layout import Layout
 from castx.linear import Correction
 from castx.mechanics import BodyMechanics
@@ -34,12 +36,28 @@ class BodyAssembly:
         self._matrix: PETSc.Mat | None = None
 
     def residual(self) -> PETSc.Vec:
-        """Return internal minus external forces at `unknowns`."""
+        """Return internal minus external forces at `unknowns`.
+
+        Raises:
+            ConvergenceError: the law of a body cannot be solved; on all ranks.
+        """
         self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
+        self._update_points()
         values = self.residual_vector.array
         for b, body in enumerate(self.bodies):
-            values[self.layout.local_slice(b)] = body.residual()
+            values[self.layout.local_slice(b)] = body.present_residual()
         return self.residual_vector
+
+    def _update_points(self) -> None:
+        failure = ""
+        for body in self.bodies:
+            try:
+                body.update_points()
+            except ConvergenceError as error:
+                failure = f"body {body.name!r}: {error}"
+        # Collective on every residual: one number.
+        if self.layout.comm.allreduce(int(bool(failure)), op=MPI.SUM):
+            raise ConvergenceError(next(filter(None, self.layout.comm.allgather(failure))))
 
     def matrix(self) -> PETSc.Mat:
         """Return the assembled Jacobian; the next call overwrites it."""
@@ -52,12 +70,37 @@ class BodyAssembly:
             self._nest.convert("aij", self._matrix)
         return self._matrix
 
+    @property
+    def is_linear(self) -> bool:
+        """Whether the matrix is the same for all unknowns of a step."""
+        return all(body.is_linear for body in self.bodies)
+
+    def force_scale(self) -> float:
+        """Return the norm of what the cells exert on the nodes or of the loads, the larger [N].
+
+        Forces that cancel each other count: so it has a size where no load acts.
+        """
+        local = np.array([body.force_scale() for body in self.bodies]).sum(axis=0)
+        return float(np.sqrt(self.layout.comm.allreduce(local, op=MPI.SUM).max()))
+
+    def improve_pressures(self) -> bool:
+        """Take over the pressures of incompressible Q1/P0 cells; return whether there are any."""
+        parts = [b.mean_dilatation for b in self.bodies if b.mean_dilatation is not None]
+        mine = any(part.iterates for part in parts)
+        if not self.layout.comm.allreduce(mine, op=MPI.LOR):
+            return False
+        for part in parts:
+            part.improve()
+        return True
+
     def displacement_rows(self) -> FloatArray:
         """Return 1 at the owned unknowns that are displacements, else 0."""
         rows = np.zeros(self.layout.size_local)
         for b, body in enumerate(self.bodies):
             part = rows[self.layout.local_slice(b)].reshape(-1, body.block_size)
             part[:, : body.dimension] = 1.0
+            if body.axial is not None:
+                part[:, body.axial] = 1.0
         return rows
 
     def corrections(self) -> list[Correction]:

@@ -32,7 +32,7 @@ class Body(Description):
     """One body: a named volume of the mesh, its material, initial temperature and law.
 
     `temperature` [°C] is the initial one, by default the start of `temperature_history`;
-    `heat_source` [W/m³] over time.
+    `heat_source` [W/m³] over time; `formulation` None: "mixed" on simplices, else "q1p0".
     """
 
     name: EntryName
@@ -43,10 +43,10 @@ class Body(Description):
     law: Annotated[
         str,
         Choice(
-            ("thermo-elastic",), ("rigid", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
+            ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic"), ("rigid",)
         ),
     ] = "thermo-elastic"
-    formulation: Annotated[str, Choice(("mixed", "displacement"), ("q1p0",))] = "mixed"
+    formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
 
     def inconsistencies(self) -> Iterator[Problem]:

@@ -10,7 +10,7 @@ from castx.boundaries import Boundary
 from castx.case import Case
 from castx.cell_kinds import KINDS
 from castx.consistency import starts_solid
-from castx.constitutive import ThermoElasticLaw
+from castx.constitutive import Law
 from castx.constraints import SurfaceDisplacement
 from castx.coupled_interface import CoupledInterface
 from castx.coupling import CoupledProblem, Temperatures
@@ -67,7 +67,6 @@ def build_problem(
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     mechanics = None
-    refuse_unfinished(case, mesh)
     if scheme != "thermal":
         mechanics = _mechanics(case, mesh, materials, contacts)
     exchanges = [heat_exchange(i, pairs[i.name], mesh.comm) for i in case.interfaces]
@@ -91,24 +90,6 @@ def build_problem(
     return CoupledProblem(
         mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance, coupling.passes
     )
-
-
-def refuse_unfinished(case: Case, mesh: CastingMesh) -> None:
-    """Refuse mechanics where only heat is there yet.
-
-    Raises:
-        CaseError: the model or the cells of the mesh have no mechanics.
-    """
-    if case.coupling.scheme == "thermal":
-        return
-    cure = 'coupling.scheme = "thermal" works'
-    if case.geometry.model == "generalised-plane-strain":
-        raise CaseError(f"geometry.model: {case.geometry.model!r} has no mechanics yet; {cure}")
-    if not mesh.simplicial:
-        plural = KINDS[mesh.parent.topology.cell_name()].plural
-        raise CaseError(
-            f'geometry: {plural} have no mechanics yet; use cells = "simplices", or {cure}'
-        )
 
 
 def _check_surfaces(case: Case, mesh: CastingMesh) -> None:
@@ -155,7 +136,7 @@ def _mechanics(
     materials: dict[str, Material],
     contacts: list[Interface],
 ) -> MechanicalProblem:
-    bodies = {b.name: _mechanical_body(case, b, materials[b.name]) for b in case.bodies}
+    bodies = {b.name: _mechanical_body(case, mesh, b, materials[b.name]) for b in case.bodies}
     displacements: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
     for boundary in case.boundaries:
         for condition in boundary.displacement:
@@ -176,8 +157,11 @@ def _mechanics(
     return MechanicalProblem(mesh, bodies, displacements, described, settings)
 
 
-def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBody:
-    if body.formulation == "displacement" and material.liquid is not None:
+def _mechanical_body(
+    case: Case, mesh: CastingMesh, body: Body, material: Material
+) -> MechanicalBody:
+    formulation = _formulation(mesh, body)
+    if formulation == "displacement" and material.liquid is not None:
         if not starts_solid(body, material.description):
             raise CaseError(
                 f"body {body.name!r} has formulation 'displacement', but its material "
@@ -186,13 +170,10 @@ def _mechanical_body(case: Case, body: Body, material: Material) -> MechanicalBo
         material = material.without_liquid()
     if material.melts:
         _log.info("%s", law_above_solidus(body.name, material))
-    stress_free = material.stress_free
-    if stress_free is None:
-        stress_free = body.temperature if material.solidus is None else material.solidus
     loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
     return MechanicalBody(
-        ThermoElasticLaw(material, stress_free),
-        body.formulation,
+        Law(material, material.stress_free_temperature(body.temperature), body.law),
+        formulation,
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
         tuple(loads),
@@ -207,6 +188,26 @@ def law_above_solidus(body: str, material: Material) -> str:
         return f"{body}: {material.name} is elastic at every temperature, it has no liquid"
     flow = "flows with its viscosity" if liquid.model == "viscous" else "creeps by Norton's law"
     return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
+
+
+def _formulation(mesh: CastingMesh, body: Body) -> str:
+    """Return the formulation of a body, by default that of its cells.
+
+    Raises:
+        CaseError: cells or model have no such formulation.
+    """
+    kind = KINDS[mesh.bodies[body.name].mesh.topology.cell_name()]
+    own = "mixed"
+    if not kind.simplex:
+        # Nothing locks in plane stress, whose volume is free.
+        own = "displacement" if mesh.model == "plane-stress" else "q1p0"
+    formulation = body.formulation or own
+    if formulation not in (own, "displacement"):
+        raise CaseError(
+            f"body {body.name!r} has formulation {formulation!r}; {kind.plural} in the model "
+            f"{mesh.model!r} have {' or '.join(dict.fromkeys((repr(own), repr('displacement'))))}"
+        )
+    return formulation
 
 
 def _loads(boundary: Boundary) -> Iterator[SurfaceLoad]:

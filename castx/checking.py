@@ -60,7 +60,7 @@ def body_table(case: Case, summary: MeshSummary) -> Table:
             body.name,
             body.material,
             f"{body.temperature:g} °C",
-            f"{body.law}\n{body.formulation}",
+            "\n".join(filter(None, (body.law, body.formulation))),
             str(sizes.nodes),
             str(sizes.cells),
             f"{sizes.volume:.4g}",

@@ -113,22 +113,10 @@ def _body_problems(
         stated = body.material in case.materials
         place = ("materials", body.material, key) if stated else ("bodies", index, "material")
         yield Problem(place, f"{key} is {text}; body {body.name!r} needs it for its law")
-    yield from _not_yet(index, body, material)
-    if body.formulation != "mixed" and material.liquid is not None:
+    if body.formulation == "displacement" and material.liquid is not None:
         if not starts_solid(body, material):
             text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
             yield Problem(("bodies", index, "formulation"), f'{text}, or liquid = "none" there')
-
-
-def _not_yet(index: int, body: Body, material: MaterialDescription) -> Iterator[Problem]:
-    """Yield what no body can do yet although materials can be described with it."""
-    place = ("bodies", index, "material")
-    if material.liquid is not None and material.liquid.model == "norton":
-        text = 'has a liquid with model = "norton", which is not available yet; use "viscous"'
-        yield Problem(place, f"{body.material!r} {text}")
-    if material.solidification_shrinkage:
-        text = "has a solidification_shrinkage, which is not available yet; leave it out"
-        yield Problem(place, f"{body.material!r} {text}")
 
 
 def _needed_properties(

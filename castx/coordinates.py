@@ -8,6 +8,7 @@ v = R u and u = P v, which do not depend on which pairs are closed:
     v_k = n_k · (u_secondary - u_primary)     contact: the change of the gap
     v_k = e · u                               prescribed direction
     v_k = e · (u - u_first)                   nodes of a surface that move equally: always zero
+    v_k = w - w_first                         the axial strain of a body: always zero
 
 A closed pair or a prescribed displacement is then a Dirichlet condition on one entry of v, and the
 contact force is the residual of that row of Pᵀ r(P v).
@@ -78,6 +79,7 @@ class Coordinates:
         fixed: fixed directions of each body.
         pairs: node pairs of the interfaces with contact.
         condensed: whether the gaps are among the coordinates.
+        uniform: of each body, the component of its unknowns that is the same at all nodes, or None.
 
     Raises:
         CaseError: a uniform surface or a pair whose motion a condition prescribes.
@@ -91,8 +93,10 @@ class Coordinates:
         fixed: Sequence[Sequence[FixedDirections]],
         pairs: Sequence[NodePairs],
         condensed: bool,
+        uniform: Sequence[int | None] = (),
     ) -> None:
         self.layout = layout
+        self._uniform = [(b, k) for b, k in enumerate(uniform) if k is not None]
         self._offset = _first_owned(layout)
         self._names = list(body_names)
         self._dimension = dimension
@@ -196,6 +200,7 @@ class Coordinates:
         frames.setDiagonal(ones)
         inverses = [self._fill_frames(b, forward, frames) for b in range(len(self._names))]
         self._fill_ties(forward, frames, inverses)
+        self._fill_uniform(forward, frames)
         if self._condensed:
             for interface in self.interfaces:
                 self._fill_contact(interface, forward, contact, inverses)
@@ -235,6 +240,21 @@ class Coordinates:
                 frames.setValues(starts[i], first, inverses[b][nodes[i]][:, slots[i]])
             local = self._local(b, nodes[others], slots[others])
             self.prescribed.append(Prescribed(local, Table.constant(0.0)))
+
+    def _fill_uniform(self, forward: PETSc.Mat, frames: PETSc.Mat) -> None:
+        """Tie components to that of the first node: v = w - w_first, zero at all others."""
+        for b, k in self._uniform:
+            nodes = np.arange(self.owned_nodes(b), dtype=np.int32)
+            own = self._local(b, nodes, np.full(len(nodes), k)) + self._offset
+            firsts = self.layout.comm.allgather(own[0] if len(own) else None)
+            first = next(number for number in firsts if number is not None)
+            others = own[own != first]
+            for row in others:
+                forward.setValue(row, first, -1.0)
+                frames.setValue(row, first, 1.0)
+            self.prescribed.append(
+                Prescribed((others - self._offset).astype(np.int32), Table.constant(0.0))
+            )
 
     def _fill_contact(
         self,

@@ -29,6 +29,8 @@ BoolArray = npt.NDArray[np.bool_]
 PREFIX = "castx_mechanics_"
 LINEAR_SHARE = 1e-3
 """Part of the nonlinear tolerance to which the linear solves go, and that closes or opens pairs."""
+ROUNDING = 2e-14
+"""Part of the terms of a row that no iteration takes away from their sum."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +99,9 @@ class Equilibrium:
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
         self._linear_tolerance_given = "ksp_rtol" in options
-        self._stiffness = 0.0
-        self._internal = self._external = 0.0
-        self._time = 0.0
+        self._diagonal = np.zeros(0)
+        self._stiffness = self._scale = self._rounding = 0.0
+        self._time, self._failure = 0.0, ""
         self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
 
     def solve(self, time: float) -> EquilibriumReport:
@@ -113,6 +115,7 @@ class Equilibrium:
         """
         for body in self._assembly.bodies:
             body.set_time(time)
+        self._rows(self.x)
         self._update_matrix()
         start, closed = self.x.array_r.copy(), self.active.closed.copy()
         try:
@@ -126,9 +129,13 @@ class Equilibrium:
             return self._try(time)
 
     def _try(self, time: float) -> EquilibriumReport:
-        self._time = time
+        self._time, self._failure = time, ""
         self.active.begin()
-        report = self._solver.solve(self.x)
+        try:
+            report = self._solver.solve(self.x)
+        except ConvergenceError as error:
+            text = f"{error}; {self._failure}" if self._failure else str(error)
+            raise ConvergenceError(text) from None
         return EquilibriumReport(
             report.iterations, report.linear_iterations, self.active.changes, report.residuals
         )
@@ -136,14 +143,23 @@ class Equilibrium:
     def _update_matrix(self) -> None:
         self._operator.matrix = self._contact.matrix(self._assembly.matrix())
         diagonal = self._operator.matrix.getDiagonal()
-        largest = float(np.abs(diagonal.array_r[self._displacement_rows]).max(initial=0.0))
+        self._diagonal = np.abs(diagonal.array_r)
+        largest = float(self._diagonal[self._displacement_rows].max(initial=0.0))
         self._stiffness = self._assembly.layout.comm.allreduce(largest, op=MPI.MAX)
         diagonal.destroy()
 
     def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
-        rows = self._rows(x)
+        try:
+            rows = self._rows(x)
+        except ConvergenceError as error:
+            # SNES stops at what is not a number; an exception cannot cross it.
+            self._failure = str(error)
+            f.set(np.nan)
+            return
         self._evaluated = x.array_r.copy(), rows.copy()
-        self._internal, self._external = self._norms(x, rows)
+        self._scale = self._assembly.force_scale()
+        terms = self._diagonal * x.array_r
+        self._rounding = ROUNDING * np.sqrt(self._sum(float(terms @ terms)))
         self._balance(x, rows, f)
 
     def _balance(self, x: PETSc.Vec, rows: FloatArray, f: PETSc.Vec) -> None:
@@ -162,7 +178,8 @@ class Equilibrium:
         """
         x, f = snes.getSolution(), snes.getFunction()[0]
         at, rows = self._evaluated
-        if not self._all(np.array_equal(at, x.array_r)):
+        improved = self._assembly.improve_pressures()
+        if improved or not self._all(np.array_equal(at, x.array_r)):
             self._residual(snes, x, f)
             rows = self._evaluated[1]
         gaps = self._contact.gaps(x, self._assembly.unknowns)
@@ -176,18 +193,11 @@ class Equilibrium:
     def _all(self, here: bool) -> bool:
         return bool(self._assembly.layout.comm.allreduce(here, op=MPI.LAND))
 
-    def _norms(self, x: PETSc.Vec, rows: FloatArray) -> tuple[float, float]:
-        """Return the norms of the internal forces and of thermal and other loads [N]."""
-        image = x.duplicate()
-        self._operator.free_product(x, image)
-        internal = image.norm()
-        image.array[:] -= rows
-        loads = image.norm()
-        image.destroy()
-        return internal, loads
+    def _sum(self, here: float) -> float:
+        return float(self._assembly.layout.comm.allreduce(here, op=MPI.SUM))
 
     def _target(self) -> float:
-        return self.tolerance * max(self._internal, self._external)
+        return max(self.tolerance * self._scale, self._rounding)
 
     def _rows(self, x: PETSc.Vec) -> FloatArray:
         self._contact.displacements(x, self._assembly.unknowns)
@@ -209,6 +219,8 @@ class Equilibrium:
         return self._floating.find(held, values)
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
+        if not self._assembly.is_linear and snes.getIterationNumber() > 0:
+            self._operator.matrix = self._contact.matrix(self._assembly.matrix())
         self._preconditioner.refresh(snes.ksp.getIterationNumber())
         J.assemble()
 
@@ -219,7 +231,7 @@ class Equilibrium:
         if not np.isfinite(norms[2]):
             return reasons.DIVERGED_FNORM_NAN
         changed = iteration > 0 and self._change_set(snes)
-        norm = snes.getFunction()[0].norm() if changed else norms[2]
+        norm = snes.getFunction()[0].norm()
         target = self._target()
         if norm <= target and not changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
@@ -255,6 +267,8 @@ class Equilibrium:
         self.x.array[:] = self._committed
         self._operator.support = self._committed_support
         self.active.rewind()
+        for body in self._assembly.bodies:
+            body.rewind()
         self._rows(self.x)
 
     def destroy(self) -> None:

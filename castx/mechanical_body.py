@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from castx.constitutive import ThermoElasticLaw
+from castx.constitutive import Law
 from castx.tables import Table
 
 
@@ -30,8 +30,8 @@ class MechanicalBody:
     """Law, formulation and loads of a body.
 
     Attributes:
-        law: thermo-elastic law.
-        formulation: "mixed" or "displacement".
+        law: constitutive law with its material.
+        formulation: "mixed", "displacement" or "q1p0".
         stabilisation: "osgs" or "gls"; acts in the mixed formulation.
         body_force: force per volume [N/m³], one number for each direction, or a UFL vector as a
             function of the position.
@@ -40,7 +40,7 @@ class MechanicalBody:
         closed: names of the surfaces through which no liquid can follow.
     """
 
-    law: ThermoElasticLaw
+    law: Law
     formulation: str = "mixed"
     stabilisation: str = "osgs"
     body_force: Sequence[float] | Callable[[Any], Any] = ()

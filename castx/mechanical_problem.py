@@ -122,7 +122,8 @@ class MechanicalProblem:
         self.pairs = [node_pairs(mesh, c.secondary, c.primary) for c in contacts]
         condensed = methods != {"multipliers"}
         coordinates = Coordinates(
-            self.layout, names, parts[0].dimension, fixed, self.pairs, condensed
+            self.layout, names, parts[0].dimension, fixed, self.pairs, condensed,
+            [body.axial for body in parts],
         )
         initial = [c.initial_gap(p.points) for c, p in zip(contacts, self.pairs, strict=True)]
         self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial)

@@ -1,4 +1,4 @@
-"""Discrete balance of momentum of one body: spaces, forms, state and loads."""
+"""Discrete balance of momentum of one body: spaces, forms, state and residual."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Any
 from petsc4py import PETSc
 
 import numpy as np
-import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
-from castx.constitutive import BirthHistory, CellState
+from castx.body_forms import BodyForms
+from castx.body_loads import BodyLoads
 from castx.constraints import FixedDirections
-from castx.forms import kinematics, momentum, stabilisation
-from castx.measures import cell_measure, extent, surface_measure
+from castx.forms import kinematics, stabilisation
+from castx.integration_points import IntegrationPoints, quadrature_degree
+from castx.material_points import MaterialPoints
+from castx.mean_dilatation import MeanDilatation
+from castx.measures import extent
 from castx.mechanical_body import MechanicalBody
 from castx.mesh import BodyMesh
 from castx.pockets import Pockets
 from castx.projection import Projection
-from castx.tables import Table
-
-FloatArray = npt.NDArray[np.float64]
-
+from castx.tables import FloatArray
 
 PRESSURE_SHARE = 0.1
 """Unit of the pressure unknown in G/L; with 1 a liquid costs multigrid a fifth more iterations."""
@@ -32,12 +32,16 @@ PRESSURE_SHARE = 0.1
 TRAPPED_SHARE = 1e-6
 """Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
 
+THERMAL_SHARE = 1e-2
+"""Part of the stress of a hindered thermal strain that counts as an internal force of the body."""
+
 
 class BodyMechanics:
     """Residual and Jacobian of one body, its displacement and its history.
 
-    The unknown has the displacement and, in the mixed formulation, the pressure over
-    `pressure_scale` at each node, which makes a length of it and forces of all rows.
+    The unknowns of a node are the displacement, in the mixed formulation the pressure over
+    `pressure_scale`, and in generalised plane strain the axial strain times `length`: lengths all,
+    so that all rows are forces.
 
     Args:
         body: mesh of the body.
@@ -53,25 +57,27 @@ class BodyMechanics:
         description: MechanicalBody,
         planes: Sequence[FixedDirections] = (),
     ) -> None:
-        self.name = body.name
-        self.mesh = body
-        self.model = model
+        self.name, self.mesh, self.model = body.name, body, model
         self.description = description
         self.dimension: int = body.mesh.geometry.dim
         self.mixed = description.formulation == "mixed"
-        self.block_size = self.dimension + int(self.mixed)
+        axial = model == "generalised-plane-strain"
+        self.axial = self.dimension + int(self.mixed) if axial else None
+        self.block_size = self.dimension + int(self.mixed) + int(axial)
         self.space = fem.functionspace(body.mesh, ("Lagrange", 1, (self.block_size,)))
         self.solution = fem.Function(self.space, name=f"motion of {body.name}")
-        stiffness = description.law.largest_shear_modulus() / extent(body.mesh)
+        self.length = extent(body.mesh)
+        stiffness = description.law.largest_shear_modulus() / self.length
         self.pressure_scale = PRESSURE_SHARE * stiffness
-        # A constant: forms are compiled once for all values.
+        # Constants: forms are compiled once for all values.
         self._pressure_unit = fem.Constant(body.mesh, np.float64(self.pressure_scale))
+        self._unit_length = fem.Constant(body.mesh, np.float64(self.length))
         self.cell_nodes = body.nodes.dofmap.list
-        self.coherent: npt.NDArray[np.bool_] = np.ones(len(self.cell_nodes), dtype=bool)
-        self._create_state()
-        self._create_loads()
+        self.loads = BodyLoads(body, model, description)
+        self._create_points()
         self._create_forms()
-        self._residual = la.vector(self.space.dofmap.index_map, self.block_size)
+        self._row = la.vector(self.space.dofmap.index_map, self.block_size)
+        self._load = np.zeros(self.space.dofmap.index_map.size_local * self.block_size)
         self.projection = None
         if self._uses_osgs:
             self.projection = Projection(body, model, self.tau, self.pressure_scale, planes)
@@ -80,126 +86,70 @@ class BodyMechanics:
     def _uses_osgs(self) -> bool:
         return self.mixed and self.description.stabilisation == "osgs"
 
-    def _create_state(self) -> None:
-        mesh = self.mesh.mesh
-        components = 6 if self.model == "3d" else 4
-        constant = fem.functionspace(mesh, ("DG", 0))
-        self._shear_modulus = fem.Function(constant)
-        self._compressibility = fem.Function(constant)
-        self._thermal_strain = fem.Function(constant)
-        tensor = fem.functionspace(mesh, ("DG", 0, (components,)))
-        self._reference_strain = fem.Function(tensor)
-        self._cell_tensor = fem.Function(tensor)
-        self._history = BirthHistory(len(self.cell_nodes), components)
-        self.pockets: Pockets | None = None
-        if self.mixed and self.description.law.material.liquid is not None:
-            self.pockets = Pockets(self.mesh, self.model, self.description.closed)
-        if self.description.starts_liquid:
-            self._history.begin_liquid()
+    @property
+    def is_linear(self) -> bool:
+        """Whether the Jacobian is the same for all displacements of a step."""
+        return self.description.law.is_linear
 
-    def _create_loads(self) -> None:
-        mesh = self.mesh.mesh
-        force = self.description.body_force
-        if callable(force):
-            self.body_force = force(ufl.SpatialCoordinate(mesh))
-        else:
-            components = np.zeros(self.dimension)
-            components[: len(force)] = force[: self.dimension]
-            self.body_force = fem.Constant(mesh, components)
-        self._load_values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
-        for load in self.description.loads:
-            tables = load.traction if load.pressure is None else (load.pressure,)
-            assert tables is not None
-            none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
-            self._load_values.append((fem.Constant(mesh, none), tables))
+    def _create_points(self) -> None:
+        description = self.description
+        degree = quadrature_degree(self.mesh, self.model, description.formulation)
+        self.points = IntegrationPoints(self.mesh, self.model, degree)
+        self.cells = fem.functionspace(self.mesh.mesh, ("DG", 0))
+        self.material = MaterialPoints(
+            self.points, description.law, self.cells, description.starts_liquid
+        )
+        self.pockets: Pockets | None = None
+        if not self.is_compressible and description.formulation != "displacement":
+            self.pockets = Pockets(self.mesh, self.model, description.closed)
+    @property
+    def is_compressible(self) -> bool:
+        """Whether the body never is a liquid."""
+        return self.description.law.material.liquid is None
 
     def _create_forms(self) -> None:
-        mesh, model = self.mesh.mesh, self.model
-        x = ufl.SpatialCoordinate(mesh)
-        w, z = self.solution, ufl.TestFunction(self.space)
-        u, p = self.split(w)
-        eta, q = self.split(z)
-        self._cell_state = momentum.ElasticState(
-            self._shear_modulus,
-            self._compressibility,
-            self._thermal_strain,
-            kinematics.symmetric_tensor(self._reference_strain, model),
-        )
-        if self.pockets is not None:
-            self._cell_state = self._cell_state._replace(
-                trapped=self.pockets.trapped, trapped_pressure=self.pockets.pressure
-            )
-        # Plane stress puts p into the strain: both must then be integrated alike.
-        dx = cell_measure(self.mesh, model, 2 if model == "plane-stress" and self.mixed else 1)
-        dx_p = cell_measure(self.mesh, model, 2)
+        length = self._element_length()
+        forms = BodyForms(self, length)
+        self.tau = forms.tau
+        self._internal_form = fem.form(forms.internal)
+        self._jacobian_form = fem.form(forms.jacobian)
+        self._load_form = fem.form(forms.load)
+        components = kinematics.symmetric_components(forms.total, self.model)
+        self._strain_expression = self.points.expression(components)
+        self._pressure_expression = None
         if self.mixed:
-            # A given pressure needs no stabilisation.
-            self.tau = (1 - self._cell_state.trapped) * stabilisation.tau(
-                self._shear_modulus,
-                stabilisation.element_length(mesh, self.dimension),
-                stabilisation.CONSTANTS[self.description.stabilisation],
-            )
-            F = momentum.mixed_internal_virtual_work(
-                u, p, eta, q, self._cell_state, model, x, dx, dx_p
-            )
-            F -= stabilisation.pressure_laplacian(p, q, self.tau, dx_p)
-            if not self._uses_osgs:
-                F -= stabilisation.body_force_residual(q, self.body_force, self.tau, dx_p)
-        else:
-            F = momentum.displacement_internal_virtual_work(
-                u, eta, self._cell_state, model, x, dx
-            )
-        self._jacobian_form = fem.form(ufl.derivative(F, w))
-        F -= momentum.body_force_work(eta, self.body_force, dx_p)
-        F -= self._surface_work(eta)
-        self._residual_form = fem.form(F)
-        self._create_cell_expressions(x)
+            self._pressure_expression = self.points.expression(forms.pressure)
+        self.mean_dilatation: MeanDilatation | None = None
+        if self.description.formulation == "q1p0":
+            self.mean_dilatation = MeanDilatation(
+                self.mesh, self.cells, self.space, forms.increment, forms.dx,
+                self.description.law.largest_shear_modulus(),
+            )  # fmt: skip
+        sizes = self.points.evaluate(self.points.expression(length))[:, 0]
+        self._force_of_stress = self.points.weights.sum(axis=1) / self.points.cell_means(sizes)
 
-    def _surface_work(self, eta: Any) -> Any:
-        ds = surface_measure(self.mesh, self.model, 2)
-        normal = ufl.FacetNormal(self.mesh.mesh)
-        work = ufl.inner(ufl.zero(self.dimension), eta) * ds
-        for load, (value, _) in zip(self.description.loads, self._load_values, strict=True):
-            measure = ds(self.mesh.surfaces[load.surface])
-            if load.pressure is not None:
-                work += momentum.pressure_work(eta, value, normal, measure)
-            else:
-                work += momentum.traction_work(eta, value, measure)
-        return work
-
-    def _create_cell_expressions(self, x: Any) -> None:
-        u, p = self.split(self.solution)
-        model, state = self.model, self._cell_state
-        if self.mixed:
-            total = momentum.mixed_strain(u, p, state, model, x)
-            stress = momentum.deviatoric_stress(total, state) + p * ufl.Identity(3)
-        else:
-            # A displacement body has no liquid, so its history does not use the strain.
-            total = kinematics.strain(u, model, x)
-            stress = momentum.displacement_stress(u, state, model, x)
-        points = self._cell_tensor.function_space.element.interpolation_points()
-        strain = kinematics.symmetric_components(total, model)
-        self._strain_expression = fem.Expression(strain, points)
-        self._stress_expression = fem.Expression(
-            kinematics.symmetric_components(stress, model), points
-        )
+    def _element_length(self) -> Any:
+        return stabilisation.element_length(self.mesh.mesh, self.dimension)
 
     def split(self, w: Any) -> tuple[Any, Any]:
         """Return displacement and pressure [Pa] of an unknown or a test function."""
-        if not self.mixed:
-            return w, None
         u = ufl.as_vector([w[i] for i in range(self.dimension)])
-        return u, self._pressure_unit * w[self.dimension]
+        return u, self._pressure_unit * w[self.dimension] if self.mixed else None
+
+    def strain(self, w: Any) -> Any:
+        """Return the strain of an unknown or a test function, in plane stress that in the plane."""
+        axial = 0.0 if self.axial is None else w[self.axial] / self._unit_length
+        x = ufl.SpatialCoordinate(self.mesh.mesh)
+        return kinematics.strain(self.split(w)[0], self.model, x, axial)
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]."""
-        for constant, tables in self._load_values:
-            values = np.array([float(table(time)) for table in tables])
-            constant.value = values if constant.value.ndim else values[0]
+        self.loads.set_time(time)
+        self._load = self._assemble(self._load_form)
 
     def update_state(
         self, temperature: FloatArray, solid_fraction: FloatArray, step: float
-    ) -> CellState:
+    ) -> None:
         """Evaluate the law for a trial step.
 
         Args:
@@ -207,33 +157,62 @@ class BodyMechanics:
             solid_fraction: likewise.
             step: time step [s].
         """
-        nodes = self.cell_nodes
-        state = self.description.law.evaluate(temperature[nodes], solid_fraction[nodes], step)
-        self._shear_modulus.x.array[:] = state.shear_modulus
-        self._compressibility.x.array[:] = state.compressibility
-        self._thermal_strain.x.array[:] = state.thermal_strain
-        self._reference_strain.x.array[:] = self._history.reference(state.coherent).ravel()
-        self.coherent = state.coherent
+        conditions = self.material.begin(temperature, solid_fraction, step)
+        given = None
         if self.pockets is not None:
-            trapped = self.pockets.update(~state.coherent)
+            trapped = self.pockets.update(~conditions.coherent)
+            given = np.where(
+                trapped, self.pockets.pressure.x.array[self.cell_nodes].mean(axis=1), np.nan
+            )
             # Little enough to leave the pressures of the shell alone.
-            share = TRAPPED_SHARE * state.solid_compressibility[trapped]
-            self._compressibility.x.array[trapped] = share
+            share = TRAPPED_SHARE * conditions.solid_compressibility[trapped]
+            self.material.compressibility.x.array[trapped] = share
+        if self.mean_dilatation is not None:
+            self.mean_dilatation.begin(conditions, given)
         if self.projection is not None:
             self.projection.assemble()
-        return state
+
+    @property
+    def coherent(self) -> Any:
+        """Whether the cells are solid in the trial step, shape (cells,)."""
+        return self.material.conditions.coherent
 
     def residual(self) -> FloatArray:
-        """Return internal minus external forces of the owned unknowns."""
-        b = self._assemble(self._residual_form)
+        """Return internal minus external forces of the owned unknowns.
+
+        Raises:
+            ConvergenceError: the law cannot be solved at some point; on its own rank alone.
+        """
+        self.update_points()
+        return self.present_residual()
+
+    def present_residual(self) -> FloatArray:
+        """Return the residual for the stresses that `update_points` found; collective."""
+        b = self._assemble(self._internal_form) - self._load
+        if self.mean_dilatation is not None:
+            b += self.mean_dilatation.forces()
         if self.projection is not None:
             b[self.dimension :: self.block_size] += self.projection.correction(
                 self.solution.x.array[self.dimension :: self.block_size]
             )
         return b
 
+    def update_points(self) -> None:
+        """Find stress and tangent at the present displacement and pressure.
+
+        Raises:
+            ConvergenceError: the law cannot be solved at some point; on its own rank alone.
+        """
+        strain = self.points.evaluate(self._strain_expression)
+        pressure = None
+        if self._pressure_expression is not None:
+            pressure = self.points.evaluate(self._pressure_expression)[:, 0]
+        self.material.update(strain, pressure)
+        if self.mean_dilatation is not None:
+            self.mean_dilatation.update(self.material.dilatation)
+
     def _assemble(self, form: fem.Form) -> FloatArray:
-        b = self._residual
+        b = self._row
         b.array[:] = 0
         fem.assemble_vector(b.array, form)
         b.scatter_reverse(la.InsertMode.add)
@@ -249,6 +228,29 @@ class BodyMechanics:
         A.zeroEntries()
         assemble_matrix(A, self._jacobian_form)
         A.assemble()
+        if self.mean_dilatation is not None:
+            self.mean_dilatation.add_tangent(A)
+
+    def force_scale(self) -> tuple[float, float]:
+        """Return sums of squares over the owned nodes of this rank [N²].
+
+        Of what the cells exert on each node, however much of it cancels, and of the loads.
+        """
+        size = np.linalg.norm(self._present_stress()[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
+        conditions = self.material.conditions
+        G = self.points.cell_means(conditions.shear_modulus)
+        size += THERMAL_SHARE * 2 * G * np.abs(conditions.thermal_strain)
+        nodes = la.vector(self.mesh.nodes.dofmap.index_map)
+        nodes.array[:] = 0
+        owned = self.cells.dofmap.index_map.size_local
+        forces = (size * self._force_of_stress)[:owned]
+        corners = self.cell_nodes[:owned]
+        nodes.array[:] = np.bincount(
+            corners.ravel(), np.repeat(forces, corners.shape[1]), len(nodes.array)
+        )
+        nodes.scatter_reverse(la.InsertMode.add)
+        mine = nodes.array[: self.mesh.nodes.dofmap.index_map.size_local]
+        return float(mine @ mine), float(self._load @ self._load)
 
     def nodal_pressure(self) -> FloatArray:
         """Return the pressure at the local nodes [Pa], shape (nodes,)."""
@@ -259,11 +261,35 @@ class BodyMechanics:
 
     def stress(self) -> FloatArray:
         """Return the stress in the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz."""
-        self._cell_tensor.interpolate(self._stress_expression)
-        components = self._history.reference(self.coherent).shape[1]
+        self.update_points()
+        return self._present_stress()
+
+    def _present_stress(self) -> FloatArray:
+        deviator = self.points.cell_means(self.material.response.stress)
         stress = np.zeros((len(self.cell_nodes), 6))
-        stress[:, :components] = self._cell_tensor.x.array.reshape(-1, components)
+        stress[:, : deviator.shape[1]] = deviator
+        stress[:, :3] += self._mean_stress()[:, None]
         return stress
+
+    def _mean_stress(self) -> FloatArray:
+        if self.mean_dilatation is not None:
+            return self.mean_dilatation.pressure
+        if self.mixed:
+            return np.asarray(self.nodal_pressure()[self.cell_nodes].mean(axis=1))
+        conditions = self.material.conditions
+        change = self.material.dilatation - conditions.thermal_strain
+        return change / conditions.compressibility
+
+    def plastic_strain(self) -> FloatArray:
+        """Return the equivalent viscoplastic strain of the cells, shape (cells,)."""
+        return self.points.cell_means(self.material.response.equivalent)
+
+    def nodal_plastic_power(self) -> FloatArray:
+        """Return the power of plastic work at the owned nodes [W], shape (owned,)."""
+        nodes = la.vector(self.mesh.nodes.dofmap.index_map)
+        nodes.array[:] = self.points.to_nodes(self.material.plastic_power(), len(nodes.array))
+        nodes.scatter_reverse(la.InsertMode.add)
+        return nodes.array[: self.mesh.nodes.dofmap.index_map.size_local].copy()
 
     def nodal_mean(self, values: FloatArray) -> FloatArray:
         """Return the means over the cells round each local node of cell values, shape (nodes,)."""
@@ -281,10 +307,14 @@ class BodyMechanics:
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
-        self._cell_tensor.interpolate(self._strain_expression)
-        strain = self._cell_tensor.x.array.reshape(len(self.cell_nodes), -1).copy()
-        dilatation = strain[:, :3].sum(axis=1)
-        strain[:, :3] -= dilatation[:, None] / 3
-        self._history.commit(self.coherent, strain)
+        self.update_points()
+        self.material.commit()
+        if self.mean_dilatation is not None:
+            self.mean_dilatation.commit()
         if self.pockets is not None:
-            self.pockets.commit(self.nodal_pressure(), dilatation)
+            self.pockets.commit(self.nodal_pressure(), self.material.dilatation)
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        if self.mean_dilatation is not None:
+            self.mean_dilatation.rewind()

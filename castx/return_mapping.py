@@ -71,7 +71,7 @@ def return_mapping(
             ranks together.
     """
     direction = trial - back
-    norm = np.sqrt((direction * direction) @ _weights(direction))
+    norm = tensor_norm(direction)
     direction /= np.maximum(norm, TINY)[:, None]
     trial_equivalent = np.sqrt(1.5) * norm
     overstress = trial_equivalent - properties.yield_stress
@@ -104,6 +104,11 @@ def plastic_work(returned: Returned) -> FloatArray:
     """Return the work s : Δe_vp of the step per volume [J/m³], shape (points,)."""
     along = (returned.stress * returned.direction) @ _weights(returned.stress)
     return np.asarray(np.sqrt(1.5) * returned.increment * along)
+
+
+def tensor_norm(tensor: FloatArray) -> FloatArray:
+    """Return the norm √(t:t) of tensors by components, shape (points,)."""
+    return np.asarray(np.sqrt((tensor * tensor) @ _weights(tensor)))
 
 
 def _weights(tensor: FloatArray) -> FloatArray:

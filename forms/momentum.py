@@ -1,7 +1,10 @@
 """Quasi-static balance of momentum, with and without a pressure field (Chiumenti, 2.2).
 
-The stress is σ = p 1 + s with s = 2 G (dev ε - e0): G is the secant shear modulus of the step and
-e0 the deviatoric strain at which the material is free of deviatoric stress. Tension is positive.
+The stress is σ = p 1 + s. The constitutive law gives s at the integration points, and how it
+changes with the strain: ds = a dev(dε) + b n (n:dε), where n is a unit tensor. Tension is positive.
+
+Strains are (3, 3) tensors of `castx.forms.kinematics`. In plane stress the law also finds ε_zz from
+σ_zz = 0; strains of unknowns and variations are then those in the plane.
 """
 
 from __future__ import annotations
@@ -10,51 +13,62 @@ from typing import Any, NamedTuple
 
 import ufl
 
-from castx.forms.kinematics import deviator, strain
+from castx.forms.kinematics import deviator
 
 
-class ElasticState(NamedTuple):
-    """What the constitutive law hands to the forms, constant in each cell.
+class PointState(NamedTuple):
+    """What the constitutive law hands to the forms.
 
     Attributes:
-        shear_modulus: secant shear modulus G [Pa].
-        compressibility: 1/K [1/Pa], zero in a liquid.
-        thermal_strain: volumetric thermal strain e^θ.
-        reference_strain: deviatoric strain e0 without deviatoric stress, shape (3, 3).
+        stress: deviatoric stress s at the integration points [Pa], shape (3, 3).
+        isotropic: a of the tangent [Pa], 2 G in an elastic point.
+        radial: b of the tangent [Pa]; None where nothing flows.
+        direction: n of the tangent, shape (3, 3).
+        compressibility: 1/K in the cells [1/Pa], zero in a liquid.
+        thermal_strain: volumetric thermal strain e^θ in the cells.
+        out_of_plane: ε_zz of plane stress; None in all other models.
         trapped: one in liquid that cannot be fed, else zero.
         trapped_pressure: pressure of trapped liquid [Pa].
     """
 
-    shear_modulus: Any
+    stress: Any
+    isotropic: Any
+    radial: Any
+    direction: Any
     compressibility: Any
     thermal_strain: Any
-    reference_strain: Any
+    out_of_plane: Any = None
     trapped: Any = 0.0
     trapped_pressure: Any = 0.0
 
 
-def mixed_strain(u: Any, p: Any, state: ElasticState, model: str, x: Any) -> Any:
-    """Return the strain of the mixed formulation; plane stress eliminates ε_zz from s_zz + p = 0.
-
-    For the variation of the strain pass the test functions and a state whose reference strain is
-    zero.
-    """
-    if model != "plane-stress":
-        return strain(u, model, x)
-    in_plane = ufl.div(u)
-    normal = (
-        in_plane / 2 - 3 * p / (4 * state.shear_modulus) + 1.5 * state.reference_strain[2, 2]
-    )
-    return strain(u, model, x, normal)
+def tangent_stress(increment: Any, state: PointState) -> Any:
+    """Return ds = a dev(dε) + b n (n:dε) [Pa], shape (3, 3)."""
+    change = state.isotropic * deviator(increment)
+    if state.radial is not None:
+        n = state.direction
+        change += state.radial * ufl.inner(n, increment) * n
+    return change
 
 
-def deviatoric_stress(total_strain: Any, state: ElasticState) -> Any:
-    """Return s = 2 G (dev ε - e0) [Pa], shape (3, 3)."""
-    return 2 * state.shear_modulus * (deviator(total_strain) - state.reference_strain)
+def _normal_tangent(state: PointState) -> Any:
+    """Return ds_zz/dε_zz [Pa]."""
+    change = 2 * state.isotropic / 3
+    if state.radial is not None:
+        change += state.radial * state.direction[2, 2] ** 2
+    return change
+
+
+def _with_normal(strain: Any, normal: Any) -> Any:
+    return strain + normal * ufl.as_tensor(((0, 0, 0), (0, 0, 0), (0, 0, 1)))
+
+
+def _total(strain: Any, state: PointState) -> Any:
+    return strain if state.out_of_plane is None else _with_normal(strain, state.out_of_plane)
 
 
 def mixed_internal_virtual_work(
-    u: Any, p: Any, eta: Any, q: Any, state: ElasticState, model: str, x: Any, dx: Any, dx_p: Any
+    total: Any, p: Any, variation: Any, q: Any, state: PointState, dx: Any, dx_p: Any
 ) -> Any:
     """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) (section 2.2, weak form).
 
@@ -62,48 +76,75 @@ def mixed_internal_virtual_work(
     factor: its volume is free.
 
     Args:
-        u: displacement [m].
+        total: strain ε(u).
         p: pressure, the mean stress [Pa].
-        eta: variation of the displacement.
+        variation: strain ε(η).
         q: variation of the pressure.
-        state: elastic state of the cells.
-        model: geometric model.
-        x: position.
-        dx: weighted measure of the deviatoric terms, one point in each cell.
+        state: state of the integration points.
+        dx: weighted measure of the terms with s.
         dx_p: weighted measure of the terms with p or q, exact for linear p.
     """
-    free = state._replace(reference_strain=ufl.zero(3, 3))
-    total = mixed_strain(u, p, state, model, x)
-    variation = mixed_strain(eta, q, free, model, x)
-    shear = ufl.inner(deviatoric_stress(total, state), deviator(variation)) * dx
+    shear = ufl.inner(state.stress, variation) * dx
     given = state.trapped * state.trapped_pressure
     pressure = ((1 - state.trapped) * p + given) * ufl.tr(variation) * dx_p
-    dilatation = (1 - state.trapped) * ufl.tr(total) - state.thermal_strain
+    dilatation = (1 - state.trapped) * ufl.tr(_total(total, state)) - state.thermal_strain
     relative_pressure = p - given
     continuity = q * (dilatation - state.compressibility * relative_pressure) * dx_p
     return shear + pressure + continuity
 
 
-def displacement_stress(u: Any, state: ElasticState, model: str, x: Any) -> Any:
-    """Return σ = K (∇·u - e^θ) 1 + s [Pa], shape (3, 3), with σ_zz = 0 in plane stress."""
-    K, G = 1 / state.compressibility, state.shear_modulus
-    normal = 0.0
-    if model == "plane-stress":
-        in_plane = ufl.div(u)
-        reference = 2 * G * state.reference_strain[2, 2]
-        normal = (K * state.thermal_strain - (K - 2 * G / 3) * in_plane + reference) / (
-            K + 4 * G / 3
-        )
-    total = strain(u, model, x, normal)
-    mean = K * (ufl.tr(total) - state.thermal_strain)
-    return mean * ufl.Identity(3) + deviatoric_stress(total, state)
+def mixed_tangent(
+    increment: Any, dp: Any, variation: Any, q: Any, state: PointState, dx: Any, dx_p: Any
+) -> Any:
+    """Return the derivative of `mixed_internal_virtual_work` for changes of strain and pressure."""
+    if state.out_of_plane is not None:
+        stress = tangent_stress(increment, state)
+        normal = -(stress[2, 2] + dp) / _normal_tangent(state)
+        increment = _with_normal(increment, normal)
+    shear = ufl.inner(tangent_stress(increment, state), variation) * dx
+    free = 1 - state.trapped
+    pressure = free * dp * ufl.tr(variation) * dx_p
+    continuity = q * (free * ufl.tr(increment) - state.compressibility * dp) * dx_p
+    return shear + pressure + continuity
+
+
+def mean_stress(total: Any, state: PointState) -> Any:
+    """Return K (∇·u - e^θ) [Pa] of a compressible body."""
+    return (ufl.tr(_total(total, state)) - state.thermal_strain) / state.compressibility
 
 
 def displacement_internal_virtual_work(
-    u: Any, eta: Any, state: ElasticState, model: str, x: Any, dx: Any
+    total: Any, variation: Any, state: PointState, dx: Any
 ) -> Any:
-    """Return ∫ ∇ˢη:σ(u) over the weighted measure dx, one point in each cell."""
-    return ufl.inner(displacement_stress(u, state, model, x), strain(eta, model, x)) * dx
+    """Return ∫ ∇ˢη:s + ∫ K (∇·u - e^θ) ∇·η."""
+    mean = mean_stress(total, state)
+    return (ufl.inner(state.stress, variation) + mean * ufl.tr(variation)) * dx
+
+
+def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: Any) -> Any:
+    """Return the derivative of `displacement_internal_virtual_work` for a change of the strain."""
+    K = 1 / state.compressibility
+    if state.out_of_plane is not None:
+        stress = tangent_stress(increment, state)
+        normal = -(stress[2, 2] + K * ufl.tr(increment)) / (_normal_tangent(state) + K)
+        increment = _with_normal(increment, normal)
+    change = ufl.inner(tangent_stress(increment, state), variation)
+    return (change + K * ufl.tr(increment) * ufl.tr(variation)) * dx
+
+
+def deviatoric_virtual_work(variation: Any, state: PointState, dx: Any) -> Any:
+    """Return ∫ ∇ˢη:s, all that Q1/P0 integrates at the points."""
+    return ufl.inner(state.stress, variation) * dx
+
+
+def deviatoric_tangent(increment: Any, variation: Any, state: PointState, dx: Any) -> Any:
+    """Return the derivative of `deviatoric_virtual_work` for a change of the strain."""
+    return ufl.inner(tangent_stress(increment, state), variation) * dx
+
+
+def dilatation(increment: Any, cell: Any, dx: Any) -> Any:
+    """Return ∫ ∇·u over the cells, tested with constants (Nagtegaal, Parks and Rice 1974)."""
+    return cell * ufl.tr(increment) * dx
 
 
 def body_force_work(eta: Any, body_force: Any, dx: Any) -> Any:

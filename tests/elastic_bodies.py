@@ -11,7 +11,7 @@ from mpi4py import MPI
 import gmsh
 import numpy as np
 
-from castx.constitutive import ThermoElasticLaw
+from castx.constitutive import Law
 from castx.constraints import SurfaceDisplacement
 from castx.geometry import Geometry
 from castx.materials import Material, MaterialDescription
@@ -84,7 +84,7 @@ def body(
     material: Material, stress_free: float = STRESS_FREE, **description: Any
 ) -> MechanicalBody:
     """Return the mechanical description of a body."""
-    return MechanicalBody(ThermoElasticLaw(material, stress_free), **description)
+    return MechanicalBody(Law(material, stress_free), **description)
 
 
 def pushed(surface: str, pressure: float) -> SurfaceLoad:

@@ -219,8 +219,8 @@ def everything(problem) -> dict[str, np.ndarray]:
 def test_failed_step_leaves_no_trace(comm, case, failure):
     """After a rewind the state is the same to the last bit, and so is the step that follows.
 
-    On several ranks MUMPS adds in the order in which messages arrive: there the step that follows
-    is the same to round-off.
+    On several ranks MUMPS adds in the order in which messages arrive, and a failed equilibrium has
+    its factors made anew: there the step that follows is the same to round-off.
     """
     data = merged(case(TIGHT), {"coupling": {"passes": 60}})
     spoilt, clean = (coupled_cases.simulation(comm, data).problem for _ in range(2))
@@ -254,7 +254,7 @@ def test_failed_step_leaves_no_trace(comm, case, failure):
         problem.commit()
     one, other = everything(spoilt), everything(clean)
     for name, value in one.items():
-        if comm.size == 1:
+        if comm.size == 1 and failure != "mechanics":
             assert np.array_equal(value, other[name]), name
         else:
             size = comm.allreduce(float(np.abs(value).max(initial=0.0)), op=MPI.MAX)

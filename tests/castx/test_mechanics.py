@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.constitutive import BirthHistory
 from castx.mechanical_body import SurfaceLoad
 from castx.mechanics import BodyMechanics
 from castx.tables import Table
@@ -261,21 +260,6 @@ def test_a_trial_step_leaves_no_trace(comm):
     np.testing.assert_allclose(
         made.bodies["casting"].stress(), plain.bodies["casting"].stress(), atol=1.0
     )
-
-
-def test_birth_history_alone():
-    """One cell is born, one stays solid, one melts again, one was never solid."""
-    history = BirthHistory(4, 1)
-    history.begin_liquid()
-    strains = np.array([[1.0], [2.0], [3.0], [4.0]])
-    before = np.array([False, True, True, False])
-    np.testing.assert_array_equal(history.reference(before), np.zeros((4, 1)))
-    history.commit(before, strains)
-    now = np.array([True, True, False, False])
-    np.testing.assert_array_equal(history.reference(now), [[1.0], [0.0], [3.0], [4.0]])
-    history.commit(now, 10 * strains)
-    again = np.array([True, True, True, False])
-    np.testing.assert_array_equal(history.reference(again), [[1.0], [0.0], [30.0], [40.0]])
 
 
 @pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
