@@ -160,7 +160,7 @@ def _mechanics(
 def _mechanical_body(
     case: Case, mesh: CastingMesh, body: Body, material: Material
 ) -> MechanicalBody:
-    formulation = _formulation(mesh, body)
+    formulation = formulation_of(mesh, body)
     if formulation == "displacement" and material.liquid is not None:
         if not starts_solid(body, material.description):
             raise CaseError(
@@ -190,7 +190,7 @@ def law_above_solidus(body: str, material: Material) -> str:
     return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
 
 
-def _formulation(mesh: CastingMesh, body: Body) -> str:
+def formulation_of(mesh: CastingMesh, body: Body) -> str:
     """Return the formulation of a body, by default that of its cells.
 
     Raises:

@@ -10,7 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from castx.building import refuse_unfinished
+from castx.building import formulation_of
 from castx.case import Case
 from castx.materials import find_material
 from castx.mesh import build_mesh
@@ -23,20 +23,20 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Raises:
-        CaseError: a probe lies outside its body, or the mesh has no mechanics.
+        CaseError: a probe lies outside its body, or cells do not serve a formulation.
         MeshError: the mesh does not hold what the case asks of it.
     """
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-    refuse_unfinished(case, mesh)
     pairs = {item.name: node_pairs(mesh, item.secondary, item.primary) for item in case.interfaces}
     for boundary in case.boundaries:
         mesh.bodies[boundary.body].surface_tag(boundary.surface)
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
+    formulations = [formulation_of(mesh, body) for body in case.bodies]
     summary = mesh_summary(mesh)
     box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
     console.print(f"{case.name}: {case.geometry.model}, {box}", markup=False)
-    console.print(body_table(case, summary))
+    console.print(body_table(case, summary, formulations))
     console.print(surface_table(case, summary))
     console.print(size_text(case.geometry.model), markup=False)
     for interface in summary.interfaces:
@@ -51,16 +51,17 @@ def corner_text(corner: Sequence[float]) -> str:
     return f"({', '.join(f'{value:g}' for value in corner)})"
 
 
-def body_table(case: Case, summary: MeshSummary) -> Table:
+def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) -> Table:
     """Return the bodies with their materials and sizes."""
     headings = ("body", "material", "initially", "law", "nodes", "cells", "volume, m³")
     table = Table(*headings, box=SIMPLE_HEAD)
-    for body, sizes in zip(case.bodies, summary.bodies, strict=True):
+    rows = zip(case.bodies, summary.bodies, formulations, strict=True)
+    for body, sizes, formulation in rows:
         table.add_row(
             body.name,
             body.material,
             f"{body.temperature:g} °C",
-            "\n".join(filter(None, (body.law, body.formulation))),
+            f"{body.law}\n{formulation}",
             str(sizes.nodes),
             str(sizes.cells),
             f"{sizes.volume:.4g}",
