@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
-from castx.cell_kinds import KINDS
 from castx.consistency import starts_solid
 from castx.constitutive import Law
 from castx.constraints import SurfaceDisplacement
@@ -196,7 +195,7 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
     Raises:
         CaseError: cells or model have no such formulation.
     """
-    kind = KINDS[mesh.bodies[body.name].mesh.topology.cell_name()]
+    kind = mesh.bodies[body.name].kind
     own = "mixed"
     if not kind.simplex:
         # Nothing locks in plane stress, whose volume is free.

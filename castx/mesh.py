@@ -51,6 +51,11 @@ class BodyMesh:
     nodes_on: dict[str, IntArray] = field(repr=False)
 
     @property
+    def kind(self) -> CellKind:
+        """What its cells are."""
+        return KINDS[self.mesh.topology.cell_name()]
+
+    @property
     def points(self) -> NDArray[np.float64]:
         """Coordinates of the local nodes (nodes, gdim) [m], exactly as meshed."""
         geometry = self.mesh.geometry
@@ -87,11 +92,6 @@ class CastingMesh:
     model: str
     parent: dolfinx.mesh.Mesh
     bodies: dict[str, BodyMesh]
-
-    @property
-    def simplicial(self) -> bool:
-        """Whether the cells are triangles or tetrahedra; else quadrilaterals or hexahedra."""
-        return KINDS[self.parent.topology.cell_name()].simplex
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:

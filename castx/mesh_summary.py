@@ -130,8 +130,7 @@ def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -
     """Length, area or volume of cells or facets, times 2πr when axisymmetric."""
     if not len(entities):  # DOLFINx divides by the number of cells
         return np.empty(0)
-    kind = KINDS[body.mesh.topology.cell_name()]
-    kind = kind if dim == kind.dimension else KINDS[kind.face]
+    kind = body.kind if dim == body.kind.dimension else KINDS[body.kind.face]
     nodes = entities_to_geometry(body.mesh, dim, entities)
     corners: FloatArray = np.asarray(body.mesh.geometry.x, dtype=np.float64)[nodes]
     points, weights = kind.quadrature(QUADRATURE_DEGREE)

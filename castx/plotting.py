@@ -114,6 +114,7 @@ class View:
             grid = grid.clip("-y", origin=(0.0, 0.0, 0.0))
         surface = grid.extract_surface()
         if self.model == "axisymmetric":
+            surface = surface.triangulate()  # pyvista flips triangles only
             mirrored = surface.reflect((1.0, 0.0, 0.0), point=(0.0, 0.0, 0.0))
             mirrored.flip_normals()
             surface = surface.merge(mirrored).clean(tolerance=1e-9)

@@ -96,12 +96,11 @@ def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[
 def nodes_of(body: BodyMesh, dim: int, entity: int) -> tuple[CellKind, IntArray]:
     """Return the kind of a cell or facet and its local nodes in the order of the reference one."""
     topology = body.nodes.mesh.topology
-    kind = KINDS[topology.cell_name()]
     if dim == topology.dim:
-        return kind, body.nodes.dofmap.cell_dofs(entity)
+        return body.kind, body.nodes.dofmap.cell_dofs(entity)
     cell = topology.connectivity(dim, topology.dim).links(entity)[0]
     number = np.flatnonzero(topology.connectivity(topology.dim, dim).links(cell) == entity)[0]
-    return KINDS[kind.face], body.nodes.dofmap.cell_dofs(cell)[kind.faces[number]]
+    return KINDS[body.kind.face], body.nodes.dofmap.cell_dofs(cell)[body.kind.faces[number]]
 
 
 def nearest_point(

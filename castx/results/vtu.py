@@ -51,13 +51,16 @@ class Piece:
         if owned.size == 0:
             none = np.empty(0, dtype=np.int64)
             return cls(0, none, np.empty((0, 3)), none, 0)
-        rows, kinds, points = vtk_mesh(body.nodes, entities=owned)
+        rows, kinds, _ = vtk_mesh(body.nodes, entities=owned)
         corners = rows.reshape(owned.size, -1)[:, 1:]
         nodes, connectivity = np.unique(corners, return_inverse=True)
+        # Interpolated coordinates differ by round-off between ranks: readers could not join pieces.
+        points = np.zeros((nodes.size, 3))
+        points[:, : body.mesh.geometry.dim] = body.points[nodes]
         return cls(
             cells=owned.size,
             nodes=nodes.astype(np.int64),
-            points=points[nodes],
+            points=points,
             connectivity=connectivity.ravel().astype(np.int64),
             kind=int(kinds[0]),
         )

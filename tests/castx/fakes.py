@@ -21,10 +21,13 @@ Formula = Callable[[FloatArray], FloatArray]
 
 
 def cylinder_mesh(
-    comm: MPI.Intracomm, model: str = "axisymmetric", size: float = 4e-3
+    comm: MPI.Intracomm,
+    model: str = "axisymmetric",
+    size: float = 4e-3,
+    cells: str = "simplices",
 ) -> CastingMesh:
     """Return a cylinder, radius 20 mm and height 40 mm, in a mould 10 mm thick."""
-    sizes = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size}
+    sizes = {"radius": 0.02, "height": 0.04, "wall": 0.01, "size": size, "cells": cells}
     sector = {"sector": "quarter"} if model == "3d" else {}
     description = {"model": model, "generator": "cylinder_in_mould", **sizes, **sector}
     return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)

@@ -37,12 +37,12 @@ def material(properties):
     return find_material("m", {"m": MaterialDescription.read(properties)})
 
 
-def cylinder(comm, *, size=6e-3, length=1.0, model="axisymmetric"):
+def cylinder(comm, *, size=6e-3, length=1.0, model="axisymmetric", cells="simplices"):
     arguments = {"radius": 0.03, "height": 0.06, "wall": 0.02, "size": size}
     arguments = {name: value * length for name, value in arguments.items()}
     if model == "3d":
         arguments["sector"] = "quarter"
-    description = {"model": model, "generator": "cylinder_in_mould", **arguments}
+    description = {"model": model, "generator": "cylinder_in_mould", "cells": cells, **arguments}
     return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
 
 
@@ -123,8 +123,9 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, kind, surface):
 
 @pytest.mark.parametrize("kind", ["law", "perfect"])
 @pytest.mark.parametrize("model", ["axisymmetric", "3d"])
-def test_heat_is_neither_lost_nor_made(comm, kind, model):
-    mesh = cylinder(comm, model=model, size=1e-2)
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_heat_is_neither_lost_nor_made(comm, kind, model, cells):
+    mesh = cylinder(comm, model=model, size=1e-2, cells=cells)
     heat = problem(mesh, kind, sources=2e6)
     before = heat.totals()
     time = run(heat, mesh, [0.1, 1.0, 10.0], substeps=2)
@@ -408,11 +409,12 @@ def test_other_units_take_the_same_iterations(comm):
     assert largest(comm, runs[1.0][2] - runs[1e3][2]) < 1e-7
 
 
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("kind", ["law", "perfect"])
-def test_results_do_not_depend_on_the_number_of_ranks(comm, kind):
+def test_results_do_not_depend_on_the_number_of_ranks(comm, kind, cells):
     ends = []
     for ranks in (comm, MPI.COMM_SELF):
-        mesh = cylinder(ranks)
+        mesh = cylinder(ranks, cells=cells)
         heat = problem(mesh, kind, linear="direct")
         run(heat, mesh, [0.5, 1.0, 2.0, 4.0])
         warmest = max(ranks.allgather(heat.temperature["mould"].x.array.max()))
@@ -421,6 +423,43 @@ def test_results_do_not_depend_on_the_number_of_ranks(comm, kind):
     for name, value in alone.items():
         if name != "energy_error":
             assert together[name] == pytest.approx(value, rel=1e-8, abs=1e-12), name
+
+
+@pytest.mark.parametrize("model, size", [("axisymmetric", 3e-3), ("3d", 5e-3)])
+def test_quadrilaterals_and_simplices_agree(comm, model, size):
+    ends = []
+    for cells in ("simplices", "quadrilaterals"):
+        mesh = cylinder(comm, model=model, size=size, cells=cells)
+        heat = problem(mesh)
+        run(heat, mesh, [0.5] * 10)
+        volume = np.pi * 0.03**2 * 0.06 / (4 if model == "3d" else 1)
+        hottest = max(comm.allgather(heat.temperature["mould"].x.array.max()))
+        heats = [heat.totals()[name] for name in ("casting/mould.heat", "casting.enthalpy")]
+        ends.append((hottest, np.array(heats) / volume))
+    assert ends[0][0] == pytest.approx(ends[1][0], abs=0.01 * (670.0 - 200.0))
+    assert ends[0][1] == pytest.approx(ends[1][1], rel=0.01)
+
+
+def test_linear_profiles_are_exact_on_skewed_hexahedra(comm):
+    """A patch test of the conduction: T = 20 + 80 x between walls, insulated elsewhere."""
+    sizes = {"length": 1.0, "width": 0.5, "depth": 0.4, "size": 0.12, "cells": "quadrilaterals"}
+    description = {"model": "3d", "generator": "slab", **sizes}
+    mesh = build_mesh(Geometry.model_validate(description), ["casting"], comm)
+    x = mesh.bodies["casting"].mesh.geometry.x
+    bump = np.sin(np.pi * x[:, 0]) * np.sin(2 * np.pi * x[:, 1]) * np.sin(5 * np.pi * x[:, 2])
+    x += 0.03 * bump[:, None] * [1.0, -0.6, 0.8]
+    walls = [
+        SurfaceHeat(body="casting", surface=name, kind="temperature", value=Table.constant(value))
+        for name, value in (("wall", 20.0), ("far", 100.0))
+    ]
+    steel = material(STEEL | {"conductivity": 30.0})
+    heat = HeatProblem(mesh, [HeatBody("casting", steel, 20.0)], (), walls)
+    for k in range(3):
+        heat.advance(k * 1e9, 1e9)
+        heat.commit()
+    points = mesh.bodies["casting"].nodes.tabulate_dof_coordinates()
+    assert comm.allreduce(np.abs(bump).max(), MPI.MAX) > 0.5
+    assert largest(comm, heat.temperature["casting"].x.array - 20.0 - 80.0 * points[:, 0]) < 1e-6
 
 
 def test_failure_names_body_and_place(comm):

@@ -173,7 +173,7 @@ def test_bodies_and_surfaces_have_their_names_and_sizes(name, cells, comm):
     description, volumes, areas = SIZES[name]
     geometry = Geometry.model_validate(description | {"cells": cells})
     mesh = build_mesh(geometry, list(volumes), comm)
-    assert mesh.simplicial == (cells == "simplices")
+    assert all(body.kind.simplex == (cells == "simplices") for body in mesh.bodies.values())
     summary = mesh_summary(mesh)
     tolerance = faceting(description)
     assert [body.name for body in summary.bodies] == list(volumes)
@@ -198,7 +198,7 @@ def quarter(request):
 
 
 def cells_of(mesh):
-    return "simplices" if mesh.simplicial else "quadrilaterals"
+    return "simplices" if mesh.bodies["mould"].kind.simplex else "quadrilaterals"
 
 
 def test_summary_gives_extent_and_interfaces(quarter):

@@ -23,7 +23,17 @@ SLABS = {"generator": "two_slabs", "model": "plane-strain", "size": 0.003, "leng
 SLABS |= {"mould_length": 0.01, "width": 0.012}
 
 
-DESCRIPTIONS = {"quarter": QUARTER, "axisymmetric": AXISYMMETRIC, "slabs": SLABS}
+BOX = {"generator": "box_in_mould", "model": "3d", "size": 0.01, "lid": True, "wall": 0.01}
+BOX |= {"box": [0.03, 0.02, 0.04]}
+SIMPLICIAL = {"quarter": QUARTER, "axisymmetric": AXISYMMETRIC, "slabs": SLABS, "box": BOX}
+DESCRIPTIONS = SIMPLICIAL | {
+    f"{name} quads": description | {"cells": "quadrilaterals"}
+    for name, description in SIMPLICIAL.items()
+}
+
+
+def both(name):
+    return pytest.mark.parametrize("name", [name, f"{name} quads"])
 
 
 def casting_and_mould(description, comm):
@@ -76,13 +86,17 @@ def test_every_shared_node_is_paired_once_on_the_owner(name, interface, comm):
             (np.abs(x[:, -1 if mesh.model == "3d" else 1]) < 1e-12)
             | (np.abs((np.hypot(x[:, 0], x[:, 1]) if mesh.model == "3d" else x[:, 0]) - R) < 1e-9)
         ),
+        BOX["generator"]: lambda x: np.isclose(
+            np.abs((x - [0, 0, 0.01]) / [0.015, 0.02, 0.01]).max(axis=1), 1.0
+        ),
     }[DESCRIPTIONS[name]["generator"]]
     assert np.array_equal(np.sort(secondary), np.flatnonzero(expected(points)))
     assert len(np.unique(primary)) == len(primary)
 
 
-def test_areas_and_normals_of_a_plane_interface(interface, comm):
-    _, pairs = interface("slabs")
+@both("slabs")
+def test_areas_and_normals_of_a_plane_interface(name, interface, comm):
+    _, pairs = interface(name)
     assert np.allclose(pairs.normals, [1.0, 0.0], atol=1e-15)
     assert total(comm, pairs.areas) == pytest.approx(0.012)
     ends = (pairs.points[:, 1] == 0.0) | (pairs.points[:, 1] == 0.012)
@@ -95,8 +109,9 @@ def test_exchanged_bodies_have_the_opposite_normal(interface):
     assert np.allclose(pairs.normals, [-1.0, 0.0], atol=1e-15)
 
 
-def test_axisymmetric_areas_are_those_of_the_full_turn(interface, comm):
-    _, pairs = interface("axisymmetric")
+@both("axisymmetric")
+def test_axisymmetric_areas_are_those_of_the_full_turn(name, interface, comm):
+    _, pairs = interface(name)
     assert total(comm, pairs.areas) == pytest.approx(2 * pi * R * H + pi * R**2, rel=1e-12)
     vector = total(comm, pairs.area_vectors)
     assert vector == pytest.approx([-2 * pi * R * H, pi * R**2], rel=1e-12)
@@ -106,8 +121,23 @@ def test_axisymmetric_areas_are_those_of_the_full_turn(interface, comm):
     assert (pairs.areas > 0).all()
 
 
-def test_normals_of_the_mould_point_into_the_cylinder(interface, comm):
-    _, pairs = interface("quarter")
+@both("box")
+def test_area_vectors_of_a_closed_surface_cancel_and_edges_belong_to_two_sides(
+    name, interface, comm
+):
+    _, pairs = interface(name)
+    assert total(comm, pairs.areas) == pytest.approx(2 * (6e-4 + 1.2e-3 + 8e-4))
+    assert total(comm, pairs.area_vectors) == pytest.approx(np.zeros(3), abs=1e-17)
+    outwards = pairs.points - [0, 0, 0.01]
+    corner = (np.abs(outwards) > [0.0149, 0.0199, 0.0099]).all(axis=1)
+    assert comm.allreduce(np.count_nonzero(corner)) == 8
+    inwards = -np.sign(outwards[corner])
+    assert (pairs.normals[corner] * inwards > 0.2).all()
+
+
+@both("quarter")
+def test_normals_of_the_mould_point_into_the_cylinder(name, interface, comm):
+    _, pairs = interface(name)
     assert np.allclose(np.linalg.norm(pairs.normals, axis=1), 1.0)
     side = pairs.points[:, 2] > 1e-9
     side &= (pairs.points[:, 0] > 1e-9) & (pairs.points[:, 1] > 1e-9)
@@ -134,7 +164,7 @@ def test_sums_do_not_depend_on_the_ranks(name, interface, comm):
     assert values == pytest.approx(serial, rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["quarter", "axisymmetric"])
+@pytest.mark.parametrize("name", ["quarter", "axisymmetric", "quarter quads"])
 def test_few_pairs_are_split_between_ranks(name, interface, comm):
     mesh, pairs = interface(name)
     first, end = mesh.bodies["mould"].nodes.dofmap.index_map.local_range

@@ -23,8 +23,8 @@ FORMULAS = {
 
 @pytest.fixture
 def series(comm, tmp_path, request):
-    model = request.param
-    mesh = cylinder_mesh(comm, model, 5e-3)
+    model, _, cells = request.param.partition(" of ")
+    mesh = cylinder_mesh(comm, model, 5e-3, cells or "simplices")
     (tmp_path / "fields").mkdir()
     names = ("temperature", "solid_fraction", "displacement", "niyama")
     writer = Fields(tmp_path / "fields", names, None, mesh, Solidification(mesh, {}))
@@ -37,7 +37,9 @@ def share(image, colour):
     return float((np.abs(image.astype(int) - colour).max(axis=2) < 12).mean())
 
 
-@pytest.mark.parametrize("series", ["axisymmetric"], indirect=True)
+@pytest.mark.parametrize(
+    "series", ["axisymmetric", "axisymmetric of quadrilaterals"], indirect=True
+)
 def test_an_axisymmetric_body_is_shown_with_its_mirror_image(series, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     grids = series.read(0.0)
@@ -55,7 +57,7 @@ def test_an_axisymmetric_body_is_shown_with_its_mirror_image(series, monkeypatch
     assert len(drawn) / len(middle) == pytest.approx(60.0 / (60.0 + 2 * 0.04 * 50.0), abs=0.03)
 
 
-@pytest.mark.parametrize("series", ["3d"], indirect=True)
+@pytest.mark.parametrize("series", ["3d", "3d of quadrilaterals"], indirect=True)
 def test_a_quarter_is_seen_from_its_planes_of_symmetry(series):
     grids = series.read(0.0)
     view = View.of("3d", grids.values())

@@ -115,8 +115,9 @@ def test_a_body_that_does_not_melt_has_none(comm):
     assert np.isnan(solidification.nodal("mould", "niyama")).all()
 
 
-def test_steepness_is_exact_for_linear_fields_and_sees_weights(comm):
-    mesh = cylinder_mesh(comm, "3d", 8e-3)
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_steepness_is_exact_for_linear_fields_and_sees_weights(cells, comm):
+    mesh = cylinder_mesh(comm, "3d", 8e-3, cells)
     body = mesh.bodies["mould"]
     steepness = Steepness(body)
     points = body.nodes.tabulate_dof_coordinates()

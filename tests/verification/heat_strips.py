@@ -24,13 +24,23 @@ def material(**properties: Any) -> Material:
     return find_material("test", {"test": description})
 
 
-def strip(comm, *, size: float, length: float, mould_length: float = 0.0) -> CastingMesh:
-    """Return a strip one element wide, with a mould at x < 0 if that has a length."""
+def strip(
+    comm,
+    *,
+    size: float,
+    length: float,
+    mould_length: float = 0.0,
+    cells: str = "simplices",
+    model: str = "plane-strain",
+) -> CastingMesh:
+    """Return a strip one element wide and deep, with a mould at x < 0 if that has a length."""
     bodies = ["casting", "mould"] if mould_length else ["casting"]
     mould = {"mould_length": mould_length} if mould_length else {}
     generator = "two_slabs" if mould_length else "slab"
     sizes = {"length": length, "width": size, "size": size, **mould}
-    description = {"model": "plane-strain", "generator": generator, **sizes}
+    if model == "3d":
+        sizes["depth"] = size
+    description = {"model": model, "generator": generator, "cells": cells, **sizes}
     return build_mesh(Geometry.model_validate(description), bodies, comm)
 
 

@@ -18,8 +18,14 @@ THICKNESS, CONDUCTIVITY, EXCHANGE, COLD, HOT = 0.495, 40.0, 80.0, 100.0, 300.0
 FLUX = (HOT - COLD) / (2 * THICKNESS / CONDUCTIVITY + 1 / EXCHANGE)
 
 
-def test_flux_and_wall_temperatures(comm):
-    mesh = strip(comm, size=THICKNESS / 9, length=THICKNESS, mould_length=THICKNESS)
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+@pytest.mark.parametrize("model", ["generalised-plane-strain", "3d"])
+def test_flux_and_wall_temperatures(comm, model, cells):
+    size = THICKNESS / 9
+    mesh = strip(
+        comm, size=size, length=THICKNESS, mould_length=THICKNESS, cells=cells, model=model
+    )
+    area = size**2 if model == "3d" else size
     steel = material(heat_capacity=4e6, conductivity=CONDUCTIVITY)
     given = {"casting": HOT, "mould": COLD}
     heat = casting_on_mould(
@@ -39,7 +45,7 @@ def test_flux_and_wall_temperatures(comm):
         before = heat.totals()
         heat.commit()
     after = heat.totals()
-    passed = {name: (after[name] - before[name]) / 1e9 / (THICKNESS / 9) for name in after}
+    passed = {name: (after[name] - before[name]) / 1e9 / area for name in after}
     assert pytest.approx(5369.13, abs=5e-3) == FLUX
     assert passed["casting/mould.heat"] == pytest.approx(FLUX, rel=1e-6)
     assert passed["casting/far.heat"] == pytest.approx(FLUX, rel=1e-6)

@@ -18,8 +18,8 @@ FORMULAS = {
 }
 
 
-def write(comm, folder, times, every, model="axisymmetric"):
-    mesh = cylinder_mesh(comm, model, 5e-3)
+def write(comm, folder, times, every, model="axisymmetric", cells="simplices"):
+    mesh = cylinder_mesh(comm, model, 5e-3, cells)
     pairs = casting_pairs(mesh)
     fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}))
     for step, time in enumerate(times):
@@ -36,14 +36,23 @@ def pieces(reader, time, body):
     return [block for block, group in zip(blocks, known, strict=True) if group == body]
 
 
-@pytest.mark.parametrize("model", ["axisymmetric", "3d"])
-def test_pyvista_reads_every_owned_cell_once(comm, shared_tmp_path, model):
-    mesh = write(comm, shared_tmp_path, [0.0, 1.0], 1.0, model)
+KINDS = {
+    ("axisymmetric", "simplices"): pyvista.CellType.TRIANGLE,
+    ("axisymmetric", "quadrilaterals"): pyvista.CellType.QUAD,
+    ("3d", "simplices"): pyvista.CellType.TETRA,
+    ("3d", "quadrilaterals"): pyvista.CellType.HEXAHEDRON,
+}
+
+
+@pytest.mark.parametrize("model, cells", KINDS)
+def test_pyvista_reads_every_owned_cell_once(comm, shared_tmp_path, model, cells):
+    mesh = write(comm, shared_tmp_path, [0.0, 1.0], 1.0, model, cells)
     reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
     for number, (name, body) in enumerate(mesh.bodies.items()):
-        cells = body.mesh.topology.index_map(body.mesh.topology.dim).size_global
+        count = body.mesh.topology.index_map(body.mesh.topology.dim).size_global
         blocks = pieces(reader, 1.0, name)
-        assert sum(block.n_cells for block in blocks) == cells
+        assert sum(block.n_cells for block in blocks) == count
+        assert all((block.celltypes == KINDS[model, cells]).all() for block in blocks)
         assert all((block["body"] == number).all() for block in blocks)
     size = sum(
         block.compute_cell_sizes()["Volume" if model == "3d" else "Area"].sum()
@@ -53,8 +62,19 @@ def test_pyvista_reads_every_owned_cell_once(comm, shared_tmp_path, model):
     assert size == pytest.approx(exact, rel=0.05)
 
 
-def test_values_are_those_of_the_snapshot(comm, shared_tmp_path):
-    write(comm, shared_tmp_path, [0.0], None)
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+@pytest.mark.parametrize("model", ["axisymmetric", "3d"])
+def test_pieces_of_all_ranks_share_their_points(comm, shared_tmp_path, model, cells):
+    mesh = write(comm, shared_tmp_path, [0.0], None, model, cells)
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    for name, body in mesh.bodies.items():
+        points = np.concatenate([block.points for block in pieces(reader, 0.0, name)])
+        assert len(np.unique(points, axis=0)) == body.nodes.dofmap.index_map.size_global
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_values_are_those_of_the_snapshot(cells, comm, shared_tmp_path):
+    write(comm, shared_tmp_path, [0.0], None, cells=cells)
     reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
     for block in pieces(reader, 0.0, "casting"):
         r, z = block.points[:, 0], block.points[:, 1]

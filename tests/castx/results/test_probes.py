@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from castx.cell_kinds import KINDS
 from castx.errors import CaseError
+from castx.results.locate import interpolation_weights
 from castx.results.probes import Probes
 from castx.results.series import read_series
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh, fake_probe
@@ -18,13 +22,13 @@ LINEAR = {
 }
 
 
-def record(comm, folder, probes, steps=1):
-    mesh = cylinder_mesh(comm)
+def record(comm, folder, probes, steps=1, model="axisymmetric", cells="simplices", formulas=LINEAR):
+    mesh = cylinder_mesh(comm, model, cells=cells)
     pairs = casting_pairs(mesh)
     writer = Probes(folder / "probes.csv", probes, mesh, pairs)
     writer.open()
     for step in range(steps):
-        writer.append(FakeSnapshot(0.1 * step, step, mesh, pairs, LINEAR))
+        writer.append(FakeSnapshot(0.1 * step, step, mesh, pairs, formulas))
     writer.close()
     comm.Barrier()
     return read_series(folder / "probes.csv")
@@ -38,6 +42,67 @@ def test_linear_fields_are_exact_at_any_point(comm, shared_tmp_path):
     assert series["p.temperature"] == pytest.approx([300.0 + 7.1 - 26.6], abs=1e-10)
     assert series["p.displacement.r"] == pytest.approx([0.0204], abs=1e-14)
     assert series["p.displacement.z"] == pytest.approx([0.0266], abs=1e-14)
+
+
+def test_bilinear_fields_are_exact_on_upright_quadrilaterals(comm, shared_tmp_path):
+    def product(x):
+        return 1e6 * x[:, 0] * x[:, 1]
+
+    probes = [
+        fake_probe("p", (0.0071, 0.0133), "temperature", "von_mises", body="casting"),
+        fake_probe("q", (0.0209, 0.0377), "temperature", "von_mises", body="mould"),
+        fake_probe("g", (0.02, 0.01311), "gap", interface="casting/mould"),
+    ]
+    series = record(
+        comm, shared_tmp_path, probes, cells="quadrilaterals",
+        formulas=LINEAR | {"temperature": product},
+    )  # fmt: skip
+    assert series["p.temperature"] == pytest.approx([94.43], rel=1e-12)
+    assert series["q.temperature"] == pytest.approx([787.93], rel=1e-12)
+    assert [series["p.von_mises"][0], series["q.von_mises"][0]] == [1.0, 2.0]
+    assert series["g.gap"] == pytest.approx([1e-3 * 0.01311], rel=1e-12)
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_linear_fields_are_exact_in_space(cells, comm, shared_tmp_path):
+    points = [
+        (0.0071, 0.0033, 0.0133),
+        (0.0, 0.0, 0.04),
+        (0.012, 0.0119, 0.0001),
+        (0.0203, 0.01, 0.03),
+    ]
+    probes = [
+        fake_probe(f"p{i}", point, "temperature", body="casting" if i < 3 else "mould")
+        for i, point in enumerate(points)
+    ]
+    on_facet = np.array([0.02 * np.cos(0.4), 0.02 * np.sin(0.4), 0.0131])
+    probes.append(fake_probe("g", tuple(on_facet), "gap", interface="casting/mould"))
+    formulas = {
+        "temperature": lambda x: 7.0 + x @ [1e3, -3e3, 5e3],
+        "gap": lambda x: x @ [0.0, 0.0, 1e-3],
+    }
+    series = record(comm, shared_tmp_path, probes, model="3d", cells=cells, formulas=formulas)
+    for i, point in enumerate(points):
+        exact = 7.0 + np.array(point) @ [1e3, -3e3, 5e3]
+        assert series[f"p{i}.temperature"] == pytest.approx([exact], abs=1e-9)
+    assert series["g.gap"] == pytest.approx([1e-3 * 0.0131], rel=1e-9)
+
+
+@given(st.data())
+@pytest.mark.parametrize("kind", KINDS)
+def test_weights_are_those_of_the_place_in_a_skewed_cell(kind, data):
+    cell = KINDS[kind]
+    moves = st.lists(st.floats(-0.2, 0.2), min_size=3 * cell.corners, max_size=3 * cell.corners)
+    corners = np.zeros((cell.corners, 3))
+    corners[:, : cell.dimension] = cell.reference
+    # Facets lie anywhere in space; cells move inside theirs.
+    width = cell.dimension if cell.dimension > 1 else 3
+    corners[:, :width] += np.array(data.draw(moves)).reshape(-1, 3)[:, :width]
+    place = np.array(data.draw(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3)))
+    place = place[: cell.dimension] / (max(place.sum(), 1.0) if cell.simplex else 1.0)
+    weights = cell.shape_functions(place[None])[0][0]
+    found = interpolation_weights(cell, 1e-3 * corners + 0.5, 1e-3 * weights @ corners + 0.5)
+    assert found == pytest.approx(weights, abs=1e-10)
 
 
 def test_nodes_corners_and_axis_are_found_in_both_bodies(comm, shared_tmp_path):
