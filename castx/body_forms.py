@@ -18,7 +18,6 @@ class BodyForms:
 
     Args:
         body: spaces, unknowns, points and loads.
-        length: element length h_e [m].
 
     Attributes:
         internal: virtual work of the internal forces.
@@ -31,7 +30,7 @@ class BodyForms:
         dx: weighted measure of the integration points.
     """
 
-    def __init__(self, body: BodyMechanics, length: Any) -> None:
+    def __init__(self, body: BodyMechanics) -> None:
         self._body = body
         w, z = body.solution, ufl.TestFunction(body.space)
         trial = ufl.TrialFunction(body.space)
@@ -48,7 +47,7 @@ class BodyForms:
         self.load = body.loads.virtual_work(body.split(z)[0])
         self.tau: Any = None
         if body.mixed:
-            self._mixed(length)
+            self._mixed()
         elif body.description.formulation == "q1p0":
             self.internal = momentum.deviatoric_virtual_work(
                 self._variation, self._state, self.dx
@@ -64,7 +63,7 @@ class BodyForms:
                 self.increment, self._variation, self._state, self.dx
             )
 
-    def _mixed(self, length: Any) -> None:
+    def _mixed(self) -> None:
         body, state, q, dx_p = self._body, self._state, self._q, self._dx_p
         self.internal = momentum.mixed_internal_virtual_work(
             self.total, self.pressure, self._variation, q, state, self.dx, dx_p
@@ -73,6 +72,7 @@ class BodyForms:
             self.increment, self._change, self._variation, q, state, self.dx, dx_p
         )
         kind = body.description.stabilisation
+        length = stabilisation.element_length(body.mesh.mesh, body.dimension)
         # A given pressure needs no stabilisation.
         self.tau = (1 - state.trapped) * stabilisation.tau(
             body.material.secant_modulus, length, stabilisation.CONSTANTS[kind]

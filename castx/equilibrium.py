@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from mpi4py import MPI
@@ -19,6 +20,7 @@ from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.errors import ConvergenceError
 from castx.layout import Layout
+from castx.line_search import shorten_step
 from castx.linear import InnerSolver, SystemOperator, SystemPreconditioner
 from castx.snes import NonlinearSolver
 from castx.supports import FloatingMotions, Support
@@ -83,6 +85,7 @@ class Equilibrium:
         self._committed = self.x.array_r.copy()
         self._committed_support: Support | None = None
         self._operator = SystemOperator(assembly.corrections())
+        self._inner = inner
         self._preconditioner = SystemPreconditioner(self._operator, inner, comm)
         self._matrix = _python_matrix(contact.layout, self._operator)
         self._residual_vector = contact.layout.create_vector()
@@ -93,6 +96,7 @@ class Equilibrium:
             "the mechanical equilibrium", PREFIX, self._residual, self._jacobian,
             vector=self._residual_vector, matrix=self._matrix,
             options={**defaults, **options}, converged=self._converged,
+            step_rule=None if assembly.is_linear else partial(shorten_step, self._residual),
         )
         self._solver.snes.ksp.pc.setType("python")
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
@@ -219,8 +223,11 @@ class Equilibrium:
         return self._floating.find(held, values)
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
-        if not self._assembly.is_linear and snes.getIterationNumber() > 0:
-            self._operator.matrix = self._contact.matrix(self._assembly.matrix())
+        if not self._assembly.is_linear:
+            if snes.getIterationNumber() > 0:
+                self._operator.matrix = self._contact.matrix(self._assembly.matrix())
+            if self._inner.is_exact:
+                self._preconditioner.discard()
         self._preconditioner.refresh(snes.ksp.getIterationNumber())
         J.assemble()
 

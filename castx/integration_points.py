@@ -46,11 +46,15 @@ class IntegrationPoints:
         self.per_cell = len(self.places)
         self.components = 6 if model == "3d" else 4
         self._shapes = self._tabulate()
-        dx = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
         rule = np.asarray(basix.make_quadrature(self._cell_type(), degree)[1])
-        volume = self.evaluate(self.expression(abs(ufl.JacobianDeterminant(body.mesh)) * dx))
-        self.weights: FloatArray = np.asarray(volume.reshape(self.cells, -1) * rule, np.float64)
+        scale = abs(ufl.JacobianDeterminant(body.mesh))
+        volumes = rule * self.evaluate(self.expression(scale)).reshape(self.cells, -1)
+        weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+        weighted = self.evaluate(self.expression(scale * weight)).reshape(self.cells, -1)
+        self.weights: FloatArray = rule * weighted
         """What the points weigh [m³], shape (cells, points per cell)."""
+        self.sizes: FloatArray = volumes.sum(axis=1) ** (1.0 / body.mesh.geometry.dim)
+        """Sizes of the cells [m], shape (cells,)."""
 
     @property
     def count(self) -> int:

@@ -33,10 +33,12 @@ class InnerSolver(Protocol):
     Attributes:
         defaults: PETSc options without the prefix.
         most_changed: held unknowns by which a set-up may fall behind.
+        is_exact: whether it is worth a new set-up whenever the matrix is a new one.
     """
 
     defaults: Mapping[str, object]
     most_changed: int
+    is_exact: bool
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Prepare for a matrix whose held rows and columns are those of a diagonal."""

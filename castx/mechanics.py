@@ -15,7 +15,7 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from castx.body_forms import BodyForms
 from castx.body_loads import BodyLoads
 from castx.constraints import FixedDirections
-from castx.forms import kinematics, stabilisation
+from castx.forms import kinematics
 from castx.integration_points import IntegrationPoints, quadrature_degree
 from castx.material_points import MaterialPoints
 from castx.mean_dilatation import MeanDilatation
@@ -108,8 +108,7 @@ class BodyMechanics:
         return self.description.law.material.liquid is None
 
     def _create_forms(self) -> None:
-        length = self._element_length()
-        forms = BodyForms(self, length)
+        forms = BodyForms(self)
         self.tau = forms.tau
         self._internal_form = fem.form(forms.internal)
         self._jacobian_form = fem.form(forms.jacobian)
@@ -125,11 +124,7 @@ class BodyMechanics:
                 self.mesh, self.cells, self.space, forms.increment, forms.dx,
                 self.description.law.largest_shear_modulus(),
             )  # fmt: skip
-        sizes = self.points.evaluate(self.points.expression(length))[:, 0]
-        self._force_of_stress = self.points.weights.sum(axis=1) / self.points.cell_means(sizes)
-
-    def _element_length(self) -> Any:
-        return stabilisation.element_length(self.mesh.mesh, self.dimension)
+        self._force_of_stress = self.points.weights.sum(axis=1) / self.points.sizes
 
     def split(self, w: Any) -> tuple[Any, Any]:
         """Return displacement and pressure [Pa] of an unknown or a test function."""

@@ -50,7 +50,7 @@ class ArrowSchur:
             "fieldsplit_multipliers_pc_type": "jacobi",
         } | bodies
         # A multiplier that comes or goes changes the saddle: the split must know.
-        self.most_changed = 0
+        self.most_changed, self.is_exact = 0, False
         self._comm, self._weights = comm, weights
         self._sizes = (sum(mode.shape[1] for mode in modes), len(weights))
         self._blocks = BodyBlocks(comm, parts, modes)

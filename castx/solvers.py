@@ -39,7 +39,7 @@ class DirectSolver:
     """
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
-        self.most_changed = most_changed
+        self.most_changed, self.is_exact = most_changed, True
         self.defaults: Mapping[str, object] = {
             "ksp_type": "preonly",
             "pc_type": "lu",
@@ -158,7 +158,7 @@ class BodywiseMultigrid:
         modes: Sequence[FloatArray],
     ) -> None:
         self.defaults: Mapping[str, object] = bodywise_options(len(parts))
-        self.most_changed = MOST_CHANGED
+        self.most_changed, self.is_exact = MOST_CHANGED, False
         self._blocks = BodyBlocks(comm, parts, modes)
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
