@@ -11,6 +11,7 @@ from castx.errors import CaseError
 from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
 from castx.materials.finding import find_material
+from castx.materials.material import Material
 from castx.refusal import Problem, Refusal, among
 
 if TYPE_CHECKING:
@@ -82,7 +83,9 @@ def _material_problems(case: Case) -> Iterator[Problem]:
     used = [body.material for body in case.bodies]
     for name in dict.fromkeys([*used, *case.materials]):
         try:
-            descriptions[name] = find_material(name, case.materials).description
+            material = find_material(name, case.materials)
+            descriptions[name] = material.description
+            yield from _enthalpy_problems(material)
         except Refusal as refusal:
             yield from refusal.problems
         except CaseError as error:
@@ -91,6 +94,16 @@ def _material_problems(case: Case) -> Iterator[Problem]:
     for index, body in enumerate(case.bodies):
         if body.material in descriptions:
             yield from _body_problems(case, index, body, descriptions[body.material])
+
+
+def _enthalpy_problems(material: Material) -> Iterator[Problem]:
+    """Yield an enthalpy that cannot be inverted."""
+    if material.description.density is None or material.description.heat_capacity is None:
+        return
+    try:
+        _ = material.enthalpy
+    except CaseError as error:
+        yield Problem(("materials", material.name, "heat_capacity"), str(error))
 
 
 def _body_problems(

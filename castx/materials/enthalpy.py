@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from castx.errors import CaseError
 from castx.materials.phased import Phased
 from castx.materials.solid_fraction import Piece, SolidFractionLaw, linear_piece
 from castx.tables import FloatArray
@@ -117,6 +118,9 @@ def enthalpy_curve(
         solidus: fully solid below [°C].
         liquidus: fully liquid from here [°C].
         law: solid fraction between the two.
+
+    Raises:
+        CaseError: H does not increase in floating-point numbers where the temperature does.
     """
     breaks = _breaks(heat_capacity, solidus, liquidus)
     if solidus is None or liquidus is None or law is None:
@@ -133,7 +137,21 @@ def enthalpy_curve(
     )
     at_zero = curve.enthalpy(0.0)
     wanted = latent * (1.0 - curve.solid_fraction(at_zero))
-    return replace(curve, enthalpies=curve.enthalpies + (wanted - at_zero))
+    shifted = replace(curve, enthalpies=curve.enthalpies + (wanted - at_zero))
+    _check_increase(shifted)
+    return shifted
+
+
+def _check_increase(curve: EnthalpyCurve) -> None:
+    wide = np.diff(curve.temperatures) > CURVE_TOLERANCE
+    flat = (np.diff(curve.enthalpies) <= 0.0) & wide
+    if flat.any():
+        at = int(np.flatnonzero(flat)[0])
+        low, high = curve.temperatures[at : at + 2]
+        raise CaseError(
+            f"the enthalpy does not increase from {low:g} to {high:g} °C: the heat capacity there "
+            "vanishes beside the rest; make it larger"
+        )
 
 
 def _breaks(heat_capacity: Phased, solidus: float | None, liquidus: float | None) -> FloatArray:

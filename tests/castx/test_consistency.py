@@ -63,6 +63,10 @@ def test_accepted(changes):
         ),
         ({"bodies__1__material": "stel"}, '(did you mean "steel"?)'),
         (
+            {"materials__steel__heat_capacity": [[20, 500], [300, 1e-30], [900, 1e-30]]},
+            "materials.steel.heat_capacity = [[20, 500], [300, 1e-30], [900, 1e-30]]: the enthalpy",
+        ),
+        (
             {"bodies__1__name": "die"},
             'bodies[1].name = "die": no such body; cylinder_in_mould makes',
         ),

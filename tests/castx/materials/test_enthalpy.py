@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from castx.errors import CaseError
 from castx.materials import (
     EnthalpyCurve,
     LeverLaw,
@@ -285,3 +286,9 @@ def test_curve_stays_small() -> None:
     assert melting("scheil", BENT).temperatures.size < 6000
     assert melting("linear").temperatures.size < 300
     assert enthalpy_curve(DENSITY, Phased.uniform(Table.constant(SOLID))).temperatures.size == 3
+
+
+def test_an_enthalpy_that_does_not_increase_is_refused() -> None:
+    frozen = Table.from_points([(0, 1000), (300, 1000), (320, 1e-30), (600, 1e-30)])
+    with pytest.raises(CaseError, match=r"does not increase from .* °C: the heat capacity there"):
+        melting("linear", Phased.uniform(frozen))
