@@ -184,7 +184,7 @@ def law_above_solidus(body: str, material: Material) -> str:
     """Return what a material that melts does mechanically while it is not solid, for people."""
     liquid = material.liquid
     if liquid is None:
-        return f"{body}: {material.name} is elastic at every temperature, it has no liquid"
+        return f"{body}: {material.name} keeps its solid's law at every temperature, without liquid"
     flow = "flows with its viscosity" if liquid.model == "viscous" else "creeps by Norton's law"
     return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
 

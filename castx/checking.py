@@ -12,10 +12,12 @@ from rich.table import Table
 
 from castx.building import formulation_of
 from castx.case import Case
+from castx.consistency import starts_solid
 from castx.materials import find_material
 from castx.mesh import build_mesh
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.pairs import node_pairs
+from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
 
 
@@ -125,14 +127,20 @@ def material_warnings(case: Case) -> Iterator[str]:
     """Yield what the temperatures of a case may ask of materials outside their ranges."""
     low, high = temperature_range(case)
     for body in case.bodies:
-        found: dict[tuple[float, float], list[str]] = {}
-        for item in find_material(body.material, case.materials).outside_range(low, high):
-            found.setdefault(item.valid, []).append(item.property)
-        for (start, end), properties in found.items():
+        material = find_material(body.material, case.materials)
+        found = outside_used_range(case, body, material, low, high)
+        if found:
             yield (
-                f"{body.material} ({body.name}) is known from {start:g} to {end:g} °C, the "
-                f"temperatures of the case go from {low:g} to {high:g} °C; beyond its range "
-                f"stays constant: {', '.join(properties)}"
+                f"{body.material} ({body.name}) has data for less than the temperatures of the "
+                f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
+                "used"
+            )
+        assembled = material.stress_free is not None or case.coupling.scheme == "thermal"
+        if material.melts and not assembled and starts_solid(body, material.description):
+            yield (
+                f"{body.name} starts solid at {body.temperature:g} °C, but is free of stress at "
+                f"the solidus, {material.solidus:g} °C, as a casting is; for a mould or a chill "
+                f"set stress_free of {body.material}"
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from pathlib import Path
 from typing import Annotated
@@ -101,6 +101,18 @@ def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
     return comm, console_of(comm)
 
 
+def on_first_rank(comm: MPI.Intracomm, action: Callable[[], None]) -> None:
+    """Do something on rank 0, and raise on all ranks what it refuses."""
+    refusal: CaseError | MeshError | None = None
+    if comm.rank == 0:
+        try:
+            action()
+        except (CaseError, MeshError) as error:
+            refusal = error
+    if (refusal := comm.bcast(refusal)) is not None:
+        raise refusal
+
+
 @app.command()
 def run(
     context: typer.Context,
@@ -146,14 +158,7 @@ def mesh(
 
     comm, console = output_of(context)
     case = load_case(case_file, overrides or ())
-    refusal = None
-    if comm.rank == 0:
-        try:
-            write_mesh(case.geometry, output)
-        except MeshError as error:
-            refusal = str(error)
-    if (refusal := comm.bcast(refusal)) is not None:
-        raise MeshError(refusal)
+    on_first_rank(comm, lambda: write_mesh(case.geometry, output))
     console.print(f"written: {output}", markup=False)
 
 
@@ -173,13 +178,40 @@ def report(
 @app.command()
 def materials(
     context: typer.Context,
-    name: Annotated[str | None, typer.Argument(help="Show all numbers of this one.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Show all numbers of this one.")
+    ] = None,
+    case_file: Annotated[
+        Path | None,
+        typer.Option("--case", metavar="CASE.toml", help="Take the materials of a case too."),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw NAME over temperature: .png, .svg or .pdf."),
+    ] = None,
 ) -> None:
-    """List the materials of the database, or the numbers of one with their sources."""
+    """List the materials of the database, or the numbers of one with units, ranges and sources."""
+    from castx.case import load_case
     from castx.listing import material_list, material_table
+    from castx.materials import find_material
 
-    _, console = output_of(context)
-    console.print(material_list() if name is None else material_table(name))
+    comm, console = output_of(context)
+    case_materials = {} if case_file is None else load_case(case_file).materials
+    if name is None:
+        if plot is not None:
+            raise typer.BadParameter("it draws one material: castx materials NAME --plot FILE")
+        console.print(material_list(case_materials))
+        return
+    console.print(material_table(name, case_materials))
+    if plot is None:
+        text = f"curves: castx materials {name} --plot {name}.png"
+        console.print(text, markup=False)
+        return
+    from castx.material_figure import write_figure
+
+    material = find_material(name, case_materials)
+    on_first_rank(comm, lambda: write_figure(material, plot))
+    console.print(f"written: {plot}", markup=False)
 
 
 @app.command()

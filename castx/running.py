@@ -10,6 +10,7 @@ from mpi4py import MPI
 from castx.case import Case, load_case
 from castx.interruption import Interruption
 from castx.progress import Progress
+from castx.ranges import RangeWatch
 from castx.results import Results
 from castx.simulation import Simulation
 
@@ -50,6 +51,7 @@ def with_output(case: Case, folder: Path) -> Case:
 def run_case(case: Case, comm: MPI.Intracomm) -> Path:
     """Run a case and return its results folder; collective. Raises as `run` does."""
     simulation = Simulation.from_case(case, comm)
+    ranges = RangeWatch(case, comm)
     with (
         Results(case, simulation.mesh, simulation.pairs) as results,
         Interruption(comm, results.note_interruption) as interruption,
@@ -58,5 +60,6 @@ def run_case(case: Case, comm: MPI.Intracomm) -> Path:
         for snapshot in simulation:
             results.write(snapshot)
             progress.show(snapshot)
+            ranges.look(snapshot)
             interruption.check()
     return case.output.folder

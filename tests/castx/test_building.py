@@ -216,7 +216,7 @@ def test_the_law_above_the_solidus_is_named():
     copper = find_material("Cu-pure", {})
     text = "core: Cu-pure flows with its viscosity below a solid fraction of 0.7"
     assert law_above_solidus("core", copper) == text
-    text = "core: Cu-pure is elastic at every temperature, it has no liquid"
+    text = "core: Cu-pure keeps its solid's law at every temperature, without liquid"
     assert law_above_solidus("core", copper.without_liquid()) == text
 
 

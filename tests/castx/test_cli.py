@@ -153,7 +153,8 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, capsys):
     text = said(comm, capsys)
     for name in ("casting/top", "mould/outside", "displacement normal", "9 pairs", "condensed"):
         assert name in text
-    assert "warning: steel-H13 (mould) is known from 20 to 600 °C" in text
+    assert "warning: steel-H13 (mould) has data for less than the temperatures of the case" in text
+    assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
 
 
 def test_mesh_writes_a_gmsh_file(comm, case_file, shared_tmp_path, capsys):
@@ -164,13 +165,53 @@ def test_mesh_writes_a_gmsh_file(comm, case_file, shared_tmp_path, capsys):
     assert "cannot write /nowhere/part.msh" in said(comm, capsys)
 
 
-def test_materials_and_info(comm, capsys):
+def test_materials_are_listed_with_those_of_a_case(comm, case_file, capsys):
     assert execute(["materials"], comm) == 0
-    assert "AlSi7Mg" in said(comm, capsys)
+    text = said(comm, capsys)
+    assert "AlSi7Mg" in text and "548 to 645" in text and "data: h heat" in text
+    own = case_file.with_name("own.toml")
+    if comm.rank == 0:
+        own.write_text(CASE + '[materials.chill]\nextends = "Cu-pure"\nstress_free = 20\n')
+    comm.Barrier()
+    assert execute(["materials", "--case", str(own)], comm) == 0
+    assert "of the case, extends" in said(comm, capsys)
+    assert execute(["materials", "chill", "--case", str(own)], comm) == 0
+    text = said(comm, capsys)
+    assert "chill: of the case, extends Cu-pure" in text and "case file" in text
+    assert execute(["materials", "chill"], comm) == 2
+    assert "unknown material 'chill'" in said(comm, capsys)
+
+
+def test_numbers_and_curves_of_a_material(comm, shared_tmp_path, capsys):
     assert execute(["materials", "Al-pure"], comm) == 0
-    assert "latent_heat" in said(comm, capsys)
+    text = said(comm, capsys)
+    assert "latent_heat" in text and "397 kJ/kg" in text and "case file" not in text
+    assert "castx materials Al-pure --plot Al-pure.png" in text
     assert execute(["materials", "Al-pur"], comm) == 2
     assert '"Al-pure"?' in said(comm, capsys)
+    picture = shared_tmp_path / "aluminium.png"
+    assert execute(["materials", "Al-pure", "--plot", str(picture)], comm) == 0
+    assert f"written: {picture}" in said(comm, capsys)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    for arguments, text in (
+        (["materials", "Al-pure", "--plot", str(picture.with_suffix(".bmp"))], "must end in .png"),
+        (["materials", "Al-pure", "--plot", "/nowhere/a.png"], "cannot write /nowhere/a.png"),
+        (["materials", "--plot", str(picture)], "castx materials NAME --plot FILE"),
+    ):
+        assert execute(arguments, comm) == 2
+        assert text in said(comm, capsys)
+
+
+def test_a_run_names_a_material_that_leaves_its_range_once(comm, case_file, tmp_path, capsys):
+    arguments = ["run", str(case_file), "--set", "bodies.1.temperature=620"]
+    folder = comm.bcast(str(tmp_path / "hot"))
+    assert execute([*arguments, "--output", folder], comm) == 0
+    text = " ".join(said(comm, capsys).split())
+    assert text.count("said once for each material") == 1
+    assert "at t = 0 s steel-H13 (mould) is at 620 to 620 °C" in text
+
+
+def test_info(comm, capsys):
     assert execute(["info"], comm) == 0
     assert "fenics-dolfinx" in said(comm, capsys)
 
