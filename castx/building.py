@@ -11,6 +11,7 @@ from castx.case import Case
 from castx.consistency import starts_solid
 from castx.constitutive import Law
 from castx.constraints import SurfaceDisplacement
+from castx.contact.choice import Contact
 from castx.coupled_interface import CoupledInterface
 from castx.coupling import CoupledProblem, Temperatures
 from castx.errors import CaseError
@@ -22,7 +23,7 @@ from castx.law_building import heat_exchange
 from castx.materials import Material, find_material
 from castx.measures import nodal_volumes
 from castx.mechanical_body import MechanicalBody, SurfaceLoad
-from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
+from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
@@ -149,11 +150,21 @@ def _mechanics(
         case.support.mode == "automatic",
         {**solver.mechanics, **{f"bodies_{k}": v for k, v in solver.contact.items()}},
     )
-    described = [
-        Contact(i.secondary, i.primary, i.contact.method, i.contact.initial_gap.at)
-        for i in contacts
-    ]
+    described = [_contact(i) for i in contacts]
     return MechanicalProblem(mesh, bodies, displacements, described, settings)
+
+
+def _contact(interface: Interface) -> Contact:
+    wanted = interface.contact
+    return Contact(
+        interface.secondary,
+        interface.primary,
+        wanted.method,
+        wanted.initial_gap.at,
+        wanted.penalty if isinstance(wanted.penalty, float) else None,
+        wanted.augmentation,
+        wanted.augmentations,
+    )
 
 
 def _mechanical_body(

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
-from castx.entries import Choice, Description, Quantity
+from castx.entries import Choice, Description, Quantity, Whole
 from castx.errors import CaseError
 from castx.refusal import Problem, refuse
 from castx.units import PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
@@ -22,15 +22,6 @@ _MOST_OPTIONS = 200
 _LONGEST_OPTION = 200
 _OPTION = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _FILE_VIEWER = re.compile(r"\w*:[^:]")
-
-
-def _whole(least: int, most: int) -> PlainValidator:
-    def read(value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise CaseError(f"a whole number from {least} to {most} is needed")
-        return value
-
-    return PlainValidator(read)
 
 
 def _substeps(value: Any) -> str | int:
@@ -105,7 +96,7 @@ class Coupling(Description):
         str, Choice(("thermal", "mechanical", "one-way", "staggered", "iterated"))
     ] = "iterated"
     tolerance: _Tolerance = 1e-3
-    passes: Annotated[int, _whole(1, 10_000)] = 40
+    passes: Annotated[int, Whole(1, 10_000)] = 40
 
 
 class Solver(Description):

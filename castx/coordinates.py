@@ -20,12 +20,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpi4py import MPI
-from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
 
-from castx.constraints import PARALLEL, FixedDirections
+from castx.basis import BasisMatrices
+from castx.constraints import PARALLEL, ZERO, FixedDirections
+from castx.contact.rows import PairRows, Treatment
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.node_rows import NodeRows
@@ -49,23 +50,28 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class PairCoordinates:
-    """Where the pairs of one interface live.
+    """Where the rows of the pairs of one interface live.
 
     Attributes:
         pairs: the node pairs.
-        normals: normals that respect the symmetry planes, shape (n, dimension).
-        areas: contact areas [m²] that turn forces into pressures, shape (n,).
-        local: local number in v of each pair's gap, shape (n,); -1 where no normal motion is free.
+        index: number of the pair of each row, shape (rows,).
+        normals: normals that respect the symmetry planes, shape (rows, dimension).
+        areas: contact areas [m²] that turn forces into pressures, shape (rows,).
+        local: local number in v of each row's gap, shape (rows,); -1 where no normal motion is
+            free.
+        treatment: what the coordinates make of the rows.
     """
 
     pairs: NodePairs
+    index: IntArray
     normals: FloatArray
     areas: FloatArray
     local: IntArray
+    treatment: Treatment
 
     @property
     def free(self) -> npt.NDArray[np.bool_]:
-        """Which pairs carry a constraint."""
+        """Which rows carry a constraint."""
         return self.local >= 0
 
 
@@ -77,8 +83,7 @@ class Coordinates:
         body_names: names of the bodies in the order of the layout.
         dimension: number of displacement components.
         fixed: fixed directions of each body.
-        pairs: node pairs of the interfaces with contact.
-        condensed: whether the gaps are among the coordinates.
+        interfaces: rows of the interfaces with contact; a primary body without unknowns is rigid.
         uniform: of each body, the component of its unknowns that is the same at all nodes, or None.
 
     Raises:
@@ -91,15 +96,13 @@ class Coordinates:
         body_names: Sequence[str],
         dimension: int,
         fixed: Sequence[Sequence[FixedDirections]],
-        pairs: Sequence[NodePairs],
-        condensed: bool,
+        interfaces: Sequence[PairRows],
         uniform: Sequence[int | None] = (),
     ) -> None:
         self.layout = layout
         self._uniform = [(b, k) for b, k in enumerate(uniform) if k is not None]
-        self._offset = _first_owned(layout)
         self._names = list(body_names)
-        self._dimension = dimension
+        self.dimension = dimension
         self._rows = [
             NodeRows.none(self.owned_nodes(b), dimension) for b in range(len(body_names))
         ]
@@ -109,11 +112,31 @@ class Coordinates:
             for condition in conditions:
                 self._add_condition(b, condition)
         held = [rows.copy() for rows in self._rows]
-        self.interfaces = [self._add_pairs(p, fixed, condensed) for p in pairs]
+        self.interfaces = self._add_interfaces(interfaces, fixed)
         for interface in self.interfaces:
-            self._refuse_one_sided(interface, held)
-        self._condensed = condensed
-        self._assemble()
+            if interface.pairs.primary in self._names:
+                self._refuse_one_sided(interface, held)
+        self._fill_matrices()
+
+    def _fill_matrices(self) -> None:
+        basis = BasisMatrices(self.layout, self.dimension, self._rows)
+        for b, nodes, slots in self._ties:
+            local = basis.tie(b, nodes, slots)
+            self.prescribed.append(Prescribed(local, ZERO))
+        for b, k in self._uniform:
+            self.prescribed.append(Prescribed(basis.tie_component(b, k), ZERO))
+        for interface in self.interfaces:
+            if interface.treatment is not Treatment.READ and interface.pairs.primary in self._names:
+                free, pairs = interface.free, interface.pairs
+                basis.make_relative(
+                    self._names.index(pairs.secondary),
+                    pairs.secondary_local[interface.index[free]],
+                    interface.local[free],
+                    interface.normals[free],
+                    self._names.index(pairs.primary),
+                    pairs.primary_nodes[interface.index[free]],
+                )
+        self.to_coordinates, self.to_displacements = basis.finish()
 
     def owned_nodes(self, b: int) -> int:
         """Return the number of nodes of a body that this rank owns."""
@@ -143,40 +166,80 @@ class Coordinates:
                 "prescribes this direction at some of its nodes; leave one of them out"
             )
 
+    def _add_interfaces(
+        self, interfaces: Sequence[PairRows], fixed: Sequence[Sequence[FixedDirections]]
+    ) -> list[PairCoordinates]:
+        """Add the rows of all interfaces, ties first: what is tied has no gap."""
+        placed = {}
+        tied = [i for i in interfaces if i.treatment is Treatment.TIED]
+        for interface in tied:
+            placed[id(interface)] = self._tie_pairs(interface)
+        read = [rows.copy() for rows in self._rows]
+        for interface in (i for i in interfaces if i.treatment is not Treatment.TIED):
+            condensed = interface.treatment is Treatment.CONDENSED
+            target = self._rows if condensed else read
+            placed[id(interface)] = self._add_pairs(interface, fixed, target)
+        return [placed[id(interface)] for interface in interfaces]
+
     def _add_pairs(
-        self, pairs: NodePairs, fixed: Sequence[Sequence[FixedDirections]], condensed: bool
+        self,
+        rows: PairRows,
+        fixed: Sequence[Sequence[FixedDirections]],
+        target: Sequence[NodeRows],
     ) -> PairCoordinates:
-        b = self._names.index(pairs.secondary)
-        vectors = pairs.area_vectors.copy()
+        b, nodes = self._names.index(rows.pairs.secondary), rows.nodes
+        vectors = rows.vectors.copy()
         for condition in fixed[b]:
             if condition.symmetry:
-                condition.cancel(vectors, pairs.secondary_local, self.owned_nodes(b))
+                condition.cancel(vectors, nodes, self.owned_nodes(b))
         areas = np.linalg.norm(vectors, axis=1)
         normals = np.divide(
             vectors, areas[:, None], out=np.zeros_like(vectors), where=areas[:, None] > 0
         )
-        rows = self._rows[b] if condensed else self._rows[b].copy()
-        slots = rows.try_add(pairs.secondary_local, normals, GRAZING)
+        slots = np.full(len(nodes), -1, dtype=np.int32)
+        for turn in rows.turns():
+            slots[turn] = target[b].try_add(nodes[turn], normals[turn], GRAZING)
+        local = self._local(b, nodes, slots)
+        return PairCoordinates(rows.pairs, rows.index, normals, areas, local, rows.treatment)
+
+    def _tie_pairs(self, rows: PairRows) -> PairCoordinates:
+        """Make the relative motions that conditions leave free coordinates, and hold them."""
+        pairs, b = rows.pairs, self._names.index(rows.pairs.secondary)
+        nodes = pairs.secondary_local
+        rest = self._rows[b].complement(nodes)
+        index, normals, local = [], [], []
+        for k in range(self.dimension):
+            there = np.flatnonzero(rest[:, k].any(axis=1)).astype(np.int32)
+            slots = self._rows[b].try_add(nodes[there], rest[there, k], PARALLEL)
+            index.append(there)
+            normals.append(rest[there, k])
+            local.append(self._local(b, nodes[there], slots))
+        held = np.concatenate(local)
+        self.prescribed.append(Prescribed(held, ZERO))
+        numbers = np.concatenate(index)
+        areas = pairs.areas[numbers]
         return PairCoordinates(
-            pairs, normals, areas, self._local(b, pairs.secondary_local, slots)
+            pairs, numbers, np.concatenate(normals), areas, held, Treatment.TIED
         )
 
     def _refuse_one_sided(self, interface: PairCoordinates, held: Sequence[NodeRows]) -> None:
         """Refuse pairs whose secondary node is held along the normal while the primary can move."""
         comm, pairs = self.layout.comm, interface.pairs
         stuck = np.flatnonzero(~interface.free & (interface.areas > 0))
-        rows = held[self._names.index(pairs.secondary)].copy()
-        free = rows.try_add(pairs.secondary_local[stuck], interface.normals[stuck], GRAZING) >= 0
+        rows = held[self._names.index(pairs.secondary)]
+        nodes = pairs.secondary_local[interface.index[stuck]]
+        free = rows.can_add(nodes, interface.normals[stuck], GRAZING)
         stuck = stuck[~free]
-        mine = (pairs.primary_nodes[stuck], interface.normals[stuck], pairs.points[stuck])
+        numbers = interface.index[stuck]
+        mine = (pairs.primary_nodes[numbers], interface.normals[stuck], pairs.points[numbers])
         all_of = zip(*comm.allgather(mine), strict=True)
         nodes, normals, points = (np.concatenate(parts) for parts in all_of)
         b = self._names.index(pairs.primary)
-        local = self.layout.dofs(b, nodes) - self._offset - self.layout.local_slice(b).start
+        local = self.layout.dofs(b, nodes) - self.layout.first - self.layout.local_slice(b).start
         local //= self.layout.block_sizes[b]
         here = np.flatnonzero((local >= 0) & (local < self.owned_nodes(b)))
-        slots = held[b].copy().try_add(local[here], normals[here], GRAZING)
-        found = [point for part in comm.allgather(points[here[slots >= 0]]) for point in part]
+        movable = held[b].can_add(local[here], normals[here], GRAZING)
+        found = [point for part in comm.allgather(points[here[movable]]) for point in part]
         if found:
             place = ", ".join(f"{x:g}" for x in found[0])
             raise CaseError(
@@ -184,117 +247,3 @@ class Coordinates:
                 f"normal of the contact with {pairs.primary!r}, which can move there: name the "
                 f"bodies of the interface the other way round, or free {pairs.secondary!r}"
             )
-
-    def _assemble(self) -> None:
-        local_size, size = self.layout.size_local, self.layout.size_global
-        sizes = ((local_size, size), (local_size, size))
-        comm = self.layout.comm
-        forward = PETSc.Mat().createAIJ(sizes, nnz=12, comm=comm)
-        frames = PETSc.Mat().createAIJ(sizes, nnz=12, comm=comm)
-        contact = PETSc.Mat().createAIJ(sizes, nnz=12, comm=comm)
-        for matrix in (forward, frames, contact):
-            matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
-        ones = forward.createVecLeft()
-        ones.set(1.0)
-        forward.setDiagonal(ones)
-        frames.setDiagonal(ones)
-        inverses = [self._fill_frames(b, forward, frames) for b in range(len(self._names))]
-        self._fill_ties(forward, frames, inverses)
-        self._fill_uniform(forward, frames)
-        if self._condensed:
-            for interface in self.interfaces:
-                self._fill_contact(interface, forward, contact, inverses)
-        for matrix in (forward, frames, contact):
-            matrix.assemble()
-        self.to_coordinates = forward
-        self.to_displacements = _sum_of_powers(contact, frames)
-        contact.destroy()
-
-    def _fill_frames(self, b: int, forward: PETSc.Mat, frames: PETSc.Mat) -> FloatArray:
-        rows, d, size = self._rows[b], self._dimension, self.layout.block_sizes[b]
-        first = self._offset + self.layout.local_slice(b).start
-        inverse = np.tile(np.eye(d), (self.owned_nodes(b), 1, 1))
-        special = rows.complete()
-        inverse[special] = np.linalg.inv(rows.rows[special])
-        for i in special:
-            dofs = (first + i * size + np.arange(d)).astype(np.int32)
-            forward.setValues(dofs, dofs, rows.rows[i])
-            frames.setValues(dofs, dofs, inverse[i])
-        return inverse
-
-    def _fill_ties(
-        self, forward: PETSc.Mat, frames: PETSc.Mat, inverses: Sequence[FloatArray]
-    ) -> None:
-        comm, d = self.layout.comm, self._dimension
-        for b, nodes, slots in self._ties:
-            if comm.allreduce(len(nodes), op=MPI.SUM) == 0:
-                continue
-            own = self._local(b, nodes, slots) + self._offset
-            starts = (own - slots)[:, None] + np.arange(d, dtype=np.int32)
-            rows = self._rows[b].rows[nodes, slots]
-            leaders = comm.allgather((own[0], starts[0], rows[0]) if len(own) else None)
-            first, columns, row = next(leader for leader in leaders if leader is not None)
-            others = np.flatnonzero(own != first)
-            for i in others:
-                forward.setValues(own[i], columns, -row)
-                frames.setValues(starts[i], first, inverses[b][nodes[i]][:, slots[i]])
-            local = self._local(b, nodes[others], slots[others])
-            self.prescribed.append(Prescribed(local, Table.constant(0.0)))
-
-    def _fill_uniform(self, forward: PETSc.Mat, frames: PETSc.Mat) -> None:
-        """Tie components to that of the first node: v = w - w_first, zero at all others."""
-        for b, k in self._uniform:
-            nodes = np.arange(self.owned_nodes(b), dtype=np.int32)
-            own = self._local(b, nodes, np.full(len(nodes), k)) + self._offset
-            firsts = self.layout.comm.allgather(own[0] if len(own) else None)
-            first = next(number for number in firsts if number is not None)
-            others = own[own != first]
-            for row in others:
-                forward.setValue(row, first, -1.0)
-                frames.setValue(row, first, 1.0)
-            self.prescribed.append(
-                Prescribed((others - self._offset).astype(np.int32), Table.constant(0.0))
-            )
-
-    def _fill_contact(
-        self,
-        interface: PairCoordinates,
-        forward: PETSc.Mat,
-        contact: PETSc.Mat,
-        inverses: Sequence[FloatArray],
-    ) -> None:
-        pairs, d = interface.pairs, self._dimension
-        b, primary = self._names.index(pairs.secondary), self._names.index(pairs.primary)
-        offset, size = self._offset, self.layout.block_sizes[b]
-        start = self.layout.local_slice(b).start
-        columns = np.stack(
-            [self.layout.dofs(primary, pairs.primary_nodes, k) for k in range(d)], axis=1
-        ).astype(np.int32)
-        for i in np.flatnonzero(interface.free):
-            node, n = pairs.secondary_local[i], interface.normals[i]
-            first = start + node * size
-            slot = interface.local[i] - first
-            forward.setValues(np.int32(interface.local[i] + offset), columns[i], -n)
-            rows = (first + offset + np.arange(d)).astype(np.int32)
-            contact.setValues(rows, columns[i], np.outer(inverses[b][node][:, slot], n))
-
-
-def _first_owned(layout: Layout) -> int:
-    vector = layout.create_vector()
-    first = vector.getOwnershipRange()[0]
-    vector.destroy()
-    return int(first)
-
-
-def _sum_of_powers(contact: PETSc.Mat, frames: PETSc.Mat) -> PETSc.Mat:
-    """Return (1 + C + C² + …) frames; C is nilpotent since no chain of pairs returns to itself."""
-    total, term = frames.copy(), frames
-    while contact.norm() > 0:
-        following = contact.matMult(term)
-        term.destroy()
-        term = following
-        if term.norm() == 0:
-            break
-        total.axpy(1.0, term)
-    term.destroy()
-    return total

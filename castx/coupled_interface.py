@@ -40,12 +40,14 @@ class InterfaceState:
         pressure: contact pressure [Pa].
         resistance: R = 1/h [m² K/W], without radiation.
         closed: whether the pair touches; the gap of one that does is zero but for round-off.
+        force: of contact on the secondary nodes [N], shape (pairs, dimension).
     """
 
     gap: FloatArray
     pressure: FloatArray
     resistance: FloatArray
     closed: BoolArray
+    force: FloatArray
 
     @property
     def felt(self) -> PairState:

@@ -127,10 +127,11 @@ class CoupledProblem:
     def _initial_states(self) -> list[InterfaceState]:
         gaps = [interface.initial_gap.copy() for interface in self.interfaces]
         pairs = [PairState.of(gap, np.zeros(len(gap))) for gap in gaps]
+        forces = [np.zeros_like(i.pairs.area_vectors) for i in self.interfaces]
         return [
-            InterfaceState(gap, state.pressure, resistance, gap <= 0)
-            for gap, state, resistance in zip(
-                gaps, pairs, self.heat.resistances(pairs), strict=True
+            InterfaceState(gap, state.pressure, resistance, gap <= 0, force)
+            for gap, state, resistance, force in zip(
+                gaps, pairs, self.heat.resistances(pairs), forces, strict=True
             )
         ]
 
@@ -208,19 +209,15 @@ class CoupledProblem:
 
     def _read_interfaces(self) -> None:
         assert self.mechanics is not None
-        gaps, forces = self.mechanics.equilibrium.pair_values()
-        closed = self.mechanics.equilibrium.active.closed
-        areas = self.mechanics.gaps.areas
-        # The last digits of a closed pair without pressure may pull.
-        pushes = np.maximum(forces, 0.0)
-        pressures = np.divide(pushes, areas, out=np.zeros_like(forces), where=areas > 0)
+        contacts = self.mechanics.contact_states()
         for i, interface in enumerate(self.interfaces):
             if interface.contact is None:
                 continue
-            part = self.mechanics.gaps.slices[interface.contact]
+            found = contacts[interface.contact]
             self.states[i] = replace(
-                self.states[i], gap=gaps[part], pressure=pressures[part], closed=closed[part].copy()
-            )
+                self.states[i], gap=found.gap, pressure=found.pressure, closed=found.closed,
+                force=found.vectors,
+            )  # fmt: skip
 
     def _solid_fraction_change(self) -> float:
         change = np.abs(self._present_solid_fraction() - self._solid_fraction)
@@ -229,13 +226,7 @@ class CoupledProblem:
     def contact_force_vectors(self, name: str) -> FloatArray:
         """Return the forces on an interface's secondary nodes [N], shape (pairs, dimension)."""
         names = [interface.name for interface in self.interfaces]
-        index = names.index(name)
-        contact, pairs = self.interfaces[index].contact, self.interfaces[index].pairs
-        if contact is None or self.mechanics is None:
-            return np.zeros_like(pairs.area_vectors)
-        placed = self.mechanics.gaps.interfaces[contact]
-        force = self.states[index].pressure * placed.areas
-        return np.asarray(force[:, None] * placed.normals)
+        return self.states[names.index(name)].force
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""

@@ -158,6 +158,33 @@ class Tabulated:
 
 
 @dataclass(frozen=True)
+class Whole:
+    """A whole number in a range, for `Annotated[int, Whole(...)]`.
+
+    Args:
+        least: smallest allowed.
+        most: largest allowed.
+    """
+
+    least: int
+    most: int
+
+    def read(self, value: Any) -> int:
+        """Return the number.
+
+        Raises:
+            CaseError: not a whole number, or outside the range.
+        """
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not whole or not self.least <= value <= self.most:
+            raise CaseError(f"a whole number from {self.least} to {self.most} is needed")
+        return int(value)
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+
+@dataclass(frozen=True)
 class Choice:
     """One of some names, for `Annotated[str, Choice(...)]`.
 

@@ -19,9 +19,8 @@ from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.errors import ConvergenceError
-from castx.layout import Layout
 from castx.line_search import shorten_step
-from castx.linear import InnerSolver, SystemOperator, SystemPreconditioner
+from castx.linear import InnerSolver, SystemOperator, SystemPreconditioner, operator_matrix
 from castx.snes import NonlinearSolver
 from castx.supports import FloatingMotions, Support
 
@@ -29,8 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 PREFIX = "castx_mechanics_"
-LINEAR_SHARE = 1e-3
-"""Part of the nonlinear tolerance to which the linear solves go, and that closes or opens pairs."""
+LINEAR_SHARE, NOISE_SHARE = 1e-3, 1e-2
+"""Parts of the nonlinear tolerance: to which the linear solves go; that closes or opens pairs."""
 ROUNDING = 2e-14
 """Part of the terms of a row that no iteration takes away from their sum."""
 
@@ -44,12 +43,15 @@ class EquilibriumReport:
         linear_iterations: iterations of all linear solves.
         contact_changes: pairs that opened or closed, counted each time.
         residuals: residual before each iteration and after the last.
+        augmentations: updates of multipliers that are no unknowns, by the number of iterations that
+            each followed.
     """
 
     iterations: int
     linear_iterations: int
     contact_changes: int
     residuals: tuple[float, ...]
+    augmentations: tuple[int, ...] = ()
 
 
 class Equilibrium:
@@ -87,7 +89,7 @@ class Equilibrium:
         self._operator = SystemOperator(assembly.corrections())
         self._inner = inner
         self._preconditioner = SystemPreconditioner(self._operator, inner, comm)
-        self._matrix = _python_matrix(contact.layout, self._operator)
+        self._matrix = operator_matrix(contact.layout, self._operator)
         self._residual_vector = contact.layout.create_vector()
         defaults = {"ksp_type": "fgmres", "ksp_max_it": 200, "snes_linesearch_type": "basic",
                     "snes_max_it": 60, "ksp_gmres_restart": 60}
@@ -107,6 +109,8 @@ class Equilibrium:
         self._stiffness = self._scale = self._rounding = 0.0
         self._time, self._failure = 0.0, ""
         self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
+        self._forces: FloatArray = np.zeros(0)
+        self._augmentations: list[int] = []
 
     def solve(self, time: float) -> EquilibriumReport:
         """Solve for the present state of the bodies, from the present displacements.
@@ -135,17 +139,22 @@ class Equilibrium:
     def _try(self, time: float) -> EquilibriumReport:
         self._time, self._failure = time, ""
         self.active.begin()
+        self._augmentations = []
         try:
             report = self._solver.solve(self.x)
         except ConvergenceError as error:
             text = f"{error}; {self._failure}" if self._failure else str(error)
             raise ConvergenceError(text) from None
         return EquilibriumReport(
-            report.iterations, report.linear_iterations, self.active.changes, report.residuals
+            report.iterations, report.linear_iterations, self.active.changes, report.residuals,
+            tuple(self._augmentations),
         )
 
     def _update_matrix(self) -> None:
-        self._operator.matrix = self._contact.matrix(self._assembly.matrix())
+        bodies = self._assembly.matrix()
+        self._contact.prepare(bodies)
+        self._contact.update_bodies(bodies)
+        self._operator.matrix = self._contact.matrix(self.active.closed)
         diagonal = self._operator.matrix.getDiagonal()
         self._diagonal = np.abs(diagonal.array_r)
         largest = float(self._diagonal[self._displacement_rows].max(initial=0.0))
@@ -168,9 +177,13 @@ class Equilibrium:
 
     def _balance(self, x: PETSc.Vec, rows: FloatArray, f: PETSc.Vec) -> None:
         """Fill the residual for the present set of closed pairs."""
-        held, violation = self._held(x)
+        closed = self.active.closed
+        self._forces = self._trial_forces(x, rows)
+        held, violation = self._prescribed(x)
+        self._contact.impose(x, self._forces, closed, rows, held, violation)
         support = self._support(held)
-        self._operator.hold(held, self._stiffness, support)
+        follows = closed.copy() if self._contact.follows_set else closed[:0]
+        self._operator.hold(held, self._stiffness, support, follows)
         if support is not None:
             rows += support.force(x.array_r)
         f.array[:] = np.where(held, self._stiffness * violation, rows)
@@ -186,13 +199,22 @@ class Equilibrium:
         if improved or not self._all(np.array_equal(at, x.array_r)):
             self._residual(snes, x, f)
             rows = self._evaluated[1]
-        gaps = self._contact.gaps(x, self._assembly.unknowns)
-        forces = self._contact.forces(x, rows)
-        threshold = LINEAR_SHARE * self._target()
-        if not self.active.update(gaps, forces, self._stiffness, threshold):
+        if not self.active.update(self._forces, NOISE_SHARE * self._target()):
             return False
         self._balance(x, rows.copy(), f)
         return True
+
+    def _augment(self, snes: PETSc.SNES, iteration: int, balanced: bool) -> bool:
+        """Improve the multipliers of the method, if it has any; return whether they changed."""
+        if not self._contact.augment(self._forces, self.active.closed, balanced):
+            return False
+        self._balance(snes.getSolution(), self._evaluated[1].copy(), snes.getFunction()[0])
+        self._augmentations.append(iteration)
+        return True
+
+    def _trial_forces(self, x: PETSc.Vec, rows: FloatArray) -> FloatArray:
+        gaps = self._contact.gaps(x, self._assembly.unknowns)
+        return self._contact.trial_forces(x, rows, gaps, self.active.closed, self._stiffness)
 
     def _all(self, here: bool) -> bool:
         return bool(self._assembly.layout.comm.allreduce(here, op=MPI.LAND))
@@ -207,13 +229,12 @@ class Equilibrium:
         self._contact.displacements(x, self._assembly.unknowns)
         return self._contact.residual(x, self._assembly.residual())
 
-    def _held(self, x: PETSc.Vec) -> tuple[BoolArray, FloatArray]:
+    def _prescribed(self, x: PETSc.Vec) -> tuple[BoolArray, FloatArray]:
         held = np.zeros(self.x.getLocalSize(), dtype=bool)
         violation = np.zeros(len(held))
         for item in self._coordinates.prescribed:
             held[item.local] = True
             violation[item.local] = x.array_r[item.local] - float(item.value(self._time))
-        self._contact.hold(x, self.active.closed, held, violation)
         return held, violation
 
     def _support(self, held: BoolArray) -> Support | None:
@@ -223,11 +244,13 @@ class Equilibrium:
         return self._floating.find(held, values)
 
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
-        if not self._assembly.is_linear:
-            if snes.getIterationNumber() > 0:
-                self._operator.matrix = self._contact.matrix(self._assembly.matrix())
-            if self._inner.is_exact:
-                self._preconditioner.discard()
+        renewed = not self._assembly.is_linear and snes.getIterationNumber() > 0
+        if renewed:
+            self._contact.update_bodies(self._assembly.matrix())
+        if renewed or self._contact.follows_set:
+            self._operator.matrix = self._contact.matrix(self.active.closed)
+        if not self._assembly.is_linear and self._inner.is_exact:
+            self._preconditioner.discard()
         self._preconditioner.refresh(snes.ksp.getIterationNumber())
         J.assemble()
 
@@ -240,6 +263,8 @@ class Equilibrium:
         changed = iteration > 0 and self._change_set(snes)
         norm = snes.getFunction()[0].norm()
         target = self._target()
+        if iteration > 0 and self._augment(snes, iteration, norm <= target and not changed):
+            norm = snes.getFunction()[0].norm()
         if norm <= target and not changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
@@ -250,11 +275,13 @@ class Equilibrium:
         return reasons.CONVERGED_ITERATING
 
     def pair_values(self) -> tuple[FloatArray, FloatArray]:
-        """Return gaps [m] and contact forces [N] of all pairs of this rank, no force where open."""
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         rows = self._rows(self.x)
         gaps = self._contact.gaps(self.x, self._assembly.unknowns)
-        forces = self._contact.forces(self.x, rows)
-        return gaps, np.where(self.active.closed, forces, 0.0)
+        forces = np.where(self.active.closed, self._trial_forces(self.x, rows), 0.0)
+        tied = self.gaps.tied
+        forces[tied] = rows[self.gaps.local[tied]]
+        return gaps, forces
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
@@ -266,6 +293,7 @@ class Equilibrium:
         self._committed = self.x.array_r.copy()
         self._committed_support = self._operator.support
         self.active.commit()
+        self._contact.commit()
         for body in self._assembly.bodies:
             body.commit()
 
@@ -274,6 +302,7 @@ class Equilibrium:
         self.x.array[:] = self._committed
         self._operator.support = self._committed_support
         self.active.rewind()
+        self._contact.rewind()
         for body in self._assembly.bodies:
             body.rewind()
         self._rows(self.x)
@@ -285,10 +314,3 @@ class Equilibrium:
         self._assembly.destroy()
         for item in (self._matrix, self._residual_vector, self.x):
             item.destroy()
-
-
-def _python_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
-    sizes = ((layout.size_local, layout.size_global), (layout.size_local, layout.size_global))
-    matrix = PETSc.Mat().createPython(sizes, context, comm=layout.comm)
-    matrix.setUp()
-    return matrix

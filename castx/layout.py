@@ -34,6 +34,7 @@ class Layout:
         self._first_nodes = np.cumsum(counts, axis=0) - counts
         self._rank_starts = np.cumsum(unknowns.sum(axis=1)) - unknowns.sum(axis=1)
         self._starts = self._rank_starts[:, None] + np.cumsum(unknowns, axis=1) - unknowns
+        self.first = int(self._rank_starts[comm.rank])
         self._sizes = unknowns[comm.rank]
         self.size_local = int(unknowns[comm.rank].sum())
         self.size_global = int(unknowns.sum())

@@ -16,6 +16,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.layout import Layout
 from castx.supports import Support
 
 FloatArray = npt.NDArray[np.float64]
@@ -32,7 +33,7 @@ class InnerSolver(Protocol):
 
     Attributes:
         defaults: PETSc options without the prefix.
-        most_changed: held unknowns by which a set-up may fall behind.
+        most_changed: held unknowns and closed pairs by which a set-up may fall behind.
         is_exact: whether it is worth a new set-up whenever the matrix is a new one.
     """
 
@@ -53,6 +54,12 @@ class InnerSolver(Protocol):
 class SystemOperator:
     """Jacobian of the mechanics as a matrix-free operator, the context of a python Mat.
 
+    Attributes:
+        matrix: the assembled part, contact included.
+        held: unknowns whose rows are `stiffness` times those of the identity.
+        closed: pairs on which the assembled part depends.
+        support: springs.
+
     Args:
         corrections: what the assembled matrix lacks.
     """
@@ -60,13 +67,17 @@ class SystemOperator:
     def __init__(self, corrections: Sequence[Correction]) -> None:
         self.matrix: PETSc.Mat | None = None
         self.held: BoolArray = np.zeros(0, dtype=bool)
+        self.closed: BoolArray = np.zeros(0, dtype=bool)
         self.stiffness = 1.0
         self.support: Support | None = None
         self._corrections = corrections
 
-    def hold(self, held: BoolArray, stiffness: float, support: Support | None) -> None:
-        """Set the unknowns whose rows are `stiffness` times those of the identity."""
+    def hold(
+        self, held: BoolArray, stiffness: float, support: Support | None, closed: BoolArray
+    ) -> None:
+        """Set the unknowns whose rows are `stiffness` times those of the identity, and the rest."""
         self.held, self.stiffness, self.support = held, stiffness, support
+        self.closed = closed
 
     def free_product(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Set y to the product without regard to held unknowns and supports."""
@@ -118,20 +129,21 @@ class SystemPreconditioner:
         held = operator.held.copy()
         if operator.support is not None:
             held[operator.support.pins] = True
+        state = np.concatenate((held, operator.closed))
         if self.is_fresh:
             self._first_iterations = iterations
-        self.is_fresh = self._is_outdated(held, iterations)
+        self.is_fresh = self._is_outdated(state, iterations)
         if self.is_fresh:
             if self._masked is not None:
                 self._masked.destroy()
             self._masked = masked(operator.matrix, held)
             self._inner.set_up(self._masked, held)
-            self._set_up_for = held
+            self._set_up_for = state
 
-    def _is_outdated(self, held: BoolArray, iterations: int) -> bool:
+    def _is_outdated(self, state: BoolArray, iterations: int) -> bool:
         if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
             return True
-        changed = int(np.count_nonzero(held != self._set_up_for))
+        changed = int(np.count_nonzero(state != self._set_up_for))
         return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
 
     def discard(self) -> None:
@@ -166,6 +178,14 @@ class SystemPreconditioner:
             if item is not None:
                 item.destroy()
         self._inner.destroy()
+
+
+def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
+    """Return the python Mat of an operator."""
+    sizes = ((layout.size_local, layout.size_global),) * 2
+    matrix = PETSc.Mat().createPython(sizes, context, comm=layout.comm)
+    matrix.setUp()
+    return matrix
 
 
 def masked(matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:

@@ -13,13 +13,15 @@ import numpy.typing as npt
 
 from castx.assembly import BodyAssembly
 from castx.constraints import SurfaceDisplacement, fixed_directions
-from castx.contact.condensed import CondensedContact
+from castx.contact.choice import Contact, check_bodies, common_method
 from castx.contact.gaps import Gaps
+from castx.contact.methods import contact_system
 from castx.contact.multipliers import MultiplierContact
+from castx.contact.pair_state import ContactState, contact_state
+from castx.contact.rows import single_rows
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.equilibrium import PREFIX, Equilibrium
-from castx.errors import CaseError
 from castx.layout import Layout
 from castx.linear import InnerSolver
 from castx.measures import extent, nodal_volumes
@@ -37,23 +39,6 @@ FloatArray = npt.NDArray[np.float64]
 
 LARGEST_DIRECT = {2: 200_000, 3: 12_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
-
-
-@dataclass(frozen=True)
-class Contact:
-    """Contact on an interface.
-
-    Attributes:
-        secondary: name of the body whose nodes carry the pairs.
-        primary: name of the other body.
-        method: "condensed" or "multipliers".
-        initial_gap: gap without displacement at points (n, dimension) [m], negative: interference.
-    """
-
-    secondary: str
-    primary: str
-    method: str = "condensed"
-    initial_gap: Callable[[FloatArray], FloatArray] = lambda points: np.zeros(len(points))
 
 
 @dataclass(frozen=True)
@@ -78,7 +63,7 @@ class MechanicalProblem:
 
     Args:
         mesh: mesh of all bodies.
-        bodies: mechanical description by name of the body; others are not in the equilibrium.
+        bodies: mechanical description by name of the body; others are rigid.
         displacements: displacement conditions by name of the body.
         contacts: interfaces with contact.
         settings: how to solve.
@@ -95,11 +80,8 @@ class MechanicalProblem:
         contacts: Sequence[Contact],
         settings: MechanicsSettings,
     ) -> None:
-        methods = {contact.method for contact in contacts}
-        if len(methods) > 1:
-            raise CaseError(
-                f"contact methods {', '.join(sorted(methods))} in one case; use the same for all"
-            )
+        method = common_method(contacts)
+        check_bodies(contacts, bodies)
         names = list(bodies)
         bodies = {
             n: replace(body, closed=_closed_surfaces(mesh, n, displacements.get(n, ())))
@@ -120,26 +102,30 @@ class MechanicalProblem:
             [body.block_size for body in parts],
         )
         self.pairs = [node_pairs(mesh, c.secondary, c.primary) for c in contacts]
-        condensed = methods != {"multipliers"}
+        rows = [single_rows(p, c.treatment) for c, p in zip(contacts, self.pairs, strict=True)]
         coordinates = Coordinates(
-            self.layout, names, parts[0].dimension, fixed, self.pairs, condensed,
-            [body.axial for body in parts],
+            self.layout, names, parts[0].dimension, fixed, rows, [body.axial for body in parts]
         )
         initial = [c.initial_gap(p.points) for c, p in zip(contacts, self.pairs, strict=True)]
         self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial)
         length = extent(mesh.parent)
         stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
-        contact: ContactSystem
-        if condensed:
-            contact = CondensedContact(coordinates, self.gaps)
-        else:
-            contact = MultiplierContact(coordinates, self.gaps, stiffness)
+        contact = contact_system(method, contacts, coordinates, names, self.gaps, stiffness)
         floating = self._floating(coordinates, contact, stiffness / length)
         inner = self._inner_solver(settings.linear, coordinates, contact)
         self.equilibrium = Equilibrium(
             BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
             floating if settings.support else None, settings.tolerance, settings.options,
         )
+
+    def contact_states(self) -> list[ContactState]:
+        """Return what the pairs of each interface do; collective."""
+        gaps, forces = self.equilibrium.pair_values()
+        closed = self.equilibrium.active.closed
+        return [
+            contact_state(interface, gaps[part], forces[part], closed[part])
+            for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
+        ]
 
     def _inner_solver(
         self, linear: str, coordinates: Coordinates, contact: ContactSystem

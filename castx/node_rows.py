@@ -34,19 +34,41 @@ class NodeRows:
 
     def try_add(self, nodes: IntArray, directions: FloatArray, smallest: float) -> IntArray:
         """Add a row at each node where it is independent; return slots, -1 where it is not."""
-        rest = directions.copy()
-        orthonormal = self._orthonormal(nodes)
-        for k in range(orthonormal.shape[1]):
-            q = orthonormal[:, k]
-            rest -= np.sum(rest * q, axis=1, keepdims=True) * q
-        free = np.linalg.norm(rest, axis=1) > smallest
-        free &= self.count[nodes] < self.rows.shape[1]
+        free = self.can_add(nodes, directions, smallest)
         chosen = nodes[free]
         slots = np.full(len(nodes), -1, dtype=np.int32)
         slots[free] = self.count[chosen]
         self.rows[chosen, self.count[chosen]] = directions[free]
         self.count[chosen] += 1
         return slots
+
+    def can_add(
+        self, nodes: IntArray, directions: FloatArray, smallest: float
+    ) -> npt.NDArray[np.bool_]:
+        """Return where a direction is independent of the rows: its rest exceeds `smallest`."""
+        rest = directions.copy()
+        orthonormal = self._orthonormal(nodes)
+        for k in range(orthonormal.shape[1]):
+            q = orthonormal[:, k]
+            rest -= np.sum(rest * q, axis=1, keepdims=True) * q
+        free = np.linalg.norm(rest, axis=1) > smallest
+        return np.asarray(free & (self.count[nodes] < self.rows.shape[1]))
+
+    def complement(self, nodes: IntArray) -> FloatArray:
+        """Return orthonormal directions normal to the rows, then zeros, (n, dimension, dimension).
+
+        Where there are no rows they are the axes.
+        """
+        dimension = self.rows.shape[1]
+        found = np.zeros((len(nodes), dimension, dimension))
+        found[self.count[nodes] == 0] = np.eye(dimension)
+        for m in range(1, dimension):
+            here = self.count[nodes] == m
+            if here.any():
+                rows = self.rows[nodes[here], :m].transpose(0, 2, 1)
+                q = np.linalg.qr(rows, mode="complete")[0]
+                found[here, : dimension - m] = q[:, :, m:].transpose(0, 2, 1)
+        return found
 
     def _orthonormal(self, nodes: IntArray) -> FloatArray:
         basis = np.zeros((len(nodes), *self.rows.shape[1:]))
@@ -63,7 +85,5 @@ class NodeRows:
         special = np.flatnonzero(self.count).astype(np.int32)
         for m in range(1, dimension):
             nodes = special[self.count[special] == m]
-            if len(nodes):
-                q = np.linalg.qr(self.rows[nodes, :m].transpose(0, 2, 1), mode="complete")[0]
-                self.rows[nodes, m:] = q[:, :, m:].transpose(0, 2, 1)
+            self.rows[nodes, m:] = self.complement(nodes)[:, : dimension - m]
         return special

@@ -13,10 +13,11 @@ import numpy as np
 
 from castx.constitutive import Law
 from castx.constraints import SurfaceDisplacement
+from castx.contact.choice import Contact
 from castx.geometry import Geometry
 from castx.materials import Material, MaterialDescription
 from castx.mechanical_body import MechanicalBody, SurfaceLoad
-from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
+from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh import CastingMesh, build_mesh
 from castx.mesh_source import gmsh_session
 from castx.tables import FloatArray, Table

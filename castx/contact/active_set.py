@@ -2,7 +2,8 @@
 
 A closed pair that is pulled opens, an open pair that penetrates closes. A set that comes back
 would go round for ever, as happens with pairs of no pressure on a soft liquid; from then on only
-the worst pair changes.
+the worst pair changes. If even that brings a set back, the pair chatters: it is frozen for the rest
+of the step in the state in which it violates less.
 """
 
 from __future__ import annotations
@@ -19,6 +20,12 @@ BoolArray = npt.NDArray[np.bool_]
 class ActiveSet:
     """The closed pairs of all interfaces on this rank.
 
+    Attributes:
+        closed: closed pairs, shape (pairs,).
+        frozen: pairs that do not change until the end of the step, shape (pairs,).
+        changes: pairs that have changed since `begin`, on all ranks.
+        cycles: whether a set has come back since `begin`.
+
     Args:
         comm: communicator of the pairs.
         initial_gaps: gaps without displacement [m], shape (pairs,).
@@ -32,44 +39,59 @@ class ActiveSet:
         self._comm, self._free, self._keys = comm, free, keys
         self.closed: BoolArray = free & (initial_gaps <= 0)
         self._committed = self.closed.copy()
+        self.frozen: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
 
     def begin(self) -> None:
         """Forget the sets seen: a new problem starts from the present one."""
         self._seen = {self._signature(self.closed)}
+        self._left: FloatArray = np.zeros(len(self.closed))
         self.changes = 0
         self.cycles = False
 
-    def update(
-        self, gaps: FloatArray, forces: FloatArray, stiffness: float, threshold: float = 0.0
-    ) -> bool:
+    def update(self, forces: FloatArray, threshold: float = 0.0) -> bool:
         """Change the pairs that violate their state; return whether any did, on any rank.
 
         Args:
-            gaps: present gaps [m], shape (pairs,).
-            forces: contact forces that closed pairs carry [N], shape (pairs,).
-            stiffness: force per length by which penetration and pull are compared [N/m].
-            threshold: pull or penetration times stiffness that is noise [N].
+            forces: that closed pairs carry and open ones would [N], compressive positive, shape
+                (pairs,).
+            threshold: force that is noise [N].
         """
-        violation = np.where(self.closed, -forces, -stiffness * gaps)
-        violation[~self._free] = 0.0
-        largest = self._comm.allreduce(float(np.abs(forces).max(initial=0.0)), op=MPI.MAX)
-        wrong = violation > max(1e-12 * largest, threshold)
-        if self.cycles or self._repeats(wrong):
-            self.cycles = True
-            wrong &= self._is_worst(violation)
+        carried = float(np.abs(forces[self.closed]).max(initial=0.0))
+        largest = self._comm.allreduce(carried, op=MPI.MAX)
+        violation = np.where(self.closed, -forces, forces)
+        violation[~self._free | (violation <= max(1e-12 * largest, threshold))] = 0.0
+        wrong = self._to_change(violation)
         changed = int(self._comm.allreduce(int(np.count_nonzero(wrong)), op=MPI.SUM))
+        self._left = np.where(wrong, violation, self._left)
         self.closed = self.closed ^ wrong
         self._seen.add(self._signature(self.closed))
         self.changes += changed
         return changed > 0
 
-    def _repeats(self, wrong: BoolArray) -> bool:
-        moved = self._comm.allreduce(bool(wrong.any()), op=MPI.LOR)
-        return moved and self._signature(self.closed ^ wrong) in self._seen
+    def _to_change(self, violation: FloatArray) -> BoolArray:
+        wrong = (violation > 0) & ~self.frozen
+        if not self.cycles and not self._is_known(wrong):
+            return wrong
+        self.cycles = True
+        while True:
+            worst = self._worst(np.where(self.frozen, 0.0, violation))
+            if not self._is_known(worst):
+                return worst
+            self.frozen = self.frozen | worst
+            goes_back = worst & (violation > self._left)
+            if self._any(goes_back):
+                return goes_back
 
-    def _is_worst(self, violation: FloatArray) -> BoolArray:
-        local = float(violation.max(initial=-np.inf))
+    def _is_known(self, wrong: BoolArray) -> bool:
+        """Return whether a change brings a set back."""
+        return self._any(wrong) and self._signature(self.closed ^ wrong) in self._seen
+
+    def _any(self, pairs: BoolArray) -> bool:
+        return bool(self._comm.allreduce(bool(pairs.any()), op=MPI.LOR))
+
+    def _worst(self, violation: FloatArray) -> BoolArray:
+        local = float(violation.max(initial=0.0))
         worst, rank = self._comm.allreduce((local, self._comm.rank), op=MPI.MAXLOC)
         chosen = np.zeros(len(violation), dtype=bool)
         if rank == self._comm.rank and worst > 0:
@@ -82,10 +104,16 @@ class ActiveSet:
         total = self._comm.allreduce(both, op=MPI.SUM)
         return int(total[0]), int(total[1])
 
+    def frozen_pairs(self) -> int:
+        """Return the number of frozen pairs of all ranks."""
+        return int(self._comm.allreduce(int(np.count_nonzero(self.frozen)), op=MPI.SUM))
+
     def commit(self) -> None:
         """Make the present set the one to which `rewind` returns."""
         self._committed = self.closed.copy()
+        self.frozen[:] = False
 
     def rewind(self) -> None:
         """Return to the set of the last accepted step."""
         self.closed = self._committed.copy()
+        self.frozen[:] = False

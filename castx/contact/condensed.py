@@ -1,7 +1,8 @@
 """Condensed contact: the gap of every pair is one of the unknowns (no penalty, no multiplier).
 
 With u = P v the matrix is PᵀAP and the residual Pᵀr; a closed pair is the Dirichlet condition
-v_k = -g0 and its contact force p_c S the residual of that row.
+v_k = -g0 and its contact force p_c S the residual of that row. Where the primary body is rigid, P
+only turns the axes at each node, and the method is that of Chiumenti, end of section 8.
 """
 
 from __future__ import annotations
@@ -27,12 +28,17 @@ class CondensedContact:
         gaps: the pairs of all interfaces.
     """
 
+    follows_set = False
+
     def __init__(self, coordinates: Coordinates, gaps: Gaps) -> None:
         self.layout: Layout = coordinates.layout
         self._P = coordinates.to_displacements
         self._gaps = gaps
         self._residual = self.layout.create_vector()
         self._matrix: PETSc.Mat | None = None
+
+    def prepare(self, A: PETSc.Mat) -> None:
+        """Do nothing: the method has no numbers of its own."""
 
     def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
         """Set the displacements and pressures of all bodies from the unknowns."""
@@ -43,12 +49,15 @@ class CondensedContact:
         self._P.multTranspose(r, self._residual)
         return self._residual.array_r.copy()
 
-    def matrix(self, A: PETSc.Mat) -> PETSc.Mat:
-        """Return PᵀAP; the next call overwrites it."""
+    def update_bodies(self, A: PETSc.Mat) -> None:
+        """Take over A as PᵀAP."""
         if self._matrix is None:
             self._matrix = A.ptap(self._P)
         else:
             A.ptap(self._P, self._matrix)
+
+    def matrix(self, closed: BoolArray) -> PETSc.Mat:
+        """Return PᵀAP, whichever pairs are closed: they hold unknowns."""
         return self._matrix
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
@@ -58,20 +67,31 @@ class CondensedContact:
         gaps[free] = x.array_r[self._gaps.local[free]] + self._gaps.initial[free]
         return gaps
 
-    def forces(self, x: PETSc.Vec, residual: FloatArray) -> FloatArray:
-        """Return the forces that closed pairs carry [N], from the rows of `residual`."""
-        forces = np.zeros(len(self._gaps.free))
-        free = self._gaps.free
-        forces[free] = residual[self._gaps.local[free]]
+    def trial_forces(
+        self, x: PETSc.Vec, rows: FloatArray, gaps: FloatArray, closed: BoolArray, stiffness: float
+    ) -> FloatArray:
+        """Return the residual of the rows of closed pairs, -stiffness times gap of open ones."""
+        forces = -stiffness * gaps
+        forces[closed] = rows[self._gaps.local[closed]]
         return forces
 
-    def hold(
-        self, x: PETSc.Vec, closed: BoolArray, held: BoolArray, violation: FloatArray
+    def impose(
+        self,
+        x: PETSc.Vec,
+        forces: FloatArray,
+        closed: BoolArray,
+        rows: FloatArray,
+        held: BoolArray,
+        violation: FloatArray,
     ) -> None:
         """Mark the unknowns that closed pairs hold, with their distance from their place [m]."""
         local = self._gaps.local[closed]
         held[local] = True
         violation[local] = x.array_r[local] + self._gaps.initial[closed]
+
+    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+        """Return that nothing changed: the forces of closed pairs are exact."""
+        return False
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> None:
         """Return further constraint rows: none, since closed pairs hold unknowns."""
@@ -80,6 +100,12 @@ class CondensedContact:
     def to_unknowns(self, coordinates: FloatArray) -> FloatArray:
         """Return the coordinates: they are the unknowns."""
         return coordinates
+
+    def commit(self) -> None:
+        """Do nothing: all that lasts is in the unknowns."""
+
+    def rewind(self) -> None:
+        """Do nothing, see `commit`."""
 
     def destroy(self) -> None:
         """Free the matrix and vectors."""

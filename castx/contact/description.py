@@ -1,7 +1,8 @@
-"""Description of mechanical contact on an interface: method and initial gap; no dolfinx."""
+"""Description of mechanical contact on an interface: method, its numbers, initial gap."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -9,14 +10,20 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import PlainValidator
 
-from castx.entries import Choice, Description, NotYet, PureNumber, Quantity, Tabulated
+from castx.entries import Choice, Description, NotYet, PureNumber, Quantity, Tabulated, Whole
 from castx.errors import CaseError
-from castx.refusal import Refusal, among, refuse
+from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import FloatArray, Table
-from castx.units import LENGTH
+from castx.units import LENGTH, PENALTY
 
 _LENGTHS = Quantity(LENGTH)
 _ALONG = ("x", "y", "z", "r")
+_WITH_PENALTY = ("penalty", "augmented-lagrangian")
+_METHODS_WITH = {
+    "penalty": _WITH_PENALTY,
+    "augmentation": ("augmented-lagrangian",),
+    "augmentations": ("augmented-lagrangian",),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,14 +67,36 @@ def _initial_gap(value: Any) -> InitialGap:
         raise error.inside("table") from None
 
 
+def _penalty(value: Any) -> float | str:
+    if value == "auto":
+        return "auto"
+    try:
+        return Quantity(PENALTY, above=0.0).read(value)
+    except CaseError as error:
+        raise CaseError(f'{error}, or "auto"') from None
+
+
 class Contact(Description):
-    """How two bodies touch, and the gap they start with."""
+    """How two bodies touch, and the gap they start with.
+
+    `penalty` [Pa/m] belongs to the methods that have one, by default "auto": by the present
+    stiffness of the softer side. The augmented Lagrangian method updates its multipliers at most
+    `augmentations` times in a solve, after every "iteration" or in a "loop" round the iteration.
+    """
 
     method: Annotated[
         str,
         Choice(
-            ("condensed", "multipliers", "none"),
-            ("penalty", "augmented-lagrangian", "block-iterative", "rigid", "tied"),
+            (
+                "condensed",
+                "multipliers",
+                "penalty",
+                "augmented-lagrangian",
+                "rigid",
+                "tied",
+                "none",
+            ),
+            ("block-iterative",),
         ),
     ] = "condensed"
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
@@ -76,5 +105,19 @@ class Contact(Description):
     normals: Annotated[str, Choice(("averaged",), ("primary", "patches"))] = "averaged"
     pairing: Annotated[str, Choice(("node-to-node",), ("node-to-face",))] = "node-to-node"
     friction: Annotated[PureNumber, NotYet(0.0)] = 0.0
-    penalty: Annotated[None, NotYet()] = None
+    penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
+    augmentation: Annotated[str, Choice(("iteration", "loop"))] = "loop"
+    augmentations: Annotated[int, Whole(0, 10_000)] = 30
     fallback: Annotated[Any, NotYet([])] = ()
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield numbers that the method does not use."""
+        for key, methods in _METHODS_WITH.items():
+            if key in self.model_fields_set and self.method not in methods:
+                yield Problem((key,), f"the method {self.method!r} does not use it; {_users(key)}")
+        if "initial_gap" in self.model_fields_set and self.method == "tied":
+            yield Problem(("initial_gap",), "the method 'tied' has no gap; leave it out")
+
+
+def _users(key: str) -> str:
+    return among("", _METHODS_WITH[key], what="methods that do")

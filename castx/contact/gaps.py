@@ -10,6 +10,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.contact.rows import Treatment
 from castx.coordinates import PairCoordinates
 from castx.layout import Layout
 
@@ -17,13 +18,21 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Gaps:
-    """The pairs of all interfaces, one after the other, on the owners of their secondary nodes.
+    """The rows of all interfaces, one after the other, on the owners of their secondary nodes.
+
+    Attributes:
+        initial: gaps without displacement [m], shape (rows,).
+        local: local number of each gap in the coordinates, -1 where none is free, shape (rows,).
+        tied: rows of tied pairs, which never open, shape (rows,).
+        free: rows that may open and close, shape (rows,).
+        areas: contact areas [m²], shape (rows,).
+        slices: where the rows of each interface are.
 
     Args:
         layout: numbering of the displacements of all bodies.
-        body_names: names of the bodies in the order of the layout.
+        body_names: names of the bodies in the order of the layout; others are rigid.
         interfaces: coordinates of the pairs of each interface.
-        initial: gaps without displacement of each interface [m].
+        initial: gaps without displacement of the pairs of each interface [m].
     """
 
     def __init__(
@@ -34,11 +43,16 @@ class Gaps:
         initial: Sequence[FloatArray],
     ) -> None:
         self.interfaces = list(interfaces)
-        self.initial = np.concatenate([np.zeros(0), *initial])
-        none = np.zeros(0, dtype=np.int32)
-        self.local = np.concatenate([none, *(i.local for i in interfaces)])
-        self.free = self.local >= 0
-        self.areas = np.concatenate([np.zeros(0), *(i.areas for i in interfaces)])
+        self.initial = _joined(
+            [given[i.index] for given, i in zip(initial, interfaces, strict=True)]
+        )
+        self.local = _joined([i.local for i in interfaces], np.int32)
+        self.tied = _joined(
+            [np.full(len(i.local), i.treatment is Treatment.TIED) for i in interfaces], np.bool_
+        )
+        self.initial[self.tied] = 0.0
+        self.free = (self.local >= 0) & ~self.tied
+        self.areas = _joined([i.areas for i in interfaces])
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
         self.matrix = self._assemble(layout, list(body_names))
@@ -51,26 +65,31 @@ class Gaps:
         B.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
         first = B.getOwnershipRange()[0]
         for part, interface in zip(self.slices, self.interfaces, strict=True):
-            pairs, normals = interface.pairs, interface.normals
+            pairs, index, normals = interface.pairs, interface.index, interface.normals
             rows = first + np.arange(part.start, part.stop, dtype=np.int32)
             sides = ((pairs.secondary, pairs.secondary_nodes, 1.0),
                      (pairs.primary, pairs.primary_nodes, -1.0))
             for name, nodes, sign in sides:
-                for k in range(normals.shape[1]):
-                    columns = layout.dofs(names.index(name), nodes, k)
+                for k in range(normals.shape[1] if name in names else 0):
+                    columns = layout.dofs(names.index(name), nodes[index], k)
                     for row, column, value in zip(rows, columns, normals[:, k], strict=True):
                         B.setValue(row, np.int32(column), sign * value)
         B.assemble()
         return B
 
     def values(self, u: PETSc.Vec) -> FloatArray:
-        """Return the gaps at the displacements u [m], shape (pairs,)."""
+        """Return the gaps at the displacements u [m], shape (rows,)."""
         self.matrix.mult(u, self._values)
         return np.asarray(self._values.array_r + self.initial)
 
     def keys(self) -> FloatArray:
-        """Return a number in (0, 1) for each pair that depends on nothing but its place."""
-        place = [i.pairs.points @ np.array([12.9898, 78.233, 37.719][: i.pairs.points.shape[1]])
+        """Return a number in (0, 1) for each row that depends on nothing but its place and turn."""
+        place = [i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
+                 + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
                  for i in self.interfaces]
-        sine = np.sin(np.concatenate([np.zeros(0), *place]) * 1e3)
+        sine = np.sin(_joined(place) * 1e3)
         return np.abs(sine * 43758.5453 % 1.0)
+
+
+def _joined(parts: Sequence[npt.NDArray], dtype: npt.DTypeLike = np.float64) -> npt.NDArray:
+    return np.concatenate([np.zeros(0, dtype=dtype), *parts])

@@ -43,6 +43,8 @@ class MultiplierContact:
             rows are forces.
     """
 
+    follows_set = False
+
     def __init__(self, coordinates: Coordinates, gaps: Gaps, stiffness: float) -> None:
         self._gaps, self._bodies = gaps, coordinates.layout
         self._scales: FloatArray = np.asarray(stiffness * gaps.areas)
@@ -67,6 +69,9 @@ class MultiplierContact:
         self._nest: PETSc.Mat | None = None
         self._matrix: PETSc.Mat | None = None
 
+    def prepare(self, A: PETSc.Mat) -> None:
+        """Do nothing: the method has no numbers of its own."""
+
     def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
         """Set the displacements and pressures of all bodies from the unknowns."""
         self._v.array[:] = x.array_r[: self._size]
@@ -84,8 +89,8 @@ class MultiplierContact:
         gaps = self._pressures.array_r - self._scales * self._gaps.initial
         return np.concatenate((rows, gaps))
 
-    def matrix(self, A: PETSc.Mat) -> PETSc.Mat:
-        """Return the nest [[PᵀAP, Bᵀ], [B, C]] assembled; the next call overwrites it."""
+    def update_bodies(self, A: PETSc.Mat) -> None:
+        """Take over A as the nest [[PᵀAP, Bᵀ], [B, C]], assembled."""
         if self._A is None:
             self._A = A.ptap(self._P)
             blocks = [[self._A, self._Bt], [self._B, self._C]]
@@ -96,23 +101,38 @@ class MultiplierContact:
             A.ptap(self._P, self._A)
             assert self._nest is not None
             self._nest.convert("aij", self._matrix)
+
+    def matrix(self, closed: BoolArray) -> PETSc.Mat:
+        """Return the matrix, whichever pairs are closed: open ones hold their multipliers."""
         return self._matrix
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
         """Return the gaps of all pairs [m]."""
         return self._gaps.values(u)
 
-    def forces(self, x: PETSc.Vec, residual: FloatArray) -> FloatArray:
-        """Return the contact forces of all pairs [N]."""
-        return np.asarray(x.array_r[self._size :] * self._scales)
+    def trial_forces(
+        self, x: PETSc.Vec, rows: FloatArray, gaps: FloatArray, closed: BoolArray, stiffness: float
+    ) -> FloatArray:
+        """Return the multipliers of closed pairs as forces, -stiffness times gap of open ones."""
+        return np.where(closed, x.array_r[self._size :] * self._scales, -stiffness * gaps)
 
-    def hold(
-        self, x: PETSc.Vec, closed: BoolArray, held: BoolArray, violation: FloatArray
+    def impose(
+        self,
+        x: PETSc.Vec,
+        forces: FloatArray,
+        closed: BoolArray,
+        rows: FloatArray,
+        held: BoolArray,
+        violation: FloatArray,
     ) -> None:
         """Mark the multipliers of open pairs, with their values."""
-        rows = self._size + np.flatnonzero(~closed)
-        held[rows] = True
-        violation[rows] = x.array_r[rows]
+        open_pairs = self._size + np.flatnonzero(~closed)
+        held[open_pairs] = True
+        violation[open_pairs] = x.array_r[open_pairs]
+
+    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+        """Return that nothing changed: the multipliers are unknowns."""
+        return False
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
         """Return the changes of the gaps of closed pairs by motions, shape (motions, closed)."""
@@ -131,6 +151,12 @@ class MultiplierContact:
     def schur_weights(self) -> FloatArray:
         """Return the weights W whose penalty BᵀW⁻¹B is stiff beside the bodies, shape (pairs,)."""
         return np.asarray(self._scales / AUGMENTATION)
+
+    def commit(self) -> None:
+        """Do nothing: all that lasts is in the unknowns."""
+
+    def rewind(self) -> None:
+        """Do nothing, see `commit`."""
 
     def destroy(self) -> None:
         """Free matrices and vectors."""

@@ -18,37 +18,79 @@ BoolArray = npt.NDArray[np.bool_]
 class ContactSystem(Protocol):
     """The unknowns x of a contact method and its rows of the nonlinear problem.
 
-    Pair arrays hold the pairs of all interfaces of this rank, row arrays its owned unknowns. The
+    Pair arrays hold the rows of all interfaces of this rank, row arrays its owned unknowns. The
     first unknowns on each rank are the coordinates v of the bodies.
+
+    Attributes:
+        layout: numbering of the unknowns.
+        follows_set: whether the matrix depends on which pairs are closed.
     """
 
     layout: Layout
+    follows_set: bool
+
+    def prepare(self, A: PETSc.Mat) -> None:
+        """Begin a solve that starts with the matrix A of the bodies; collective."""
 
     def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
         """Set the displacements and pressures of all bodies from the unknowns."""
 
     def residual(self, x: PETSc.Vec, r: PETSc.Vec) -> FloatArray:
-        """Return the owned rows before any unknown is held, from the residual r of the bodies."""
+        """Return the owned rows before the pairs act, from the residual r of the bodies."""
 
-    def matrix(self, A: PETSc.Mat) -> PETSc.Mat:
-        """Return the derivative of `residual` for the matrix A of the bodies."""
+    def update_bodies(self, A: PETSc.Mat) -> None:
+        """Take over the matrix A of the bodies."""
+
+    def matrix(self, closed: BoolArray) -> PETSc.Mat:
+        """Return the derivative of the rows for a set of closed pairs, before any is held."""
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
         """Return the gaps [m]."""
 
-    def forces(self, x: PETSc.Vec, residual: FloatArray) -> FloatArray:
-        """Return the forces that closed pairs carry [N], positive compressive."""
+    def trial_forces(
+        self, x: PETSc.Vec, rows: FloatArray, gaps: FloatArray, closed: BoolArray, stiffness: float
+    ) -> FloatArray:
+        """Return the forces that closed pairs carry and open ones would [N], compressive positive.
 
-    def hold(
-        self, x: PETSc.Vec, closed: BoolArray, held: BoolArray, violation: FloatArray
+        Args:
+            x: the unknowns.
+            rows: what `residual` returned for them.
+            gaps: their gaps [m].
+            closed: the present set.
+            stiffness: force per penetration of pairs that carry none while open [N/m].
+        """
+
+    def impose(
+        self,
+        x: PETSc.Vec,
+        forces: FloatArray,
+        closed: BoolArray,
+        rows: FloatArray,
+        held: BoolArray,
+        violation: FloatArray,
     ) -> None:
-        """Mark the unknowns that the state of the pairs holds, and how far off they are."""
+        """Let the pairs act: add forces to rows, or mark what they hold and how far off it is."""
+
+    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+        """Improve multipliers that are no unknowns; return whether they changed, on any rank.
+
+        Args:
+            forces: trial forces.
+            closed: the present set.
+            balanced: whether the rows balance with the present multipliers.
+        """
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray | None:
         """Return the values of constraint rows that hold no unknown, shape (motions, rows)."""
 
     def to_unknowns(self, coordinates: FloatArray) -> FloatArray:
         """Return owned rows that hold coordinates v of the bodies and zeros, last axis owned."""
+
+    def commit(self) -> None:
+        """Make the present multipliers those from which the next step starts."""
+
+    def rewind(self) -> None:
+        """Return to the committed multipliers."""
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

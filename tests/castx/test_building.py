@@ -9,9 +9,10 @@ import pytest
 
 from castx.building import build_problem, law_above_solidus, step_settings
 from castx.case import read_case
+from castx.contact.choice import Contact
 from castx.errors import CaseError, MeshError
 from castx.materials import find_material
-from castx.mechanical_problem import Contact, MechanicalProblem, MechanicsSettings
+from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh_source import gmsh_session
 from castx.meshes.ring import core_in_ring
 from tests import coupled_cases

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from castx.constraints import SurfaceDisplacement, fixed_directions
+from castx.contact.choice import Contact
+from castx.contact.rows import Treatment, single_rows
 from castx.coordinates import Coordinates
 from castx.errors import CaseError
 from castx.layout import Layout
-from castx.mechanical_problem import Contact
 from castx.mesh import CastingMesh
 from castx.pairs import node_pairs
 from tests.elastic_bodies import (
@@ -54,7 +55,9 @@ def coordinates(mesh, conditions, contacts, condensed=True, block_sizes=None) ->
         fixed_directions(mesh.bodies[n], mesh.model, conditions.get(n, ())) for n in names
     ]
     pairs = [node_pairs(mesh, *contact) for contact in contacts]
-    made = Coordinates(layout, names, dimension, directions, pairs, condensed)
+    treatment = Treatment.CONDENSED if condensed else Treatment.READ
+    rows = [single_rows(p, treatment) for p in pairs]
+    made = Coordinates(layout, names, dimension, directions, rows)
     return Made(mesh, layout, directions, pairs, made)
 
 

@@ -8,6 +8,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.contact.pair_state import ContactState
 from castx.coupling import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.heat import HeatReport
@@ -63,8 +64,6 @@ class FakeMechanics:
         self.slope, self.state = slope, 1.0
         self.bodies = {"casting": self}
         self.equilibrium = self
-        self.active = SimpleNamespace(closed=np.zeros(1, dtype=bool))
-        self.gaps = SimpleNamespace(areas=np.ones(1), slices=[slice(0, 1)])
         self.commits = self.rewinds = 0
 
     def update_state(self, temperature, solid_fraction, step) -> None:
@@ -73,8 +72,9 @@ class FakeMechanics:
     def solve(self, time) -> SimpleNamespace:
         return SimpleNamespace(iterations=1, linear_iterations=1, contact_changes=0)
 
-    def pair_values(self):
-        return np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
+    def contact_states(self):
+        gap, none = np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
+        return [ContactState(gap, none, none, np.zeros(1, dtype=bool), np.zeros((1, 2)))]
 
     def commit(self) -> None:
         self.commits += 1
@@ -88,7 +88,10 @@ class FakeMechanics:
 
 def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=None):
     """Return a problem with R = 1 + gap (or another law) and the gap after a time, see below."""
-    interface = SimpleNamespace(name="casting/mould", initial_gap=np.zeros(1), contact=0)
+    interface = SimpleNamespace(
+        name="casting/mould", initial_gap=np.zeros(1), contact=0,
+        pairs=SimpleNamespace(area_vectors=np.ones((1, 2))),
+    )  # fmt: skip
     heat = FakeHeat(law or (lambda gap, pressure: 1.0 + gap))
     mechanics = FakeMechanics(slope)
     problem = CoupledProblem(

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.linear import masked
-from castx.mechanical_problem import Contact, MechanicalProblem
+from castx.mechanical_problem import MechanicalProblem
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -22,7 +23,7 @@ from tests.elastic_bodies import (
     pushed,
 )
 
-METHODS = ["condensed", "multipliers"]
+METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
 
 
 def floating_block(comm, method: str = "condensed", **settings) -> MechanicalProblem:

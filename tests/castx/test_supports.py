@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import Contact
+from castx.contact.choice import Contact
 from castx.supports import FloatingMotions
 from tests.elastic_bodies import (
     blocks,
@@ -22,7 +22,7 @@ from tests.elastic_bodies import (
 )
 
 SOLID = (70e9, 0.33)
-METHODS = ["condensed", "multipliers"]
+METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
 
 
 def found(made):

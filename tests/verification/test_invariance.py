@@ -13,8 +13,9 @@ import gmsh
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.equilibrium import EquilibriumReport
-from castx.mechanical_problem import Contact, MechanicalProblem
+from castx.mechanical_problem import MechanicalProblem
 from castx.meshes import GENERATORS
 from tests.elastic_bodies import (
     body,

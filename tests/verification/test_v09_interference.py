@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import Contact
+from castx.contact.choice import Contact
 from tests.elastic_bodies import (
     at,
     body,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import Contact
+from castx.contact.choice import Contact
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -32,7 +32,10 @@ MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
 FORMULATIONS = (("mixed", "osgs"), ("mixed", "gls"), ("displacement", "osgs"))
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian")
+
+
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("formulation", "stabilisation"), FORMULATIONS)
 @pytest.mark.parametrize("model", MODELS)
 def test_pressure_is_uniform_and_displacement_exact(

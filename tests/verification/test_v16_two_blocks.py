@@ -8,17 +8,21 @@ F = d b / ((1 - ν²) (H1/E1 + H2/E2)).
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import Contact
+from castx.contact.choice import Contact
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, pressures, problem
 
 YOUNG = {"upper": 1000e6, "base": 10000e6}
 POISSON, PUSH = 0.3, 1e-4
 
 
-def reaction(comm, method: str, base_width: float, formulation: str = "mixed") -> tuple[float, int]:
+def reaction(
+    comm, method: str, base_width: float, formulation: str = "mixed", **contact
+) -> tuple[float, int]:
     """Return the sum of the contact forces [N/m] and the number of closed pairs."""
     mesh = blocks(comm, base=(base_width, 0.02), size=0.0025)
     bodies = {n: body(elastic(E, POISSON), formulation=formulation) for n, E in YOUNG.items()}
@@ -26,7 +30,7 @@ def reaction(comm, method: str, base_width: float, formulation: str = "mixed") -
         mesh,
         bodies,
         {"base": [fixed("bottom")], "upper": [fixed("top", value=-PUSH)]},
-        [Contact("upper", "base", method)],
+        [Contact("upper", "base", method, **contact)],
     )
     made.equilibrium.solve(0.0)
     assert pressures(comm, made).min() >= 0.0
@@ -46,3 +50,28 @@ def test_methods_agree(comm, base_width, formulation):
 def test_equal_widths_are_springs_in_series(comm):
     compliance = (1 - POISSON**2) * (0.03 / YOUNG["upper"] + 0.02 / YOUNG["base"]) / 0.01
     assert reaction(comm, "condensed", 0.02)[0] == pytest.approx(PUSH / compliance, rel=1e-9)
+
+
+@pytest.mark.parametrize("base_width", [0.02, 0.04])
+def test_penalty_tends_to_the_exact_reaction_from_below(comm, base_width):
+    exact = reaction(comm, "condensed", base_width)[0]
+    errors = [
+        1 - reaction(comm, "penalty", base_width, penalty=penalty)[0] / exact
+        for penalty in (1e12, 1e13, 1e14)
+    ]
+    assert 0.02 < errors[0] < 0.05
+    for coarse, fine in pairwise(errors):
+        assert 0 < fine < 0.13 * coarse
+
+
+@pytest.mark.parametrize("penalty", [None, 1e12])
+def test_augmented_lagrangian_reaches_the_exact_reaction(comm, penalty):
+    exact = reaction(comm, "condensed", 0.04)[0]
+    found = reaction(comm, "augmented-lagrangian", 0.04, penalty=penalty)[0]
+    assert found == pytest.approx(exact, rel=1e-10)
+
+
+def test_automatic_penalty_is_stiff_beside_the_softer_block(comm):
+    exact = reaction(comm, "condensed", 0.04)[0]
+    error = 1 - reaction(comm, "penalty", 0.04)[0] / exact
+    assert 1e-5 < error < 2e-2

@@ -13,7 +13,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import Contact
+from castx.contact.choice import Contact
 from tests.elastic_bodies import (
     STRESS_FREE,
     body,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.contact.condensed import CondensedContact
 from castx.errors import CaseError
-from castx.mechanical_problem import Contact
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -25,7 +25,8 @@ from tests.elastic_bodies import (
     pushed,
 )
 
-METHODS = ["condensed", "multipliers"]
+METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
+HARD = METHODS[:2]
 SOFT, STIFF = (7e9, 0.33), (70e9, 0.3)
 
 
@@ -72,7 +73,7 @@ def test_action_is_reaction(comm, method, law):
 
 
 def test_methods_agree_pair_by_pair(comm):
-    condensed, multipliers = (ring(comm, method) for method in METHODS)
+    condensed, multipliers = (ring(comm, method) for method in HARD)
     largest = pressures(comm, condensed).max()
     np.testing.assert_allclose(
         pressures(comm, condensed), pressures(comm, multipliers), atol=1e-10 * largest
@@ -85,7 +86,7 @@ def test_methods_agree_pair_by_pair(comm):
     np.testing.assert_allclose(gaps(comm, condensed), gaps(comm, multipliers), atol=1e-14)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", HARD)
 def test_complementarity(comm, method):
     made = ring(comm, method)
     gap, pressure = gaps(comm, made), pressures(comm, made)
@@ -123,7 +124,9 @@ def test_condensed_matrix_against_dense_products(comm):
     def dense(matrix):
         return np.vstack(comm.allgather(matrix.convert("dense").getDenseArray().copy()))
 
-    found, change, original = dense(contact.matrix(A)), dense(P), dense(A)
+    contact.update_bodies(A)
+    matrix = contact.matrix(made.equilibrium.active.closed)
+    found, change, original = dense(matrix), dense(P), dense(A)
     expected = change.T @ original @ change
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
@@ -147,7 +150,6 @@ def test_jacobian_against_differences_of_the_residual(comm, method):
         equilibrium.x.copy(x)
         x.axpy(sign, direction)
         f = x.duplicate()
-        equilibrium._fresh = True
         equilibrium._residual(None, x, f)
         results.append(f.array_r.copy())
     product = x.duplicate()
@@ -193,6 +195,6 @@ def test_initial_gap_closes_under_load(comm):
 
 def test_methods_cannot_be_mixed(comm):
     bodies = {n: body(elastic(*SOFT)) for n in ("upper", "base")}
-    contacts = [Contact("upper", "base", method) for method in METHODS]
+    contacts = [Contact("upper", "base", method) for method in HARD]
     with pytest.raises(CaseError, match="contact methods condensed, multipliers in one case"):
         problem(blocks(comm), bodies, {}, contacts)

@@ -1,0 +1,103 @@
+"""What an interface asks of its contact, and which methods go together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.contact.rows import Treatment
+from castx.errors import CaseError
+
+FloatArray = npt.NDArray[np.float64]
+
+TREATMENTS = {
+    "condensed": Treatment.CONDENSED,
+    "rigid": Treatment.CONDENSED,
+    "tied": Treatment.TIED,
+    "multipliers": Treatment.READ,
+    "penalty": Treatment.READ,
+    "augmented-lagrangian": Treatment.READ,
+}
+"""What the coordinates make of the pairs, by method."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Contact on an interface.
+
+    Attributes:
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body; one without unknowns is rigid.
+        method: a name of `TREATMENTS`.
+        initial_gap: gap without displacement at points (n, dimension) [m], negative: interference.
+        penalty: ε [Pa/m] of the methods that have one; None: by the stiffness of the softer side.
+        augmentation: "iteration" updates multipliers after every Newton iteration, "loop" after
+            those that balance.
+        augmentations: updates in one solve, at most.
+    """
+
+    secondary: str
+    primary: str
+    method: str = "condensed"
+    initial_gap: Callable[[FloatArray], FloatArray] = lambda points: np.zeros(len(points))
+    penalty: float | None = None
+    augmentation: str = "loop"
+    augmentations: int = 30
+
+    @property
+    def name(self) -> str:
+        """Name of the interface as "secondary/primary"."""
+        return f"{self.secondary}/{self.primary}"
+
+    @property
+    def treatment(self) -> Treatment:
+        """What the coordinates make of the pairs."""
+        return TREATMENTS[self.method]
+
+
+def common_method(contacts: Sequence[Contact]) -> str:
+    """Return the method of all interfaces; tied ones go with any, rigid ones with condensed.
+
+    Raises:
+        CaseError: methods, or numbers that belong to a method, differ.
+    """
+    methods = {"condensed" if c.method == "rigid" else c.method for c in contacts} - {"tied"}
+    if len(methods) > 1:
+        raise CaseError(
+            f"contact methods {', '.join(sorted(methods))} in one case; use the same for all "
+            "interfaces (tied ones may differ)"
+        )
+    for name in ("augmentation", "augmentations"):
+        values = {getattr(c, name) for c in contacts if c.method == "augmented-lagrangian"}
+        if len(values) > 1:
+            found = ", ".join(str(value) for value in sorted(values))
+            raise CaseError(f"contact.{name} {found} in one case; use the same for all interfaces")
+    return next(iter(methods), "condensed")
+
+
+def check_bodies(contacts: Sequence[Contact], deformable: Collection[str]) -> None:
+    """Refuse interfaces between bodies that cannot touch the way they should.
+
+    Raises:
+        CaseError: a rigid secondary body, or contact of method "rigid" with a deformable one.
+    """
+    for contact in contacts:
+        if contact.secondary not in deformable and contact.primary not in deformable:
+            raise CaseError(
+                f"interface {contact.name}: both bodies are rigid; "
+                'use contact = { method = "none" }'
+            )
+        if contact.secondary not in deformable:
+            raise CaseError(
+                f"interface {contact.name}: the secondary body {contact.secondary!r} is rigid; "
+                f"name the bodies the other way round: [{contact.primary!r}, "
+                f"{contact.secondary!r}]"
+            )
+        if contact.method == "rigid" and contact.primary in deformable:
+            raise CaseError(
+                f"interface {contact.name}: contact of method 'rigid' needs a rigid primary "
+                f"body; give {contact.primary!r} law = \"rigid\", or use method = \"condensed\""
+            )

@@ -1,0 +1,60 @@
+"""Makes the contact system that a method asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from castx.contact.augmented import AugmentedMultipliers
+from castx.contact.choice import Contact
+from castx.contact.condensed import CondensedContact
+from castx.contact.gaps import FloatArray, Gaps
+from castx.contact.multipliers import MultiplierContact
+from castx.contact.penalty import Multipliers, NoMultipliers, PenaltyContact
+from castx.contact.stiffness import SofterSide
+from castx.contact.system import ContactSystem
+from castx.coordinates import Coordinates
+
+
+def contact_system(
+    method: str,
+    contacts: Sequence[Contact],
+    coordinates: Coordinates,
+    body_names: Sequence[str],
+    gaps: Gaps,
+    stiffness: float,
+) -> ContactSystem:
+    """Return the contact of all interfaces.
+
+    Args:
+        method: the method of all of them.
+        contacts: the interfaces in the order of the gaps.
+        coordinates: coordinates of the bodies, as the method needs them.
+        body_names: names of the bodies in the order of the layout.
+        gaps: the pairs of all interfaces.
+        stiffness: G/L of the bodies [Pa/m].
+    """
+    if method == "condensed":
+        return CondensedContact(coordinates, gaps)
+    if method == "multipliers":
+        return MultiplierContact(coordinates, gaps, stiffness)
+    rows, comm = len(gaps.local), coordinates.layout.comm
+    multipliers: Multipliers = NoMultipliers(rows)
+    if method == "augmented-lagrangian":
+        chosen = next(c for c in contacts if c.method == method)
+        every_iteration = chosen.augmentation == "iteration"
+        multipliers = AugmentedMultipliers(comm, rows, every_iteration, chosen.augmentations)
+    softer = SofterSide(
+        coordinates.layout, body_names, coordinates.dimension, gaps, _given(contacts, gaps)
+    )
+    return PenaltyContact(coordinates, gaps, softer.evaluate, multipliers)
+
+
+def _given(contacts: Sequence[Contact], gaps: Gaps) -> FloatArray:
+    """Return the given penalties [Pa/m], not a number where there is none."""
+    given = np.full(len(gaps.local), np.nan)
+    for contact, part in zip(contacts, gaps.slices, strict=True):
+        if contact.penalty is not None:
+            given[part] = contact.penalty
+    return given

@@ -1,0 +1,58 @@
+"""What the pairs of an interface do once the bodies are in equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.contact.rows import Treatment
+from castx.coordinates import PairCoordinates
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """The pairs of an interface.
+
+    Attributes:
+        gap: [m], shape (pairs,).
+        force: that the primary body exerts along the normal [N], shape (pairs,).
+        pressure: contact pressure [Pa], no tension, shape (pairs,).
+        closed: whether the pair touches.
+        vectors: forces on the secondary nodes [N], shape (pairs, dimension).
+    """
+
+    gap: FloatArray
+    force: FloatArray
+    pressure: FloatArray
+    closed: BoolArray
+    vectors: FloatArray
+
+
+def contact_state(
+    placed: PairCoordinates, gap: FloatArray, force: FloatArray, closed: BoolArray
+) -> ContactState:
+    """Return the state of an interface.
+
+    Args:
+        placed: the pairs and their rows, one for each pair, several where they are tied.
+        gap: of the rows [m].
+        force: of the rows [N].
+        closed: rows that touch.
+    """
+    pairs = placed.pairs
+    vectors = np.zeros_like(pairs.area_vectors)
+    np.add.at(vectors, placed.index, force[:, None] * placed.normals)
+    areas = placed.areas
+    if placed.treatment is Treatment.TIED:
+        count = len(pairs.areas)
+        gap, closed, areas = np.zeros(count), np.ones(count, dtype=bool), pairs.areas
+        force = np.sum(vectors * pairs.normals, axis=1)
+    # The last digits of a closed pair without pressure may pull.
+    pushes = np.maximum(force, 0.0)
+    pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
+    return ContactState(gap, force, pressure, closed.copy(), vectors)
