@@ -9,11 +9,11 @@ from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
 from castx.consistency import starts_solid
-from castx.constitutive import Law
+from castx.constitutive import ELASTIC, Law
 from castx.constraints import SurfaceDisplacement
 from castx.contact.choice import Contact
 from castx.coupled_interface import CoupledInterface
-from castx.coupling import CoupledProblem, Temperatures
+from castx.coupling import CoupledProblem
 from castx.errors import CaseError
 from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
@@ -29,6 +29,7 @@ from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.steps import StepSettings
 from castx.tables import Table
+from castx.temperatures import Temperatures
 from castx.thermal_body import HeatBody
 
 _log = logging.getLogger(__name__)
@@ -207,15 +208,17 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
         CaseError: cells or model have no such formulation.
     """
     kind = mesh.bodies[body.name].kind
-    own = "mixed"
-    if not kind.simplex:
-        # Nothing locks in plane stress, whose volume is free.
-        own = "displacement" if mesh.model == "plane-stress" else "q1p0"
+    own = "mixed" if kind.simplex else "q1p0"
+    if mesh.model == "plane-stress" and (not kind.simplex or body.law != ELASTIC):
+        # Nothing locks, since the volume is free; and a pressure of its own may be more than a
+        # yielding point can balance out of the plane.
+        own = "displacement"
     formulation = body.formulation or own
     if formulation not in (own, "displacement"):
         raise CaseError(
-            f"body {body.name!r} has formulation {formulation!r}; {kind.plural} in the model "
-            f"{mesh.model!r} have {' or '.join(dict.fromkeys((repr(own), repr('displacement'))))}"
+            f"body {body.name!r} has formulation {formulation!r}; with the law {body.law!r} "
+            f"{kind.plural} in the model {mesh.model!r} have "
+            f"{' or '.join(dict.fromkeys((repr(own), repr('displacement'))))}"
         )
     return formulation
 

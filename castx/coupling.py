@@ -12,52 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx import fem
 
 from castx.conductance import PairState
 from castx.coupled_interface import CoupledInterface, InterfaceState
+from castx.dissipation import Dissipation
 from castx.errors import ConvergenceError
-from castx.heat import HeatReport
 from castx.mechanical_problem import MechanicalProblem
 from castx.relaxation import Relaxation
 from castx.tables import FloatArray
-
-
-class Temperatures(Protocol):
-    """The heat problem of all bodies, or what stands in its place."""
-
-    temperature: dict[str, fem.Function]
-    enthalpy: dict[str, fem.Function]
-    solid_fraction: dict[str, fem.Function]
-
-    def advance(
-        self,
-        time: float,
-        step: float,
-        pairs: Sequence[tuple[PairState, PairState] | None] = (),
-        substeps: int = 1,
-    ) -> HeatReport:
-        """Find the trial state at the end of a step."""
-
-    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return 1/h of the pairs of each interface at the trial temperatures."""
-
-    def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
-
-    def rewind(self) -> None:
-        """Return to the committed state."""
-
-    def totals(self) -> dict[str, float]:
-        """Return the committed totals of heat by name."""
-
-    def destroy(self) -> None:
-        """Free what PETSc holds."""
+from castx.temperatures import Temperatures
 
 
 @dataclass(frozen=True)
@@ -111,11 +78,13 @@ class CoupledProblem:
         self.comm, self.heat, self.mechanics = comm, heat, mechanics
         self.interfaces, self.volumes = list(interfaces), dict(volumes)
         self._scheme, self._tolerance, self._most_passes = scheme, tolerance, most_passes
+        felt = mechanics.bodies if mechanics and scheme in ("staggered", "iterated") else {}
+        self._dissipation = Dissipation(comm, felt)
         self.states = self._initial_states()
         self._initial = [state.felt for state in self.states]
         self._committed = list(self.states)
         self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
-        self._solid_fraction = self._present_solid_fraction()
+        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
         # Nothing has moved yet, so that any step gives the stress of the initial state.
         self._step = self._committed_step = 1.0
         self._update_bodies(self._step)
@@ -160,6 +129,7 @@ class CoupledProblem:
             ]
             tried = _concatenated(self.heat.resistances(guess))
             change = _largest_change(self.comm, _concatenated(found), tried)
+            change = max(change, self._dissipation_change(step))
             if self._scheme != "iterated" or change <= self._tolerance:
                 return replace(total, solid_fraction_change=self._solid_fraction_change())
             wanted = relaxation.next(tried, _concatenated(found))
@@ -187,7 +157,7 @@ class CoupledProblem:
         self, time: float, step: float, substeps: int, guess: Sequence[PairState]
     ) -> CoupledReport:
         both = list(zip(self._felt(self._committed), guess, strict=True))
-        report = self.heat.advance(time, step, both, substeps)
+        report = self.heat.advance(time, step, both, substeps, self._dissipation.powers)
         heat = CoupledReport(
             1, report.iterations, temperature_change=report.largest_temperature_change
         )
@@ -200,6 +170,21 @@ class CoupledProblem:
             1, heat.heat_iterations, found.iterations, found.linear_iterations,
             found.contact_changes, heat.temperature_change,
         )
+
+    def _dissipation_change(self, step: float) -> float:
+        """Return the change of the plastic heat of the step, relative to all heat that it moves."""
+        change = step * self._dissipation.update()
+        moved = float(np.abs(self._stored_heat() - self._heat).sum())
+        moved = max(self.comm.allreduce(moved, op=MPI.SUM), change)
+        return change / moved if moved > 0 else 0.0
+
+    def _stored_heat(self) -> FloatArray:
+        """Return the enthalpies of the owned nodes [J], of none without the heat equation."""
+        parts = [
+            self.volumes[name] * function.x.array[: len(self.volumes[name])]
+            for name, function in self.heat.enthalpy.items()
+        ]
+        return _concatenated(parts)
 
     def _update_bodies(self, step: float) -> None:
         if self.mechanics is not None:
@@ -236,7 +221,8 @@ class CoupledProblem:
         ]
         self._committed, self._committed_step = list(self.states), self._step
         self.heat.commit()
-        self._solid_fraction = self._present_solid_fraction()
+        self._dissipation.commit()
+        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
         if self.mechanics is not None:
             self.mechanics.equilibrium.commit()
 
@@ -244,6 +230,7 @@ class CoupledProblem:
         """Return to the committed state."""
         self.states = list(self._committed)
         self.heat.rewind()
+        self._dissipation.rewind()
         self._update_bodies(self._committed_step)
         if self.mechanics is not None:
             self.mechanics.equilibrium.rewind()

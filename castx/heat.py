@@ -121,6 +121,7 @@ class HeatProblem:
         """Open the ledger and book the heat that evens out bonded nodes at the start."""
         names, system = list(self.temperature), self._system
         accounts = [Account.source(name, number) for number, name in enumerate(names)]
+        accounts += [Account.dissipation(name, number) for number, name in enumerate(names)]
         conditions: list[SurfaceFlux | SurfaceTemperature] = [
             *system.fluxes,
             *system.temperatures,
@@ -155,6 +156,7 @@ class HeatProblem:
         step: float,
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
+        dissipation: Mapping[str, FloatArray] | None = None,
     ) -> HeatReport:
         """Find the trial state at the end of a step that starts from the committed state.
 
@@ -166,11 +168,13 @@ class HeatProblem:
             pairs: for each interface the states of its pairs at start and end of the step; None
                 where it has no law.
             substeps: implicit Euler steps of equal size inside the step.
+            dissipation: heat of plastic work at the owned nodes of bodies [W].
 
         Raises:
             ConvergenceError: names body and place of the largest residual.
         """
         self._ledger.rewind()
+        self._system.set_dissipation(dissipation or {})
         known = self._trail if self._tried == (time, step, substeps) else []
         self._tried = (time, step, substeps)
         self._trail = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from petsc4py import PETSc
@@ -85,6 +85,7 @@ class HeatSystem:
         self._wanted, self._reaction = create(), create()
         self.volumes = np.concatenate([body.volumes for body in self.bodies])
         self.previous = self.enthalpy()
+        self.dissipation: FloatArray = np.zeros(self.layout.size_local)
 
     def _create_exchanges(self, exchanges: Sequence[HeatExchange]) -> None:
         self.exchanges = Exchanges(self.layout, self._balance, self.bodies, exchanges)
@@ -150,6 +151,13 @@ class HeatSystem:
         self.exchanges.face(self._temperature, self.time)
         return self.exchanges.resistances(states)
 
+    def set_dissipation(self, powers: Mapping[str, FloatArray]) -> None:
+        """Set what plastic work gives to the owned nodes of bodies [W]; others get nothing."""
+        self.dissipation[:] = 0.0
+        for body, part in zip(self.bodies, self._parts, strict=True):
+            if body.name in powers:
+                self.dissipation[part] = powers[body.name]
+
     def begin(
         self, previous: FloatArray, guess: FloatArray, time: float, step: float
     ) -> FloatArray:
@@ -212,6 +220,8 @@ class HeatSystem:
             source = body.volumes * body.source(self.time)
             balance[part] += body.conducted_heat() - source
             through += np.abs(source).sum()
+        balance -= self.dissipation
+        through += np.abs(self.dissipation).sum()
         for flux in self.fluxes:
             heat, _ = flux.evaluate(self.time)
             balance[self._start_of(flux.body) + flux.nodes] -= heat
@@ -275,9 +285,10 @@ class HeatSystem:
     def flows(self) -> FloatArray:
         """Return the rates of heat on this rank [W].
 
-        Sources, fluxes, givers, and each interface by mechanism; bonded nodes touch.
+        Sources, plastic work, fluxes, givers, and each interface by mechanism; bonded nodes touch.
         """
         sources = [body.source(self.time) * body.volumes.sum() for body in self.bodies]
+        plastic = [self.dissipation[part].sum() for part in self._parts]
         fluxes = [flux.evaluate(self.time)[0].sum() for flux in self.fluxes]
         self._reaction.array[:] = self._balance.array_r
         through = self.exchanges.flows()
@@ -287,7 +298,7 @@ class HeatSystem:
             self._reaction.array_r[self._giver == number].sum()
             for number in range(len(self.temperatures))
         ]
-        return np.array([*sources, *fluxes, *fed, *through.ravel()])
+        return np.array([*sources, *plastic, *fluxes, *fed, *through.ravel()])
 
     def destroy(self) -> None:
         """Free the PETSc objects."""

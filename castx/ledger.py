@@ -46,6 +46,11 @@ class Account:
         """Return the account of the heat source inside a body."""
         return cls((f"{body}.source",), (f"{body}.power.source",), to)
 
+    @classmethod
+    def dissipation(cls, body: str, to: int) -> Account:
+        """Return the account of the heat that plastic work leaves in a body."""
+        return cls((f"{body}.dissipation",), (f"{body}.power.dissipation",), to)
+
 
 class Ledger:
     """Heat by body and by mechanism since the start, full turn when axisymmetric [J].

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
+import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
 from dolfinx.mesh import Mesh
@@ -40,6 +43,15 @@ def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
     )
     volumes.scatter_reverse(la.InsertMode.add)
     return np.asarray(volumes.array[: body.nodes.dofmap.index_map.size_local])
+
+
+def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
+    """Return at the local nodes the sums of what all ranks have there, shape (nodes,)."""
+    sums = la.vector(body.nodes.dofmap.index_map)
+    sums.array[:] = values
+    sums.scatter_reverse(la.InsertMode.add)
+    sums.scatter_forward()
+    return np.asarray(sums.array.copy())
 
 
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:

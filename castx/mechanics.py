@@ -14,12 +14,13 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
 from castx.body_forms import BodyForms
 from castx.body_loads import BodyLoads
+from castx.constitutive import ELASTIC
 from castx.constraints import FixedDirections
 from castx.forms import kinematics
 from castx.integration_points import IntegrationPoints, quadrature_degree
 from castx.material_points import MaterialPoints
 from castx.mean_dilatation import MeanDilatation
-from castx.measures import extent
+from castx.measures import extent, nodal_sum
 from castx.mechanical_body import MechanicalBody
 from castx.mesh import BodyMesh
 from castx.pockets import Pockets
@@ -90,6 +91,17 @@ class BodyMechanics:
     def is_linear(self) -> bool:
         """Whether the Jacobian is the same for all displacements of a step."""
         return self.description.law.is_linear
+
+    @property
+    def dissipated_fraction(self) -> float:
+        """Part of the plastic work that becomes heat; zero for a body that cannot flow."""
+        law = self.description.law
+        return 0.0 if law.name == ELASTIC else law.material.dissipation
+
+    @property
+    def owned_nodes(self) -> int:
+        """Number of nodes that this rank owns."""
+        return int(self.mesh.nodes.dofmap.index_map.size_local)
 
     def _create_points(self) -> None:
         description = self.description
@@ -235,16 +247,11 @@ class BodyMechanics:
         conditions = self.material.conditions
         G = self.points.cell_means(conditions.shear_modulus)
         size += THERMAL_SHARE * 2 * G * np.abs(conditions.thermal_strain)
-        nodes = la.vector(self.mesh.nodes.dofmap.index_map)
-        nodes.array[:] = 0
         owned = self.cells.dofmap.index_map.size_local
-        forces = (size * self._force_of_stress)[:owned]
         corners = self.cell_nodes[:owned]
-        nodes.array[:] = np.bincount(
-            corners.ravel(), np.repeat(forces, corners.shape[1]), len(nodes.array)
-        )
-        nodes.scatter_reverse(la.InsertMode.add)
-        mine = nodes.array[: self.mesh.nodes.dofmap.index_map.size_local]
+        forces = np.repeat((size * self._force_of_stress)[:owned], corners.shape[1])
+        here = np.bincount(corners.ravel(), forces, len(self.mesh.parent_vertices))
+        mine = nodal_sum(self.mesh, here)[: self.owned_nodes]
         return float(mine @ mine), float(self._load @ self._load)
 
     def nodal_pressure(self) -> FloatArray:
@@ -281,23 +288,19 @@ class BodyMechanics:
 
     def nodal_plastic_power(self) -> FloatArray:
         """Return the power of plastic work at the owned nodes [W], shape (owned,)."""
-        nodes = la.vector(self.mesh.nodes.dofmap.index_map)
-        nodes.array[:] = self.points.to_nodes(self.material.plastic_power(), len(nodes.array))
-        nodes.scatter_reverse(la.InsertMode.add)
-        return nodes.array[: self.mesh.nodes.dofmap.index_map.size_local].copy()
+        count = len(self.mesh.parent_vertices)
+        here = self.points.to_nodes(self.material.plastic_power(), count)
+        return nodal_sum(self.mesh, here)[: self.owned_nodes]
 
     def nodal_mean(self, values: FloatArray) -> FloatArray:
         """Return the means over the cells round each local node of cell values, shape (nodes,)."""
-        sums = la.vector(self.mesh.nodes.dofmap.index_map, 2)
-        sums.array[:] = 0
-        cells = self.mesh.mesh.topology.index_map(self.mesh.mesh.topology.dim).size_local
-        nodes = self.cell_nodes[:cells].ravel()
-        corners = self.cell_nodes.shape[1]
-        np.add.at(sums.array.reshape(-1, 2)[:, 0], nodes, np.repeat(values[:cells], corners))
-        np.add.at(sums.array.reshape(-1, 2)[:, 1], nodes, 1.0)
-        sums.scatter_reverse(la.InsertMode.add)
-        sums.scatter_forward()
-        total, count = sums.array.reshape(-1, 2).T
+        owned = self.cells.dofmap.index_map.size_local
+        nodes = self.cell_nodes[:owned].ravel()
+        spread = np.repeat(values[:owned], self.cell_nodes.shape[1])
+        total, count = (
+            nodal_sum(self.mesh, np.bincount(nodes, weights, len(self.mesh.parent_vertices)))
+            for weights in (spread, np.ones(len(nodes)))
+        )
         return np.asarray(total / count)
 
     def commit(self) -> None:

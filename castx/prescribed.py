@@ -60,6 +60,7 @@ class PrescribedTemperatures:
         step: float,
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
+        dissipation: Mapping[str, FloatArray] | None = None,
     ) -> HeatReport:
         """Set the temperatures at the end of a step."""
         before = {name: float(body.temperature(time)) for name, body in self._bodies.items()}

@@ -29,7 +29,7 @@ class FakeHeat:
         self.committed, self.fails = 1.0, False
         self.given: list[list[Any]] = []
 
-    def advance(self, time, step, pairs=(), substeps=1) -> HeatReport:
+    def advance(self, time, step, pairs=(), substeps=1, dissipation=None) -> HeatReport:
         self.given.append([tuple(self.resistances(both)) for both in pairs])
         if self.fails:
             raise ConvergenceError("the heat problem did not converge")
@@ -65,6 +65,7 @@ class FakeMechanics:
         self.bodies = {"casting": self}
         self.equilibrium = self
         self.commits = self.rewinds = 0
+        self.dissipated_fraction = 0.0
 
     def update_state(self, temperature, solid_fraction, step) -> None:
         self.state = float(temperature[0])
@@ -95,7 +96,8 @@ def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=N
     heat = FakeHeat(law or (lambda gap, pressure: 1.0 + gap))
     mechanics = FakeMechanics(slope)
     problem = CoupledProblem(
-        MPI.COMM_SELF, heat, mechanics, [interface], {}, scheme, tolerance, passes
+        MPI.COMM_SELF, heat, mechanics, [interface], {"casting": np.ones(1)}, scheme, tolerance,
+        passes,
     )
     return problem, heat, mechanics
 
