@@ -43,7 +43,7 @@ class Body(Description):
     law: Annotated[
         str,
         Choice(
-            ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic"), ("rigid",)
+            ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic", "rigid")
         ),
     ] = "thermo-elastic"
     formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None

@@ -137,7 +137,11 @@ def _mechanics(
     materials: dict[str, Material],
     contacts: list[Interface],
 ) -> MechanicalProblem:
-    bodies = {b.name: _mechanical_body(case, mesh, b, materials[b.name]) for b in case.bodies}
+    bodies = {
+        b.name: _mechanical_body(case, mesh, b, materials[b.name])
+        for b in case.bodies
+        if b.law != "rigid"
+    }
     displacements: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
     for boundary in case.boundaries:
         for condition in boundary.displacement:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from castx.boundaries import Boundary
+from castx.contact.choice import body_problem
 from castx.errors import CaseError
 from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
@@ -32,6 +33,7 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _name_problems(case)
     yield from _material_problems(case)
     yield from _interface_problems(case)
+    yield from _rigid_problems(case)
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
@@ -140,6 +142,8 @@ def _needed_properties(
         yield from ((key, "heat") for key in ("density", "heat_capacity", "conductivity"))
     if scheme == "thermal":
         return
+    if body.law == "rigid":
+        return
     yield from ((key, "mechanics") for key in ("young_modulus", "poisson_ratio"))
     if scheme == "mechanical" and any(case.loads.gravity):
         yield "density", "gravity"
@@ -195,6 +199,25 @@ def _melts(case: Case, body: Body) -> bool:
         return find_material(body.material, case.materials).melts
     except CaseError:
         return True  # refused elsewhere
+
+
+def _rigid_problems(case: Case) -> Iterator[Problem]:
+    rigid = {body.name for body in case.bodies if body.law == "rigid"}
+    if case.coupling.scheme == "thermal" or not rigid:
+        return
+    if len(rigid) == len(case.bodies):
+        yield Problem(("coupling", "scheme"), 'all bodies are rigid; use "thermal"')
+        return
+    for index, interface in enumerate(case.interfaces):
+        method, (secondary, primary) = interface.contact.method, interface.bodies
+        problem = body_problem(method, secondary, primary, rigid)
+        if problem and method != "none":
+            yield Problem(("interfaces", index, "contact", "method"), problem)
+    for index, boundary in enumerate(case.boundaries):
+        for key in ("pressure", "traction"):
+            if boundary.body in rigid and getattr(boundary, key):
+                text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
+                yield Problem(("boundaries", index, key), text)
 
 
 def _boundary_problems(case: Case) -> Iterator[Problem]:

@@ -115,7 +115,7 @@ def _directions_on_surface(
     if condition.direction == "normal":
         vectors = [_unit_normals(body, model, condition.surface, owned, mirrors)]
     else:
-        axes = _axes(model)
+        axes = axes_of(model)
         wanted = list(axes) if condition.direction == "all" else [condition.direction]
         unknown = [axis for axis in wanted if axis not in axes]
         if unknown:
@@ -130,7 +130,8 @@ def _directions_on_surface(
     ]
 
 
-def _axes(model: str) -> dict[str, int]:
+def axes_of(model: str) -> dict[str, int]:
+    """Return the numbers of the directions of a model by name."""
     if model == "3d":
         return {"x": 0, "y": 1, "z": 2}
     return {"r": 0, "z": 1} if model == "axisymmetric" else {"x": 0, "y": 1}

@@ -84,7 +84,7 @@ class Equilibrium:
         self._contact, self._floating, self.tolerance = contact, floating, tolerance
         self.active = ActiveSet(comm, gaps.initial, gaps.free, gaps.keys())
         self.x = contact.layout.create_vector()
-        self._committed = self.x.array_r.copy()
+        self._committed, self._committed_time = self.x.array_r.copy(), 0.0
         self._committed_support: Support | None = None
         self._operator = SystemOperator(assembly.corrections())
         self._inner = inner
@@ -121,6 +121,7 @@ class Equilibrium:
         Raises:
             ConvergenceError: the iteration did not converge.
         """
+        self.gaps.set_time(time)
         for body in self._assembly.bodies:
             body.set_time(time)
         self._rows(self.x)
@@ -290,7 +291,7 @@ class Equilibrium:
 
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""
-        self._committed = self.x.array_r.copy()
+        self._committed, self._committed_time = self.x.array_r.copy(), self._time
         self._committed_support = self._operator.support
         self.active.commit()
         self._contact.commit()
@@ -300,6 +301,7 @@ class Equilibrium:
     def rewind(self) -> None:
         """Return to the last committed solution, the displacements of the bodies included."""
         self.x.array[:] = self._committed
+        self.gaps.set_time(self._committed_time)
         self._operator.support = self._committed_support
         self.active.rewind()
         self._contact.rewind()

@@ -18,6 +18,7 @@ from castx.contact.gaps import Gaps
 from castx.contact.methods import contact_system
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.pair_state import ContactState, contact_state
+from castx.contact.rigid import rigid_body
 from castx.contact.rows import single_rows
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
@@ -107,7 +108,12 @@ class MechanicalProblem:
             self.layout, names, parts[0].dimension, fixed, rows, [body.axial for body in parts]
         )
         initial = [c.initial_gap(p.points) for c, p in zip(contacts, self.pairs, strict=True)]
-        self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial)
+        self.rigid = {
+            n: rigid_body(n, mesh.model, displacements.get(n, ()))
+            for n in mesh.bodies
+            if n not in bodies
+        }
+        self.gaps = Gaps(self.layout, names, coordinates.interfaces, initial, self.rigid)
         length = extent(mesh.parent)
         stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
         contact = contact_system(method, contacts, coordinates, names, self.gaps, stiffness)

@@ -40,8 +40,9 @@ class ArrowSchur:
         weights: FloatArray,
     ) -> None:
         bodies = {f"fieldsplit_bodies_{k}": v for k, v in bodywise_options(len(parts)).items()}
-        # The bodies can be told apart only once PETSc has made their solver.
-        bodies["fieldsplit_bodies_pc_type"] = "none"
+        if len(parts) > 1:
+            # The bodies can be told apart only once PETSc has made their solver.
+            bodies["fieldsplit_bodies_pc_type"] = "none"
         self.defaults: Mapping[str, object] = {
             "ksp_type": "preonly",
             "pc_type": "fieldsplit",

@@ -84,13 +84,15 @@ class BodyBlocks:
         self.nest: PETSc.Mat | None = None
 
     def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
-        """Take over the entries of a matrix; return the nest."""
-        if self.nest is None:
+        """Take over the entries of a matrix; return the nest, or the block of the only body."""
+        if not self._blocks:
             self._blocks = [
                 [matrix.createSubMatrix(row, column) for column in self._parts]
                 for row in self._parts
             ]
             self._attach_modes(held)
+            if len(self._parts) == 1:
+                return self._blocks[0][0]
             self.nest = PETSc.Mat().createNest(
                 self._blocks, isrows=self._parts, iscols=self._parts, comm=self._comm
             )
@@ -98,6 +100,8 @@ class BodyBlocks:
             for row, blocks in zip(self._parts, self._blocks, strict=True):
                 for column, block in zip(self._parts, blocks, strict=True):
                     matrix.createSubMatrix(row, column, block)
+            if self.nest is None:
+                return self._blocks[0][0]
             self.nest.assemble()
         return self.nest
 
@@ -114,9 +118,15 @@ class BodyBlocks:
             motions = PETSc.NullSpace().create(vectors=orthonormal(vectors), comm=self._comm)
             block.setNearNullSpace(motions)
 
+    @property
+    def ready(self) -> bool:
+        """Whether the blocks exist."""
+        return bool(self._blocks)
+
     def split(self, pc: PETSc.PC) -> None:
-        """Make a PC sweep over the bodies one after the other."""
-        assert self.nest is not None
+        """Make a PC sweep over the bodies one after the other, if there are several."""
+        if self.nest is None:
+            return
         pc.setType("fieldsplit")
         pc.setFieldSplitType(PETSc.PC.CompositeType.MULTIPLICATIVE)
         pc.setFieldSplitIS(*((str(b), part) for b, part in enumerate(self.nest.getNestISs()[0])))
@@ -130,7 +140,9 @@ class BodyBlocks:
 
 
 def bodywise_options(bodies: int) -> dict[str, object]:
-    """Return the options of one multiplicative sweep of multigrid over bodies."""
+    """Return the options of one multiplicative sweep of multigrid over bodies, or of the one."""
+    if bodies == 1:
+        return dict(MULTIGRID)
     options: dict[str, object] = {
         "ksp_type": "preonly",
         "pc_type": "fieldsplit",
@@ -165,7 +177,7 @@ class BodywiseMultigrid:
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Split the matrix into its blocks and build the multigrid hierarchies."""
-        first = self._blocks.nest is None
+        first = not self._blocks.ready
         self._ksp.setOperators(self._blocks.update(matrix, held))
         if first:
             self._blocks.split(self._ksp.pc)

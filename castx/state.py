@@ -47,6 +47,8 @@ class State:
             if body not in fields[name]:
                 raise CaseError(f"no {name} in a run without the heat equation (coupling.scheme)")
             return np.asarray(fields[name][body].x.array)
+        if self._is_rigid(body):
+            return self._rigid_field(body, name)
         mechanics = self._mechanics(body, name)
         if name == "displacement":
             values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
@@ -57,7 +59,10 @@ class State:
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
-        stress = self._mechanics(body, name).stress()
+        if self._is_rigid(body):
+            stress: FloatArray = np.zeros((len(self.mesh.bodies[body].nodes.dofmap.list), 6))
+        else:
+            stress = self._mechanics(body, name).stress()
         if name == "stress":
             return stress
         if name == "von_mises":
@@ -65,6 +70,21 @@ class State:
         if name == "plastic_strain":
             return np.zeros(len(stress))
         raise CaseError(f"no cell field {name!r} on body {body!r}")
+
+    def _is_rigid(self, body: str) -> bool:
+        mechanics = self.problem.mechanics
+        return mechanics is not None and body in mechanics.rigid
+
+    def _rigid_field(self, body: str, name: str) -> FloatArray:
+        """Return the displacement of a rigid body; it has no pressure."""
+        assert self.problem.mechanics is not None
+        nodes = len(self.mesh.bodies[body].parent_vertices)
+        if name == "displacement":
+            moved = self.problem.mechanics.rigid[body].displacement(self.time)
+            return np.tile(moved, (nodes, 1))
+        if name == "pressure":
+            return np.zeros(nodes)
+        raise CaseError(f"no nodal field {name!r} on body {body!r}")
 
     def _mechanics(self, body: str, name: str) -> BodyMechanics:
         if self.problem.mechanics is None:

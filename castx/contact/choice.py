@@ -78,6 +78,23 @@ def common_method(contacts: Sequence[Contact]) -> str:
     return next(iter(methods), "condensed")
 
 
+def body_problem(method: str, secondary: str, primary: str, rigid: Collection[str]) -> str:
+    """Return what is wrong with contact between two bodies, of which some are rigid; or nothing."""
+    if secondary in rigid and primary in rigid:
+        return 'both bodies are rigid; use method = "none"'
+    if secondary in rigid:
+        return (
+            f"the secondary body {secondary!r} is rigid; name the bodies the other way round: "
+            f'["{primary}", "{secondary}"]'
+        )
+    if method == "rigid" and primary not in rigid:
+        return (
+            f'needs a rigid primary body; give {primary!r} law = "rigid", or use another method '
+            'such as "condensed"'
+        )
+    return ""
+
+
 def check_bodies(contacts: Sequence[Contact], deformable: Collection[str]) -> None:
     """Refuse interfaces between bodies that cannot touch the way they should.
 
@@ -85,19 +102,7 @@ def check_bodies(contacts: Sequence[Contact], deformable: Collection[str]) -> No
         CaseError: a rigid secondary body, or contact of method "rigid" with a deformable one.
     """
     for contact in contacts:
-        if contact.secondary not in deformable and contact.primary not in deformable:
-            raise CaseError(
-                f"interface {contact.name}: both bodies are rigid; "
-                'use contact = { method = "none" }'
-            )
-        if contact.secondary not in deformable:
-            raise CaseError(
-                f"interface {contact.name}: the secondary body {contact.secondary!r} is rigid; "
-                f"name the bodies the other way round: [{contact.primary!r}, "
-                f"{contact.secondary!r}]"
-            )
-        if contact.method == "rigid" and contact.primary in deformable:
-            raise CaseError(
-                f"interface {contact.name}: contact of method 'rigid' needs a rigid primary "
-                f"body; give {contact.primary!r} law = \"rigid\", or use method = \"condensed\""
-            )
+        rigid = {contact.secondary, contact.primary} - set(deformable)
+        problem = body_problem(contact.method, contact.secondary, contact.primary, rigid)
+        if problem:
+            raise CaseError(f"interface {contact.name}: {problem}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from petsc4py import PETSc
@@ -10,6 +10,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.contact.rigid import RigidBody
 from castx.contact.rows import Treatment
 from castx.coordinates import PairCoordinates
 from castx.layout import Layout
@@ -21,7 +22,7 @@ class Gaps:
     """The rows of all interfaces, one after the other, on the owners of their secondary nodes.
 
     Attributes:
-        initial: gaps without displacement [m], shape (rows,).
+        initial: gaps without displacement of deformable bodies [m], shape (rows,).
         local: local number of each gap in the coordinates, -1 where none is free, shape (rows,).
         tied: rows of tied pairs, which never open, shape (rows,).
         free: rows that may open and close, shape (rows,).
@@ -33,6 +34,7 @@ class Gaps:
         body_names: names of the bodies in the order of the layout; others are rigid.
         interfaces: coordinates of the pairs of each interface.
         initial: gaps without displacement of the pairs of each interface [m].
+        rigid: rigid bodies by name.
     """
 
     def __init__(
@@ -41,20 +43,23 @@ class Gaps:
         body_names: Sequence[str],
         interfaces: Sequence[PairCoordinates],
         initial: Sequence[FloatArray],
+        rigid: Mapping[str, RigidBody],
     ) -> None:
-        self.interfaces = list(interfaces)
-        self.initial = _joined(
+        self.interfaces, self._rigid = list(interfaces), dict(rigid)
+        self._at_rest = _joined(
             [given[i.index] for given, i in zip(initial, interfaces, strict=True)]
         )
         self.local = _joined([i.local for i in interfaces], np.int32)
         self.tied = _joined(
             [np.full(len(i.local), i.treatment is Treatment.TIED) for i in interfaces], np.bool_
         )
-        self.initial[self.tied] = 0.0
+        self._at_rest[self.tied] = 0.0
         self.free = (self.local >= 0) & ~self.tied
         self.areas = _joined([i.areas for i in interfaces])
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        self.initial = self._at_rest.copy()
+        self.set_time(0.0)
         self.matrix = self._assemble(layout, list(body_names))
         self._values = self.matrix.createVecLeft()
 
@@ -76,6 +81,14 @@ class Gaps:
                         B.setValue(row, np.int32(column), sign * value)
         B.assemble()
         return B
+
+    def set_time(self, time: float) -> None:
+        """Let rigid bodies take their places at a time [s]."""
+        for part, interface in zip(self.slices, self.interfaces, strict=True):
+            led = self._rigid.get(interface.pairs.primary)
+            if led is not None:
+                moved = interface.normals @ led.displacement(time)
+                self.initial[part] = self._at_rest[part] - moved
 
     def values(self, u: PETSc.Vec) -> FloatArray:
         """Return the gaps at the displacements u [m], shape (rows,)."""
