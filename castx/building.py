@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
+from castx.conductance import ConductionLaw
 from castx.consistency import starts_solid
 from castx.constitutive import ELASTIC, Law
 from castx.constraints import SurfaceDisplacement
@@ -27,6 +28,7 @@ from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
+from castx.refusal import among
 from castx.steps import StepSettings
 from castx.tables import Table
 from castx.temperatures import Temperatures
@@ -50,7 +52,10 @@ def step_settings(case: Case) -> StepSettings:
 
 
 def build_problem(
-    case: Case, mesh: CastingMesh, pairs: dict[str, NodePairs]
+    case: Case,
+    mesh: CastingMesh,
+    pairs: dict[str, NodePairs],
+    laws: Mapping[str, ConductionLaw] | None = None,
 ) -> CoupledProblem:
     """Return the coupled problem of a case.
 
@@ -58,6 +63,7 @@ def build_problem(
         case: the case.
         mesh: mesh of its bodies.
         pairs: node pairs by the name of the interface.
+        laws: of the conduction through interfaces, in place of those of the case.
 
     Raises:
         CaseError: the case cannot be solved as described.
@@ -70,7 +76,11 @@ def build_problem(
     mechanics = None
     if scheme != "thermal":
         mechanics = _mechanics(case, mesh, materials, contacts)
-    exchanges = [heat_exchange(i, pairs[i.name], mesh.comm) for i in case.interfaces]
+    own = dict(laws or {})
+    _check_laws(case, own)
+    exchanges = [
+        heat_exchange(i, pairs[i.name], mesh.comm, own.get(i.name)) for i in case.interfaces
+    ]
     heat: Temperatures
     if scheme == "mechanical":
         given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
@@ -96,6 +106,13 @@ def build_problem(
 def _check_surfaces(case: Case, mesh: CastingMesh) -> None:
     for boundary in case.boundaries:
         mesh.bodies[boundary.body].surface_tag(boundary.surface)
+
+
+def _check_laws(case: Case, laws: Mapping[str, ConductionLaw]) -> None:
+    names = [interface.name for interface in case.interfaces]
+    for name in laws:
+        if name not in names:
+            raise CaseError(f"a law for the interface {name!r}; {among(name, names)}")
 
 
 def _history(body: Body) -> Table:

@@ -29,26 +29,40 @@ from castx.tables import FloatArray
 from castx.variation import Variation
 
 
-def heat_exchange(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> HeatExchange:
+def heat_exchange(
+    interface: Interface,
+    pairs: NodePairs,
+    comm: MPI.Intracomm,
+    law: ConductionLaw | None = None,
+) -> HeatExchange:
     """Return how heat crosses an interface.
+
+    Args:
+        interface: its description.
+        pairs: its node pairs.
+        comm: all ranks.
+        law: of the conduction in place of the one described; radiation stays as described.
 
     Raises:
         CaseError: a patch holds none of its pairs; on all ranks.
     """
     heat = interface.heat
+    if law is not None:
+        factor = _grey_factor(heat) if heat is not None else 0.0
+        radiation = np.full(len(pairs.areas), factor) if factor > 0.0 else None
+        return HeatExchange(interface.name, pairs, "law", law, radiation)
     if heat is None or (heat.law == "none" and heat.radiation is None and not heat.patches):
         return HeatExchange(interface.name, pairs, "none")
     if heat.law == "perfect":
         return HeatExchange(interface.name, pairs, "perfect")
     parts = [heat, *(heat.on(patch) for patch in heat.patches)]
     part_of = _parts_of_pairs(interface, heat, pairs, comm)
-    grey = np.array([_grey_factor(part) for part in parts])
+    grey: FloatArray = np.array([_grey_factor(part) for part in parts])
     laws = [conduction_law(part) for part in parts]
     law = laws[0]
     if heat.patches:
         law = PatchedLaw([(np.flatnonzero(part_of == k), own) for k, own in enumerate(laws)])
-    radiation: FloatArray | None = grey[part_of] if grey.any() else None
-    return HeatExchange(interface.name, pairs, "law", law, radiation)
+    return HeatExchange(interface.name, pairs, "law", law, grey[part_of] if grey.any() else None)
 
 
 def _parts_of_pairs(

@@ -13,6 +13,7 @@ import numpy as np
 
 from castx.building import build_problem, step_settings
 from castx.case import Case
+from castx.conductance import ConductionLaw
 from castx.coupling import CoupledProblem, CoupledReport
 from castx.errors import ConvergenceError
 from castx.mesh import CastingMesh, build_mesh
@@ -61,8 +62,16 @@ class Simulation:
         self.step = 0
 
     @classmethod
-    def from_case(cls, case: Case, comm: MPI.Intracomm) -> Self:
+    def from_case(
+        cls, case: Case, comm: MPI.Intracomm, laws: Mapping[str, ConductionLaw] | None = None
+    ) -> Self:
         """Build the mesh and the problems of a case.
+
+        Args:
+            case: the case.
+            comm: the ranks to run on.
+            laws: heat transfer of interfaces by their names, in place of what the case says, such
+                as `castx.user_law.UserLaw`; radiation stays as the case has it.
 
         Raises:
             CaseError: the case cannot be solved as described.
@@ -70,7 +79,7 @@ class Simulation:
         """
         mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
         pairs = {i.name: node_pairs(mesh, i.secondary, i.primary) for i in case.interfaces}
-        problem = build_problem(case, mesh, pairs)
+        problem = build_problem(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given
         return cls(mesh, pairs, problem, step_settings(case), substeps)

@@ -82,7 +82,8 @@ class UserLaw:
     ) -> FloatArray:
         h = np.asarray(self.coefficient(gap, pressure, hot, cold, 0.0), dtype=np.float64)
         if h.shape != gap.shape:
-            raise CaseError(f"a law must return one number for each pair: {gap.shape}, not {h.shape}")
+            shapes = f"{gap.shape}, not {h.shape}"
+            raise CaseError(f"a law must return one number for each pair: {shapes}")
         bad = np.flatnonzero(~(np.isfinite(h) & (h >= 0.0)))
         if bad.size:
             k = bad[0]

@@ -22,6 +22,7 @@ from tests.coupled_cases import final_state, ring
 pytestmark = pytest.mark.serial
 
 REMOVED = object()
+COATING = {"thickness": 1e-4, "conductivity": 0.3}
 
 
 def base() -> dict[str, Any]:
@@ -84,11 +85,26 @@ CHANGES: list[tuple[str, Any]] = [
     ("interfaces.0.heat.pressure.resistance", 1e-4),
     ("interfaces.0.heat.pressure.hardness", 4e8),
     ("interfaces.0.heat.pressure.exponent", 0.9),
+    ("interfaces.0.heat.closed", {"over": "temperature", "table": [[0, 1500.0], [900, 1400.0]]}),
+    ("interfaces.0.heat.closed", {"over": "time", "table": [[0, 1500.0], [9, 1400.0]]}),
+    ("interfaces.0.heat.pressure", {"hardness": 5e8, "roughness": [2e-6, 3e-6]}),
+    ("interfaces.0.heat.pressure", {"hardness": 5e8, "coating": COATING}),
+    ("interfaces.0.heat", {"law": "limited", "gas_conductivity": 0.05, "coating": COATING}),
+    ("interfaces.0.heat.radiation", {"emissivities": [0.3, 0.8]}),
+    ("interfaces.0.heat.patches", [{"within": {"z": [0, 0.02]}, "closed": 500.0}]),
+    ("interfaces.0.heat.patches",
+     [{"within": {"z": [0, 0.02]}, "radiation": {"emissivities": [1, 1]}}]),
     ("interfaces.0.heat", {"law": "none"}),
+    ("interfaces.0.heat", {"law": "none", "radiation": {"emissivities": [0.3, 0.8]}}),
+    ("interfaces.0.heat", {"law": "solid-fraction", "closed": 1500.0, "open": 100.0}),
     ("interfaces.0.heat", {"law": "perfect"}),
     ("boundaries.0.displacement.normal", 1e-5),
     ("boundaries.2.heat.coefficient", 400.0),
+    ("boundaries.2.heat.coefficient", {"over": "temperature", "table": [[0, 500], [700, 400]]}),
+    ("boundaries.2.heat.coefficient",
+     {"over": "temperature", "table": [[0, 500], [700, 400]], "of": "surface"}),
     ("boundaries.2.heat.ambient", 40.0),
+    ("boundaries.2.heat", {"type": "radiation", "emissivity": 0.9, "ambient": 30.0}),
     ("boundaries.3.heat.value", 1e5),
     ("boundaries.3.traction", [0.0, -2e6]),
     ("boundaries.3.pressure", 1e6),
@@ -133,13 +149,21 @@ def test_each_key_changes_the_answer(comm, original, path, value):
 
 
 def test_gas_acts_once_the_gap_is_open(comm):
-    """The only key that a closed interface does not feel."""
+    """What a closed interface does not feel, and `transition` likewise below."""
     data = coupled_cases.cylinder({"time": {"end": 4.0, "fixed_step": 2.0}})
     found = [
         final_state(comm, changed(data, "interfaces.0.heat.gas_conductivity", k)).totals
-        for k in (0.01, 0.02)
+        for k in (0.01, {"over": "temperature", "table": [[0, 0.01], [900, 0.02]]}, 0.02)
     ]
-    assert found[0]["casting/mould.heat"] < 0.99 * found[1]["casting/mould.heat"]
+    heats = [totals["casting/mould.heat"] for totals in found]
+    assert heats[0] < 0.99 * heats[1] < 0.99 * heats[2]
+
+
+def test_rounding_acts_where_the_gap_is_small(comm):
+    data = coupled_cases.cylinder({"time": {"end": 4.0, "fixed_step": 2.0}})
+    rounded = changed(data, "interfaces.0.heat.transition", 2e-5)
+    heats = [final_state(comm, case).totals["casting/mould.heat"] for case in (data, rounded)]
+    assert heats[1] < (1.0 - 1e-6) * heats[0]
 
 
 def case_of(path: str, value: Any):
