@@ -203,9 +203,9 @@ def _melts(case: Case, body: Body) -> bool:
 
 def _rigid_problems(case: Case) -> Iterator[Problem]:
     rigid = {body.name for body in case.bodies if body.law == "rigid"}
-    if case.coupling.scheme == "thermal" or not rigid:
+    if case.coupling.scheme == "thermal":
         return
-    if len(rigid) == len(case.bodies):
+    if rigid and len(rigid) == len(case.bodies):
         yield Problem(("coupling", "scheme"), 'all bodies are rigid; use "thermal"')
         return
     for index, interface in enumerate(case.interfaces):

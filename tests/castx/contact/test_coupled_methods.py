@@ -7,6 +7,8 @@ import pytest
 
 from tests.coupled_cases import cylinder, final_state, nodal, paired
 
+pytestmark = pytest.mark.serial
+
 SHORT = {"time": {"end": 3.0, "first_step": 0.1, "largest_step": 1.0}}
 
 
