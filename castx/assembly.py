@@ -75,13 +75,15 @@ class BodyAssembly:
         """Whether the matrix is the same for all unknowns of a step."""
         return all(body.is_linear for body in self.bodies)
 
-    def force_scale(self) -> float:
-        """Return the norm of what the cells exert on the nodes or of the loads, the larger [N].
+    def force_scales(self) -> FloatArray:
+        """Return the forces that act in the bodies [N], shape (bodies,).
 
-        Forces that cancel each other count: so it has a size where no load acts.
+        Each is the norm of what the cells exert on the nodes or of the loads, the larger. Forces
+        that cancel each other count, so that it has a size where no load acts.
         """
-        local = np.array([body.force_scale() for body in self.bodies]).sum(axis=0)
-        return float(np.sqrt(self.layout.comm.allreduce(local, op=MPI.SUM).max()))
+        squares = np.array([body.force_scale() for body in self.bodies])
+        total = self.layout.comm.allreduce(squares, op=MPI.SUM)
+        return np.asarray(np.sqrt(total.max(axis=1)))
 
     def improve_pressures(self) -> bool:
         """Take over the pressures of incompressible Q1/P0 cells; return whether there are any."""

@@ -19,6 +19,7 @@ from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.errors import ConvergenceError
+from castx.force_balance import ForceBalance
 from castx.line_search import shorten_step
 from castx.linear import InnerSolver, SystemOperator, SystemPreconditioner, operator_matrix
 from castx.snes import NonlinearSolver
@@ -30,9 +31,6 @@ BoolArray = npt.NDArray[np.bool_]
 PREFIX = "castx_mechanics_"
 LINEAR_SHARE, NOISE_SHARE = 1e-3, 1e-2
 """Parts of the nonlinear tolerance: to which the linear solves go; that closes or opens pairs."""
-ROUNDING = 2e-14
-"""Part of the terms of a row that no iteration takes away from their sum."""
-
 
 @dataclass(frozen=True)
 class EquilibriumReport:
@@ -81,7 +79,7 @@ class Equilibrium:
     ) -> None:
         comm = assembly.layout.comm
         self._assembly, self._coordinates, self.gaps = assembly, coordinates, gaps
-        self._contact, self._floating, self.tolerance = contact, floating, tolerance
+        self._contact, self._floating = contact, floating
         self.active = ActiveSet(comm, gaps.initial, gaps.free, gaps.keys())
         self.x = contact.layout.create_vector()
         self._committed, self._committed_time = self.x.array_r.copy(), 0.0
@@ -106,7 +104,8 @@ class Equilibrium:
         self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
         self._linear_tolerance_given = "ksp_rtol" in options
         self._diagonal = np.zeros(0)
-        self._stiffness = self._scale = self._rounding = 0.0
+        self._stiffness = 0.0
+        self._force_balance = ForceBalance(assembly, contact.layout, tolerance)
         self._time, self._failure = 0.0, ""
         self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
         self._forces: FloatArray = np.zeros(0)
@@ -171,9 +170,7 @@ class Equilibrium:
             f.set(np.nan)
             return
         self._evaluated = x.array_r.copy(), rows.copy()
-        self._scale = self._assembly.force_scale()
-        terms = self._diagonal * x.array_r
-        self._rounding = ROUNDING * np.sqrt(self._sum(float(terms @ terms)))
+        self._force_balance.update(x, self._diagonal)
         self._balance(x, rows, f)
 
     def _balance(self, x: PETSc.Vec, rows: FloatArray, f: PETSc.Vec) -> None:
@@ -200,7 +197,7 @@ class Equilibrium:
         if improved or not self._all(np.array_equal(at, x.array_r)):
             self._residual(snes, x, f)
             rows = self._evaluated[1]
-        if not self.active.update(self._forces, NOISE_SHARE * self._target()):
+        if not self.active.update(self._forces, NOISE_SHARE * self._force_balance.smallest):
             return False
         self._balance(x, rows.copy(), f)
         return True
@@ -219,12 +216,6 @@ class Equilibrium:
 
     def _all(self, here: bool) -> bool:
         return bool(self._assembly.layout.comm.allreduce(here, op=MPI.LAND))
-
-    def _sum(self, here: float) -> float:
-        return float(self._assembly.layout.comm.allreduce(here, op=MPI.SUM))
-
-    def _target(self) -> float:
-        return max(self.tolerance * self._scale, self._rounding)
 
     def _rows(self, x: PETSc.Vec) -> FloatArray:
         self._contact.displacements(x, self._assembly.unknowns)
@@ -262,16 +253,17 @@ class Equilibrium:
         if not np.isfinite(norms[2]):
             return reasons.DIVERGED_FNORM_NAN
         changed = iteration > 0 and self._change_set(snes)
-        norm = snes.getFunction()[0].norm()
-        target = self._target()
-        if iteration > 0 and self._augment(snes, iteration, norm <= target and not changed):
-            norm = snes.getFunction()[0].norm()
-        if norm <= target and not changed and iteration > 0:
+        f, balance = snes.getFunction()[0], self._force_balance
+        balanced = balance.holds(f)
+        if iteration > 0 and self._augment(snes, iteration, balanced and not changed):
+            balanced = balance.holds(f)
+        if balanced and not changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
             return reasons.DIVERGED_MAX_IT
         if not self._linear_tolerance_given:
-            share = LINEAR_SHARE * target / norm if norm > 0 else 1e-2
+            norm = f.norm()
+            share = LINEAR_SHARE * balance.smallest / norm if norm > 0 else 1e-2
             snes.ksp.setTolerances(rtol=float(np.clip(share, 1e-12, 1e-2)), atol=0.0)
         return reasons.CONVERGED_ITERATING
 

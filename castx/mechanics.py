@@ -33,7 +33,7 @@ PRESSURE_SHARE = 0.1
 TRAPPED_SHARE = 1e-6
 """Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
 
-THERMAL_SHARE = 1e-2
+THERMAL_SHARE = 1e-4
 """Part of the stress of a hindered thermal strain that counts as an internal force of the body."""
 
 

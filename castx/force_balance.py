@@ -1,0 +1,58 @@
+"""When the forces of all bodies balance well enough."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.assembly import BodyAssembly
+from castx.layout import Layout
+from castx.tables import FloatArray
+
+ROUNDING = 2e-14
+"""Part of the terms of a row that no iteration takes away from their sum."""
+
+BODY_SHARE = 1e-4
+"""Least part of the largest forces of any body to which those of another are resolved."""
+
+
+class ForceBalance:
+    """Residuals of the bodies against the forces that act in them.
+
+    Each body is measured by its own forces: a soft hot casting would have none of its own beside
+    those of a stiff mould.
+
+    Args:
+        assembly: the bodies.
+        layout: of the rows; those behind the bodies are measured by the weakest body.
+        tolerance: residual relative to the largest internal, contact or external force.
+    """
+
+    def __init__(self, assembly: BodyAssembly, layout: Layout, tolerance: float) -> None:
+        self._assembly, self._tolerance = assembly, tolerance
+        self._parts = [layout.local_slice(k) for k in range(len(layout.block_sizes))]
+        self._comm = layout.comm
+        self._targets: FloatArray = np.zeros(len(self._parts))
+
+    def update(self, x: PETSc.Vec, diagonal: FloatArray) -> None:
+        """Measure the forces at the unknowns x, rows with this diagonal."""
+        forces = self._assembly.force_scales()
+        forces = np.maximum(forces, BODY_SHARE * forces.max())
+        rest = np.full(len(self._parts) - len(forces), forces.min())
+        rounding = ROUNDING * self._norms(diagonal * x.array_r)
+        self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
+
+    def _norms(self, rows: FloatArray) -> FloatArray:
+        squares = np.array([float(rows[part] @ rows[part]) for part in self._parts])
+        return np.asarray(np.sqrt(self._comm.allreduce(squares, op=MPI.SUM)))
+
+    def holds(self, residual: PETSc.Vec) -> bool:
+        """Return whether the residual of each body is small enough."""
+        return bool(np.all(self._norms(residual.array_r) <= self._targets))
+
+    @property
+    def smallest(self) -> float:
+        """Residual that is small enough for every body [N]."""
+        return float(self._targets.min())
