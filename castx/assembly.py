@@ -75,6 +75,11 @@ class BodyAssembly:
         """Whether the matrix is the same for all unknowns of a step."""
         return all(body.is_linear for body in self.bodies)
 
+    @property
+    def is_elastic(self) -> bool:
+        """Whether all bodies are elastic at every temperature."""
+        return self.is_linear and all(body.is_compressible for body in self.bodies)
+
     def force_scales(self) -> FloatArray:
         """Return the forces that act in the bodies [N], shape (bodies,).
 

@@ -106,7 +106,7 @@ class Equilibrium:
         self._diagonal = np.zeros(0)
         self._stiffness = 0.0
         self._force_balance = ForceBalance(assembly, contact.layout, tolerance)
-        self._time, self._failure = 0.0, ""
+        self._time, self._failure, self._new_matrix = 0.0, "", True
         self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
         self._forces: FloatArray = np.zeros(0)
         self._augmentations: list[int] = []
@@ -125,6 +125,8 @@ class Equilibrium:
             body.set_time(time)
         self._rows(self.x)
         self._update_matrix()
+        # Elastic constants change little in a step, but freezing multiplies them.
+        self._new_matrix = not self._assembly.is_elastic
         start, closed = self.x.array_r.copy(), self.active.closed.copy()
         try:
             return self._try(time)
@@ -241,8 +243,9 @@ class Equilibrium:
             self._contact.update_bodies(self._assembly.matrix())
         if renewed or self._contact.follows_set:
             self._operator.matrix = self._contact.matrix(self.active.closed)
-        if not self._assembly.is_linear and self._inner.is_exact:
+        if self._inner.is_exact and (renewed or self._new_matrix):
             self._preconditioner.discard()
+            self._new_matrix = False
         self._preconditioner.refresh(snes.ksp.getIterationNumber())
         J.assemble()
 

@@ -41,7 +41,8 @@ class ForceBalance:
         forces = self._assembly.force_scales()
         forces = np.maximum(forces, BODY_SHARE * forces.max())
         rest = np.full(len(self._parts) - len(forces), forces.min())
-        rounding = ROUNDING * self._norms(diagonal * x.array_r)
+        # Of all rows together: linear solves mix them.
+        rounding = ROUNDING * np.linalg.norm(self._norms(diagonal * x.array_r))
         self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
 
     def _norms(self, rows: FloatArray) -> FloatArray:
