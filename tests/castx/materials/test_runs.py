@@ -1,0 +1,32 @@
+"""Every casting alloy of the database freezes onto a core with all its data in use."""
+
+from __future__ import annotations
+
+import pytest
+
+from castx.flow import VISCOPLASTIC
+from castx.materials import database_names, find_material
+from tests.coupled_cases import ring, simulation
+
+pytestmark = pytest.mark.serial
+
+ALLOYS = [name for name in database_names() if find_material(name, {}).melts]
+
+
+@pytest.mark.parametrize("name", ALLOYS)
+def test_a_ring_of_the_alloy_freezes_and_bears_its_stress_of_flow(comm, name) -> None:
+    material = find_material(name, {})
+    assert material.liquidus is not None
+    data = ring({"time": {"end": 60.0, "largest_step": 10.0}}, size=0.01)
+    hot = {"material": name, "temperature": material.liquidus + 20.0, "law": VISCOPLASTIC}
+    data["bodies"][0] |= hot
+    data["bodies"][1] |= {"material": "steel-carbon"}
+    *_, state = simulation(comm, data)
+    assert 0.6 < state.totals["casting.solid_fraction"] <= 1.0
+    assert abs(state.totals["energy_error"]) < 1e-6
+    flow, cold = material.description, state.nodal("casting", "temperature").min()
+    assert flow.yield_stress is not None and flow.viscosity is not None
+    hardened = 0.02 * flow.hardening.linear(cold) + flow.hardening.saturation(cold)
+    overstress = flow.viscosity(cold) * 1e-2 ** (1.0 / flow.exponent(cold))
+    stress = state.cellwise("casting", "von_mises")
+    assert 2e5 < stress.max() < flow.yield_stress(cold) + hardened + overstress
