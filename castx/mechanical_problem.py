@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.assembly import BodyAssembly
+from castx.balance import Balance
 from castx.constraints import SurfaceDisplacement, fixed_directions
 from castx.contact.choice import Contact, check_bodies, common_method
 from castx.contact.gaps import Gaps
@@ -119,10 +120,11 @@ class MechanicalProblem:
         contact = contact_system(method, contacts, coordinates, names, self.gaps, stiffness)
         floating = self._floating(coordinates, contact, stiffness / length)
         inner = self._inner_solver(settings.linear, coordinates, contact)
-        self.equilibrium = Equilibrium(
-            BodyAssembly(self.layout, parts), coordinates, self.gaps, contact, inner,
-            floating if settings.support else None, settings.tolerance, settings.options,
-        )
+        balance = Balance(
+            BodyAssembly(self.layout, parts), coordinates, self.gaps, contact,
+            floating if settings.support else None, settings.tolerance,
+        )  # fmt: skip
+        self.equilibrium = Equilibrium(balance, inner, settings.options)
 
     def contact_states(self) -> list[ContactState]:
         """Return what the pairs of each interface do; collective."""

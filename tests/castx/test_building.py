@@ -194,7 +194,7 @@ def test_solver_options_reach_their_solvers(comm):
     equilibrium = problem.mechanics.equilibrium
     assert equilibrium._solver.snes.getTolerances()[3] == 34
     assert equilibrium._solver.options["bodies_mat_mumps_icntl_14"] == 35
-    assert equilibrium._force_balance._tolerance == 1e-7
+    assert equilibrium._balance._forces_in_bodies._tolerance == 1e-7
 
 
 def test_coupling_numbers_reach_the_coupling(comm):

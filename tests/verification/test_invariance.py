@@ -134,7 +134,7 @@ def solved(
 def assert_same(comm, found: Solved, expected: Solved, tolerance: float) -> None:
     points, forces = expected.forces(comm)
     assert 0 < np.count_nonzero(forces) < len(forces)
-    assert found.made.equilibrium._operator.support is not None
+    assert found.made.equilibrium._balance.operator.support is not None
     np.testing.assert_allclose(found.forces(comm)[0], points, atol=1e-9)
     np.testing.assert_allclose(found.forces(comm)[1], forces, atol=tolerance * forces.max())
     for name in expected.made.bodies:

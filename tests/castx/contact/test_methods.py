@@ -117,7 +117,7 @@ def test_gap_matrix_of_planes(comm):
 
 def test_condensed_matrix_against_dense_products(comm):
     made = ring(comm, "condensed")
-    contact, assembly = made.equilibrium._contact, made.equilibrium._assembly
+    contact, assembly = made.equilibrium._balance.contact, made.equilibrium._balance.assembly
     assert isinstance(contact, CondensedContact)
     A, P = assembly.matrix(), contact._P
 
@@ -153,7 +153,7 @@ def test_jacobian_against_differences_of_the_residual(comm, method):
         equilibrium._residual(None, x, f)
         results.append(f.array_r.copy())
     product = x.duplicate()
-    equilibrium._operator.mult(None, direction, product)
+    equilibrium._balance.operator.mult(None, direction, product)
     difference = (results[0] - results[1]) / 2
     scale = comm.allreduce(np.abs(difference).max(initial=0.0), op=max)
     np.testing.assert_allclose(difference, product.array_r, atol=1e-6 * scale)

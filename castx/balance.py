@@ -1,0 +1,213 @@
+"""Balance of forces of all bodies in contact: rows, matrix, closed pairs, what is held."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.assembly import BodyAssembly
+from castx.contact.active_set import ActiveSet
+from castx.contact.gaps import Gaps
+from castx.contact.system import ContactSystem
+from castx.coordinates import Coordinates
+from castx.force_balance import ForceBalance
+from castx.linear import SystemOperator
+from castx.supports import FloatingMotions, Support
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+NOISE_SHARE = 1e-2
+"""Part of the nonlinear tolerance that closes or opens pairs."""
+
+
+class Balance:
+    """The nonlinear problem of one step, as a function of the unknowns of the contact method.
+
+    A row of an unknown that is held is its distance from its place; of others it is the sum of
+    forces. Pairs close and open between iterations only, so that a line search sees one function.
+
+    Attributes:
+        active: closed pairs.
+        operator: the Jacobian.
+        frozen: unknowns that stay where they are, whatever acts on them.
+
+    Args:
+        assembly: residual and matrix of the bodies.
+        coordinates: coordinates and prescribed displacements.
+        gaps: pairs of all interfaces.
+        contact: the contact method.
+        floating: finds what nothing holds; None: no supports.
+        tolerance: residual relative to the largest internal, contact or external force.
+    """
+
+    def __init__(
+        self,
+        assembly: BodyAssembly,
+        coordinates: Coordinates,
+        gaps: Gaps,
+        contact: ContactSystem,
+        floating: FloatingMotions | None,
+        tolerance: float,
+    ) -> None:
+        self.assembly, self.gaps, self.contact = assembly, gaps, contact
+        self._coordinates, self._floating = coordinates, floating
+        self._comm = assembly.layout.comm
+        self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.keys())
+        self.operator = SystemOperator(assembly.corrections())
+        self.frozen: BoolArray = np.zeros(contact.layout.size_local, dtype=bool)
+        # Those of pressures are far larger in liquids, since τ is.
+        self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
+        self._diagonal, self._stiffness = np.zeros(0), 0.0
+        self._forces_in_bodies = ForceBalance(assembly, contact.layout, tolerance)
+        self._time = self._committed_time = 0.0
+        self._committed_support: Support | None = None
+        self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
+        self._forces: FloatArray = np.zeros(0)
+
+    def begin(self, x: PETSc.Vec, time: float) -> None:
+        """Take over the state of the bodies, with prescribed displacements and loads of a time."""
+        self._time = time
+        self.gaps.set_time(time)
+        for body in self.assembly.bodies:
+            body.set_time(time)
+        self.rows(x)
+        bodies = self.assembly.matrix()
+        self.contact.prepare(bodies)
+        self.contact.update_bodies(bodies)
+        self.update_matrix()
+        assert self.operator.matrix is not None
+        diagonal = self.operator.matrix.getDiagonal()
+        self._diagonal = np.abs(diagonal.array_r)
+        largest = float(self._diagonal[self._displacement_rows].max(initial=0.0))
+        self._stiffness = self._comm.allreduce(largest, op=MPI.MAX)
+        diagonal.destroy()
+
+    def update_matrix(self, renewed: bool = False) -> None:
+        """Make the matrix that of the closed pairs, and of the present unknowns if `renewed`."""
+        if renewed:
+            self.contact.update_bodies(self.assembly.matrix())
+        if renewed or self.contact.follows_set or self.operator.matrix is None:
+            self.operator.matrix = self.contact.matrix(self.active.closed)
+
+    def rows(self, x: PETSc.Vec) -> FloatArray:
+        """Return the rows before the pairs act, and give the bodies their displacements."""
+        self.contact.displacements(x, self.assembly.unknowns)
+        return self.contact.residual(x, self.assembly.residual())
+
+    def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        """Fill the residual for the present set of closed pairs.
+
+        Raises:
+            ConvergenceError: a law has no answer there.
+        """
+        rows = self.rows(x)
+        self._evaluated = x.array_r.copy(), rows.copy()
+        self._forces_in_bodies.update(x, self._diagonal)
+        self._sum_up(x, rows, f)
+
+    def _sum_up(self, x: PETSc.Vec, rows: FloatArray, f: PETSc.Vec) -> None:
+        closed = self.active.closed
+        self._forces = self._trial_forces(x, rows)
+        held, violation = self._prescribed(x)
+        self.contact.impose(x, self._forces, closed, rows, held, violation)
+        held[self.frozen], violation[self.frozen] = True, 0.0
+        support = self._support(held)
+        follows = closed.copy() if self.contact.follows_set else closed[:0]
+        self.operator.hold(held, self._stiffness, support, follows)
+        if support is not None:
+            rows += support.force(x.array_r)
+        f.array[:] = np.where(held, self._stiffness * violation, rows)
+
+    def _trial_forces(self, x: PETSc.Vec, rows: FloatArray) -> FloatArray:
+        gaps = self.contact.gaps(x, self.assembly.unknowns)
+        return self.contact.trial_forces(x, rows, gaps, self.active.closed, self._stiffness)
+
+    def _prescribed(self, x: PETSc.Vec) -> tuple[BoolArray, FloatArray]:
+        held = np.zeros(x.getLocalSize(), dtype=bool)
+        violation = np.zeros(len(held))
+        for item in self._coordinates.prescribed:
+            held[item.local] = True
+            violation[item.local] = x.array_r[item.local] - float(item.value(self._time))
+        return held, violation
+
+    def _support(self, held: BoolArray) -> Support | None:
+        if self._floating is None:
+            return None
+        values = self.contact.constraint_values(self._floating.motions, self.active.closed)
+        return self._floating.find(held, values)
+
+    def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
+        """Close and open pairs at the present iterate; return whether any did.
+
+        Args:
+            x: the iterate.
+            f: its residual, filled anew if it has changed.
+        """
+        improved = self.assembly.improve_pressures()
+        if improved or not self._all(np.array_equal(self._evaluated[0], x.array_r)):
+            self.residual(x, f)
+        if not self.active.update(self._forces, NOISE_SHARE * self._forces_in_bodies.smallest):
+            return False
+        self._sum_up(x, self._evaluated[1].copy(), f)
+        return True
+
+    def augment(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
+        """Improve the multipliers of the method, if it has any; return whether they changed.
+
+        Args:
+            x: the iterate.
+            f: its residual, filled anew if it has changed.
+            balanced: whether it is small enough.
+        """
+        if not self.contact.augment(self._forces, self.active.closed, balanced):
+            return False
+        self._sum_up(x, self._evaluated[1].copy(), f)
+        return True
+
+    def _all(self, here: bool) -> bool:
+        return bool(self._comm.allreduce(here, op=MPI.LAND))
+
+    def holds(self, f: PETSc.Vec) -> bool:
+        """Return whether a residual is small enough."""
+        return self._forces_in_bodies.holds(f)
+
+    @property
+    def smallest(self) -> float:
+        """Residual that is small enough for every body [N]."""
+        return self._forces_in_bodies.smallest
+
+    def pair_values(self, x: PETSc.Vec) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
+        rows = self.rows(x)
+        gaps = self.contact.gaps(x, self.assembly.unknowns)
+        forces = np.where(self.active.closed, self._trial_forces(x, rows), 0.0)
+        tied = self.gaps.tied
+        forces[tied] = rows[self.gaps.local[tied]]
+        return gaps, forces
+
+    def commit(self) -> None:
+        """Make the present state the one from which the next step starts."""
+        self._committed_time, self._committed_support = self._time, self.operator.support
+        self.active.commit()
+        self.contact.commit()
+        for body in self.assembly.bodies:
+            body.commit()
+
+    def rewind(self, x: PETSc.Vec) -> None:
+        """Return to the last committed state, whose unknowns are x."""
+        self._time, self.operator.support = self._committed_time, self._committed_support
+        self.gaps.set_time(self._time)
+        self.active.rewind()
+        self.contact.rewind()
+        for body in self.assembly.bodies:
+            body.rewind()
+        self.rows(x)
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self.contact.destroy()
+        self.assembly.destroy()
