@@ -208,8 +208,8 @@ def test_support_can_be_switched_off(comm):
     data = changed(base(), "support.mode", "none")
     problems = [coupled_cases.simulation(comm, case).problem for case in (data, base())]
     without, supported = (problem.mechanics.equilibrium for problem in problems)
-    assert without._floating is None
-    assert supported._floating is not None
+    assert without._balance._floating is None
+    assert supported._balance._floating is not None
 
 
 def test_unknown_surface_of_a_file_is_refused(comm, shared_tmp_path):
