@@ -180,6 +180,11 @@ class Balance:
         """Residual that is small enough for every body [N]."""
         return self._forces_in_bodies.smallest
 
+    @property
+    def force(self) -> float:
+        """Forces in the body with the weakest ones [N]."""
+        return self._forces_in_bodies.weakest
+
     def pair_values(self, x: PETSc.Vec) -> tuple[FloatArray, FloatArray]:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         rows = self.rows(x)

@@ -24,6 +24,9 @@ class ForceBalance:
     Each body is measured by its own forces: a soft hot casting would have none of its own beside
     those of a stiff mould.
 
+    Attributes:
+        weakest: forces in the body with the weakest ones [N].
+
     Args:
         assembly: the bodies.
         layout: of the rows; those behind the bodies are measured by the weakest body.
@@ -35,12 +38,14 @@ class ForceBalance:
         self._parts = [layout.local_slice(k) for k in range(len(layout.block_sizes))]
         self._comm = layout.comm
         self._targets: FloatArray = np.zeros(len(self._parts))
+        self.weakest = 0.0
 
     def update(self, x: PETSc.Vec, diagonal: FloatArray) -> None:
         """Measure the forces at the unknowns x, rows with this diagonal."""
         forces = self._assembly.force_scales()
         forces = np.maximum(forces, BODY_SHARE * forces.max())
-        rest = np.full(len(self._parts) - len(forces), forces.min())
+        self.weakest = float(forces.min())
+        rest = np.full(len(self._parts) - len(forces), self.weakest)
         # Of all rows together: linear solves mix them.
         rounding = ROUNDING * np.linalg.norm(self._norms(diagonal * x.array_r))
         self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
