@@ -34,6 +34,7 @@ class Balance:
         active: closed pairs.
         operator: the Jacobian.
         frozen: unknowns that stay where they are, whatever acts on them.
+        committed_time: of prescribed displacements at the end of the last accepted step [s].
 
     Args:
         assembly: residual and matrix of the bodies.
@@ -63,7 +64,7 @@ class Balance:
         self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
         self._diagonal, self._stiffness = np.zeros(0), 0.0
         self._forces_in_bodies = ForceBalance(assembly, contact.layout, tolerance)
-        self._time = self._committed_time = 0.0
+        self._time = self.committed_time = 0.0
         self._committed_support: Support | None = None
         self._evaluated: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
         self._forces: FloatArray = np.zeros(0)
@@ -196,7 +197,7 @@ class Balance:
 
     def commit(self) -> None:
         """Make the present state the one from which the next step starts."""
-        self._committed_time, self._committed_support = self._time, self.operator.support
+        self.committed_time, self._committed_support = self._time, self.operator.support
         self.active.commit()
         self.contact.commit()
         for body in self.assembly.bodies:
@@ -204,7 +205,7 @@ class Balance:
 
     def rewind(self, x: PETSc.Vec) -> None:
         """Return to the last committed state, whose unknowns are x."""
-        self._time, self.operator.support = self._committed_time, self._committed_support
+        self._time, self.operator.support = self.committed_time, self._committed_support
         self.gaps.set_time(self._time)
         self.active.rewind()
         self.contact.rewind()

@@ -57,6 +57,7 @@ class Case(Description):
 
     _path: Path = PrivateAttr(Path("case"))
     _digest: str = PrivateAttr("")
+    _content: str = PrivateAttr("{}")
 
     @property
     def path(self) -> Path:
@@ -67,6 +68,12 @@ class Case(Description):
     def digest(self) -> str:
         """Hash (SHA-256) of the content, overrides included; layout and comments do not count."""
         return self._digest
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """Keys and values of the file, overrides included, as JSON knows them."""
+        content: dict[str, Any] = json.loads(self._content)
+        return content
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield all contradictions between the parts."""
@@ -123,7 +130,8 @@ def _settled(case: Case, data: Mapping[str, Any], path: Path) -> Case:
         }
     )
     canonical = json.dumps(data, sort_keys=True, default=str)
-    settled._path, settled._digest = path, sha256(canonical.encode()).hexdigest()
+    settled._path, settled._content = path, canonical
+    settled._digest = sha256(canonical.encode()).hexdigest()
     return settled
 
 

@@ -26,6 +26,7 @@ from castx.return_mapping import (
     tensor_norm,
     viscoplastic_strain,
 )
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray, Table
 
 BoolArray = npt.NDArray[np.bool_]
@@ -165,6 +166,19 @@ class History(NamedTuple):
     strain: FloatArray
     softening: FloatArray
     coherent: BoolArray
+
+    def saved(self, points: IntegrationPoints) -> dict[str, Saved]:
+        """Return the arrays by cell."""
+        return {
+            name: Saved(points.by_cell(values), points.numbering)
+            for name, values in self._asdict().items()
+        }
+
+    def restored(self, arrays: Arrays) -> History:
+        """Return the history of saved arrays; self has their shapes."""
+        return History(
+            *(arrays[name].reshape(own.shape) for name, own in self._asdict().items())
+        )
 
     @classmethod
     def initial(cls, points: IntegrationPoints, liquid: bool) -> History:

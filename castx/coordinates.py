@@ -26,11 +26,12 @@ import numpy.typing as npt
 
 from castx.basis import BasisMatrices
 from castx.constraints import PARALLEL, ZERO, FixedDirections
-from castx.contact.rows import PairRows, Treatment
+from castx.contact.rows import PairRows, Treatment, turn_of
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.node_rows import NodeRows
 from castx.pairs import NodePairs
+from castx.saved import Numbering
 from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
@@ -38,6 +39,9 @@ IntArray = npt.NDArray[np.int32]
 
 GRAZING = 0.05
 """Sine of the smallest angle at which a node with fixed directions can still leave its partner."""
+
+MOST_ROWS = 8
+"""More than the rows of any pair."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,12 @@ class PairCoordinates:
     areas: FloatArray
     local: IntArray
     treatment: Treatment
+
+    @property
+    def numbering(self) -> Numbering:
+        """The rows by the numbers of their secondary nodes and their turn among those of a node."""
+        numbers = self.pairs.original_nodes[self.index] * MOST_ROWS + turn_of(self.index)
+        return Numbering(f"rows of {self.pairs.name}", numbers, len(numbers))
 
     @property
     def free(self) -> npt.NDArray[np.bool_]:

@@ -23,6 +23,16 @@ from castx.dissipation import Dissipation
 from castx.errors import ConvergenceError
 from castx.mechanical_problem import MechanicalProblem
 from castx.relaxation import Relaxation
+from castx.saved import (
+    Arrays,
+    Saved,
+    Stateful,
+    joined,
+    number,
+    part_of,
+    restore_parts,
+    saved_parts,
+)
 from castx.tables import FloatArray
 from castx.temperatures import Temperatures
 
@@ -234,6 +244,34 @@ class CoupledProblem:
         self._update_bodies(self._committed_step)
         if self.mechanics is not None:
             self.mechanics.equilibrium.rewind()
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state as arrays; collective."""
+        return joined({"interfaces": self._saved_interfaces()}) | saved_parts(self._parts())
+
+    def _parts(self) -> dict[str, Stateful]:
+        parts: dict[str, Stateful] = {"heat": self.heat, "dissipation": self._dissipation}
+        return parts if self.mechanics is None else parts | {"mechanics": self.mechanics.memory}
+
+    def _saved_interfaces(self) -> dict[str, Saved]:
+        found = {"step": number(self._committed_step)}
+        for interface, state, rate in zip(
+            self.interfaces, self._committed, self._gap_rates, strict=True
+        ):
+            for name, values in {**vars(state), "gap_rate": rate}.items():
+                found[f"{interface.name}/{name}"] = Saved(values, interface.pairs.numbering)
+        return found
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a state as the committed one; collective."""
+        own = part_of(arrays, "interfaces")
+        self._committed_step = float(own["step"])
+        states = [part_of(own, interface.name) for interface in self.interfaces]
+        self._gap_rates = [state.pop("gap_rate") for state in states]
+        self._committed = [InterfaceState(**state) for state in states]
+        restore_parts(self._parts(), arrays)
+        self.rewind()
+        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

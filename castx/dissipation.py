@@ -9,6 +9,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.mechanics import BodyMechanics
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
 
 
@@ -44,6 +45,20 @@ class Dissipation:
     def commit(self) -> None:
         """Make the present powers those with which the next step starts."""
         self._committed = dict(self.powers)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed powers [W]."""
+        return {
+            name: Saved(power, self._bodies[name].mesh.node_numbering)
+            for name, power in self._committed.items()
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back committed powers [W]."""
+        self._committed = {
+            name: arrays[name][: body.owned_nodes] for name, body in self._bodies.items()
+        }
+        self.rewind()
 
     def rewind(self) -> None:
         """Return to the powers of the last accepted step."""

@@ -54,6 +54,7 @@ class Equilibrium:
 
     Attributes:
         x: the unknowns of the contact method.
+        committed: the owned ones after the last accepted step.
 
     Args:
         balance: the nonlinear problem.
@@ -65,7 +66,7 @@ class Equilibrium:
         self._balance, self._inner = balance, inner
         layout, assembly = balance.contact.layout, balance.assembly
         self.x, self._residual_vector = layout.create_vector(), layout.create_vector()
-        self._committed = self.x.array_r.copy()
+        self.committed: FloatArray = self.x.array_r.copy()
         self._preconditioner = SystemPreconditioner(balance.operator, inner, layout.comm)
         self._matrix = operator_matrix(layout, balance.operator)
         defaults = {"ksp_type": "fgmres", "ksp_max_it": 200, "snes_linesearch_type": "basic",
@@ -185,13 +186,17 @@ class Equilibrium:
 
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""
-        self._committed = self.x.array_r.copy()
+        self.committed = self.x.array_r.copy()
         self._balance.commit()
+        if self._inner.is_exact:  # no step depends on factors of another: no checkpoint has them
+            self._preconditioner.discard()
 
     def rewind(self) -> None:
         """Return to the last committed solution, the displacements of the bodies included."""
-        self.x.array[:] = self._committed
+        self.x.array[:] = self.committed
         self._balance.rewind(self.x)
+        if self._inner.is_exact:
+            self._preconditioner.discard()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

@@ -1,4 +1,4 @@
-"""The three ways in which castx refuses or gives up."""
+"""The ways in which castx refuses or gives up."""
 
 
 class CaseError(ValueError):
@@ -7,6 +7,10 @@ class CaseError(ValueError):
 
 class MeshError(ValueError):
     """A mesh does not hold what the case asks of it."""
+
+
+class StorageError(RuntimeError):
+    """The disk does not take results or checkpoints."""
 
 
 class ConvergenceError(RuntimeError):

@@ -19,6 +19,7 @@ from castx.heat_system import HeatSystem
 from castx.layout import Layout
 from castx.ledger import Account, Ledger
 from castx.mesh import CastingMesh
+from castx.saved import Arrays, Saved, joined, part_of
 from castx.snes import NonlinearSolver, SolveReport
 from castx.tables import FloatArray
 from castx.thermal_body import HeatBody, ThermalBody
@@ -260,6 +261,24 @@ class HeatProblem:
         """Return to the committed state."""
         self._system.set_enthalpy(self._committed)
         self._ledger.rewind()
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed enthalpies and the ledger."""
+        enthalpies = {
+            body.name: Saved(
+                self._committed[self._layout.local_slice(number)].copy(), body.mesh.node_numbering
+            )
+            for number, body in enumerate(self._bodies)
+        }
+        return joined({"enthalpy": enthalpies, "ledger": self._ledger.saved()})
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a state as the committed one."""
+        for number, body in enumerate(self._bodies):
+            enthalpy = arrays[f"enthalpy/{body.name}"]
+            self._committed[self._layout.local_slice(number)] = enthalpy[: body.owned]
+        self._ledger.restore(part_of(arrays, "ledger"))
+        self.rewind()
 
     def totals(self) -> dict[str, float]:
         """Return the committed totals of heat by name [J], see `Ledger.totals`."""

@@ -38,6 +38,7 @@ class IntegrationPoints:
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
         self._mesh, self.model = body.mesh, model
+        self.numbering = body.cell_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
         self._all_cells = np.arange(self.cells, dtype=np.int32)
@@ -100,6 +101,10 @@ class IntegrationPoints:
     def from_cells(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return cell values at the points, shape (points,)."""
         return np.repeat(values, self.per_cell)
+
+    def by_cell(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return what points or cells have as one row for each cell."""
+        return values.reshape(self.cells, values.size // max(self.cells, 1))
 
     def cell_means(self, values: FloatArray) -> FloatArray:
         """Return means over the cells by weight, shape (cells,) or (cells, components)."""

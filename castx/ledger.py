@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
 
 
@@ -106,6 +107,17 @@ class Ledger:
         """Forget the trial state."""
         self._trial[:] = self._committed
         self._duration = 0.0
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed numbers."""
+        state = {"start": self._start, "state": self._committed, "power": self._power}
+        return {name: Saved(values.copy()) for name, values in state.items()}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back committed numbers."""
+        self._start[:], self._power[:] = arrays["start"], arrays["power"]
+        self._committed[:] = arrays["state"]
+        self.rewind()
 
     def totals(self) -> dict[str, float]:
         """Return the committed numbers by name.

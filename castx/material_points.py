@@ -12,6 +12,7 @@ from castx.forms import kinematics
 from castx.forms.momentum import PointState
 from castx.integration_points import IntegrationPoints
 from castx.plane_stress import deviatoric, normal_strain, with_normal
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
 
 
@@ -132,6 +133,20 @@ class MaterialPoints:
     def plastic_power(self) -> FloatArray:
         """Return s:ε̇_vp [W/m³], shape (points,)."""
         return np.asarray(self.response.work / self._step)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the history, and in plane stress the strain ε_zz."""
+        found = self.history.saved(self.points)
+        if self.out_of_plane is not None:
+            normal = self.points.by_cell(self.out_of_plane.x.array).copy()
+            found["out_of_plane"] = Saved(normal, self.points.numbering)
+        return found
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back the history with which the next step starts."""
+        self.history = self.history.restored(arrays)
+        if self.out_of_plane is not None:
+            self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""

@@ -20,6 +20,7 @@ from dolfinx.fem.petsc import assemble_matrix
 from castx.constitutive import Conditions
 from castx.forms import kinematics, momentum
 from castx.mesh import BodyMesh
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
 
 SMALLEST_COMPRESSIBILITY = 1e-3
@@ -47,6 +48,7 @@ class MeanDilatation:
         dx: kinematics.WeightedMeasure,
         shear_modulus: float,
     ) -> None:
+        self._numbering = body.cell_numbering
         self._matrix = assemble_matrix(
             fem.form(momentum.dilatation(strain, ufl.TestFunction(cells), dx))
         )
@@ -120,6 +122,16 @@ class MeanDilatation:
     def rewind(self) -> None:
         """Return to the multipliers of the last accepted step."""
         self._multiplier = self._committed
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the multipliers of the last accepted step."""
+        return {"multiplier": Saved(self._committed.copy(), self._numbering)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back the multipliers of the last accepted step."""
+        self._committed = arrays["multiplier"].copy()
+        self.pressure = self._committed.copy()
+        self.rewind()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

@@ -28,6 +28,7 @@ from castx.layout import Layout
 from castx.linear import InnerSolver
 from castx.measures import extent, nodal_volumes
 from castx.mechanical_body import MechanicalBody
+from castx.mechanical_memory import MechanicalMemory
 from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh
 from castx.pairs import node_pairs
@@ -125,6 +126,7 @@ class MechanicalProblem:
             floating if settings.support else None, settings.tolerance,
         )  # fmt: skip
         self.equilibrium = Equilibrium(balance, inner, settings.options)
+        self.memory = MechanicalMemory(self.bodies, coordinates, balance, self.equilibrium)
 
     def contact_states(self) -> list[ContactState]:
         """Return what the pairs of each interface do; collective."""

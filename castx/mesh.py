@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from hashlib import sha256
 from typing import Any, TypeVar
 
 from mpi4py import MPI
@@ -22,6 +23,7 @@ from castx.gmsh_import import NamedMesh
 from castx.mesh_source import named_mesh, source_of
 from castx.partition import destinations, partition
 from castx.refusal import among
+from castx.saved import Numbering
 
 IntArray = NDArray[np.int32]
 T = TypeVar("T")
@@ -39,6 +41,9 @@ class BodyMesh:
             its name.
         nodes: linear scalar functions, whose dof numbers are the node numbers.
         parent_vertices: (nodes,) local vertex of the parent mesh of each local node.
+        original_nodes: (nodes,) number that each local node has in the mesh before it is
+            distributed, the same for any number of ranks.
+        original_cells: (cells,) the same of the local cells.
         nodes_on: local nodes of each surface.
     """
 
@@ -48,12 +53,26 @@ class BodyMesh:
     surfaces: dict[str, int]
     nodes: fem.FunctionSpace
     parent_vertices: IntArray
+    original_nodes: NDArray[np.int64]
+    original_cells: NDArray[np.int64]
     nodes_on: dict[str, IntArray] = field(repr=False)
 
     @property
     def kind(self) -> CellKind:
         """What its cells are."""
         return KINDS[self.mesh.topology.cell_name()]
+
+    @property
+    def node_numbering(self) -> Numbering:
+        """The local nodes by their numbers in the mesh before it was distributed."""
+        owned = self.nodes.dofmap.index_map.size_local
+        return Numbering(f"nodes of {self.name}", self.original_nodes, owned)
+
+    @property
+    def cell_numbering(self) -> Numbering:
+        """The local cells by their numbers in the mesh before it was distributed."""
+        owned = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
+        return Numbering(f"cells of {self.name}", self.original_cells, owned)
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -86,12 +105,21 @@ class BodyMesh:
 
 @dataclass(frozen=True)
 class CastingMesh:
-    """One conforming mesh and its bodies, in the order of the case."""
+    """One conforming mesh and its bodies, in the order of the case.
+
+    Args:
+        comm: ranks.
+        model: geometric model.
+        parent: mesh of all bodies.
+        bodies: by name.
+        digest: hash (SHA-256) of points, cells and bodies before they are distributed.
+    """
 
     comm: MPI.Intracomm
     model: str
     parent: dolfinx.mesh.Mesh
     bodies: dict[str, BodyMesh]
+    digest: str
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
@@ -106,12 +134,13 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         return _prepare(named_mesh(geometry, body_names), comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
-    kind, surface_names, bodies, names = comm.bcast(
+    kind, surface_names, bodies, names, digest = comm.bcast(
         (
             prepared.mesh.kind.name,
             prepared.mesh.surface_names,
             prepared.mesh.bodies,
             prepared.face_names,
+            _digest(prepared.mesh),
         )
         if prepared
         else None
@@ -127,6 +156,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
             body: _body_mesh(parent, body, bodies[cell] == index, names[cell], face_of)
             for index, body in enumerate(body_names)
         },
+        digest,
     )
 
 
@@ -162,6 +192,13 @@ def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
     midpoints = mesh.points[mesh.cells].mean(axis=1)
     ranks = partition(midpoints, mesh.bodies, across, parts)
     return _Prepared(mesh, names, *destinations(ranks, across))
+
+
+def _digest(mesh: NamedMesh) -> str:
+    digest = sha256(mesh.kind.name.encode())
+    for array in (mesh.points, mesh.cells, mesh.bodies):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 def _distributed(
@@ -210,9 +247,23 @@ def _body_mesh(
     vertex_nodes = _vertex_nodes(space)
     parent_vertices = np.empty(len(vertex_nodes), dtype=np.int32)
     parent_vertices[vertex_nodes] = vertices
+    original_cells = np.asarray(parent.topology.original_cell_index, dtype=np.int64)[cells]
     tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, values + 1)
     nodes_on = {s: _nodes_on(space, vertex_nodes, tags.find(tag)) for s, tag in surfaces.items()}
-    return BodyMesh(name, mesh, tags, surfaces, space, parent_vertices, nodes_on)
+    return BodyMesh(
+        name, mesh, tags, surfaces, space, parent_vertices,
+        _original_vertices(parent)[parent_vertices], original_cells, nodes_on,
+    )  # fmt: skip
+
+
+def _original_vertices(mesh: dolfinx.mesh.Mesh) -> NDArray[np.int64]:
+    """Number of each local vertex in the mesh before it was distributed."""
+    topology, geometry = mesh.topology, mesh.geometry
+    index_map = topology.index_map(0)
+    numbers = np.empty(index_map.size_local + index_map.num_ghosts, dtype=np.int64)
+    corners = topology.connectivity(topology.dim, 0).array
+    numbers[corners] = geometry.input_global_indices[geometry.dofmap.ravel()]
+    return numbers
 
 
 def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[IntArray, IntArray]:

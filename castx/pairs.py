@@ -13,6 +13,7 @@ from castx.errors import MeshError
 from castx.forms.interface import nodal_area, nodal_area_vector
 from castx.forms.kinematics import weight as model_weight
 from castx.mesh import BodyMesh, CastingMesh
+from castx.saved import Numbering
 
 FloatArray = NDArray[np.float64]
 
@@ -27,6 +28,7 @@ class NodePairs:
         secondary_nodes: (n,) global node numbers of the secondary body.
         secondary_local: (n,) their local numbers.
         primary_nodes: (n,) global node numbers of the primary body, of any owner.
+        original_nodes: (n,) numbers of the secondary nodes before the mesh was distributed.
         points: (n, gdim) [m].
         areas: (n,) ∫φ dS; of the full turn when axisymmetric, per metre of depth in plane models
             [m²].
@@ -39,10 +41,21 @@ class NodePairs:
     secondary_nodes: NDArray[np.int64]
     secondary_local: NDArray[np.int32]
     primary_nodes: NDArray[np.int64]
+    original_nodes: NDArray[np.int64]
     points: FloatArray
     areas: FloatArray
     area_vectors: FloatArray
     normals: FloatArray
+
+    @property
+    def name(self) -> str:
+        """The name of the interface: "secondary/primary"."""
+        return f"{self.secondary}/{self.primary}"
+
+    @property
+    def numbering(self) -> Numbering:
+        """The pairs by the numbers of their secondary nodes."""
+        return Numbering(f"pairs of {self.name}", self.original_nodes, len(self.original_nodes))
 
 
 def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
@@ -70,6 +83,7 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
         node_map.local_to_global(local),
         local,
         facing[body.parent_vertices[local]],
+        body.original_nodes[local],
         body.points[local],
         areas[local],
         -vectors[local],

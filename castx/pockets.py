@@ -22,6 +22,7 @@ from scipy.sparse.csgraph import connected_components
 
 from castx.measures import cell_measure
 from castx.mesh import BodyMesh
+from castx.saved import Arrays, Saved, number
 from castx.tables import FloatArray
 
 logger = logging.getLogger(__name__)
@@ -44,13 +45,13 @@ class Pockets:
         self.trapped = fem.Function(cells)
         self.pressure = fem.Function(body.nodes)
         self.volume = 0.0
-        self._name, self._comm = body.name, body.mesh.comm
+        self._body, self._comm = body, body.mesh.comm
         self._paths = FeedingPaths(body, model, closed)
         self._cell_nodes: IntArray = body.nodes.dofmap.list
         self._volumes = fem.assemble_vector(
             fem.form(ufl.TestFunction(cells) * cell_measure(body, model, 2))
         ).array[: cells.dofmap.index_map.size_local]
-        self._was_trapped = np.zeros(len(self._cell_nodes), dtype=bool)
+        self._was_trapped: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
         self._held_pressure: FloatArray = np.zeros(len(body.parent_vertices))
         self._last_pressure: FloatArray = np.zeros(len(body.parent_vertices))
         self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
@@ -81,13 +82,32 @@ class Pockets:
         self._last_pressure, self._last_dilatation = pressure.copy(), dilatation.copy()
         self._was_trapped = trapped
 
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state of trapped liquid and the volume it lacks."""
+        nodes, cells = self._body.node_numbering, self._body.cell_numbering
+        return {
+            "volume": number(self.volume),
+            "trapped": Saved(self._was_trapped, cells),
+            "dilatation": Saved(self._last_dilatation, cells),
+            "pressure": Saved(self._last_pressure, nodes),
+            "held_pressure": Saved(self._held_pressure, nodes),
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state."""
+        self.volume = float(arrays["volume"])
+        self._was_trapped = arrays["trapped"].astype(bool)
+        self._last_dilatation = arrays["dilatation"].copy()
+        self._last_pressure = arrays["pressure"].copy()
+        self._held_pressure = arrays["held_pressure"].copy()
+
     def _announce(self, trapped: BoolArray) -> None:
         new = trapped[: len(self._volumes)] & ~self._was_trapped[: len(self._volumes)]
         volume = self._comm.allreduce(float(self._volumes[new].sum()), op=MPI.SUM)
         if volume > 0:
             logger.info(
                 "%s: %.3g m³ of liquid cannot be fed any more and keeps its pressure",
-                self._name,
+                self._body.name,
                 volume,
             )
 

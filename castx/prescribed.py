@@ -13,6 +13,7 @@ from castx.exchange import HeatExchange
 from castx.heat import HeatReport
 from castx.materials import Material
 from castx.mesh import CastingMesh
+from castx.saved import Arrays, Saved, number
 from castx.tables import FloatArray, Table
 
 
@@ -94,6 +95,15 @@ class PrescribedTemperatures:
 
     def rewind(self) -> None:
         """Return to the temperatures of the last commit."""
+        self._set(self._time)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the time of the present temperatures [s]."""
+        return {"time": number(self._time)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back the time of the present temperatures."""
+        self._time = float(arrays["time"])
         self._set(self._time)
 
     def totals(self) -> dict[str, float]:

@@ -18,6 +18,7 @@ from castx.coupling import CoupledProblem, CoupledReport
 from castx.errors import ConvergenceError
 from castx.mesh import CastingMesh, build_mesh
 from castx.pairs import NodePairs, node_pairs
+from castx.saved import Arrays, Saved, Stateful, joined, number, part_of, restore_parts, saved_parts
 from castx.snapshot import StepCounters
 from castx.state import State
 from castx.steps import StepControl, StepSettings
@@ -33,6 +34,8 @@ SOLID_PER_SUBSTEP = 0.1
 element, while temperatures hardly change on either side of it."""
 
 MOST_SUBSTEPS = 10
+
+NO_COUNTERS = StepCounters()
 
 
 class Simulation:
@@ -58,6 +61,7 @@ class Simulation:
         self.control = StepControl(settings)
         self._wanted, self._substeps = settings.temperature_change, substeps
         self._substep_rate = np.inf
+        self._begun = False
         self.time = 0.0
         self.step = 0
 
@@ -85,15 +89,17 @@ class Simulation:
         return cls(mesh, pairs, problem, step_settings(case), substeps)
 
     def __iter__(self) -> Iterator[State]:
-        """Yield the initial state, then the state after each accepted step.
+        """Yield the initial state unless that is done, then the state after each accepted step.
 
         Raises:
             ConvergenceError: even the smallest step fails; the last state yielded is the last one
                 accepted.
         """
-        yield self._state(StepCounters())
+        if not self._begun:
+            self._begun = True
+            yield self.state()
         while not self.control.finished(self.time):
-            yield self._state(self._advance())
+            yield self.state(self._advance())
 
     def _advance(self) -> StepCounters:
         """Take one step, cutting it as long as it fails."""
@@ -127,8 +133,29 @@ class Simulation:
         expected = min(self._substep_rate * step, MOST_SUBSTEPS)
         return max(ceil(expected), 1)
 
-    def _state(self, counters: StepCounters) -> State:
+    def state(self, counters: StepCounters = NO_COUNTERS) -> State:
+        """Return the state after the last accepted step."""
         return State(self.mesh, self.pairs, self.problem, self.time, self.step, counters)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the state after the last accepted step as arrays; collective."""
+        clock = {
+            "time": number(self.time),
+            "step": number(self.step),
+            "substep_rate": number(self._substep_rate),
+        }
+        return joined({"clock": clock}) | saved_parts(self._parts())
+
+    def _parts(self) -> dict[str, Stateful]:
+        return {"problem": self.problem, "control": self.control}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from a saved state: the next state to come is that of the step after it."""
+        clock = part_of(arrays, "clock")
+        self.time, self.step = float(clock["time"]), int(clock["step"])
+        self._substep_rate = float(clock["substep_rate"])
+        restore_parts(self._parts(), arrays)
+        self._begun = True
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

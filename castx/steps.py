@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 
 from castx.errors import ConvergenceError
+from castx.saved import Arrays, Saved, number
 
 GROWTH, SHRINKAGE, CUT = 1.5, 0.5, 0.5
 """Bounds of the ratio of consecutive steps, and what is left of a rejected one."""
@@ -94,6 +95,18 @@ class StepControl:
         # A step cut short by a milestone says nothing against the size it was cut from.
         size = max(step * ratio, self._size) if step < self._size and ratio >= 1 else step * ratio
         self._size = min(max(size, settings.smallest), settings.largest)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the size of the next step and the cuts since the last accepted one."""
+        return {"size": number(self._size), "cutbacks": number(self._cutbacks)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back what was learnt; new bounds of the settings hold at once."""
+        settings = self._settings
+        size = float(arrays["size"])
+        if settings.fixed is None:
+            size = min(max(size, settings.smallest), settings.largest)
+        self._size, self._cutbacks = size, int(arrays["cutbacks"])
 
     def reject(self, step: float, cause: ConvergenceError) -> None:
         """Cut the step after a failed try.

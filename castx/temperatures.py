@@ -9,6 +9,7 @@ from dolfinx import fem
 
 from castx.exchange import PairState
 from castx.heat import HeatReport
+from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
 
 
@@ -37,6 +38,12 @@ class Temperatures(Protocol):
 
     def rewind(self) -> None:
         """Return to the committed state."""
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state as arrays."""
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state."""
 
     def totals(self) -> dict[str, float]:
         """Return the committed totals of heat by name."""

@@ -160,8 +160,9 @@ def paired(state: State, interface: str, name: str) -> FloatArray:
 def fields(state: State) -> dict[str, FloatArray]:
     """Return all that V20 and the checks compare, by name, ordered by place."""
     found = {}
+    moves = state.problem.mechanics is not None
     for body in state.mesh.bodies:
-        for name in ("temperature", "solid_fraction", "displacement"):
+        for name in ("temperature", "solid_fraction", *(("displacement",) if moves else ())):
             found[f"{body} {name}"] = nodal(state, body, name)
     for interface in state.pairs:
         for name in ("gap", "contact_pressure", "heat_transfer_coefficient"):

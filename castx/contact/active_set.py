@@ -113,6 +113,16 @@ class ActiveSet:
         self._committed = self.closed.copy()
         self.frozen[:] = False
 
+    def restore(self, closed: BoolArray) -> None:
+        """Take back a set of closed pairs as that of the last accepted step."""
+        self._committed = closed.copy()
+        self.rewind()
+
+    @property
+    def committed(self) -> BoolArray:
+        """The closed pairs of the last accepted step, shape (pairs,)."""
+        return self._committed
+
     def rewind(self) -> None:
         """Return to the set of the last accepted step."""
         self.closed = self._committed.copy()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from mpi4py import MPI
 
 import numpy as np
@@ -46,6 +48,15 @@ class AugmentedMultipliers:
     def commit(self) -> None:
         """Make the present pressures those from which the next step starts."""
         self._committed = self.pressures.copy()
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return the committed pressures [Pa]."""
+        return {"pressures": self._committed}
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
+        """Take back committed pressures [Pa]."""
+        self._committed = arrays["pressures"].copy()
+        self.rewind()
 
     def rewind(self) -> None:
         """Return to the committed pressures."""

@@ -7,6 +7,8 @@ only turns the axes at each node, and the method is that of Chiumenti, end of se
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -105,6 +107,13 @@ class CondensedContact:
         """Do nothing: all that lasts is in the unknowns."""
 
     def rewind(self) -> None:
+        """Do nothing, see `commit`."""
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return nothing, see `commit`."""
+        return {}
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
         """Do nothing, see `commit`."""
 
     def destroy(self) -> None:

@@ -8,6 +8,7 @@ with B = -S ∂g/∂u, λ = p_c ≥ 0 and, for a closed pair, B u = S g0; an ope
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from petsc4py import PETSc
@@ -156,6 +157,13 @@ class MultiplierContact:
         """Do nothing: all that lasts is in the unknowns."""
 
     def rewind(self) -> None:
+        """Do nothing, see `commit`."""
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return nothing, see `commit`."""
+        return {}
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
         """Do nothing, see `commit`."""
 
     def destroy(self) -> None:

@@ -7,7 +7,7 @@ f = p_c S, the matrix PᵀAP + Gᵀ diag(ε S) G over the closed pairs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from petsc4py import PETSc
@@ -44,6 +44,12 @@ class Multipliers(Protocol):
     def rewind(self) -> None:
         """Return to the committed pressures."""
 
+    def saved(self) -> dict[str, FloatArray]:
+        """Return what the pairs remember."""
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
+        """Take back what the pairs remember."""
+
 
 class NoMultipliers:
     """The penalty alone.
@@ -66,6 +72,13 @@ class NoMultipliers:
         """Do nothing."""
 
     def rewind(self) -> None:
+        """Do nothing."""
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return nothing."""
+        return {}
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
         """Do nothing."""
 
 
@@ -195,6 +208,14 @@ class PenaltyContact:
     def rewind(self) -> None:
         """Return to the committed multipliers."""
         self.multipliers.rewind()
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return the committed multipliers, if the method has any."""
+        return self.multipliers.saved()
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
+        """Take back committed multipliers."""
+        self.multipliers.restore(arrays)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""

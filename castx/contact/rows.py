@@ -52,13 +52,18 @@ class PairRows:
 
     def turns(self) -> Iterator[IntArray]:
         """Yield the first rows of all nodes, then the second ones, and so on."""
-        nodes = self.nodes
-        order = np.argsort(nodes, kind="stable")
-        first = np.searchsorted(nodes[order], nodes[order])
-        turn = np.empty(len(order), dtype=np.int64)
-        turn[order] = np.arange(len(order)) - first
+        turn = turn_of(self.nodes)
         for k in range(int(turn.max(initial=-1)) + 1):
             yield np.flatnonzero(turn == k).astype(np.int32)
+
+
+def turn_of(owners: IntArray) -> npt.NDArray[np.int64]:
+    """Return how many rows of the same owner stand before each row, shape (rows,)."""
+    order = np.argsort(owners, kind="stable")
+    first = np.searchsorted(owners[order], owners[order])
+    turn = np.empty(len(order), dtype=np.int64)
+    turn[order] = np.arange(len(order)) - first
+    return turn
 
 
 def single_rows(pairs: NodePairs, treatment: Treatment = Treatment.CONDENSED) -> PairRows:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol
 
 from petsc4py import PETSc
@@ -91,6 +92,12 @@ class ContactSystem(Protocol):
 
     def rewind(self) -> None:
         """Return to the committed multipliers."""
+
+    def saved(self) -> dict[str, FloatArray]:
+        """Return committed numbers of the pairs that are no unknowns, each of shape (rows,)."""
+
+    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
+        """Take back committed numbers of the pairs."""
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

@@ -1,0 +1,124 @@
+"""What the equilibrium remembers, as arrays of nodes, cells and pairs.
+
+Displacements are saved, not the unknowns: which coordinates those are depends on the ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from castx.balance import Balance
+from castx.coordinates import Coordinates
+from castx.equilibrium import Equilibrium
+from castx.mechanics import BodyMechanics
+from castx.saved import (
+    Array,
+    Arrays,
+    Saved,
+    Stateful,
+    joined,
+    number,
+    part_of,
+    restore_parts,
+    saved_parts,
+)
+from castx.tables import FloatArray
+
+
+class MechanicalMemory:
+    """The committed state of all bodies and of their contact.
+
+    Args:
+        bodies: by name, in the order of the layout.
+        coordinates: in which the equilibrium is solved.
+        balance: holds pairs, contact method and closed pairs.
+        equilibrium: holds the committed unknowns.
+    """
+
+    def __init__(
+        self,
+        bodies: Mapping[str, BodyMechanics],
+        coordinates: Coordinates,
+        balance: Balance,
+        equilibrium: Equilibrium,
+    ) -> None:
+        self._bodies, self._coordinates = dict(bodies), coordinates
+        self._balance, self._equilibrium = balance, equilibrium
+        self._gaps, self._contact = balance.gaps, balance.contact
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state; collective."""
+        parts = {name: saved_parts(_lasting(body)) for name, body in self._bodies.items()}
+        return {"time": number(self._balance.committed_time)} | joined(
+            {"motion": self._motions(), "bodies": joined(parts), "rows": self._rows()}
+        )
+
+    def _motions(self) -> dict[str, Saved]:
+        """Return the unknowns of the nodes: displacement, scaled pressure, axial strain."""
+        layout = self._coordinates.layout
+        v, u = layout.create_vector(), layout.create_vector()
+        v.array[:] = self._equilibrium.committed[: layout.size_local]
+        self._coordinates.to_displacements.mult(v, u)
+        found = {
+            name: Saved(
+                u.array_r[layout.local_slice(b)].reshape(-1, body.block_size).copy(),
+                body.mesh.node_numbering,
+            )
+            for b, (name, body) in enumerate(self._bodies.items())
+        }
+        v.destroy()
+        u.destroy()
+        return found
+
+    def _rows(self) -> dict[str, Saved]:
+        """Return what belongs to pairs: closed or not, multipliers as far as the method has any."""
+        found: dict[str, Array] = {"closed": self._balance.active.committed}
+        layout = self._coordinates.layout
+        if self._contact.layout.size_global > layout.size_global:
+            found["multipliers"] = self._equilibrium.committed[layout.size_local :]
+        found |= self._contact.saved()
+        return {
+            f"{interface.pairs.name}/{name}": Saved(values[part], interface.numbering)
+            for part, interface in zip(self._gaps.slices, self._gaps.interfaces, strict=True)
+            for name, values in found.items()
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state; the equilibrium has to be rewound to it; collective."""
+        for name, body in self._bodies.items():
+            restore_parts(_lasting(body), part_of(arrays, f"bodies/{name}"))
+        rows = part_of(arrays, "rows")
+        self._balance.committed_time = float(arrays["time"])
+        self._balance.active.restore(self._of_all("closed", rows).astype(bool))
+        self._contact.restore({name: self._of_all(name, rows) for name in self._contact.saved()})
+        self._restore_unknowns(part_of(arrays, "motion"), rows)
+
+    def _restore_unknowns(self, motions: Arrays, rows: Arrays) -> None:
+        layout = self._coordinates.layout
+        u, v = layout.create_vector(), layout.create_vector()
+        for b, name in enumerate(self._bodies):
+            part = layout.local_slice(b)
+            u.array[part] = motions[name].ravel()[: part.stop - part.start]
+        self._coordinates.to_coordinates.mult(u, v)
+        committed = self._equilibrium.committed
+        committed[: layout.size_local] = v.array_r
+        if self._contact.layout.size_global > layout.size_global:
+            committed[layout.size_local :] = self._of_all("multipliers", rows)
+        v.destroy()
+        u.destroy()
+
+    def _of_all(self, name: str, rows: Arrays) -> Array:
+        values: FloatArray = self._gaps.initial.copy()
+        for part, interface in zip(self._gaps.slices, self._gaps.interfaces, strict=True):
+            values[part] = rows[f"{interface.pairs.name}/{name}"]
+        return values
+
+
+def _lasting(body: BodyMechanics) -> dict[str, Stateful]:
+    """Return the parts of a body that remember something."""
+    parts = {
+        "points": body.material,
+        "mean_dilatation": body.mean_dilatation,
+        "pockets": body.pockets,
+    }
+    return {name: part for name, part in parts.items() if part is not None}
