@@ -15,23 +15,12 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-import gmsh
 import numpy as np
 import pytest
 
 from castx.mechanical_problem import MechanicalProblem
-from tests.elastic_bodies import (
-    at,
-    body,
-    drawn,
-    elastic,
-    everywhere,
-    fixed,
-    motion,
-    places,
-    problem,
-    pulled,
-)
+from tests.elastic_bodies import at, body, drawn, elastic, fixed, problem, pulled
+from tests.verification.cook import TIP, draw_membrane, inner_pressures
 
 
 class Case(NamedTuple):
@@ -50,22 +39,6 @@ CASES = {
     "nearly incompressible": Case("plane-strain", 250.0, 0.4999, 100 / 16, 7.770),
     "incompressible": Case("plane-strain", 250.0, 0.5, 100 / 16, 7.7695),
 }
-
-
-def draw_membrane(n: int) -> None:
-    """Cut each of n × n quadrilaterals into two triangles."""
-    geo = gmsh.model.geo
-    points = [geo.addPoint(x, y, 0) for x, y in ((0, 0), (48, 44), (48, 60), (0, 44))]
-    edges = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-    plate = geo.addPlaneSurface([geo.addCurveLoop(edges)])
-    for edge in edges:
-        geo.mesh.setTransfiniteCurve(edge, n + 1)
-    geo.mesh.setTransfiniteSurface(plate, "Left")
-    geo.synchronize()
-    gmsh.model.addPhysicalGroup(2, [plate], name="membrane")
-    gmsh.model.addPhysicalGroup(1, [edges[1]], name="right")
-    gmsh.model.addPhysicalGroup(1, [edges[3]], name="left")
-    gmsh.model.mesh.generate(2)
 
 
 def bent(comm, folder, case: Case, n: int, stabilisation: str) -> MechanicalProblem:
@@ -87,7 +60,7 @@ def bent(comm, folder, case: Case, n: int, stabilisation: str) -> MechanicalProb
 def test_tip_displacement(comm, shared_tmp_path, name, stabilisation, n, tolerance):
     case = CASES[name]
     made = bent(comm, shared_tmp_path, case, n, stabilisation)
-    assert at(comm, made, "membrane", 48.0, 60.0)[1] == pytest.approx(case.tip, rel=tolerance)
+    assert at(comm, made, "membrane", *TIP)[1] == pytest.approx(case.tip, rel=tolerance)
     if name == "plane stress":
         middle = at(comm, made, "membrane", 48.0, 52.0)[1]
         assert middle == pytest.approx(23.967, rel=tolerance)
@@ -98,7 +71,7 @@ def test_tip_displacement(comm, shared_tmp_path, name, stabilisation, n, toleran
 def test_error_falls_with_the_element_size(comm, shared_tmp_path, name):
     case = CASES[name]
     tips = [
-        at(comm, bent(comm, shared_tmp_path, case, n, "osgs"), "membrane", 48.0, 60.0)[1]
+        at(comm, bent(comm, shared_tmp_path, case, n, "osgs"), "membrane", *TIP)[1]
         for n in (16, 32)
     ]
     assert abs(tips[0] - case.tip) > 1.6 * abs(tips[1] - case.tip)
@@ -109,12 +82,6 @@ def test_no_pressure_checkerboard(comm, shared_tmp_path, stabilisation):
     """Second differences of p along the grid lines are those of a smooth field."""
     n = 32
     made = bent(comm, shared_tmp_path, CASES["incompressible"], n, stabilisation)
-    x, y = everywhere(comm, places(made, "membrane")).T
-    column = np.round(x / 48 * n).astype(int)
-    bottom, top = 44 * x / 48, 44 + 16 * x / 48
-    row = np.round((y - bottom) / (top - bottom) * n).astype(int)
-    p = np.full((n + 1, n + 1), np.nan)
-    p[column, row] = everywhere(comm, motion(made, "membrane"))[:, 2]
-    inside = p[4:-4, 4:-4]
+    inside = inner_pressures(comm, made, n)
     for axis in (0, 1):
         assert np.abs(np.diff(inside, 2, axis=axis)).max() < 0.02 * np.ptp(inside)

@@ -1,0 +1,134 @@
+"""V8: Cook's membrane of J2 plasticity, loaded close to its collapse.
+
+Plane strain, E 70, ν 0.4999, σ_Y 0.243, hardening modulus 0.135 (uniaxial tangent modulus 0.13474),
+F 1.8 on the right edge in 20 steps: u_y(48, 60) = 2.14 (+0.03, -0.01), a converged value.
+
+u grows threefold in the last step: a limit load 0.4 % too high makes u 10 % too small. That of
+linear triangles at n = 32 is, whatever the stabilisation, its constant or the secant modulus in it;
+quadrilaterals Q1/P0 are stiffer still. At 95 % of the load all of them agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from castx.constitutive import Law
+from castx.equilibrium import EquilibriumReport
+from castx.mechanical_body import MechanicalBody, SurfaceLoad
+from castx.tables import FloatArray, Table
+from tests.elastic_bodies import at, drawn, elastic, fixed, heat, problem
+from tests.verification.cook import TIP, draw_membrane, inner_pressures
+
+REFERENCE, STEPS = 2.14, 20
+KINDS: dict[str, dict[str, Any]] = {
+    "osgs": {"stabilisation": "osgs"},
+    "gls": {"stabilisation": "gls"},
+    "q1p0": {"formulation": "q1p0"},
+}
+
+# A matter of meshes and laws; ranks agree in the other tests.
+pytestmark = pytest.mark.serial
+
+
+class Panel(NamedTuple):
+    """u_y at the tip after each step, what each step took, pressures of the last one."""
+
+    tips: list[float]
+    reports: list[EquilibriumReport]
+    pressures: FloatArray
+
+
+def loaded(comm, folder, kind: str, n: int, options: Mapping[str, Any] | None = None) -> Panel:
+    draw = partial(draw_membrane, n, kind == "q1p0")
+    mesh = drawn(comm, "plane-strain", ["membrane"], folder / "cook.msh", draw)
+    metal = elastic(70.0, 0.4999, yield_stress=0.243, hardening=0.135)
+    growing = Table.from_points([[0.0, 0.0], [STEPS, 1.8 / 16]])
+    load = SurfaceLoad("right", traction=(Table.constant(0.0), growing))
+    membrane = MechanicalBody(
+        Law(metal, 20.0, "thermo-elasto-plastic"), loads=(load,), **KINDS[kind]
+    )
+    made = problem(
+        mesh, {"membrane": membrane}, {"membrane": [fixed("left", "all")]}, tolerance=1e-8,
+        options=options or {},
+    )  # fmt: skip
+    tips, reports = [], []
+    for k in range(1, STEPS + 1):
+        heat(made, 20.0)
+        reports.append(made.equilibrium.solve(float(k)))
+        made.equilibrium.commit()
+        tips.append(float(at(comm, made, "membrane", *TIP)[1]))
+    pressures = np.zeros((0, 0)) if kind == "q1p0" else inner_pressures(comm, made, n)
+    return Panel(tips, reports, pressures)
+
+
+@pytest.fixture(scope="module")
+def known() -> dict[tuple[str, int], Panel]:
+    return {}
+
+
+@pytest.fixture
+def panel(comm, shared_tmp_path, known) -> Callable[[str, int], Panel]:
+    """Return a function of the kind and n that loads each panel once."""
+
+    def load(kind: str, n: int) -> Panel:
+        if (kind, n) not in known:
+            known[kind, n] = loaded(comm, shared_tmp_path, kind, n)
+        return known[kind, n]
+
+    return load
+
+
+@pytest.mark.parametrize("kind", ["osgs", "gls"])
+def test_tip_at_collapse(panel, kind):
+    assert panel(kind, 64).tips[-1] == pytest.approx(REFERENCE, rel=0.04)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_error_at_collapse_falls_with_the_element_size(panel, kind):
+    errors = [REFERENCE - panel(kind, n).tips[-1] for n in (16, 32)]
+    assert errors[0] > 1.6 * errors[1] > 0
+
+
+def test_stabilisations_agree_at_collapse(panel):
+    osgs, gls = (panel(kind, 32).tips[-1] for kind in ("osgs", "gls"))
+    assert osgs == pytest.approx(gls, rel=0.005)
+
+
+def test_all_elements_agree_before_collapse(panel):
+    found = {kind: panel(kind, 32).tips[-2] for kind in KINDS}
+    elastic_line = panel("osgs", 32).tips[0] * (STEPS - 1)
+    assert found["osgs"] > 1.4 * elastic_line
+    fine = panel("osgs", 64).tips[-2]
+    assert found == pytest.approx(dict.fromkeys(KINDS, fine), rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["osgs", "gls"])
+def test_no_pressure_checkerboard_at_collapse(panel, kind):
+    """Fourth differences over 16 are the amplitude of a checkerboard; slip lines leave kinks."""
+    p = panel(kind, 32).pressures
+    for axis in (0, 1):
+        amplitudes = np.abs(np.diff(p, 4, axis=axis)) / 16
+        assert np.sqrt(np.mean(amplitudes**2)) < 0.005 * np.ptp(p)
+        assert amplitudes.max() < 0.03 * np.ptp(p)
+
+
+@pytest.mark.parametrize("kind", ["osgs", "gls"])
+def test_final_iterations_are_quadratic(comm, shared_tmp_path, kind):
+    """The exponent by which the residual falls in the last iteration, from step to step."""
+    exact = {"ksp_rtol": 1e-13}
+    reports = loaded(comm, shared_tmp_path, kind, 16, exact).reports
+    iterated = [report.residuals for report in reports if report.iterations >= 3]
+    assert len(iterated) > 8
+    for *_, before, last, final in iterated:
+        assert np.log(final / last) / np.log(last / before) > 1.6
+
+
+def test_linear_systems_are_solved_no_further_than_of_use(panel):
+    """To a fixed part of the tolerance they would take twice as many iterations and more."""
+    last = panel("osgs", 32).reports[-1]
+    assert last.linear_iterations < 5 * last.iterations
