@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import Field, StrictStr
+from pydantic import Field, PlainValidator, StrictStr
 
 from castx.entries import (
     TEMPERATURES,
@@ -15,30 +14,35 @@ from castx.entries import (
     Description,
     EntryName,
     Tabulated,
-    Temperature,
     over_time,
 )
+from castx.initial_temperature import MISSING, InitialTemperature, read_initial_temperature
 from castx.refusal import Problem
 from castx.tables import Table
 from castx.units import HEAT_SOURCE
 
 
-def _start_of_history(body: dict[str, Any]) -> float:
+def _start_of_history(body: dict[str, Any]) -> InitialTemperature:
     history = body.get("temperature_history")
-    return float(history.values[0]) if isinstance(history, Table) else math.nan
+    if not isinstance(history, Table):
+        return MISSING
+    return InitialTemperature(Table.constant(float(history.values[0])))
 
 
 class Body(Description):
     """One body: a named volume of the mesh, its material, initial temperature and law.
 
-    `temperature` [°C] is the initial one, by default the start of `temperature_history`;
-    `heat_source` [W/m³] over time; `formulation` None: "mixed" on simplices, else "q1p0".
+    `temperature` [°C] is the initial one, uniform, along a coordinate or from a file, by default
+    the start of `temperature_history`; `heat_source` [W/m³] over time; `formulation` None: "mixed"
+    on simplices, else "q1p0".
     """
 
     name: EntryName
     material: Annotated[StrictStr, Field(max_length=100)]
     temperature_history: Annotated[Table | None, Tabulated(TEMPERATURES, TIMES)] = None
-    temperature: Temperature = Field(default_factory=_start_of_history)
+    temperature: Annotated[InitialTemperature, PlainValidator(read_initial_temperature)] = Field(
+        default_factory=_start_of_history
+    )
     heat_source: Annotated[Table | None, over_time(HEAT_SOURCE)] = None
     law: Annotated[
         str,
@@ -51,5 +55,5 @@ class Body(Description):
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield a missing initial temperature."""
-        if math.isnan(self.temperature):
+        if self.temperature.is_missing:
             yield Problem(("temperature",), "missing; the initial temperature in °C is needed")

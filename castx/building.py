@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator, Mapping
 
 from castx.bodies import Body
@@ -29,6 +30,7 @@ from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.refusal import among
+from castx.starting import initial_temperatures
 from castx.steps import StepSettings
 from castx.tables import Table
 from castx.temperatures import Temperatures
@@ -116,7 +118,13 @@ def _check_laws(case: Case, laws: Mapping[str, ConductionLaw]) -> None:
 
 
 def _history(body: Body) -> Table:
-    return body.temperature_history or Table.constant(body.temperature)
+    return body.temperature_history or Table.constant(_uniform(body))
+
+
+def _uniform(body: Body) -> float:
+    """Return the initial temperature of a body where only one number will do."""
+    uniform = body.temperature.uniform
+    return math.nan if uniform is None else uniform  # refused where nothing else is known
 
 
 def _heat(
@@ -126,7 +134,13 @@ def _heat(
     exchanges: list[HeatExchange],
 ) -> HeatProblem:
     bodies = [
-        HeatBody(b.name, materials[b.name], b.temperature, b.heat_source) for b in case.bodies
+        HeatBody(
+            b.name,
+            materials[b.name],
+            initial_temperatures(b.temperature, mesh.bodies[b.name], mesh.comm),
+            b.heat_source,
+        )
+        for b in case.bodies
     ]
     surfaces = [
         SurfaceHeat(
@@ -204,7 +218,7 @@ def _mechanical_body(
         _log.info("%s", law_above_solidus(body.name, material))
     loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
     return MechanicalBody(
-        Law(material, material.stress_free_temperature(body.temperature), body.law),
+        Law(material, material.stress_free_temperature(_uniform(body)), body.law),
         formulation,
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),

@@ -99,7 +99,7 @@ def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
 
     Args:
         data: content of a case file.
-        path: of the case file; mesh files are relative to its folder.
+        path: of the case file; mesh and field files are relative to its folder.
         remark: shown behind the path in messages.
 
     Raises:
@@ -127,6 +127,10 @@ def _settled(case: Case, data: Mapping[str, Any], path: Path) -> Case:
             "geometry": geometry,
             "output": output.model_copy(update={"folder": folder}),
             "loads": case.loads.model_copy(update={"gravity": gravity}),
+            "bodies": tuple(
+                body.model_copy(update={"temperature": body.temperature.beside(path)})
+                for body in case.bodies
+            ),
         }
     )
     canonical = json.dumps(data, sort_keys=True, default=str)

@@ -62,7 +62,7 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
         table.add_row(
             body.name,
             body.material,
-            f"{body.temperature:g} °C",
+            body.temperature.text,
             f"{body.law}\n{formulation}",
             str(sizes.nodes),
             str(sizes.cells),
@@ -138,7 +138,7 @@ def material_warnings(case: Case) -> Iterator[str]:
         assembled = material.stress_free is not None or case.coupling.scheme == "thermal"
         if material.melts and not assembled and starts_solid(body, material.description):
             yield (
-                f"{body.name} starts solid at {body.temperature:g} °C, but is free of stress at "
+                f"{body.name} starts solid at {body.temperature.text}, but is free of stress at "
                 f"the solidus, {material.solidus:g} °C, as a casting is; for a mould or a chill "
                 f"set stress_free of {body.material}"
             )
@@ -146,7 +146,7 @@ def material_warnings(case: Case) -> Iterator[str]:
 
 def temperature_range(case: Case) -> tuple[float, float]:
     """Return the lowest and the highest temperature that a case names [°C]."""
-    found = [body.temperature for body in case.bodies]
+    found = [bound for body in case.bodies for bound in body.temperature.bounds or ()]
     tables = [body.temperature_history for body in case.bodies]
     for boundary in case.boundaries:
         for heat in boundary.heat:
@@ -154,4 +154,4 @@ def temperature_range(case: Case) -> tuple[float, float]:
     for table in tables:
         if table is not None:
             found += [float(table.values.min()), float(table.values.max())]
-    return min(found), max(found)
+    return min(found, default=20.0), max(found, default=20.0)

@@ -57,7 +57,7 @@ def starts_solid(body: Body, material: MaterialDescription) -> bool:
     Such a body, a mould or a chill, may do without the liquid of its material.
     """
     history = body.temperature_history
-    hottest = body.temperature if history is None else float(history.values.max())
+    hottest = body.temperature.hottest if history is None else float(history.values.max())
     freezing = material.freezing_range
     return freezing is None or hottest < freezing[0]
 
@@ -111,6 +111,7 @@ def _enthalpy_problems(material: Material) -> Iterator[Problem]:
 def _body_problems(
     case: Case, index: int, body: Body, material: MaterialDescription
 ) -> Iterator[Problem]:
+    yield from _temperature_problems(case, index, body, material)
     scheme = case.coupling.scheme
     for key, purpose in _needed_properties(case, body, material):
         if getattr(material, key) is None:
@@ -150,6 +151,25 @@ def _needed_properties(
     constant = body.temperature_history is None and material.stress_free is None
     if scheme != "mechanical" or not constant or material.freezing_range is not None:
         yield "expansion", "its thermal strain"
+
+
+def _temperature_problems(
+    case: Case, index: int, body: Body, material: MaterialDescription
+) -> Iterator[Problem]:
+    given, place = body.temperature, ("bodies", index, "temperature")
+    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    if given.table is not None and not given.table.is_constant and given.along not in coordinates:
+        allowed = among("", coordinates, what="coordinates of this model")
+        yield Problem((*place, "along"), allowed)
+    if given.uniform is not None or given.is_missing:
+        return
+    scheme = case.coupling.scheme
+    if scheme == "mechanical":
+        text = 'must be uniform with coupling.scheme = "mechanical", which solves no heat equation'
+        yield Problem(place, text)
+    elif scheme != "thermal" and material.stress_free is None and material.freezing_range is None:
+        text = f"is not uniform, so {body.material!r} needs stress_free, the temperature at which"
+        yield Problem(place, f"{text} {body.name!r} is free of stress")
 
 
 def _interface_problems(case: Case) -> Iterator[Problem]:

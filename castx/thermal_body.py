@@ -26,13 +26,14 @@ class HeatBody:
     Attributes:
         name: of the body in the mesh.
         material: its material.
-        temperature: at the start [°C]; at a melting point the body is liquid.
+        temperature: at the start [°C], one number or one for each owned node, shape (owned,); at a
+            melting point the body is liquid.
         heat_source: heat per volume over time [W/m³].
     """
 
     name: str
     material: Material
-    temperature: float
+    temperature: float | FloatArray
     heat_source: Table | None = None
 
 
@@ -66,7 +67,7 @@ class ThermalBody:
         self.enthalpy = fem.Function(nodes, name="enthalpy")
         self.temperature = fem.Function(nodes, name="temperature")
         self.solid_fraction = fem.Function(nodes, name="solid_fraction")
-        initial = np.full(self.owned, self.description.temperature)
+        initial = np.broadcast_to(self.description.temperature, self.owned)
         self.set_enthalpy(self.curve.enthalpy(initial))
 
     def _create_conduction(self) -> None:

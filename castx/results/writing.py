@@ -151,7 +151,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         body.name: {
             "material": body.material,
             "law": body.law,
-            "temperature": body.temperature,
+            "temperature": body.temperature.text,
             "freezes": freezing_range(case, body.material),
             "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
             "cells": cell_count(mesh, body.name),

@@ -37,7 +37,7 @@ def test_the_whole_contract_of_what_is_available(file, monkeypatch):
     assert case.geometry.arguments["size"] == pytest.approx(0.0015)
     assert case.materials["aluminium"].conductivity.solid(340.0) == pytest.approx(223.5)
     assert case.materials["steel"].density == pytest.approx(7800.0)
-    assert [body.temperature for body in case.bodies] == pytest.approx([670.0, 200.0])
+    assert [body.temperature.uniform for body in case.bodies] == pytest.approx([670.0, 200.0])
     assert case.interfaces[0].name == "casting/mould"
     assert case.interfaces[0].heat.closed.table(0.0) == 2300.0
     assert case.boundaries[0].heat[0].type == "insulated"
@@ -68,7 +68,7 @@ def test_a_mesh_file_is_relative_to_the_case_file(tmp_path):
 
 def test_overrides(file):
     case = load_case(file, ["time.end=10", "bodies.0.temperature=953.15 K", "solver.linear=direct"])
-    assert (case.time.end, case.bodies[0].temperature) == (10.0, pytest.approx(680.0))
+    assert (case.time.end, case.bodies[0].temperature.uniform) == (10.0, pytest.approx(680.0))
     assert case.solver.linear == "direct"
 
 

@@ -1,0 +1,46 @@
+"""Temperatures of the nodes of a body at the start, on all ranks."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.errors import CaseError
+from castx.field_files import temperatures_at
+from castx.initial_temperature import FieldFile, InitialTemperature
+from castx.mesh import BodyMesh
+from castx.tables import FloatArray
+
+
+def initial_temperatures(
+    description: InitialTemperature, body: BodyMesh, comm: MPI.Intracomm
+) -> FloatArray:
+    """Return the temperatures of the owned nodes of a body [°C], shape (owned,); collective.
+
+    A file is read on rank 0, so that every number of ranks gives the same temperatures.
+
+    Raises:
+        CaseError: the file cannot serve; on all ranks.
+    """
+    points = body.points[: body.nodes.dofmap.index_map.size_local]
+    if description.file is None:
+        return description.at(points)
+    return _from_rank_zero(description.file, body, points, comm)
+
+
+def _from_rank_zero(
+    file: FieldFile, body: BodyMesh, points: FloatArray, comm: MPI.Intracomm
+) -> FloatArray:
+    gathered = comm.gather(points)
+    parts, message = None, None
+    if gathered is not None:
+        try:
+            values = temperatures_at(file, np.concatenate(gathered))
+            parts = np.split(values, np.cumsum([len(part) for part in gathered])[:-1])
+        except CaseError as error:
+            message = f"initial temperature of {body.name!r}: {error}"
+    message = comm.bcast(message)
+    if message is not None:
+        raise CaseError(message)
+    return np.asarray(comm.scatter(parts))
