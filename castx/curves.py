@@ -29,7 +29,7 @@ STYLE = {
     "axes.grid": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.prop_cycle": cycler(color=COLOURS),
+    "axes.prop_cycle": cycler(linestyle=("-", "--")) * cycler(color=COLOURS),
     "grid.color": "#e3e5e8",
     "grid.linewidth": 0.8,
     "xtick.color": "#30343a",

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import jupytext
 import nbclient
+import numpy as np
 import pytest
 
 from castx.case import load_case
 from castx.results import read_series
+from castx.running import run
 
 DEMOS = Path(__file__).parents[1] / "demos"
 pytestmark = pytest.mark.serial
@@ -40,6 +42,63 @@ def test_the_driver_runs_on_two_ranks(tmp_path):
     assert found is not None and 50.0 < float(found[1]) < 66.0
     history = read_series(tmp_path / "results" / "cylinder_driver" / "history.csv")
     assert history["casting/mould.mean_gap"][-1] == pytest.approx(1e-4, rel=0.1)
+
+
+@pytest.fixture(scope="module")
+def feeder(tmp_path_factory):
+    """Return the folder with the demo of six bodies on a coarse mesh."""
+    folder = tmp_path_factory.mktemp("feeder")
+    script = [sys.executable, str(DEMOS / "feeder_mesh.py"), str(folder / "feeder.msh"), "5"]
+    subprocess.run(script, check=True, timeout=100)
+    (folder / "feeder.toml").write_bytes((DEMOS / "feeder.toml").read_bytes())
+    return folder
+
+
+def run_feeder(folder, name, *overrides):
+    coarse = ["time.temperature_change=80", "time.end=130", *overrides]
+    run(folder / "feeder.toml", coarse, output=folder / name)
+    history = read_series(folder / name / "history.csv")
+    return history, read_series(folder / name / "probes.csv")
+
+
+def end_of_freezing(probes, name):
+    """Return the time at which a probe is solid, interpolated."""
+    return float(np.interp(0.99, probes[f"{name}.solid_fraction"], probes["time"]))
+
+
+def test_six_bodies_steer_the_heat(feeder):
+    """Chill, channel, core, sleeve and cover are ordinary bodies; the feeder freezes last."""
+    history, probes = run_feeder(feeder, "given")
+    time, end = history["time"], {name: values[-1] for name, values in history.items()}
+    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 8
+    bush, above = (end_of_freezing(probes, name) for name in ("bush", "feeder"))
+    assert bush < 0.5 * above < 65.0
+    # The channel: shut until 10 s and from 70.5 s on.
+    power = history["mould/channel.power"]
+    assert (power[time < 10.0] == 0.0).all() and (power[time > 76.0] == 0.0).all()
+    assert power[(time > 12.0) & (time < 60.0)].max() < -1000.0
+    # The cover: 4 MJ/kg, 0.7 t/m³, a disc of 20 to 34 mm that is 6 mm thick.
+    volume = np.pi * (0.034**2 - 0.020**2) * 0.006
+    burnt = 48e6 * (52.0 + 3.0 / 2 + 8.0 / 2) * volume
+    assert end["cover.source"] == pytest.approx(burnt, rel=0.05)
+    assert end["casting/cover.heat"] < 0.0  # the cover heats the feeder
+    assert end["casting/chill.power"] > 3.0 * end["casting/sleeve.power"] > 0.0
+    assert probes["gap.gap"][-1] > 50e-6
+    bodies = ("casting", "mould", "chill", "core", "sleeve", "cover")
+    gained = sum(end[f"{body}.enthalpy"] - history[f"{body}.enthalpy"][0] for body in bodies)
+    outside = [n for n in end if n.endswith(".heat") and n.split("/")[1][:-5] not in bodies]
+    assert len(outside) == 5
+    received = end["cover.source"] + sum(end[name] for name in outside)
+    assert gained == pytest.approx(received, rel=1e-6)
+
+
+def test_a_cover_that_does_not_burn_feeds_less(feeder):
+    thermal = "coupling.scheme=thermal"
+    fields = 'output.fields=["temperature", "solid_fraction"]'
+    gap = 'probes.3.quantities=["gap"]'
+    _, burning = run_feeder(feeder, "burning", thermal, fields, gap)
+    _, cold = run_feeder(feeder, "cold", thermal, fields, gap, "bodies.5.heat_source=0")
+    assert end_of_freezing(cold, "feeder") < 0.95 * end_of_freezing(burning, "feeder")
 
 
 def test_the_notebook_shows_that_the_gap_delays_solidification():
