@@ -62,13 +62,14 @@ class State:
         if self._is_rigid(body):
             stress: FloatArray = np.zeros((len(self.mesh.bodies[body].nodes.dofmap.list), 6))
         else:
-            stress = self._mechanics(body, name).stress()
+            mechanics = self._mechanics(body, name)
+        if name == "plastic_strain":
+            return mechanics.plastic_strain()
+        stress = mechanics.stress()
         if name == "stress":
             return stress
         if name == "von_mises":
             return von_mises(stress)
-        if name == "plastic_strain":
-            return np.zeros(len(stress))
         raise CaseError(f"no cell field {name!r} on body {body!r}")
 
     def _is_rigid(self, body: str) -> bool:

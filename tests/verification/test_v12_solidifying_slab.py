@@ -187,7 +187,7 @@ class Found(NamedTuple):
 
 def run(comm, data: dict[str, Any], slab: Slab) -> Found:
     strain, cutbacks = {}, 0
-    for state in coupled_cases.states(comm, data):
+    for state in coupled_cases.simulation(comm, data):
         cutbacks += state.counters.cutbacks
         points = coupled_cases.places(state, "casting")
         top = np.isclose(points[:, 1], data["geometry"]["width"])
