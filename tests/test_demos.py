@@ -101,14 +101,34 @@ def test_a_cover_that_does_not_burn_feeds_less(feeder):
     assert end_of_freezing(cold, "feeder") < 0.95 * end_of_freezing(burning, "feeder")
 
 
-def test_the_notebook_shows_that_the_gap_delays_solidification():
-    notebook = jupytext.read(DEMOS / "cylinder_notebook.py")
+def executed(name):
+    """Return the outputs of a notebook and what it printed."""
+    notebook = jupytext.read(DEMOS / name)
     client = nbclient.NotebookClient(
         notebook, timeout=500, kernel_name="python3", resources={"metadata": {"path": str(DEMOS)}}
     )
     client.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     text = "".join(output.get("text", "") for output in outputs)
+    pictures = sum("image/png" in output.get("data", {}) for output in outputs)
+    return text, pictures
+
+
+def test_the_notebook_shows_that_the_gap_delays_solidification():
+    text, pictures = executed("cylinder_notebook.py")
     found = re.search(r"delay: ([\d.]+)", text)
     assert found is not None and 1.3 < float(found[1]) < 1.55
-    assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
+    assert pictures == 2
+
+
+def test_the_notebook_compares_the_laws_of_an_interface():
+    text, pictures = executed("interface_notebook.py")
+    solid = {
+        name.strip(): float(time)
+        for name, time in re.findall(r"^(.{24}) 98 % solid after +([\d.]+) s", text, re.M)
+    }
+    assert solid["constant"] < 0.7 * solid["limited"]
+    assert solid["limited, radiating"] < solid["limited"] < solid["series"] < solid["coated"]
+    assert solid["solid-fraction, thermal"] == pytest.approx(solid["limited"], rel=0.1)
+    assert "only radiation" not in solid
+    assert pictures == 3
