@@ -82,6 +82,7 @@ class Equilibrium:
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
         self._linear_tolerance_given = "ksp_rtol" in options
         self._failure, self._new_matrix = "", True
+        self._always_fresh, self._was_fresh = False, True
         self._augmentations: list[int] = []
 
     @property
@@ -103,17 +104,16 @@ class Equilibrium:
         self._new_matrix = not self._balance.assembly.is_elastic
         start, closed = self.x.array_r.copy(), self.active.closed.copy()
         try:
-            return self._try()
+            return self._try(always_fresh=False)
         except ConvergenceError:
-            if self._preconditioner.is_fresh:
+            if self._was_fresh:
                 raise
             # An outdated preconditioner may be all that went wrong.
-            self._preconditioner.discard()
             self.x.array[:], self.active.closed = start, closed
-            return self._try()
+            return self._try(always_fresh=True)
 
-    def _try(self) -> EquilibriumReport:
-        self._failure = ""
+    def _try(self, always_fresh: bool) -> EquilibriumReport:
+        self._failure, self._always_fresh, self._was_fresh = "", always_fresh, True
         self.active.begin()
         self._augmentations = []
         try:
@@ -137,10 +137,11 @@ class Equilibrium:
     def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
         renewed = not self._balance.assembly.is_linear and snes.getIterationNumber() > 0
         self._balance.update_matrix(renewed)
-        if self._inner.is_exact and (renewed or self._new_matrix):
+        if self._always_fresh or self._new_matrix or (self._inner.is_exact and renewed):
             self._preconditioner.discard()
             self._new_matrix = False
         self._preconditioner.refresh(snes.ksp.getIterationNumber())
+        self._was_fresh &= self._preconditioner.is_fresh
         J.assemble()
 
     def _converged(
