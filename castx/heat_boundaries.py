@@ -70,9 +70,15 @@ class SurfaceHeat:
 
 
 class FluxLaw(Protocol):
-    """Heat flux into a body as a function of time and surface temperature."""
+    """Heat flux into a body over a step, at the surface temperature at its end.
 
-    def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    What is given over time enters by its mean over the step, so that nothing is lost of a source
+    that is on for less than a step.
+    """
+
+    def __call__(
+        self, start: float, end: float, temperature: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the flux [W/m²] and its derivative over temperature [W/m²/K]."""
         ...
 
@@ -83,9 +89,11 @@ class GivenFlux:
 
     value: Table
 
-    def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def __call__(
+        self, start: float, end: float, temperature: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the flux and its zero derivative."""
-        return np.full_like(temperature, self.value(time)), np.zeros_like(temperature)
+        return np.full_like(temperature, self.value.mean(start, end)), np.zeros_like(temperature)
 
 
 @dataclass(frozen=True)
@@ -98,11 +106,14 @@ class Convection:
     coefficient: Variation
     ambient: Table
 
-    def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def __call__(
+        self, start: float, end: float, temperature: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the flux and its derivative."""
-        ambient, table = float(self.ambient(time)), self.coefficient.table
+        ambient, table = self.ambient.mean(start, end), self.coefficient.table
         if self.coefficient.over == "time":
-            h, slope = np.full_like(temperature, table(time)), np.zeros_like(temperature)
+            h = np.full_like(temperature, table.mean(start, end))
+            slope = np.zeros_like(temperature)
         else:
             share = 0.5 if self.coefficient.of == "film" else 1.0
             deciding = share * temperature + (1.0 - share) * ambient
@@ -117,10 +128,12 @@ class SurfaceRadiation:
     emissivity: Table
     ambient: Table
 
-    def __call__(self, time: float, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def __call__(
+        self, start: float, end: float, temperature: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the flux and its derivative."""
-        emissivity = float(self.emissivity(time))
-        received, _ = emission(np.asarray(self.ambient(time)))
+        emissivity = self.emissivity.mean(start, end)
+        received, _ = emission(np.asarray(self.ambient.mean(start, end)))
         emitted, slope = emission(temperature)
         return emissivity * (received - emitted), -emissivity * slope
 
@@ -153,9 +166,9 @@ class SurfaceFlux:
         self.nodes, self.areas = body.surface_areas(description.surface)
         self.law = flux_law(description)
 
-    def evaluate(self, time: float) -> tuple[FloatArray, FloatArray]:
-        """Return heat into the nodes [W] and its derivative over their temperature [W/K]."""
-        flux, slope = self.law(time, self.body.owned_temperature[self.nodes])
+    def evaluate(self, start: float, end: float) -> tuple[FloatArray, FloatArray]:
+        """Return heat into the nodes over a step [W] and its derivative over temperature [W/K]."""
+        flux, slope = self.law(start, end, self.body.owned_temperature[self.nodes])
         return self.areas * flux, self.areas * slope
 
 

@@ -44,6 +44,7 @@ class HeatSystem:
 
         V_i (H_i − H_i^n)/Δt + Σ_j L_ij θ_j − sources − surfaces ± exchange = 0
 
+    Sources and surroundings enter by their means over the step, temperatures by those at its end.
     The unknown of a node is its enthalpy H_i [J/m³]; bonded nodes share the mean enthalpy of their
     group at the place of its first node, and the other places are idle.
 
@@ -114,6 +115,11 @@ class HeatSystem:
         self.fixed = np.flatnonzero(fixed)
         start = self._balance.getOwnershipRange()[0]
         self._fixed_dofs = (self.fixed + start).astype(PETSc.IntType)
+
+    @property
+    def _span(self) -> tuple[float, float]:
+        """Start and end of the step [s]."""
+        return self.time - self.step, self.time
 
     def _start_of(self, body: ThermalBody) -> int:
         return self._parts[self.bodies.index(body)].start
@@ -217,13 +223,13 @@ class HeatSystem:
         balance[:] = storage
         through = 0.0
         for body, part in zip(self.bodies, self._parts, strict=True):
-            source = body.volumes * body.source(self.time)
+            source = body.volumes * body.source(*self._span)
             balance[part] += body.conducted_heat() - source
             through += np.abs(source).sum()
         balance -= self.dissipation
         through += np.abs(self.dissipation).sum()
         for flux in self.fluxes:
-            heat, _ = flux.evaluate(self.time)
+            heat, _ = flux.evaluate(*self._span)
             balance[self._start_of(flux.body) + flux.nodes] -= heat
             through += np.abs(heat).sum()
         self.exchanges.face(self._temperature, self.time)
@@ -257,7 +263,7 @@ class HeatSystem:
         dT = self._temperature_slope.array_r
         diagonal = self.volumes * self._slope.array_r / self.step
         for flux in self.fluxes:
-            _, slope = flux.evaluate(self.time)
+            _, slope = flux.evaluate(*self._span)
             nodes = self._start_of(flux.body) + flux.nodes
             diagonal[nodes] -= slope * dT[nodes]
         self.jacobian.assemble(diagonal, self._temperature_slope)
@@ -287,9 +293,9 @@ class HeatSystem:
 
         Sources, plastic work, fluxes, givers, and each interface by mechanism; bonded nodes touch.
         """
-        sources = [body.source(self.time) * body.volumes.sum() for body in self.bodies]
+        sources = [body.source(*self._span) * body.volumes.sum() for body in self.bodies]
         plastic = [self.dissipation[part].sum() for part in self._parts]
-        fluxes = [flux.evaluate(self.time)[0].sum() for flux in self.fluxes]
+        fluxes = [flux.evaluate(*self._span)[0].sum() for flux in self.fluxes]
         self._reaction.array[:] = self._balance.array_r
         through = self.exchanges.flows()
         if self.bonds is not None:

@@ -68,6 +68,15 @@ class Table:
         """Return the values at an array of arguments, in its shape."""
         return np.asarray(np.interp(argument, self.arguments, self.values))
 
+    def mean(self, start: float, end: float) -> float:
+        """Return the mean value between two arguments, exactly; the value where they are equal."""
+        if end <= start:
+            return float(self(end))
+        inside = self.arguments[(self.arguments > start) & (self.arguments < end)]
+        points = np.concatenate(([start], inside, [end]))
+        values = self(points)
+        return float(np.diff(points) @ (values[1:] + values[:-1])) / (2.0 * (end - start))
+
     def derivative(self, argument: Any) -> FloatArray:
         """Return the slopes at arguments: of the segment above at a point, zero outside."""
         slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))

@@ -140,10 +140,10 @@ class ThermalBody:
         theta = np.abs(self._potential_law(self.owned_temperature))
         return 2.0 * self.conduction.diagonal() * theta
 
-    def source(self, time: float) -> float:
-        """Return the heat source [W/m³] at a time [s]."""
+    def source(self, start: float, end: float) -> float:
+        """Return the mean heat source [W/m³] between two times [s]."""
         table = self.description.heat_source
-        return 0.0 if table is None else float(table(time))
+        return 0.0 if table is None else table.mean(start, end)
 
     def stored_heat(self) -> float:
         """Return the enthalpy of the owned nodes [J], zero for the solid at 0 °C."""

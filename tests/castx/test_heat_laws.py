@@ -263,9 +263,33 @@ def test_radiation_to_the_surroundings(comm):
     totals = heat.totals()
     area = 2 * np.pi * 0.05 * 0.06
     mean = np.mean(np.concatenate(comm.allgather(outside)))
-    flux = 0.8 * STEFAN_BOLTZMANN * ((178.0 + 273.15) ** 4 - (mean + 273.15) ** 4)
+    ambient = 30.0 + 0.5 * 148.0  # the mean over the step
+    flux = 0.8 * STEFAN_BOLTZMANN * ((ambient + 273.15) ** 4 - (mean + 273.15) ** 4)
     assert totals["mould/outside.heat"] == pytest.approx(40.0 * area * flux, rel=0.02)
     assert totals["mould.enthalpy"] - start == pytest.approx(totals["mould/outside.heat"], rel=1e-7)
+
+
+def test_short_bursts_are_not_missed(comm):
+    """Heat that is on for less than a step: a source, a flux and a coolant, all of it counts."""
+    burst = Table.from_points([[1, 0], [1.1, 5e6], [1.3, 5e6], [1.4, 0]])
+    coolant = Table.from_points([[2, 0], [2.001, 400], [3.001, 400], [3.002, 0]])
+    mesh = cylinder(comm)
+    surfaces = [
+        SurfaceHeat(body="casting", surface="top", kind="flux", value=burst),
+        SurfaceHeat(body="mould", surface="outside", kind="convection",
+                    coefficient=Variation(coolant), ambient=constant(50.0)),
+    ]  # fmt: skip
+    heat = problem(mesh, {"law": "none"}, surfaces=surfaces)
+    heat._system.bodies[0].description = replace(
+        heat._system.bodies[0].description, heat_source=burst
+    )
+    advanced(heat, mesh, [5.0, 5.0])
+    totals = heat.totals()
+    volume = comm.allreduce(float(heat._system.bodies[0].volumes.sum()))
+    assert totals["casting.source"] == pytest.approx(volume * 5e6 * 0.3, rel=1e-9)
+    assert totals["casting/top.heat"] == pytest.approx(np.pi * 0.03**2 * 5e6 * 0.3, rel=1e-9)
+    cooled = 2 * np.pi * 0.05 * 0.06 * 400.0 * 200.0  # 1 s from 250 to 50 °C
+    assert totals["mould/outside.heat"] == pytest.approx(-cooled, rel=0.1)
 
 
 @pytest.mark.parametrize("of, h", [("film", 57.5), ("surface", 75.0)])
