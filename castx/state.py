@@ -59,18 +59,15 @@ class State:
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
+        if name not in ("stress", "von_mises", "plastic_strain"):
+            raise CaseError(f"no cell field {name!r} on body {body!r}")
         if self._is_rigid(body):
-            stress: FloatArray = np.zeros((len(self.mesh.bodies[body].nodes.dofmap.list), 6))
-        else:
-            mechanics = self._mechanics(body, name)
+            cells = len(self.mesh.bodies[body].nodes.dofmap.list)
+            return np.zeros((cells, 6) if name == "stress" else cells)
+        mechanics = self._mechanics(body, name)
         if name == "plastic_strain":
             return mechanics.plastic_strain()
-        stress = mechanics.stress()
-        if name == "stress":
-            return stress
-        if name == "von_mises":
-            return von_mises(stress)
-        raise CaseError(f"no cell field {name!r} on body {body!r}")
+        return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())
 
     def _is_rigid(self, body: str) -> bool:
         mechanics = self.problem.mechanics
