@@ -35,6 +35,7 @@ class Balance:
         operator: the Jacobian.
         frozen: unknowns that stay where they are, whatever acts on them.
         committed_time: of prescribed displacements at the end of the last accepted step [s].
+        anchor: unknowns at which the springs of supports are without force.
 
     Args:
         assembly: residual and matrix of the bodies.
@@ -60,6 +61,7 @@ class Balance:
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.keys())
         self.operator = SystemOperator(assembly.corrections())
         self.frozen: BoolArray = np.zeros(contact.layout.size_local, dtype=bool)
+        self.anchor: FloatArray = np.zeros(contact.layout.size_local)
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.to_unknowns(assembly.displacement_rows()) > 0
         self._diagonal, self._stiffness = np.zeros(0), 0.0
@@ -120,7 +122,7 @@ class Balance:
         follows = closed.copy() if self.contact.follows_set else closed[:0]
         self.operator.hold(held, self._stiffness, support, follows)
         if support is not None:
-            rows += support.force(x.array_r)
+            rows += support.force(x.array_r - self.anchor)
         f.array[:] = np.where(held, self._stiffness * violation, rows)
 
     def _trial_forces(self, x: PETSc.Vec, rows: FloatArray) -> FloatArray:
@@ -194,6 +196,11 @@ class Balance:
         tied = self.gaps.tied
         forces[tied] = rows[self.gaps.local[tied]]
         return gaps, forces
+
+    def support_force(self, x: PETSc.Vec) -> float:
+        """Return the norm of the forces of the supports at unknowns x [N]."""
+        support = self.operator.support
+        return 0.0 if support is None else support.resultant(x.array_r - self.anchor)
 
     def commit(self) -> None:
         """Make the present state the one from which the next step starts."""

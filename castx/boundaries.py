@@ -32,7 +32,7 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "convection": ("coefficient", "ambient"),
     "radiation": ("emissivity", "ambient"),
 }
-_COEFFICIENT = Varying(
+COEFFICIENT = Varying(
     Quantity(HEAT_TRANSFER, least=0.0), ("temperature", "time"), ("film", "surface"), rows=True
 )
 _MOST_CONDITIONS = 20
@@ -48,7 +48,7 @@ class HeatCondition(Description):
 
     type: Annotated[str, Choice(tuple(_NEEDED))]
     value: Table | None = None
-    coefficient: Annotated[Variation | None, _COEFFICIENT] = None
+    coefficient: Annotated[Variation | None, COEFFICIENT] = None
     ambient: Annotated[Table | None, over_time(TEMPERATURE)] = None
     emissivity: Annotated[Table | None, over_time(PURE_NUMBER, above=0.0, most=1.0)] = None
 
@@ -76,7 +76,7 @@ class DisplacementCondition:
     """Prescribed displacement of a surface in one direction.
 
     Args:
-        direction: one of `DIRECTIONS`.
+        direction: one of `DIRECTIONS`, or "free": a stage lifts what held the surface.
         value: metres over time, along the direction; None when uniform.
         uniform: all nodes of the surface move equally, with a free resultant.
     """
@@ -84,6 +84,9 @@ class DisplacementCondition:
     direction: str
     value: Table | None
     uniform: bool
+
+
+FREE = DisplacementCondition("free", None, uniform=False)
 
 
 def _heat_conditions(value: Any) -> tuple[HeatCondition, ...]:
@@ -103,6 +106,8 @@ def _heat_conditions(value: Any) -> tuple[HeatCondition, ...]:
 def _displacements(value: Any) -> tuple[DisplacementCondition, ...]:
     if isinstance(value, tuple):
         return value
+    if value == FREE.direction:
+        return (FREE,)
     if not isinstance(value, dict) or not value:
         raise CaseError("a table of directions is needed, such as { normal = 0 }")
     if "all" in value and len(value) > 1:

@@ -6,6 +6,7 @@ import logging
 import math
 from collections.abc import Iterator, Mapping
 
+from castx.accounts import Accounts
 from castx.bodies import Body
 from castx.boundaries import Boundary
 from castx.case import Case
@@ -19,7 +20,7 @@ from castx.coupling import CoupledProblem
 from castx.errors import CaseError
 from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
-from castx.heat_boundaries import SurfaceHeat
+from castx.heat_building import surface_heats
 from castx.interfaces import Interface
 from castx.law_building import heat_exchange
 from castx.materials import Material, find_material
@@ -58,6 +59,7 @@ def build_problem(
     mesh: CastingMesh,
     pairs: dict[str, NodePairs],
     laws: Mapping[str, ConductionLaw] | None = None,
+    accounts: Accounts | None = None,
 ) -> CoupledProblem:
     """Return the coupled problem of a case.
 
@@ -66,6 +68,7 @@ def build_problem(
         mesh: mesh of its bodies.
         pairs: node pairs by the name of the interface.
         laws: of the conduction through interfaces, in place of those of the case.
+        accounts: of the heat of the whole run, if it has other stages.
 
     Raises:
         CaseError: the case cannot be solved as described.
@@ -88,7 +91,7 @@ def build_problem(
         given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
         heat = PrescribedTemperatures(mesh, given, exchanges)
     else:
-        heat = _heat(case, mesh, materials, exchanges)
+        heat = _heat(case, mesh, materials, exchanges, accounts)
     interfaces = [
         CoupledInterface(
             interface.name,
@@ -132,6 +135,7 @@ def _heat(
     mesh: CastingMesh,
     materials: dict[str, Material],
     exchanges: list[HeatExchange],
+    accounts: Accounts | None,
 ) -> HeatProblem:
     bodies = [
         HeatBody(
@@ -142,24 +146,13 @@ def _heat(
         )
         for b in case.bodies
     ]
-    surfaces = [
-        SurfaceHeat(
-            body=boundary.body,
-            surface=boundary.surface,
-            kind=condition.type,  # type: ignore[arg-type]
-            value=condition.value,
-            coefficient=condition.coefficient,
-            ambient=condition.ambient,
-            emissivity=condition.emissivity,
-        )
-        for boundary in case.boundaries
-        for condition in boundary.heat
-    ]
     solver = case.solver
+    everybody = accounts.bodies if accounts is not None else list(mesh.bodies)
     return HeatProblem(
-        mesh, bodies, exchanges, surfaces, tolerance=solver.heat_tolerance,
-        linear=solver.linear, options=solver.heat,  # type: ignore[arg-type]
-    )
+        mesh, bodies, exchanges, surface_heats(case, everybody),
+        tolerance=solver.heat_tolerance, linear=solver.linear,  # type: ignore[arg-type]
+        options=solver.heat, accounts=accounts,
+    )  # fmt: skip
 
 
 def _mechanics(

@@ -23,6 +23,7 @@ from castx.materials.description import MaterialDescription
 from castx.outputs import Output, Probe
 from castx.overrides import apply_overrides
 from castx.refusal import Problem, Refusal, summary
+from castx.stages import Stage
 
 _LARGEST_FILE = 4_000_000  # bytes
 _LONGEST_TITLE = 200
@@ -53,7 +54,7 @@ class Case(Description):
     solver: Solver = Solver()
     output: Output = Output()
     probes: tuple[Probe, ...] = Field((), max_length=_MOST_ENTRIES)
-    stages: Annotated[None, NotYet()] = None
+    stages: Annotated[tuple[Stage, ...], NotYet(())] = ()
 
     _path: Path = PrivateAttr(Path("case"))
     _digest: str = PrivateAttr("")

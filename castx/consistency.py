@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from castx.boundaries import Boundary
+from castx.boundaries import FREE, Boundary
 from castx.contact.choice import body_problem
 from castx.errors import CaseError
 from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
 from castx.materials.finding import find_material
 from castx.materials.material import Material
-from castx.refusal import Problem, Refusal, among
+from castx.refusal import KeyPath, Problem, Refusal, among
 
 if TYPE_CHECKING:
     from castx.bodies import Body
@@ -251,13 +251,21 @@ def _boundary_problems(case: Case) -> Iterator[Problem]:
             if counts[boundary.on, key] > 1 and getattr(boundary, key):
                 text = f"{boundary.on!r} has it already; put both in one entry"
                 yield Problem((*place, key), text)
-        allowed = _DIRECTIONS[_kind(case.geometry.model)]
-        for condition in boundary.displacement:
-            if condition.direction not in allowed:
-                known = among("", allowed, what=f"directions of the model {case.geometry.model!r}")
-                yield Problem((*place, "displacement", condition.direction), known)
-        if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
-            yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
+        if FREE in boundary.displacement:
+            text = "only a stage lifts what held a surface before; leave it out here"
+            yield Problem((*place, "displacement"), text)
+        yield from direction_problems(case, place, boundary)
+
+
+def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
+    """Yield directions of a boundary that the model does not have."""
+    allowed = _DIRECTIONS[_kind(case.geometry.model)]
+    for condition in boundary.displacement:
+        if condition is not FREE and condition.direction not in allowed:
+            known = among("", allowed, what=f"directions of the model {case.geometry.model!r}")
+            yield Problem((*place, "displacement", condition.direction), known)
+    if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
+        yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
 
 
 def _surface_problems(case: Case, index: int, boundary: Boundary) -> Iterator[Problem]:

@@ -10,7 +10,7 @@ part, since neither gap nor pressure change it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mpi4py import MPI
@@ -22,7 +22,7 @@ from castx.coupled_interface import CoupledInterface, InterfaceState
 from castx.dissipation import Dissipation
 from castx.errors import ConvergenceError
 from castx.mechanical_problem import MechanicalProblem
-from castx.relaxation import Relaxation
+from castx.relaxation import Relaxation, scaled
 from castx.saved import (
     Arrays,
     Saved,
@@ -143,7 +143,7 @@ class CoupledProblem:
             if self._scheme != "iterated" or change <= self._tolerance:
                 return replace(total, solid_fraction_change=self._solid_fraction_change())
             wanted = relaxation.next(tried, _concatenated(found))
-            guess = _scaled(felt, found, wanted)
+            guess = scaled(felt, found, wanted)
         raise ConvergenceError(
             f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
             f"resistance of some pair still changes by {change:.2g} of its value"
@@ -273,6 +273,18 @@ class CoupledProblem:
         self.rewind()
         self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
 
+    def begin_stage(self, renewed: Collection[str]) -> None:
+        """Start a stage with the committed state; collective.
+
+        Args:
+            renewed: names of the bodies that are new.
+        """
+        self.heat.begin_stage()
+        if self.mechanics is not None:
+            self.mechanics.memory.begin_stage(renewed)
+        self.rewind()
+        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
+
     def destroy(self) -> None:
         """Free what PETSc holds."""
         self.heat.destroy()
@@ -301,17 +313,3 @@ def _sum(a: CoupledReport, b: CoupledReport) -> CoupledReport:
 
 def _concatenated(parts: Sequence[FloatArray]) -> FloatArray:
     return np.concatenate([np.zeros(0), *parts])
-
-
-def _scaled(
-    pairs: Sequence[PairState], resistances: Sequence[FloatArray], wanted: FloatArray
-) -> list[PairState]:
-    """Return pairs with the factors that turn their resistances into the wanted ones."""
-    scaled, begin = [], 0
-    for state, own in zip(pairs, resistances, strict=True):
-        aim = wanted[begin : begin + len(own)]
-        begin += len(own)
-        finite = np.isfinite(own) & np.isfinite(aim) & (own > 0.0)
-        factor = np.divide(aim, own, out=np.ones(len(own)), where=finite)
-        scaled.append(replace(state, factor=factor))
-    return scaled

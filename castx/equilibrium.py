@@ -182,8 +182,7 @@ class Equilibrium:
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
-        support = self._balance.operator.support
-        return 0.0 if support is None else support.resultant(self.x.array_r)
+        return self._balance.support_force(self.x)
 
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""

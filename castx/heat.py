@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from castx.accounts import Accounts, accounts_of, joined_accounts
 from castx.conductance import PairState
 from castx.errors import CaseError, ConvergenceError
 from castx.exchange import MECHANISMS, HeatExchange
@@ -17,7 +18,7 @@ from castx.heat_iteration import adjust_step, converged, jacobian, residual
 from castx.heat_options import PREFIX, default_options
 from castx.heat_system import HeatSystem
 from castx.layout import Layout
-from castx.ledger import Account, Ledger
+from castx.ledger import Ledger
 from castx.mesh import CastingMesh
 from castx.saved import Arrays, Saved, joined, part_of
 from castx.snes import NonlinearSolver, SolveReport
@@ -67,6 +68,7 @@ class HeatProblem:
         linear: "direct", "iterative" or "automatic", by size.
         options: PETSc options without the prefix `castx_heat_`; they override the defaults, but the
             iteration is stopped by `tolerance` alone.
+        accounts: of the whole run, if it has other stages; by default the own ones.
 
     Raises:
         CaseError: a body is missing or unknown.
@@ -83,6 +85,7 @@ class HeatProblem:
         tolerance: float = 1e-8,
         linear: Literal["direct", "iterative", "automatic"] = "automatic",
         options: Mapping[str, Any] | None = None,
+        accounts: Accounts | None = None,
     ) -> None:
         self._comm = mesh.comm
         self._bodies = _build_bodies(mesh, bodies, surfaces)
@@ -113,36 +116,32 @@ class HeatProblem:
             step_rule=partial(adjust_step, self._system),
         )
         self._unknown = self._layout.create_vector()
-        self._ledger = self._open_ledger(exchanges)
-        self._committed = self._system.enthalpy()
+        self._ledger = self._open_ledger(exchanges, surfaces, accounts)
+        self.begin_stage()
         self._trail: list[FloatArray] = []
         self._tried: tuple[float, float, int] = (0.0, 0.0, 1)
 
-    def _open_ledger(self, exchanges: Sequence[HeatExchange]) -> Ledger:
-        """Open the ledger and book the heat that evens out bonded nodes at the start."""
-        names, system = list(self.temperature), self._system
-        accounts = [Account.source(name, number) for number, name in enumerate(names)]
-        accounts += [Account.dissipation(name, number) for number, name in enumerate(names)]
-        conditions: list[SurfaceFlux | SurfaceTemperature] = [
-            *system.fluxes,
-            *system.temperatures,
-        ]
-        places = [condition.name for condition in conditions]
-        for condition in conditions:
-            mechanism = condition.mechanism if places.count(condition.name) > 1 else ""
-            to = names.index(condition.body.name)
-            accounts.append(Account.through(condition.name, mechanism, to))
-        for exchange in exchanges:
-            pairs = exchange.pairs
-            to, origin = names.index(pairs.primary), names.index(pairs.secondary)
-            accounts += [Account.through(exchange.name, way, to, origin) for way in MECHANISMS]
-        ledger = Ledger(names, accounts, self._sums(self._stored_heat()))
-        through = np.zeros((len(exchanges), len(MECHANISMS)))
-        through[:, 0] = system.mix_bonded()
-        heat = self._sums(np.append(np.zeros(len(accounts) - through.size), through))
-        ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()), 0.0)
-        ledger.commit()
-        return ledger
+    def _open_ledger(
+        self,
+        exchanges: Sequence[HeatExchange],
+        surfaces: Sequence[SurfaceHeat],
+        run: Accounts | None,
+    ) -> Ledger:
+        names = list(self.temperature)
+        interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
+        own = accounts_of(names, surfaces, interfaces)
+        run = run or joined_accounts(names, [own])
+        return Ledger(run, names, own, self._sums(self._stored_heat()))
+
+    def begin_stage(self) -> None:
+        """Book what renewed bodies have brought, and even out nodes that are bonded now."""
+        self._ledger.renew(self._sums(self._stored_heat()))
+        bonded = self._system.mix_bonded()
+        through = np.zeros((len(bonded), len(MECHANISMS)))
+        through[:, 0] = bonded
+        heat = self._sums(np.append(np.zeros(self._ledger.ways - through.size), through))
+        self._ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()), 0.0)
+        self.commit()
 
     def _stored_heat(self) -> FloatArray:
         return np.array([body.stored_heat() for body in self._bodies])

@@ -41,6 +41,7 @@ class SurfaceHeat:
             [W/m²/K].
         ambient: temperature of the surroundings over time [°C].
         emissivity: of the surface over time.
+        bare: whether the surface has the name of a body, which touched or touches it.
 
     Raises:
         CaseError: the kind is unknown, or a number it needs is missing.
@@ -53,6 +54,7 @@ class SurfaceHeat:
     coefficient: Variation | None = None
     ambient: Table | None = None
     emissivity: Table | None = None
+    bare: bool = False
 
     def __post_init__(self) -> None:
         if self.kind not in NEEDED:
@@ -67,6 +69,11 @@ class SurfaceHeat:
     def name(self) -> str:
         """Body and surface as in a case file: "mould/outside"."""
         return f"{self.body}/{self.surface}"
+
+    @property
+    def place(self) -> str:
+        """Name for totals; an interface may be called "casting/mould" as well."""
+        return f"{self.name}.surface" if self.bare else self.name
 
 
 class FluxLaw(Protocol):

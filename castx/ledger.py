@@ -3,54 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from castx.accounts import Account, Accounts
 from castx.saved import Arrays, Saved
 from castx.tables import FloatArray
-
-
-@dataclass(frozen=True)
-class Account:
-    """One way by which heat enters or leaves bodies.
-
-    Attributes:
-        energy: names of the totals that count its heat: "mould/outside.heat".
-        power: names of the totals that count its rate: "mould/outside.power".
-        to: number of the body that the heat enters.
-        origin: number of the body it comes from; None from outside.
-    """
-
-    energy: tuple[str, ...]
-    power: tuple[str, ...]
-    to: int
-    origin: int | None = None
-
-    @classmethod
-    def through(cls, place: str, mechanism: str, to: int, origin: int | None = None) -> Account:
-        """Return the account of a surface or an interface, or of one mechanism there.
-
-        Args:
-            place: "body/surface" or "secondary/primary".
-            mechanism: its own totals are kept beside those of the place; "": there is only one.
-            to: number of the body that the heat enters.
-            origin: number of the body it comes from; None from outside.
-        """
-        energy, power = f"{place}.heat", f"{place}.power"
-        if not mechanism:
-            return cls((energy,), (power,), to, origin)
-        return cls((energy, f"{energy}.{mechanism}"), (power, f"{power}.{mechanism}"), to, origin)
-
-    @classmethod
-    def source(cls, body: str, to: int) -> Account:
-        """Return the account of the heat source inside a body."""
-        return cls((f"{body}.source",), (f"{body}.power.source",), to)
-
-    @classmethod
-    def dissipation(cls, body: str, to: int) -> Account:
-        """Return the account of the heat that plastic work leaves in a body."""
-        return cls((f"{body}.dissipation",), (f"{body}.power.dissipation",), to)
 
 
 class Ledger:
@@ -59,39 +17,60 @@ class Ledger:
     Numbers are the sums over all ranks. Trial numbers count only after `commit`.
 
     Args:
-        bodies: names of the bodies.
-        accounts: ways of the heat.
-        enthalpy: of the bodies at the start.
+        run: bodies and accounts of the whole run, which has a stage after the other.
+        bodies: the bodies of the present stage; what others hold does not change.
+        own: accounts of the present stage, in the order in which their heat is booked.
+        enthalpy: of the bodies of the stage at the start [J].
     """
 
     def __init__(
-        self, bodies: Sequence[str], accounts: Sequence[Account], enthalpy: FloatArray
+        self, run: Accounts, bodies: Sequence[str], own: Sequence[Account], enthalpy: FloatArray
     ) -> None:
-        self._bodies = tuple(bodies)
-        self._accounts = tuple(accounts)
-        self._start = enthalpy.copy()
+        self._bodies, self._accounts = run.bodies, run.entries
+        self._rows = np.array([run.bodies.index(name) for name in bodies])
+        self._columns = np.array([run.entries.index(account) for account in own], dtype=np.intp)
+        self._start = np.zeros(len(run.bodies))
+        self._start[self._rows] = enthalpy
         # Rows of the state: enthalpies of the bodies, heat of the accounts, heat moved in all.
-        self._committed = np.concatenate((enthalpy, np.zeros(len(accounts) + 1)))
+        self._committed = np.concatenate((self._start, np.zeros(len(run.entries) + 1)))
         self._trial = self._committed.copy()
         self._duration = 0.0
-        self._power = np.zeros(len(accounts))
-        self._shares = np.zeros((len(bodies), len(accounts)))
-        for column, account in enumerate(accounts):
-            self._shares[account.to, column] += 1.0
+        self._power = np.zeros(len(run.entries))
+        self._shares = np.zeros((len(run.bodies), len(run.entries)))
+        for column, account in enumerate(run.entries):
+            self._shares[run.bodies.index(account.to), column] += 1.0
             if account.origin is not None:
-                self._shares[account.origin, column] -= 1.0
+                self._shares[run.bodies.index(account.origin), column] -= 1.0
+
+    @property
+    def ways(self) -> int:
+        """Number of accounts of the present stage."""
+        return len(self._columns)
+
+    def renew(self, enthalpy: FloatArray) -> None:
+        """Book what bodies hold more than they did as brought by new ones in their place.
+
+        Args:
+            enthalpy: of the bodies of the stage [J].
+        """
+        heat = self._trial[len(self._bodies) : -1]
+        for row, stored in zip(self._rows, enthalpy, strict=True):
+            account = Account.renewal(self._bodies[row])
+            if account in self._accounts:
+                heat[self._accounts.index(account)] += stored - self._trial[row]
+        self._trial[self._rows] = enthalpy
 
     def book(self, enthalpy: FloatArray, heat: FloatArray, moved: float, duration: float) -> None:
         """Add what a sub-step moved to the trial state.
 
         Args:
-            enthalpy: of the bodies at its end [J].
-            heat: through the accounts [J].
+            enthalpy: of the bodies of the stage at its end [J].
+            heat: through its accounts [J].
             moved: heat that changed place in all, the measure of errors [J].
             duration: of the sub-step [s].
         """
-        self._trial[: len(self._bodies)] = enthalpy
-        self._trial[len(self._bodies) : -1] += heat
+        self._trial[self._rows] = enthalpy
+        np.add.at(self._trial[len(self._bodies) : -1], self._columns, heat)
         self._trial[-1] += moved
         self._duration += duration
 

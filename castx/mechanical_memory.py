@@ -5,7 +5,7 @@ Displacements are saved, not the unknowns: which coordinates those are depends o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from castx.balance import Balance
 from castx.coordinates import Coordinates
@@ -49,15 +49,17 @@ class MechanicalMemory:
     def saved(self) -> dict[str, Saved]:
         """Return the committed state; collective."""
         parts = {name: saved_parts(_lasting(body)) for name, body in self._bodies.items()}
+        motion = self._motions(self._equilibrium.committed)
+        anchor = self._motions(self._balance.anchor)
         return {"time": number(self._balance.committed_time)} | joined(
-            {"motion": self._motions(), "bodies": joined(parts), "rows": self._rows()}
+            {"motion": motion, "anchor": anchor, "bodies": joined(parts), "rows": self._rows()}
         )
 
-    def _motions(self) -> dict[str, Saved]:
+    def _motions(self, unknowns: FloatArray) -> dict[str, Saved]:
         """Return the unknowns of the nodes: displacement, scaled pressure, axial strain."""
         layout = self._coordinates.layout
         v, u = layout.create_vector(), layout.create_vector()
-        v.array[:] = self._equilibrium.committed[: layout.size_local]
+        v.array[:] = unknowns[: layout.size_local]
         self._coordinates.to_displacements.mult(v, u)
         found = {
             name: Saved(
@@ -72,7 +74,10 @@ class MechanicalMemory:
 
     def _rows(self) -> dict[str, Saved]:
         """Return what belongs to pairs: closed or not, multipliers as far as the method has any."""
-        found: dict[str, Array] = {"closed": self._balance.active.committed}
+        found: dict[str, Array] = {
+            "closed": self._balance.active.committed,
+            "at_rest": self._gaps.at_rest,
+        }
         layout = self._coordinates.layout
         if self._contact.layout.size_global > layout.size_global:
             found["multipliers"] = self._equilibrium.committed[layout.size_local :]
@@ -91,19 +96,36 @@ class MechanicalMemory:
         self._balance.committed_time = float(arrays["time"])
         self._balance.active.restore(self._of_all("closed", rows).astype(bool))
         self._contact.restore({name: self._of_all(name, rows) for name in self._contact.saved()})
-        self._restore_unknowns(part_of(arrays, "motion"), rows)
+        self._gaps.at_rest[:] = self._of_all("at_rest", rows)
+        self._gaps.set_time(self._balance.committed_time)
+        self._restore_unknowns(self._balance.anchor, part_of(arrays, "anchor"))
+        committed, layout = self._equilibrium.committed, self._coordinates.layout
+        self._restore_unknowns(committed, part_of(arrays, "motion"))
+        if self._contact.layout.size_global > layout.size_global:
+            committed[layout.size_local :] = self._of_all("multipliers", rows)
 
-    def _restore_unknowns(self, motions: Arrays, rows: Arrays) -> None:
+    def begin_stage(self, renewed: Collection[str]) -> None:
+        """Let new bodies fit to the others, and hold what floats where it is; collective.
+
+        The equilibrium has to be rewound to it.
+        """
+        unknowns, layout = self._equilibrium.committed, self._coordinates.layout
+        v, u = layout.create_vector(), layout.create_vector()
+        v.array[:] = unknowns[: layout.size_local]
+        self._coordinates.to_displacements.mult(v, u)
+        self._gaps.fit(u, renewed)
+        self._balance.anchor[: layout.size_local] = unknowns[: layout.size_local]
+        v.destroy()
+        u.destroy()
+
+    def _restore_unknowns(self, unknowns: FloatArray, motions: Arrays) -> None:
         layout = self._coordinates.layout
         u, v = layout.create_vector(), layout.create_vector()
         for b, name in enumerate(self._bodies):
             part = layout.local_slice(b)
             u.array[part] = motions[name].ravel()[: part.stop - part.start]
         self._coordinates.to_coordinates.mult(u, v)
-        committed = self._equilibrium.committed
-        committed[: layout.size_local] = v.array_r
-        if self._contact.layout.size_global > layout.size_global:
-            committed[layout.size_local :] = self._of_all("multipliers", rows)
+        unknowns[: layout.size_local] = v.array_r
         v.destroy()
         u.destroy()
 

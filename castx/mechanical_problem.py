@@ -35,7 +35,7 @@ from castx.pairs import node_pairs
 from castx.rigid_modes import near_null_modes, rigid_modes
 from castx.schur import ArrowSchur
 from castx.solvers import MOST_CHANGED, BodywiseMultigrid, DirectSolver
-from castx.supports import FloatingMotions
+from castx.supports import FIRM, WEAK, FloatingMotions
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -119,7 +119,8 @@ class MechanicalProblem:
         length = extent(mesh.parent)
         stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
         contact = contact_system(method, contacts, coordinates, names, self.gaps, stiffness)
-        floating = self._floating(coordinates, contact, stiffness / length)
+        springs = (WEAK if contacts else FIRM) * stiffness / length
+        floating = self._floating(coordinates, contact, springs)
         inner = self._inner_solver(settings.linear, coordinates, contact)
         balance = Balance(
             BodyAssembly(self.layout, parts), coordinates, self.gaps, contact,

@@ -106,6 +106,9 @@ class PrescribedTemperatures:
         self._time = float(arrays["time"])
         self._set(self._time)
 
+    def begin_stage(self) -> None:
+        """Do nothing: time alone decides."""
+
     def totals(self) -> dict[str, float]:
         """Return no totals: nothing is exchanged."""
         return {}

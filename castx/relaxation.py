@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from mpi4py import MPI
 
 import numpy as np
 
+from castx.conductance import PairState
 from castx.tables import FloatArray
 
 AITKEN_BOUNDS = (0.05, 1.5)
@@ -39,3 +43,17 @@ class Relaxation:
         relaxed = tried + self._factor * residual
         least = LEAST_SHARE * np.minimum(tried, found)
         return np.where(finite, np.maximum(relaxed, least), found)
+
+
+def scaled(
+    pairs: Sequence[PairState], resistances: Sequence[FloatArray], wanted: FloatArray
+) -> list[PairState]:
+    """Return pairs with the factors that turn their resistances into the wanted ones."""
+    found, begin = [], 0
+    for state, own in zip(pairs, resistances, strict=True):
+        aim = wanted[begin : begin + len(own)]
+        begin += len(own)
+        finite = np.isfinite(own) & np.isfinite(aim) & (own > 0.0)
+        factor = np.divide(aim, own, out=np.ones(len(own)), where=finite)
+        found.append(replace(state, factor=factor))
+    return found

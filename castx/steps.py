@@ -2,13 +2,15 @@
 
 A step that changes some node by more than the wanted temperature makes the next one smaller, by
 less larger, within bounds on growth and size; many passes or iterations forbid growth. A rejected
-step is halved. Steps land on the end and on milestones such as output times without leaving a
-sliver: the rest up to the next of them is divided evenly once it is shorter than two steps.
+step is halved. Steps land on the end, on stops and on milestones such as output times without
+leaving a sliver: the rest up to the next of them is divided evenly once it is shorter than two
+steps.
 """
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass
 
 from castx.errors import ConvergenceError
@@ -32,7 +34,8 @@ class StepSettings:
         smallest: a step that fails at this size ends the run.
         temperature_change: wanted change of the fastest node in a step [K].
         fixed: constant step, without adaptivity.
-        milestone: steps land on the multiples of this time.
+        milestone: steps land on the multiples of this time, unless they are fixed.
+        stops: all steps land on these times, ascending.
     """
 
     end: float
@@ -42,6 +45,7 @@ class StepSettings:
     temperature_change: float
     fixed: float | None = None
     milestone: float | None = None
+    stops: tuple[float, ...] = ()
 
 
 class StepControl:
@@ -69,12 +73,28 @@ class StepControl:
             return min(self._size, rest)
         return rest if parts <= 1 else rest / 2 if parts == 2 else self._size
 
+    def landed(self, time: float) -> float:
+        """Return the end or the stop that a time [s] is but for round-off, else the time."""
+        near = self._following(time - 2 * self._tolerance)
+        return near if abs(near - time) <= self._tolerance else time
+
+    def restart(self) -> None:
+        """Begin again with the first step: something has changed at once."""
+        if self._settings.fixed is None:
+            self._size = min(self._size, self._settings.first)
+
+    def _following(self, time: float) -> float:
+        """Return the stop or the end after a time."""
+        stops = self._settings.stops
+        number = bisect_right(stops, time + self._tolerance)
+        return stops[number] if number < len(stops) else self._settings.end
+
     def _next_stop(self, time: float) -> float:
-        end, milestone = self._settings.end, self._settings.milestone
+        stop, milestone = self._following(time), self._settings.milestone
         if milestone is None or self._settings.fixed is not None:
-            return end
+            return stop
         following = (math.floor((time + self._tolerance) / milestone) + 1) * milestone
-        return following if following < end - self._tolerance else end
+        return following if following < stop - self._tolerance else stop
 
     def accept(self, step: float, temperature_change: float, easy: bool) -> None:
         """Learn from an accepted step.

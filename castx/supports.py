@@ -25,8 +25,9 @@ HELD = 1e-8
 TIE = 1e-6
 """Relative difference below which two entries fix a motion equally well."""
 
-STIFFNESS = 1e-7
-"""Stiffness of the springs per volume, in units of G/L²."""
+WEAK, FIRM = 1e-7, 1.0
+"""Stiffness of the springs per volume, in units of G/L²: where contact may still come to hold a
+body, and where nothing is left for it to fall onto."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class FloatingMotions:
     Args:
         motions: rigid motions of all bodies in the unknowns, shape (motions, owned).
         weights: their images under the volume matrix: Mz for the motion z.
-        stiffness: G/L² of the bodies [Pa/m²], the scale of the springs per volume.
+        stiffness: of the springs per volume [Pa/m²].
         comm: communicator of the unknowns.
     """
 
@@ -80,7 +81,7 @@ class FloatingMotions:
         self.motions, self._comm = motions, comm
         # Springs see the mean motion: a volume-weighted inner product that integrates to one.
         volume = comm.allreduce(float(np.sum(motions[0] * weights[0])))
-        self._stiffness = STIFFNESS * stiffness * volume
+        self._stiffness = stiffness * volume
         self._weights = weights / volume
 
     def find(self, held: BoolArray, constraint_values: FloatArray | None = None) -> Support | None:

@@ -33,6 +33,9 @@ class Temperatures(Protocol):
     def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return 1/h of the pairs of each interface at the trial temperatures."""
 
+    def begin_stage(self) -> None:
+        """Start a stage with the present temperatures, of which some may be those of new bodies."""
+
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
 

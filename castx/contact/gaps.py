@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 from petsc4py import PETSc
@@ -22,6 +22,7 @@ class Gaps:
     """The rows of all interfaces, one after the other, on the owners of their secondary nodes.
 
     Attributes:
+        at_rest: gaps without displacement of any body [m], shape (rows,).
         initial: gaps without displacement of deformable bodies [m], shape (rows,).
         local: local number of each gap in the coordinates, -1 where none is free, shape (rows,).
         tied: rows of tied pairs, which never open, shape (rows,).
@@ -46,19 +47,19 @@ class Gaps:
         rigid: Mapping[str, RigidBody],
     ) -> None:
         self.interfaces, self._rigid = list(interfaces), dict(rigid)
-        self._at_rest = _joined(
+        self.at_rest = _joined(
             [given[i.index] for given, i in zip(initial, interfaces, strict=True)]
         )
         self.local = _joined([i.local for i in interfaces], np.int32)
         self.tied = _joined(
             [np.full(len(i.local), i.treatment is Treatment.TIED) for i in interfaces], np.bool_
         )
-        self._at_rest[self.tied] = 0.0
+        self.at_rest[self.tied] = 0.0
         self.free = (self.local >= 0) & ~self.tied
         self.areas = _joined([i.areas for i in interfaces])
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
-        self.initial = self._at_rest.copy()
+        self.initial = self.at_rest.copy()
         self.set_time(0.0)
         self.matrix = self._assemble(layout, list(body_names))
         self._values = self.matrix.createVecLeft()
@@ -84,11 +85,25 @@ class Gaps:
 
     def set_time(self, time: float) -> None:
         """Let rigid bodies take their places at a time [s]."""
+        self.initial[:] = self.at_rest
         for part, interface in zip(self.slices, self.interfaces, strict=True):
             led = self._rigid.get(interface.pairs.primary)
             if led is not None:
                 moved = interface.normals @ led.displacement(time)
-                self.initial[part] = self._at_rest[part] - moved
+                self.initial[part] = self.at_rest[part] - moved
+
+    def fit(self, u: PETSc.Vec, renewed: Collection[str]) -> None:
+        """Let new bodies lie as they were made against the others where these are now.
+
+        Args:
+            u: displacements, none of the new bodies.
+            renewed: names of the new bodies.
+        """
+        self.matrix.mult(u, self._values)
+        for part, interface in zip(self.slices, self.interfaces, strict=True):
+            if not {interface.pairs.secondary, interface.pairs.primary}.isdisjoint(renewed):
+                self.at_rest[part] -= self._values.array_r[part]
+                self.initial[part] -= self._values.array_r[part]
 
     def values(self, u: PETSc.Vec) -> FloatArray:
         """Return the gaps at the displacements u [m], shape (rows,)."""

@@ -3,18 +3,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.ledger import Account, Ledger
+from castx.accounts import Account, Accounts
+from castx.ledger import Ledger
 
 pytestmark = pytest.mark.serial
 
 ACCOUNTS = (
-    Account.through("mould/outside", "convection", 1),
-    Account.through("casting/mould", "contact", 1, 0),
+    Account.through("mould/outside", "convection", "mould"),
+    Account.through("casting/mould", "contact", "mould", "casting"),
 )
 
 
+def of(bodies: tuple[str, ...], accounts: tuple[Account, ...], *enthalpy: float) -> Ledger:
+    return Ledger(Accounts(bodies, accounts), bodies, accounts, np.array(enthalpy))
+
+
 def ledger() -> Ledger:
-    return Ledger(("casting", "mould"), ACCOUNTS, np.array([100.0, 10.0]))
+    return of(("casting", "mould"), ACCOUNTS, 100.0, 10.0)
 
 
 def test_heat_of_an_interface_leaves_one_body_and_enters_the_other():
@@ -49,10 +54,10 @@ def test_only_what_is_committed_counts():
 
 def test_conditions_of_one_surface_add_up():
     accounts = (
-        Account.through("mould/outside", "convection", 0),
-        Account.through("mould/outside", "radiation", 0),
+        Account.through("mould/outside", "convection", "mould"),
+        Account.through("mould/outside", "radiation", "mould"),
     )
-    book = Ledger(("mould",), accounts, np.array([0.0]))
+    book = of(("mould",), accounts, 0.0)
     book.book(np.array([3.0]), np.array([1.0, 2.0]), 3.0, 2.0)
     book.commit()
     totals = book.totals()
@@ -83,7 +88,7 @@ def test_power_is_the_mean_over_the_last_step():
 
 
 def test_sources_have_their_own_names():
-    book = Ledger(("feeder",), (Account.source("feeder", 0),), np.array([0.0]))
+    book = of(("feeder",), (Account.source("feeder"),), 0.0)
     book.book(np.array([8.0]), np.array([8.0]), 8.0, 2.0)
     book.commit()
     totals = book.totals()
@@ -93,3 +98,36 @@ def test_sources_have_their_own_names():
 
 def test_nothing_happened():
     assert ledger().totals()["energy_error"] == 0.0
+
+
+RUN = Accounts(("casting", "mould"), (*ACCOUNTS, Account.renewal("casting")))
+
+
+def test_what_is_gone_keeps_its_heat_and_another_stage_goes_on():
+    first = Ledger(RUN, RUN.bodies, ACCOUNTS, np.array([100.0, 10.0]))
+    first.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
+    first.commit()
+    second = Ledger(RUN, ["mould"], ACCOUNTS[:1], np.array([-1.0]))
+    second.restore({name: saved.values for name, saved in first.saved().items()})
+    second.book(np.array([19.0]), np.array([-6.0]), 6.0, 3.0)
+    second.commit()
+    totals = second.totals()
+    assert totals["casting.enthalpy"] == 80.0
+    assert totals["mould/outside.heat"] == -11.0
+    assert totals["casting/mould.heat"] == 20.0
+    assert totals["casting/mould.power"] == totals["casting.power"] == 0.0
+    assert totals["mould.power"] == -2.0
+    assert totals["energy_error"] == 0.0
+
+
+def test_a_new_casting_brings_heat():
+    book = Ledger(RUN, RUN.bodies, ACCOUNTS, np.array([100.0, 10.0]))
+    book.book(np.array([80.0, 30.0]), np.array([0.0, 20.0]), 20.0, 2.0)
+    book.commit()
+    book.renew(np.array([100.0, 30.0]))
+    book.commit()
+    totals = book.totals()
+    assert totals["casting.renewal"] == 20.0
+    assert totals["casting.enthalpy"] == 100.0
+    assert totals["energy_error"] == 0.0
+    assert totals["casting/mould.power"] == 10.0

@@ -142,3 +142,40 @@ def test_fixed_steps_are_cut_and_recover():
     assert steps.propose(2.0) == pytest.approx(3.0)
     steps.accept(3.0, 1.0, easy=True)
     assert steps.propose(5.0) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("fixed", [None, 0.6])
+def test_steps_land_on_stops(fixed):
+    steps = control(end=10.0, milestone=4.0, stops=(3.3, 7.0), fixed=fixed)
+    time, seen = 0.0, []
+    while not steps.finished(time):
+        step = steps.propose(time)
+        steps.accept(step, 1.0, easy=True)
+        time = steps.landed(time + step)
+        seen.append(time)
+    assert {3.3, 7.0, 10.0} <= set(seen)
+    assert (4.0 in seen) is (fixed is None)
+
+
+def test_times_that_miss_a_stop_by_round_off_are_the_stop():
+    steps = control(end=10.0, stops=(3.3, 7.0))
+    assert [steps.landed(t) for t in (3.3 + 1e-12, 3.3 - 1e-12, 7.0, 9.999999999999)] == [
+        3.3, 3.3, 7.0, 10.0,
+    ]  # fmt: skip
+    assert steps.landed(3.31) == 3.31
+    assert steps.propose(3.3) == 1.0
+
+
+def test_a_restart_begins_with_the_first_step_but_never_with_a_larger_one():
+    steps = control()
+    for _ in range(6):
+        steps.accept(steps.propose(0.0), 1.0, easy=True)
+    assert steps.propose(0.0) == 8.0
+    steps.restart()
+    assert steps.propose(0.0) == 1.0
+    steps.reject(1.0, CAUSE)
+    steps.restart()
+    assert steps.propose(0.0) == 0.5
+    constant = control(fixed=3.0)
+    constant.restart()
+    assert constant.propose(0.0) == 3.0

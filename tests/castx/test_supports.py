@@ -143,7 +143,7 @@ def test_motions_amplitudes_and_weights_fit_together(comm):
 
 
 def test_springs_carry_a_resultant_of_any_motion(comm):
-    """The spring on the mean motion of volume V has the stiffness 1e-7 (G/L²) V."""
+    """The spring on the mean motion of volume V has the stiffness k V."""
     springs = Springs(comm)
     mine = np.arange(6)[comm.rank :: comm.size]
     floating = FloatingMotions(
@@ -152,4 +152,4 @@ def test_springs_carry_a_resultant_of_any_motion(comm):
     support = floating.find(np.zeros(len(mine), dtype=bool))
     shift = 5.0 * springs.motions[0, mine]
     total = comm.allreduce(float(springs.motions[0, mine] @ support.force(shift)))
-    assert total == pytest.approx(1e-7 * 2.0 * 6.0 * 5.0, rel=1e-12)
+    assert total == pytest.approx(2.0 * 6.0 * 5.0, rel=1e-12)
