@@ -11,9 +11,10 @@ from mpi4py import MPI
 from castx.archive import ArchiveWriter, read_array, read_header
 from castx.errors import CaseError, StorageError
 from castx.gathering import Gathering
+from castx.results.folder import CHECKPOINT
 from castx.saved import Array, Saved
 
-FOLDER, FILE = "checkpoint", "state.npz"
+FILE = "state.npz"
 
 
 class Checkpoint:
@@ -25,7 +26,7 @@ class Checkpoint:
     """
 
     def __init__(self, results: Path, comm: MPI.Intracomm) -> None:
-        self.path = results / FOLDER / FILE
+        self.path = results / CHECKPOINT / FILE
         self._comm = comm
 
     def write(self, state: Mapping[str, Saved], header: Mapping[str, Any]) -> None:

@@ -6,6 +6,7 @@ import logging
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from enum import IntEnum
 from pathlib import Path
 from typing import Annotated
@@ -17,7 +18,8 @@ import typer
 from rich.console import Console
 from rich.logging import RichHandler
 
-from castx.errors import CaseError, ConvergenceError, MeshError
+from castx.ending import common_code
+from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 from castx.terminal import console_of
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
@@ -51,12 +53,21 @@ def main() -> None:
 
 
 def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
-    """Run a command line and return its exit code.
+    """Run a command line and return its exit code, the same on all ranks; collective.
 
     What castx refuses or gives up is raised on all ranks and shown by rank 0. Anything else is a
     bug that may have struck one rank alone, so that it ends all of them.
     """
     prepare_logging(comm)
+    verdicts = comm.Dup()
+    try:
+        return common_code(verdicts, exit_code(arguments, comm))
+    finally:
+        verdicts.Free()
+
+
+def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
+    """Run a command line and return the exit code of this rank."""
     try:
         code = app(list(arguments), standalone_mode=False, obj=comm, prog_name="castx")
         return int(code or Exit.DONE)
@@ -68,6 +79,8 @@ def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return say(comm, error, Exit.REFUSED)
     except ConvergenceError as error:
         return say(comm, f"not converged: {error}", Exit.NOT_CONVERGED)
+    except StorageError as error:
+        return say(comm, error, Exit.FAILED)
     except (KeyboardInterrupt, click.Abort):
         return say(comm, "interrupted", Exit.INTERRUPTED)
     except Exception:
@@ -80,8 +93,28 @@ def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
 
 def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
     """Show a message on the standard error output of rank 0 and return the exit code."""
-    console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
+    with suppress(OSError):  # of a terminal that was closed
+        console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code
+
+
+def seconds(option: str, text: str) -> float:
+    """Return the value of an option that is a time.
+
+    Raises:
+        CaseError: it is none.
+    """
+    from castx.entries import Quantity
+    from castx.units import TIME
+
+    try:
+        value: str | float = float(text)
+    except ValueError:
+        value = text
+    try:
+        return Quantity(TIME, above=0.0).read(value)
+    except CaseError as error:
+        raise CaseError(f'{option} {text}: {error}; for instance "8 h"') from None
 
 
 def prepare_logging(comm: MPI.Intracomm) -> None:
@@ -120,6 +153,13 @@ def run(
     output: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Results folder, instead of output.folder.")
     ] = None,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Go on from the checkpoint in the results folder.")
+    ] = False,
+    time_limit: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".'),
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
@@ -129,7 +169,14 @@ def run(
     comm, console = output_of(context)
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
         logging.getLogger(__name__).warning(warning)
-    folder = run_case_file(case_file, overrides or (), output=output, comm=comm)
+    limit = None if time_limit is None else seconds("--time-limit", time_limit)
+    try:
+        folder = run_case_file(
+            case_file, overrides or (), output=output, comm=comm, restart=restart, time_limit=limit
+        )
+    except KeyboardInterrupt as error:  # typer would not say why
+        say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
+        raise typer.Exit(Exit.INTERRUPTED) from None
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

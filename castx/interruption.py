@@ -1,4 +1,4 @@
-"""Stopping a run from outside: all ranks together, between two steps, with their files finished."""
+"""Stopping a run from outside: all ranks together, between two tries, with their files finished."""
 
 from __future__ import annotations
 
@@ -6,40 +6,58 @@ import logging
 import signal
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any, Self
 
 from mpi4py import MPI
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
+"""SIGHUP comes when a terminal is closed; SIGUSR1 is what mpirun hands on without killing its ranks
+and what queues send some time before their end."""
 PATIENCE = 1.0
 """Time after the first signal in which others count as the same request [s]."""
+REMEMBERED = 5
+"""Tries from which the time of the next one is estimated."""
 
 log = logging.getLogger(__name__)
 
 
+class Interrupted(KeyboardInterrupt):
+    """All ranks stop together between two tries; the state of the last accepted step is whole."""
+
+
 class Interruption:
-    """Turns Ctrl-C and SIGTERM into a KeyboardInterrupt raised on all ranks after the step.
+    """Turns signals and a time limit into an Interrupted that all ranks raise after a try.
 
     A signal may reach one rank only, in the middle of a solve in which the others wait for it.
     Asked again with Ctrl-C more than a second later, the run stops at once.
 
-    Args:
-        comm: the ranks that stop together.
+    Attributes:
         at_once: called when the first signal arrives; must be local, quick and harmless anywhere,
             since mpirun kills its ranks a quarter of a second later.
+
+    Args:
+        comm: the ranks that stop together.
+        time_limit: wall clock time from now before which to stop [s]; one try is always made.
     """
 
-    def __init__(self, comm: MPI.Intracomm, at_once: Callable[[], None]) -> None:
+    def __init__(self, comm: MPI.Intracomm, time_limit: float | None = None) -> None:
+        self.at_once: Callable[[], None] = lambda: None
         self._comm = comm
-        self._at_once = at_once
         self._since: float | None = None
         self._replaced: dict[int, Any] = {}
+        self._limit, self._began = time_limit, time.monotonic()
+        self._last = self._began
+        self._tries: deque[float] = deque(maxlen=REMEMBERED)
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            self._replaced = {number: signal.signal(number, self._note) for number in SIGNALS}
+            for number in SIGNALS:
+                if number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN:
+                    continue  # nohup
+                self._replaced[number] = signal.signal(number, self._note)
         return self
 
     def __exit__(
@@ -56,13 +74,29 @@ class Interruption:
         if self._since is None:
             self._since = now
             log.warning("interrupted: stopping after this step; Ctrl-C again to stop at once")
-            self._at_once()
+            self.at_once()
         elif number == signal.SIGINT and now - self._since > PATIENCE:
             if self._comm.size > 1:
                 self._comm.Abort(130)
             raise KeyboardInterrupt
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt on all ranks when any of them was asked to stop; collective."""
+        """Raise on all ranks when any of them was asked to stop; collective.
+
+        Raises:
+            Interrupted: says why.
+        """
+        self._last = time.monotonic()
         if self._comm.allreduce(self._since is not None, MPI.LOR):
-            raise KeyboardInterrupt("stopped by a signal")
+            raise Interrupted("stopped by a signal")
+
+    def after_try(self) -> None:
+        """Do the same after a try of a step, and also when there is no time for another one."""
+        before = self._last
+        self.check()
+        self._tries.append(self._last - before)
+        if self._limit is None:
+            return
+        late = self._last - self._began + max(self._tries) > self._limit
+        if self._comm.allreduce(late, MPI.LOR):
+            raise Interrupted(f"the time limit of {self._limit:g} s leaves no time for a step")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
-from castx.entries import Choice, Description, EntryName, NotYet, Quantity
+from castx.entries import Choice, Description, EntryName, Quantity
 from castx.errors import CaseError
 from castx.refusal import Problem, among
 from castx.units import LENGTH, TIME
@@ -53,7 +53,8 @@ class Output(Description):
     """Where and how often results are written.
 
     `folder` is an absolute path after loading, by default results/NAME-OF-THE-CASE-FILE; `every`
-    [s] between field outputs, None: only the initial and the last state.
+    [s] between field outputs, None: only the initial and the last state; `checkpoint` [s] between
+    checkpoints, None: every minute of wall clock time, or less often if they take long.
     """
 
     folder: Annotated[Path, PlainValidator(_folder)] = Path("results")
@@ -64,7 +65,7 @@ class Output(Description):
         "displacement",
         "von_mises",
     )
-    checkpoint: Annotated[None, NotYet()] = None
+    checkpoint: Annotated[float | None, Quantity(TIME, above=0.0)] = None
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield fields named twice."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from datetime import timedelta
 from types import TracebackType
 from typing import Self
@@ -68,6 +69,10 @@ class Progress:
             self._freezing = freezing_body(snapshot)
         else:
             self._recent.append((snapshot.counters.step, snapshot.counters.wall))
+        with suppress(OSError):  # of a terminal that was closed: the run goes on without it
+            self._print(snapshot)
+
+    def _print(self, snapshot: Snapshot) -> None:
         line = describe(snapshot, self._freezing, self._remaining(snapshot.time))
         if self._bar.disable:
             self._console.print(line, markup=False, highlight=False)

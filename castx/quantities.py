@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from castx.gradients import Steepness
+from castx.saved import Arrays, Saved, number, part_of, saved_parts
 from castx.snapshot import Snapshot
 from castx.tables import FloatArray
 
@@ -87,7 +88,8 @@ class BodySolidification:
         nodes = body.nodes.dofmap.index_map.size_local + body.nodes.dofmap.index_map.num_ghosts
         self._times = np.full((len(LEVELS), nodes), np.nan)
         self._gradient = np.full(nodes, np.nan)
-        self._old: _Instant | None = None
+        self._old = _Instant(np.nan, np.zeros(nodes), np.zeros(nodes))
+        self._numbering = body.node_numbering
 
     def update(self, snapshot: Snapshot, body: str) -> None:
         """Take over the state after an accepted step; collective."""
@@ -98,13 +100,33 @@ class BodySolidification:
                 snapshot.nodal(body, "temperature"), snapshot.nodal(body, "solid_fraction")
             ),
         )
-        if self._old is None:
+        if np.isnan(self._old.time):
             solid = new.enthalpy <= self._thresholds[-1]
             passed = new.enthalpy <= self._thresholds[:, None]
             self._times[passed & ~solid] = new.time
         else:
             self._pass(self._old, new)
         self._old = new
+
+    def saved(self) -> dict[str, Saved]:
+        """Return what was passed so far, and the last state."""
+        old = self._old
+        found = {
+            "times": self._times.T.copy(),
+            "gradient": self._gradient,
+            "last_enthalpy": old.enthalpy,
+            "last_gradient": old.gradient,
+        }
+        nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
+        return {"time": number(old.time), **nodal}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back what was passed before, and the last state."""
+        self._times = np.ascontiguousarray(arrays["times"].T)
+        self._gradient = arrays["gradient"]
+        self._old = _Instant(
+            float(arrays["time"]), arrays["last_enthalpy"], arrays["last_gradient"]
+        )
 
     def _pass(self, old: _Instant, new: _Instant) -> None:
         """Note what was passed between two instants; melting again wipes what it passes."""
@@ -172,6 +194,16 @@ class Solidification:
         """Take over the state after an accepted step; collective."""
         for name, body in self._bodies.items():
             body.update(snapshot, name)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return what the bodies have passed; collective."""
+        return saved_parts(self._bodies)
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back what the bodies have passed; one that was not followed begins now."""
+        for name, body in self._bodies.items():
+            if part := part_of(arrays, name):
+                body.restore(part)
 
     def nodal(self, body: str, quantity: str) -> FloatArray:
         """Return one of `QUANTITIES` at the nodes of a body, ghosts included: (nodes,); collective.

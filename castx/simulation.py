@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import ceil
 from typing import Self
 
@@ -89,7 +89,14 @@ class Simulation:
         return cls(mesh, pairs, problem, step_settings(case), substeps)
 
     def __iter__(self) -> Iterator[State]:
+        """Yield the states, see `states`."""
+        return self.states()
+
+    def states(self, after_failed_try: Callable[[], None] = lambda: None) -> Iterator[State]:
         """Yield the initial state unless that is done, then the state after each accepted step.
+
+        Args:
+            after_failed_try: called when a try has failed and is rewound.
 
         Raises:
             ConvergenceError: even the smallest step fails; the last state yielded is the last one
@@ -98,10 +105,15 @@ class Simulation:
         if not self._begun:
             self._begun = True
             yield self.state()
-        while not self.control.finished(self.time):
-            yield self.state(self._advance())
+        while not self.is_finished:
+            yield self.state(self._advance(after_failed_try))
 
-    def _advance(self) -> StepCounters:
+    @property
+    def is_finished(self) -> bool:
+        """Whether the end of the run is reached."""
+        return self.control.finished(self.time)
+
+    def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
         """Take one step, cutting it as long as it fails."""
         begin = clock.perf_counter()
         cutbacks = 0
@@ -113,6 +125,7 @@ class Simulation:
                 self.problem.rewind()
                 self.control.reject(step, error)
                 cutbacks += 1
+                after_failed_try()
                 continue
             break
         self.problem.commit()

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from castx.quantities import QUANTITIES, Solidification
+from castx.results.disk import Disk
 from castx.results.folder import write_whole
 from castx.results.names import CELLWISE, PAIRED
 from castx.results.pairs import on_secondary_nodes
@@ -33,6 +34,19 @@ class State:
     cellwise: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Output:
+    """A moment on disk.
+
+    Attributes:
+        time: [s].
+        holders: the ranks that had cells of each body.
+    """
+
+    time: float
+    holders: Mapping[str, Sequence[int]]
+
+
 class Fields:
     """Writer of the fields at chosen times; the last state is kept, to be written at any end.
 
@@ -42,6 +56,7 @@ class Fields:
         every: time between outputs [s]; None: first and last state only.
         mesh: the bodies.
         solidification: the foundry quantities, followed elsewhere.
+        disk: takes the failures of single ranks.
     """
 
     def __init__(
@@ -51,11 +66,12 @@ class Fields:
         every: float | None,
         mesh: CastingMesh,
         solidification: Solidification,
+        disk: Disk,
     ) -> None:
         self._folder = folder
         self._names = tuple(names)
         self._every = every
-        self._comm = mesh.comm
+        self._comm, self._disk = mesh.comm, disk
         self._solidification = solidification
         self._pieces = {name: Piece.of(body) for name, body in mesh.bodies.items()}
         filled = self._comm.allgather([piece.cells > 0 for piece in self._pieces.values()])
@@ -63,7 +79,7 @@ class Fields:
             name: [rank for rank, of_rank in enumerate(filled) if of_rank[index]]
             for index, name in enumerate(self._pieces)
         }
-        self._times: list[float] = []
+        self._outputs: list[Output] = []
         self._pending: State | None = None
 
     def update(self, snapshot: Snapshot) -> None:
@@ -74,10 +90,10 @@ class Fields:
 
     def _due(self, now: float) -> bool:
         """Return whether a multiple of `every` lies after the last output and not after now."""
-        if self._every is None or not self._times:
+        if self._every is None or not self._outputs:
             return False
         slack = 1e-9 * self._every
-        return (now + slack) // self._every > (self._times[-1] + slack) // self._every
+        return (now + slack) // self._every > (self._outputs[-1].time + slack) // self._every
 
     def _copy(self, snapshot: Snapshot) -> State:
         """Return copies of the wanted fields; collective."""
@@ -103,19 +119,43 @@ class Fields:
         return snapshot.nodal(body, name)
 
     def write_pending(self) -> None:
-        """Write the last state unless that is done; collective through one barrier."""
+        """Write the last state unless that is done; collective.
+
+        Raises:
+            StorageError: the disk did not take it; on all ranks.
+        """
         if self._pending is None:
             return
-        state, index = self._pending, len(self._times)
-        for number, (body, piece) in enumerate(self._pieces.items()):
-            if piece.cells > 0:
-                path = self._folder / piece_name(body, index, self._comm.rank)
-                write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
-        self._times.append(state.time)
+        state, index = self._pending, len(self._outputs)
         self._pending = None
-        self._comm.Barrier()
+        with self._disk.writing():
+            for number, (body, piece) in enumerate(self._pieces.items()):
+                if piece.cells > 0:
+                    path = self._folder / piece_name(body, index, self._comm.rank)
+                    write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
+        self._disk.settle()
+        self._outputs.append(Output(state.time, self._holders))
         if self._comm.rank == 0:
-            write_whole(self._folder / COLLECTION, collection(self._times, self._holders))
+            with self._disk.writing():
+                self._write_collection()
+
+    def _write_collection(self) -> None:
+        write_whole(self._folder / COLLECTION, collection(self._outputs))
+
+    def notes(self) -> list[dict[str, Any]]:
+        """Return what is on disk, as JSON knows it."""
+        return [asdict(output) for output in self._outputs]
+
+    def resume(self, notes: Sequence[Mapping[str, Any]]) -> None:
+        """Go on behind the outputs of `notes`; pieces of later ones are removed."""
+        self._outputs = [Output(**note) for note in notes]
+        if self._comm.rank > 0:
+            return
+        known = {name for index, _, name in pieces_of(self._outputs)}
+        for path in self._folder.glob("*.vtu"):
+            if path.name not in known:
+                path.unlink()
+        self._write_collection()
 
 
 def interface_field(snapshot: Snapshot, body: str, name: str) -> FloatArray:
@@ -142,19 +182,22 @@ def piece_name(body: str, index: int, rank: int) -> str:
     return f"{body}_{index:05d}_{rank}.vtu"
 
 
-def collection(times: Sequence[float], holders: Mapping[str, Sequence[int]]) -> str:
-    """Return the text of the collection of all pieces.
+def pieces_of(outputs: Sequence[Output]) -> Iterator[tuple[int, str, str]]:
+    """Yield the number of the output, the body and the name of the file of all pieces."""
+    for index, output in enumerate(outputs):
+        for body, ranks in output.holders.items():
+            for rank in ranks:
+                yield index, body, piece_name(body, index, rank)
 
-    Args:
-        times: of the outputs [s].
-        holders: the ranks that have cells of each body.
-    """
+
+def collection(outputs: Sequence[Output]) -> str:
+    """Return the text of the collection of all pieces."""
     lines = ['<VTKFile type="Collection" version="1.0">', "  <Collection>"]
-    for index, time in enumerate(times):
-        pieces = [(body, rank) for body, ranks in holders.items() for rank in ranks]
-        for part, (body, rank) in enumerate(pieces):
-            lines.append(
-                f'    <DataSet timestep="{time!r}" group={quoteattr(body)} part="{part}" '
-                f"file={quoteattr(piece_name(body, index, rank))}/>"
-            )
+    part, last = 0, -1
+    for index, body, name in pieces_of(outputs):
+        part, last = part + 1 if index == last else 0, index
+        lines.append(
+            f'    <DataSet timestep="{outputs[index].time!r}" group={quoteattr(body)} '
+            f'part="{part}" file={quoteattr(name)}/>'
+        )
     return "\n".join([*lines, "  </Collection>", "</VTKFile>", ""])

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from castx.results.series import Series
+from castx.results.series import Series, cut_back
 from castx.snapshot import Snapshot, StepCounters
 
 COUNTERS = (
@@ -67,12 +67,19 @@ class History:
         self._interfaces = tuple(interfaces)
         self._totals: list[str] = []
         self._series: Series | None = None
+        self._resumed = False
+
+    def resume(self, rows: int) -> None:
+        """Go on behind the first lines of an older file."""
+        cut_back(self._path, rows)
+        self._resumed = True
 
     def append(self, snapshot: Snapshot) -> None:
         """Write the line of one accepted step."""
         if self._series is None:
             self._totals = ordered_totals(snapshot.totals, self._bodies, self._interfaces)
-            self._series = Series(self._path, ("time", *COUNTERS, *self._totals))
+            columns = ("time", *COUNTERS, *self._totals)
+            self._series = Series(self._path, columns, resumed=self._resumed)
         counters = counter_values(snapshot.counters)
         totals = [snapshot.totals[name] for name in self._totals]
         self._series.append([snapshot.time, *counters, *totals])

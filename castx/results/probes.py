@@ -15,7 +15,7 @@ from castx.errors import CaseError
 from castx.results.locate import Place, place_in_body, place_on_surface
 from castx.results.names import CELLWISE, parts
 from castx.results.pairs import on_secondary_nodes
-from castx.results.series import Series
+from castx.results.series import Series, cut_back
 from castx.snapshot import Snapshot
 from castx.tables import FloatArray
 
@@ -63,11 +63,14 @@ class Probes:
         self._path = path
         self._series: Series | None = None
 
-    def open(self) -> None:
-        """Begin the file; an older one is written over."""
+    def open(self, kept: int | None = None) -> None:
+        """Begin the file; an older one is written over, or keeps its first lines."""
+        if self._comm.rank > 0:
+            return
         columns = [column for reading in self._readings for column in reading.columns]
-        if self._comm.rank == 0:
-            self._series = Series(self._path, ["time", *columns])
+        if kept is not None:
+            cut_back(self._path, kept)
+        self._series = Series(self._path, ["time", *columns], resumed=kept is not None)
 
     def append(self, snapshot: Snapshot) -> None:
         """Write the line of one accepted step; collective."""

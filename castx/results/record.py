@@ -74,6 +74,8 @@ class RunRecord:
     _reached: float = 0.0
     _last: dict[str, float] = field(default_factory=dict)
     _memory: dict[str, int] = field(default_factory=dict)
+    _wall_before: float = 0.0
+    _restarts: list[dict[str, Any]] = field(default_factory=list)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
@@ -84,6 +86,29 @@ class RunRecord:
             self._counts["steps"] += 1
             for name in SUMMED:
                 self._counts[name] += int(getattr(snapshot.counters, name))
+
+    def notes(self) -> dict[str, Any]:
+        """Return what the record of a run that goes on from here has to know."""
+        return {
+            "started": self._started,
+            "wall": self._wall,
+            "totals": self._counts,
+            "time_reached": self._reached,
+            "restarts": self._restarts,
+        }
+
+    def resume(self, notes: Mapping[str, Any]) -> None:
+        """Go on with the record of an earlier part of the run."""
+        self._restarts = [
+            *notes["restarts"], {"at": notes["time_reached"], "started": self._started}
+        ]
+        self._started, self._wall_before = notes["started"], notes["wall"]
+        self._counts |= notes["totals"]
+        self._reached = notes["time_reached"]
+
+    @property
+    def _wall(self) -> float:
+        return self._wall_before + time.perf_counter() - self._clock
 
     def write(self, reason: Reason, message: str = "") -> None:
         """Write the file; local, so that one rank can do it whatever the others are doing."""
@@ -96,7 +121,8 @@ class RunRecord:
             "time_reached": self._reached,
             "totals": self._counts,
             "last": {name: number(value) for name, value in self._last.items()},
-            "wall": time.perf_counter() - self._clock,
+            "wall": self._wall,
+            "restarts": self._restarts,
             "peak_memory": self._memory,
             "exit": {"reason": str(reason), "message": message},
         }

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from castx.errors import CaseError
 from castx.materials import find_material
 from castx.quantities import QUANTITIES, Solidification, thresholds_of
+from castx.results.disk import Disk
 from castx.results.fields import Fields
 from castx.results.folder import FIELDS, RECORD, claim_folder, clear_results
 from castx.results.history import History
 from castx.results.names import MECHANICAL
 from castx.results.probes import Probes
 from castx.results.record import Reason, RunRecord
+from castx.saved import Arrays, Saved, joined, part_of
 from castx.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -28,9 +31,10 @@ class Results:
     """The results folder of one run: probes.csv, history.csv, fields/ and run.json.
 
     Making it checks everything that could be wrong with probes, fields and folder and touches no
-    old results; entering it replaces them. Leaving it writes the last accepted state and how the
-    run ended; all files are whole then on all ranks. An exception other than ConvergenceError and
-    KeyboardInterrupt may have struck one rank alone, so that nothing collective happens after it.
+    old results; entering it replaces them, or after `resume` goes on behind them. Leaving it writes
+    the last accepted state and how the run ended; all files are whole then on all ranks. An
+    exception other than ConvergenceError and KeyboardInterrupt may have struck one rank alone, so
+    that nothing collective happens after it.
 
     Args:
         case: what is run.
@@ -43,9 +47,9 @@ class Results:
     """
 
     def __init__(self, case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> None:
-        self._comm = mesh.comm
+        self._comm, self._disk = mesh.comm, Disk(mesh.comm)
         self._folder = case.output.folder
-        claim_folder(self._folder, mesh.comm)
+        claim_folder(case, mesh.comm)
         refuse_without_mechanics(case)
         self._solidification = solidification_of(case, mesh)
         self._history = History(
@@ -60,26 +64,67 @@ class Results:
             case.output.every,
             mesh,
             self._solidification,
+            self._disk,
         )
         self._record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
+        self._rows = 0
+        self._resumed: Mapping[str, Any] | None = None
+
+    def saved(self) -> dict[str, Saved]:
+        """Return what is followed from step to step; collective."""
+        return joined({"solidification": self._solidification.saved()})
+
+    def notes(self) -> dict[str, Any]:
+        """Return what is on disk so far, as JSON knows it."""
+        return {
+            "rows": self._rows,
+            "outputs": self._fields.notes(),
+            "record": self._record.notes(),
+        }
+
+    def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
+        """Go on behind what was on disk when `saved` and `notes` were asked for."""
+        self._solidification.restore(part_of(arrays, "solidification"))
+        self._record.resume(notes["record"])
+        self._rows, self._resumed = notes["rows"], notes
 
     def __enter__(self) -> Self:
         if self._comm.rank == 0:
-            self._record.write(Reason.RUNNING)
-            clear_results(self._folder)
-            (self._folder / FIELDS).mkdir(exist_ok=True)
-        self._comm.Barrier()
-        self._probes.open()
+            with self._disk.writing():
+                self._record.write(Reason.RUNNING)
+                if self._resumed is None:
+                    clear_results(self._folder)
+                (self._folder / FIELDS).mkdir(exist_ok=True)
+                self._probes.open(None if self._resumed is None else self._rows)
+                if self._resumed is not None:
+                    self._history.resume(self._rows)
+        self._disk.settle()
+        if self._resumed is not None:
+            with self._disk.writing():
+                self._fields.resume(self._resumed["outputs"])
+            self._disk.settle()
         return self
 
     def write(self, snapshot: Snapshot) -> None:
-        """Take over the initial state or that after an accepted step; collective."""
+        """Take over the initial state or that after an accepted step; collective.
+
+        Raises:
+            StorageError: the disk did not take it; on all ranks.
+        """
         self._record.update(snapshot)
         self._solidification.update(snapshot)
-        self._probes.append(snapshot)
+        with self._disk.writing():
+            self._probes.append(snapshot)
         if self._comm.rank == 0:
-            self._history.append(snapshot)
+            with self._disk.writing():
+                self._history.append(snapshot)
+        self._rows += 1
         self._fields.update(snapshot)
+        self._disk.settle()
+
+    def write_pending(self) -> None:
+        """Write the fields of the last state unless that is done; collective."""
+        self._fields.write_pending()
 
     def note_interruption(self) -> None:
         """Write down at once that the run was interrupted: it may be killed before it can stop."""
@@ -92,17 +137,20 @@ class Results:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._probes.close()
-        self._history.close()
         reason = Reason.of(error)
         message = "" if error is None else str(error)
+        with suppress(OSError):  # of a full disk, which was found out before
+            self._probes.close()
+            self._history.close()
         if reason is Reason.FAILED:
-            self._record.write(reason, message)
+            with suppress(OSError):
+                self._record.write(reason, message)
             return
         self._fields.write_pending()
         if self._comm.rank == 0:
-            self._record.write(reason, message)
-        self._comm.Barrier()
+            with self._disk.writing():
+                self._record.write(reason, message)
+        self._disk.settle()
 
 
 def wanted_fields(case: Case) -> list[str]:
@@ -167,7 +215,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         for interface in case.interfaces
     }
     return {
-        "case": {"name": case.name, "file": str(case.path), "digest": case.digest},
+        "case": {"name": case.name, "file": str(case.path.resolve()), "digest": case.digest},
         "model": mesh.model,
         "scheme": case.coupling.scheme,
         "end": case.time.end,

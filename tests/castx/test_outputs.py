@@ -32,7 +32,7 @@ def test_probe():
         ({"fields": "gap"}, "fields: a list is needed"),
         ({"fields": ["temprature"]}, r'fields\[0\]: unknown.*mean "temperature"\?'),
         ({"fields": ["gap", "gap"]}, r"fields\[1\]: is there already"),
-        ({"checkpoint": "20 s"}, "checkpoint: not available yet"),
+        ({"checkpoint": 0}, r"checkpoint: must be positive \(in s\)"),
     ],
 )
 def test_refused_output(keys, text):

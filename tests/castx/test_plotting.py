@@ -9,6 +9,7 @@ from castx.display import display
 from castx.errors import CaseError
 from castx.plotting import FieldSeries, View, chosen_times, exaggeration, limits_of, picture
 from castx.quantities import Solidification
+from castx.results.disk import Disk
 from castx.results.fields import Fields
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
@@ -27,7 +28,7 @@ def series(comm, tmp_path, request):
     mesh = cylinder_mesh(comm, model, 5e-3, cells or "simplices")
     (tmp_path / "fields").mkdir()
     names = ("temperature", "solid_fraction", "displacement", "niyama")
-    writer = Fields(tmp_path / "fields", names, None, mesh, Solidification(mesh, {}))
+    writer = Fields(tmp_path / "fields", names, None, mesh, Solidification(mesh, {}), Disk(comm))
     writer.update(FakeSnapshot(0.0, 0, mesh, casting_pairs(mesh), FORMULAS))
     return FieldSeries(tmp_path, model)
 

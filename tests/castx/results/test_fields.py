@@ -5,6 +5,7 @@ import pytest
 import pyvista
 
 from castx.quantities import Solidification
+from castx.results.disk import Disk
 from castx.results.fields import Fields
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
@@ -21,7 +22,7 @@ FORMULAS = {
 def write(comm, folder, times, every, model="axisymmetric", cells="simplices"):
     mesh = cylinder_mesh(comm, model, 5e-3, cells)
     pairs = casting_pairs(mesh)
-    fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}))
+    fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}), Disk(comm))
     for step, time in enumerate(times):
         fields.update(FakeSnapshot(time, step, mesh, pairs, FORMULAS))
     fields.write_pending()
@@ -104,7 +105,8 @@ def test_multiples_of_every_hit_with_roundoff_count(comm, shared_tmp_path):
 def test_the_collection_is_whole_after_every_output(comm, shared_tmp_path):
     mesh = cylinder_mesh(comm, size=5e-3)
     pairs = casting_pairs(mesh)
-    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, Solidification(mesh, {}))
+    solidification, disk = Solidification(mesh, {}), Disk(comm)
+    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, solidification, disk)
     for step in range(3):
         fields.update(FakeSnapshot(float(step), step, mesh, pairs, FORMULAS))
         comm.Barrier()
@@ -112,3 +114,24 @@ def test_the_collection_is_whole_after_every_output(comm, shared_tmp_path):
         assert reader.time_values == [float(time) for time in range(step + 1)]
         assert sum(block.n_cells for block in reader.read()) > 0
         comm.Barrier()
+
+
+def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
+    """Later pieces go; a body may have had pieces of other ranks."""
+    mesh = write(comm, shared_tmp_path, [0.0, 1.0, 2.0, 3.0], 1.0)
+    disk = Disk(comm)
+    fields = Fields(shared_tmp_path, NAMES, 1.0, mesh, Solidification(mesh, {}), disk)
+    holders = {"casting": [0], "mould": [0]}
+    fields.resume([{"time": 0.0, "holders": holders}, {"time": 1.0, "holders": holders}])
+    disk.settle()
+    left = {path.name for path in shared_tmp_path.glob("*.vtu")}
+    assert left == {f"{body}_0000{index}_0.vtu" for body in holders for index in range(2)}
+    comm.Barrier()
+    pairs = casting_pairs(mesh)
+    for step, time in enumerate([1.4, 2.5], start=5):
+        fields.update(FakeSnapshot(time, step, mesh, pairs, FORMULAS))
+    assert fields.notes()[:2] == [{"time": float(t), "holders": holders} for t in range(2)]
+    comm.Barrier()
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    assert reader.time_values == [0.0, 1.0, 2.5]
+    assert sum(block.n_cells for block in pieces(reader, 2.5, "casting")) > 0
