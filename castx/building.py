@@ -84,7 +84,7 @@ def build_problem(
     own = dict(laws or {})
     _check_laws(case, own)
     exchanges = [
-        heat_exchange(i, pairs[i.name], mesh.comm, own.get(i.name)) for i in case.interfaces
+        heat_exchange(i, pairs[i.name], mesh, own.get(i.name)) for i in case.interfaces
     ]
     heat: Temperatures
     if scheme == "mechanical":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from castx.errors import MeshError
-from castx.gmsh_import import IntArray, NamedMesh
+from castx.gmsh_import import FloatArray, IntArray, NamedMesh
 
 NO_NEIGHBOUR = -1
 INSIDE = -1
@@ -47,6 +47,19 @@ def neighbours(cells: IntArray, faces: IntArray, source: str) -> IntArray:
     across[first] = second // len(faces)
     across[second] = first // len(faces)
     return across.reshape(len(cells), len(faces))
+
+
+def marked_between(mesh: NamedMesh, across: IntArray) -> dict[str, FloatArray]:
+    """Points (points, gdim) of the named faces that lie between two bodies, by their name [m]."""
+    cell_keys, named_keys = face_keys(cell_faces(mesh.cells, mesh.kind.faces), mesh.faces)
+    between = (across != NO_NEIGHBOUR) & (mesh.bodies[across] != mesh.bodies[:, None])
+    inner = np.isin(named_keys, cell_keys[between.ravel()])
+    found = {}
+    for index, name in enumerate(mesh.surface_names):
+        faces = mesh.faces[inner & (mesh.face_surfaces == index)]
+        if len(faces):
+            found[name] = mesh.points[np.unique(faces)]
+    return found
 
 
 def face_names(mesh: NamedMesh, across: IntArray, source: str) -> IntArray:

@@ -15,6 +15,7 @@ from castx.axes import AXES, coordinate
 from castx.entries import Choice, Description, Quantity
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
+from castx.tables import FloatArray
 from castx.units import (
     CONDUCTIVITY,
     HEAT_TRANSFER,
@@ -111,14 +112,26 @@ class Patch:
     Args:
         within: bounds of the part, inclusive, by coordinate [m].
         changes: keys of the heat transfer with their values, as written.
+        on: name that the mesh has for the faces of the part; "": any.
     """
 
     within: Mapping[str, tuple[float, float]]
     changes: Mapping[str, Any]
+    on: str = ""
 
-    def holds(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Return which points (n, gdim) lie in the part."""
+    def holds(
+        self, points: npt.ArrayLike, marked: Mapping[str, FloatArray]
+    ) -> npt.NDArray[np.bool_]:
+        """Return which points (n, gdim) lie in the part.
+
+        Args:
+            points: of the interface [m].
+            marked: points of the faces between bodies by the name the mesh has for them.
+        """
         inside = np.ones(len(np.asarray(points)), dtype=bool)
+        if self.on:
+            named = {tuple(point) for point in marked[self.on]}
+            inside &= np.array([tuple(point) in named for point in np.asarray(points)], dtype=bool)
         for axis, (low, high) in self.within.items():
             place = coordinate(points, axis)
             inside &= (place >= low) & (place <= high)
@@ -134,14 +147,18 @@ def _patches(value: Any) -> tuple[Patch, ...]:
 def _patch(index: int, entry: Any) -> Patch:
     if isinstance(entry, Patch):
         return entry
-    if not isinstance(entry, dict) or not isinstance(entry.get("within"), dict):
-        raise refuse("a table with bounds is needed: { within = { z = [0, 1] }, ... }", index)
-    if not entry["within"]:
+    if not isinstance(entry, dict) or not ("within" in entry or "on" in entry):
+        places = '{ within = { z = [0, 1] }, ... } or { on = "NAME", ... }'
+        raise refuse(f"a table with a place is needed: {places}", index)
+    within, on = entry.get("within", {}), entry.get("on", "")
+    if not isinstance(within, dict) or not (within or "within" not in entry):
         raise refuse(f"needs a coordinate: {', '.join(AXES)}", index, "within")
-    changes = {key: item for key, item in entry.items() if key != "within"}
+    if not isinstance(on, str) or not (on or "on" not in entry):
+        raise refuse("a name that the mesh has for faces between the bodies is needed", index, "on")
+    changes = {key: item for key, item in entry.items() if key not in ("within", "on")}
     if not changes or "patches" in changes:
         raise refuse("must say what is different there: closed, coating, ...", index)
-    return Patch({a: _bounds(index, a, b) for a, b in entry["within"].items()}, changes)
+    return Patch({a: _bounds(index, a, b) for a, b in within.items()}, changes, on)
 
 
 def _bounds(index: int, axis: str, value: Any) -> tuple[float, float]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Literal, cast
 
-from mpi4py import MPI
-
 import numpy as np
 
 from castx.conductance import ConductionLaw, ConstantConductance
@@ -23,8 +21,10 @@ from castx.gap_laws import (
 )
 from castx.interface_heat import Coating, InterfaceHeat, mean_depth
 from castx.interfaces import Interface
+from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.radiation import facing_factor
+from castx.refusal import among
 from castx.tables import FloatArray
 from castx.variation import Variation
 
@@ -32,7 +32,7 @@ from castx.variation import Variation
 def heat_exchange(
     interface: Interface,
     pairs: NodePairs,
-    comm: MPI.Intracomm,
+    mesh: CastingMesh,
     law: ConductionLaw | None = None,
 ) -> HeatExchange:
     """Return how heat crosses an interface.
@@ -40,11 +40,11 @@ def heat_exchange(
     Args:
         interface: its description.
         pairs: its node pairs.
-        comm: all ranks.
+        mesh: of all bodies.
         law: of the conduction in place of the one described; radiation stays as described.
 
     Raises:
-        CaseError: a patch holds none of its pairs; on all ranks.
+        CaseError: a patch holds none of its pairs, or has a name that the mesh lacks; on all ranks.
     """
     heat = interface.heat
     if law is not None:
@@ -56,7 +56,7 @@ def heat_exchange(
     if heat.law == "perfect":
         return HeatExchange(interface.name, pairs, "perfect")
     parts = [heat, *(heat.on(patch) for patch in heat.patches)]
-    part_of = _parts_of_pairs(interface, heat, pairs, comm)
+    part_of = _parts_of_pairs(interface, heat, pairs, mesh)
     grey: FloatArray = np.array([_grey_factor(part) for part in parts])
     laws = [conduction_law(part) for part in parts]
     law = laws[0]
@@ -66,17 +66,23 @@ def heat_exchange(
 
 
 def _parts_of_pairs(
-    interface: Interface, heat: InterfaceHeat, pairs: NodePairs, comm: MPI.Intracomm
+    interface: Interface, heat: InterfaceHeat, pairs: NodePairs, mesh: CastingMesh
 ) -> np.ndarray:
     """Return for each pair 0, or the number of its patch counted from 1."""
     part_of = np.zeros(len(pairs.areas), dtype=np.intp)
     for index, patch in reversed(list(enumerate(heat.patches))):
-        part_of[patch.holds(pairs.points)] = index + 1
-    for index in range(len(heat.patches)):
-        if comm.allreduce(int(np.count_nonzero(part_of == index + 1))) == 0:
+        if patch.on and patch.on not in mesh.marked:
+            named = among(patch.on, sorted(mesh.marked), what="the mesh names")
             raise CaseError(
-                f"interface {interface.name}: heat.patches[{index}].within holds no node of the "
-                "interface that no patch before it holds; check its bounds (in m)"
+                f"interface {interface.name}: heat.patches[{index}].on = {patch.on!r}: no faces "
+                f"between bodies with this name; {named}"
+            )
+        part_of[patch.holds(pairs.points, mesh.marked)] = index + 1
+    for index in range(len(heat.patches)):
+        if mesh.comm.allreduce(int(np.count_nonzero(part_of == index + 1))) == 0:
+            raise CaseError(
+                f"interface {interface.name}: heat.patches[{index}] holds no node of the interface "
+                "that no patch before it holds; check its place (within in m)"
             )
     return part_of
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from castx import compat
 from castx.cell_kinds import KINDS, CellKind
 from castx.errors import MeshError
-from castx.faces import INSIDE, face_names, neighbours
+from castx.faces import INSIDE, face_names, marked_between, neighbours
 from castx.geometry import Geometry
 from castx.gmsh_import import NamedMesh
 from castx.mesh_source import named_mesh, source_of
@@ -113,6 +113,7 @@ class CastingMesh:
         parent: mesh of all bodies.
         bodies: by name.
         digest: hash (SHA-256) of points, cells and bodies before they are distributed.
+        marked: points (points, gdim) of the faces between bodies that the mesh names [m].
     """
 
     comm: MPI.Intracomm
@@ -120,6 +121,7 @@ class CastingMesh:
     parent: dolfinx.mesh.Mesh
     bodies: dict[str, BodyMesh]
     digest: str
+    marked: dict[str, NDArray[np.float64]] = field(default_factory=dict, repr=False)
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
@@ -134,13 +136,14 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         return _prepare(named_mesh(geometry, body_names), comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
-    kind, surface_names, bodies, names, digest = comm.bcast(
+    kind, surface_names, bodies, names, digest, marked = comm.bcast(
         (
             prepared.mesh.kind.name,
             prepared.mesh.surface_names,
             prepared.mesh.bodies,
             prepared.face_names,
             _digest(prepared.mesh),
+            prepared.marked,
         )
         if prepared
         else None
@@ -157,6 +160,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
             for index, body in enumerate(body_names)
         },
         digest,
+        marked,
     )
 
 
@@ -168,6 +172,7 @@ class _Prepared:
     face_names: NDArray[np.int16]
     parts: IntArray
     offsets: IntArray
+    marked: dict[str, NDArray[np.float64]]
 
 
 def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
@@ -191,7 +196,7 @@ def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
     names = face_names(mesh, across, source).astype(np.int16)
     midpoints = mesh.points[mesh.cells].mean(axis=1)
     ranks = partition(midpoints, mesh.bodies, across, parts)
-    return _Prepared(mesh, names, *destinations(ranks, across))
+    return _Prepared(mesh, names, *destinations(ranks, across), marked_between(mesh, across))
 
 
 def _digest(mesh: NamedMesh) -> str:

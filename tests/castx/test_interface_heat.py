@@ -34,10 +34,10 @@ def test_patches_take_what_they_do_not_change():
     assert second.law == "constant" and second.gas_conductivity is None
     assert second.closed.of == "secondary"
     plane, space = np.array([[0.5, 0.05], [0.5, 0.1]]), np.array([[0.3, 0.4, 0.08]])
-    np.testing.assert_array_equal(heat.patches[0].holds(plane), [True, False])
-    np.testing.assert_array_equal(heat.patches[0].holds(space), [True])
+    np.testing.assert_array_equal(heat.patches[0].holds(plane, {}), [True, False])
+    np.testing.assert_array_equal(heat.patches[0].holds(space, {}), [True])
     ring = InterfaceHeat.read({**LIMITED, "patches": [{"within": {"r": [0.5, 1]}, "closed": 1}]})
-    np.testing.assert_array_equal(ring.patches[0].holds(space), [True])
+    np.testing.assert_array_equal(ring.patches[0].holds(space, {}), [True])
 
 
 def patched(**keys):
@@ -109,7 +109,9 @@ def patched(**keys):
             "pressure.roughness: resistance is given already",
         ),
         ({**LIMITED, "patches": 5}, "patches: a list of 1 to 100 patches"),
-        (patched(closed=5), r"patches\[0\]: a table with bounds is needed"),
+        (patched(closed=5), r"patches\[0\]: a table with a place is needed"),
+        (patched(on="", closed=5), r"patches\[0\].on: a name that the mesh has"),
+        (patched(on="coated"), r"patches\[0\]: must say what is different"),
         (patched(within={}, closed=5), r"patches\[0\].within: needs a coordinate: x, y, z, r"),
         (patched(within={"t": [0, 1]}, closed=5), r"within.t: unknown coordinate"),
         (patched(within={"x": 1}, closed=5), r"within.x: two bounds are needed"),
