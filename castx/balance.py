@@ -56,7 +56,7 @@ class Balance:
         tolerance: float,
     ) -> None:
         self.assembly, self.gaps, self.contact = assembly, gaps, contact
-        self._coordinates, self._floating = coordinates, floating
+        self.coordinates, self._floating = coordinates, floating
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.keys())
         self.operator = SystemOperator(assembly.corrections())
@@ -132,7 +132,7 @@ class Balance:
     def _prescribed(self, x: PETSc.Vec) -> tuple[BoolArray, FloatArray]:
         held = np.zeros(x.getLocalSize(), dtype=bool)
         violation = np.zeros(len(held))
-        for item in self._coordinates.prescribed:
+        for item in self.coordinates.prescribed:
             held[item.local] = True
             violation[item.local] = x.array_r[item.local] - float(item.value(self._time))
         return held, violation
@@ -202,6 +202,11 @@ class Balance:
         support = self.operator.support
         return 0.0 if support is None else support.resultant(x.array_r - self.anchor)
 
+    def adopt(self, other: Balance) -> None:
+        """Take over the committed time and pairs of another contact method."""
+        self.committed_time, self._committed_support = other.committed_time, None
+        self.active.restore(other.active.committed & self.gaps.free)
+
     def commit(self) -> None:
         """Make the present state the one from which the next step starts."""
         self.committed_time, self._committed_support = self._time, self.operator.support
@@ -221,6 +226,5 @@ class Balance:
         self.rows(x)
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free what PETSc holds; the bodies are their owner's."""
         self.contact.destroy()
-        self.assembly.destroy()

@@ -14,7 +14,7 @@ from castx.conductance import ConductionLaw
 from castx.consistency import starts_solid
 from castx.constitutive import ELASTIC, Law
 from castx.constraints import SurfaceDisplacement
-from castx.contact.choice import Contact
+from castx.contact.choice import COMMON_NUMBERS, Contact
 from castx.coupled_interface import CoupledInterface
 from castx.coupling import CoupledProblem
 from castx.errors import CaseError
@@ -191,8 +191,8 @@ def _contact(interface: Interface) -> Contact:
         wanted.method,
         wanted.initial_gap.at,
         wanted.penalty if isinstance(wanted.penalty, float) else None,
-        wanted.augmentation,
-        wanted.augmentations,
+        **{name: getattr(wanted, name) for name in COMMON_NUMBERS},
+        fallback=wanted.fallback,
     )
 
 

@@ -47,6 +47,9 @@ class CoupledReport:
         mechanics_iterations: those of the equilibrium.
         linear_iterations: linear iterations of the equilibrium.
         contact_changes: pairs that opened or closed.
+        frozen_pairs: pairs that chattered and were frozen, at the end.
+        unbalanced: equilibria that a block iteration left before they balanced.
+        fallbacks: contact methods that failed before the one that served.
         temperature_change: of the fastest node [K].
         solid_fraction_change: likewise.
     """
@@ -56,6 +59,9 @@ class CoupledReport:
     mechanics_iterations: int = 0
     linear_iterations: int = 0
     contact_changes: int = 0
+    frozen_pairs: int = 0
+    unbalanced: int = 0
+    fallbacks: int = 0
     temperature_change: float = 0.0
     solid_fraction_change: float = 0.0
 
@@ -176,9 +182,15 @@ class CoupledProblem:
         self._update_bodies(step)
         found = self.mechanics.equilibrium.solve(time + step)
         self._read_interfaces()
-        return CoupledReport(
-            1, heat.heat_iterations, found.iterations, found.linear_iterations,
-            found.contact_changes, heat.temperature_change,
+        equilibrium = self.mechanics.equilibrium
+        return replace(
+            heat,
+            mechanics_iterations=found.iterations,
+            linear_iterations=found.linear_iterations,
+            contact_changes=found.contact_changes,
+            frozen_pairs=equilibrium.active.frozen_pairs(),
+            unbalanced=int(not found.balanced),
+            fallbacks=equilibrium.fallbacks,
         )
 
     def _dissipation_change(self, step: float) -> float:
@@ -289,7 +301,7 @@ class CoupledProblem:
         """Free what PETSc holds."""
         self.heat.destroy()
         if self.mechanics is not None:
-            self.mechanics.equilibrium.destroy()
+            self.mechanics.destroy()
 
 
 def _largest_change(comm: MPI.Intracomm, found: FloatArray, tried: FloatArray) -> float:
@@ -307,6 +319,9 @@ def _sum(a: CoupledReport, b: CoupledReport) -> CoupledReport:
         a.mechanics_iterations + b.mechanics_iterations,
         a.linear_iterations + b.linear_iterations,
         a.contact_changes + b.contact_changes,
+        b.frozen_pairs,
+        a.unbalanced + b.unbalanced,
+        b.fallbacks,
         b.temperature_change,
     )
 

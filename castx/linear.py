@@ -32,11 +32,13 @@ class InnerSolver(Protocol):
     """Approximate or exact inverse of an assembled matrix.
 
     Attributes:
+        prefix: of its PETSc options.
         defaults: PETSc options without the prefix.
         most_changed: held unknowns and closed pairs by which a set-up may fall behind.
         is_exact: whether it is worth a new set-up whenever the matrix is a new one.
     """
 
+    prefix: str
     defaults: Mapping[str, object]
     most_changed: int
     is_exact: bool
@@ -97,7 +99,7 @@ class SystemOperator:
 
 
 class SystemPreconditioner:
-    """Eliminates held unknowns and floating motions exactly, the context of a python PC.
+    """Eliminates held unknowns and floating motions exactly.
 
     The inner solver is set up anew only when it has become too far from the matrix: when many more
     unknowns are held or free, or when the last solve took many more iterations than the first.
@@ -146,11 +148,16 @@ class SystemPreconditioner:
         changed = int(np.count_nonzero(state != self._set_up_for))
         return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
 
+    def renew(self) -> None:
+        """Take note of a new matrix: an exact inverse of another one is worth little."""
+        if self._inner.is_exact:
+            self.discard()
+
     def discard(self) -> None:
         """Make the next `refresh` set the inner solver up anew."""
         self._set_up_for = None
 
-    def apply(self, _: PETSc.PC, r: PETSc.Vec, z: PETSc.Vec) -> None:
+    def apply(self, r: PETSc.Vec, z: PETSc.Vec) -> None:
         """Set z to about the solution of the system for r."""
         operator, (fixed, rest, image) = self._operator, self._work
         held, support = operator.held, operator.support
@@ -172,12 +179,32 @@ class SystemPreconditioner:
             amplitudes = resultants / support.stiffness - support.amplitudes(values)
             values += amplitudes @ support.motions
 
-    def destroy(self, _: PETSc.PC) -> None:
-        """Free matrices, vectors and the inner solver; PETSc calls this with its PC."""
+    def destroy(self) -> None:
+        """Free matrices, vectors and the inner solver."""
         for item in (self._masked, *self._work):
             if item is not None:
                 item.destroy()
         self._inner.destroy()
+
+
+class SelectedPreconditioner:
+    """One of several preconditioners, the context of a python PC.
+
+    Args:
+        preconditioners: among which `chosen` is, at first the first one.
+    """
+
+    def __init__(self, preconditioners: Sequence[SystemPreconditioner]) -> None:
+        self.all, self.chosen = list(preconditioners), preconditioners[0]
+
+    def apply(self, _: PETSc.PC, r: PETSc.Vec, z: PETSc.Vec) -> None:
+        """Set z to about the solution of the system for r."""
+        self.chosen.apply(r, z)
+
+    def destroy(self, _: PETSc.PC) -> None:
+        """Free all of them; PETSc calls this with its PC."""
+        for preconditioner in self.all:
+            preconditioner.destroy()
 
 
 def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from castx.balance import Balance
-from castx.coordinates import Coordinates
 from castx.equilibrium import Equilibrium
 from castx.mechanics import BodyMechanics
 from castx.saved import (
@@ -30,21 +28,18 @@ class MechanicalMemory:
 
     Args:
         bodies: by name, in the order of the layout.
-        coordinates: in which the equilibrium is solved.
-        balance: holds pairs, contact method and closed pairs.
-        equilibrium: holds the committed unknowns.
+        equilibrium: holds the committed unknowns, the pairs and their contact method.
     """
 
     def __init__(
         self,
         bodies: Mapping[str, BodyMechanics],
-        coordinates: Coordinates,
-        balance: Balance,
         equilibrium: Equilibrium,
     ) -> None:
-        self._bodies, self._coordinates = dict(bodies), coordinates
-        self._balance, self._equilibrium = balance, equilibrium
-        self._gaps, self._contact = balance.gaps, balance.contact
+        self._bodies, self._equilibrium = dict(bodies), equilibrium
+        self._balance = equilibrium.balance
+        self._coordinates = self._balance.coordinates
+        self._gaps, self._contact = self._balance.gaps, self._balance.contact
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state; collective."""

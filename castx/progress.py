@@ -107,6 +107,12 @@ def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) 
         parts.append(f"passes {counters.passes}")
     if counters.cutbacks:
         parts.append(f"cut {counters.cutbacks}×")
+    if counters.fallbacks:
+        parts.append(f"{counters.fallbacks} contact methods failed")
+    if counters.unbalanced:
+        parts.append(f"{counters.unbalanced} equilibria not balanced")
+    if counters.frozen_pairs:
+        parts.append(f"{counters.frozen_pairs} pairs frozen")
     if remaining is not None:
         parts.append(f"left {timedelta(seconds=round(remaining))}")
     return "  ".join(parts)

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
-from castx.solvers import BodyBlocks, bodywise_options
+from castx.solvers import Block, Blocks, sweep_options
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -26,8 +26,7 @@ class ArrowSchur:
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
-        parts: owned global indices of each body, with its block size.
-        modes: near-null vectors of each body, shape (vectors, owned unknowns of the body).
+        bodies: the unknowns of each body.
         weights: W of the owned multipliers, shape (pairs,).
     """
 
@@ -35,28 +34,28 @@ class ArrowSchur:
         self,
         comm: MPI.Intracomm,
         prefix: str,
-        parts: Sequence[PETSc.IS],
-        modes: Sequence[FloatArray],
+        bodies: Sequence[Block],
         weights: FloatArray,
     ) -> None:
-        bodies = {f"fieldsplit_bodies_{k}": v for k, v in bodywise_options(len(parts)).items()}
-        if len(parts) > 1:
+        options = {f"fieldsplit_bodies_{k}": v for k, v in sweep_options(bodies).items()}
+        if len(bodies) > 1:
             # The bodies can be told apart only once PETSc has made their solver.
-            bodies["fieldsplit_bodies_pc_type"] = "none"
+            options["fieldsplit_bodies_pc_type"] = "none"
         self.defaults: Mapping[str, object] = {
             "ksp_type": "preonly",
             "pc_type": "fieldsplit",
             "pc_fieldsplit_schur_fact_type": "upper",
             "fieldsplit_multipliers_ksp_type": "preonly",
             "fieldsplit_multipliers_pc_type": "jacobi",
-        } | bodies
+        } | options
         # A multiplier that comes or goes changes the saddle: the split must know.
         self.most_changed, self.is_exact = 0, False
         self._comm, self._weights = comm, weights
-        self._sizes = (sum(mode.shape[1] for mode in modes), len(weights))
-        self._blocks = BodyBlocks(comm, parts, modes)
+        self._sizes = (sum(body.rows.getLocalSize() for body in bodies), len(weights))
+        self._blocks = Blocks(comm, bodies)
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
         self._outer: PETSc.Mat | None = None
         self._parts: list[PETSc.Mat] = []
         self._work: list[PETSc.Vec] = []

@@ -186,4 +186,7 @@ def _counters(
         contact_changes=report.contact_changes,
         passes=report.passes,
         cutbacks=cutbacks,
+        frozen_pairs=report.frozen_pairs,
+        unbalanced=report.unbalanced,
+        fallbacks=report.fallbacks,
     )

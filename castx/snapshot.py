@@ -25,6 +25,9 @@ class StepCounters:
         contact_changes: pairs that changed between open and closed, all tries.
         passes: thermo-mechanical passes of the accepted try.
         cutbacks: tries that were rewound before this one.
+        frozen_pairs: pairs that chattered between open and closed and were frozen for the step.
+        unbalanced: equilibria of the accepted try that a block iteration left before they balanced.
+        fallbacks: contact methods that failed in the accepted try before the one that served.
     """
 
     step: float = 0.0
@@ -34,6 +37,9 @@ class StepCounters:
     contact_changes: int = 0
     passes: int = 0
     cutbacks: int = 0
+    frozen_pairs: int = 0
+    unbalanced: int = 0
+    fallbacks: int = 0
 
 
 class Snapshot(Protocol):

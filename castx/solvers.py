@@ -1,8 +1,9 @@
-"""Inner solvers of the mechanics: LU for small systems, multigrid by bodies for large ones."""
+"""Inner solvers of the mechanics: LU for small systems, sweeps over blocks for large ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -25,6 +26,14 @@ MULTIGRID: Mapping[str, object] = {
 """Multigrid of one body, symmetric indefinite where its pressure is an unknown."""
 
 
+FACTORS: Mapping[str, object] = {
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_14": 60,
+}
+"""Sparse LU factorisation (MUMPS) with room for fill-in."""
+
 MOST_CHANGED = 8
 """Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
 
@@ -40,14 +49,10 @@ class DirectSolver:
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
         self.most_changed, self.is_exact = most_changed, True
-        self.defaults: Mapping[str, object] = {
-            "ksp_type": "preonly",
-            "pc_type": "lu",
-            "pc_factor_mat_solver_type": "mumps",
-            "mat_mumps_icntl_14": 60,
-        }
+        self.defaults: Mapping[str, object] = FACTORS
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
         self._ready = False
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
@@ -67,129 +72,183 @@ class DirectSolver:
         self._ksp.destroy()
 
 
-class BodyBlocks:
-    """The blocks of a matrix by bodies as a MatNest, with near-null vectors on its diagonal.
+class Block(NamedTuple):
+    """Unknowns that are solved for together, such as those of one body.
+
+    Attributes:
+        rows: owned global indices, with the block size that all nodes share, if any.
+        modes: near-null vectors, shape (vectors, owned unknowns of the block).
+        options: of its solver.
+    """
+
+    rows: PETSc.IS
+    modes: FloatArray
+    options: Mapping[str, object]
+
+
+class Blocks:
+    """The blocks of a matrix as a MatNest, with near-null vectors on its diagonal.
+
+    Each rank holds its part of the first block, then of the second one, and so on.
+
+    Attributes:
+        nest: the MatNest; None for one block.
 
     Args:
         comm: communicator of the matrix.
-        parts: owned global indices of each body, with its block size.
-        modes: near-null vectors of each body, shape (vectors, owned unknowns of the body).
+        blocks: the unknowns of the nest, each in one of them.
     """
 
-    def __init__(
-        self, comm: MPI.Intracomm, parts: Sequence[PETSc.IS], modes: Sequence[FloatArray]
-    ) -> None:
-        self._comm, self._parts, self._modes = comm, list(parts), list(modes)
-        self._blocks: list[list[PETSc.Mat]] = []
+    def __init__(self, comm: MPI.Intracomm, blocks: Sequence[Block]) -> None:
+        self._comm, self._given = comm, list(blocks)
+        self._rows = [block.rows for block in blocks]
+        self._matrices: list[list[PETSc.Mat]] = []
         self.nest: PETSc.Mat | None = None
 
     def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
-        """Take over the entries of a matrix; return the nest, or the block of the only body."""
-        if not self._blocks:
-            self._blocks = [
-                [matrix.createSubMatrix(row, column) for column in self._parts]
-                for row in self._parts
+        """Take over the entries of a matrix; return the nest, or the matrix of the only block."""
+        if not self._matrices:
+            self._matrices = [
+                [matrix.createSubMatrix(row, column) for column in self._rows]
+                for row in self._rows
             ]
-            self._attach_modes(held)
-            if len(self._parts) == 1:
-                return self._blocks[0][0]
-            self.nest = PETSc.Mat().createNest(
-                self._blocks, isrows=self._parts, iscols=self._parts, comm=self._comm
-            )
+            self._attach_modes(held, matrix.getOwnershipRange()[0])
+            if len(self._rows) == 1:
+                return self._matrices[0][0]
+            self.nest = PETSc.Mat().createNest(self._matrices, comm=self._comm)
         else:
-            for row, blocks in zip(self._parts, self._blocks, strict=True):
-                for column, block in zip(self._parts, blocks, strict=True):
+            for row, matrices in zip(self._rows, self._matrices, strict=True):
+                for column, block in zip(self._rows, matrices, strict=True):
                     matrix.createSubMatrix(row, column, block)
             if self.nest is None:
-                return self._blocks[0][0]
+                return self._matrices[0][0]
             self.nest.assemble()
         return self.nest
 
-    def _attach_modes(self, held: BoolArray) -> None:
-        start = 0
-        for b, modes in enumerate(self._modes):
-            block, size = self._blocks[b][b], modes.shape[1]
+    @property
+    def ready(self) -> bool:
+        """Whether the matrices exist."""
+        return bool(self._matrices)
+
+    def _attach_modes(self, held: BoolArray, first: int) -> None:
+        for b, (rows, modes, _) in enumerate(self._given):
+            block, fixed = self._matrices[b][b], held[rows.getIndices() - first]
             vectors = []
             for mode in modes:
                 vector = block.createVecRight()
-                vector.array[:] = np.where(held[start : start + size], 0.0, mode)
+                vector.array[:] = np.where(fixed, 0.0, mode)
                 vectors.append(vector)
-            start += size
-            motions = PETSc.NullSpace().create(vectors=orthonormal(vectors), comm=self._comm)
-            block.setNearNullSpace(motions)
-
-    @property
-    def ready(self) -> bool:
-        """Whether the blocks exist."""
-        return bool(self._blocks)
+            if vectors:
+                kept = orthonormal(vectors)
+                block.setNearNullSpace(PETSc.NullSpace().create(vectors=kept, comm=self._comm))
 
     def split(self, pc: PETSc.PC) -> None:
-        """Make a PC sweep over the bodies one after the other, if there are several."""
+        """Make a PC sweep over the blocks one after the other, if there are several."""
         if self.nest is None:
             return
         pc.setType("fieldsplit")
         pc.setFieldSplitType(PETSc.PC.CompositeType.MULTIPLICATIVE)
-        pc.setFieldSplitIS(*((str(b), part) for b, part in enumerate(self.nest.getNestISs()[0])))
+        pc.setFieldSplitIS(*((str(b), rows) for b, rows in enumerate(self.nest.getNestISs()[0])))
 
     def destroy(self) -> None:
-        """Free the blocks."""
+        """Free the matrices."""
         if self.nest is not None:
             self.nest.destroy()
-        for block in (block for blocks in self._blocks for block in blocks):
+        for block in (block for matrices in self._matrices for block in matrices):
             block.destroy()
 
 
-def bodywise_options(bodies: int) -> dict[str, object]:
-    """Return the options of one multiplicative sweep of multigrid over bodies, or of the one."""
-    if bodies == 1:
-        return dict(MULTIGRID)
-    options: dict[str, object] = {
-        "ksp_type": "preonly",
-        "pc_type": "fieldsplit",
-    }
-    for b in range(bodies):
-        options |= {f"fieldsplit_{b}_{name}": value for name, value in MULTIGRID.items()}
+def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
+    """Return the options of one multiplicative sweep over blocks, or of the only block."""
+    if len(blocks) == 1:
+        return dict(blocks[0].options)
+    options: dict[str, object] = {"ksp_type": "preonly", "pc_type": "fieldsplit"}
+    for b, block in enumerate(blocks):
+        options |= {f"fieldsplit_{b}_{name}": value for name, value in block.options.items()}
     return options
 
 
-class BodywiseMultigrid:
-    """One multiplicative sweep over the bodies, each by algebraic multigrid, on a MatNest.
+class BlockSweep:
+    """One multiplicative sweep over blocks, each with a solver of its own, on a MatNest.
 
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
-        parts: owned global indices of each body, with its block size.
-        modes: near-null vectors of each body, shape (vectors, owned unknowns of the body).
+        blocks: all unknowns, each in one of them.
     """
 
-    def __init__(
-        self,
-        comm: MPI.Intracomm,
-        prefix: str,
-        parts: Sequence[PETSc.IS],
-        modes: Sequence[FloatArray],
-    ) -> None:
-        self.defaults: Mapping[str, object] = bodywise_options(len(parts))
+    def __init__(self, comm: MPI.Intracomm, prefix: str, blocks: Sequence[Block]) -> None:
+        self.defaults: Mapping[str, object] = sweep_options(blocks)
         self.most_changed, self.is_exact = MOST_CHANGED, False
-        self._blocks = BodyBlocks(comm, parts, modes)
+        self._blocks = Blocks(comm, blocks)
+        self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
+        self._work: list[PETSc.Vec] = []
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
 
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
-        """Split the matrix into its blocks and build the multigrid hierarchies."""
+        """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
         self._ksp.setOperators(self._blocks.update(matrix, held))
         if first:
+            self._work = [matrix.createVecRight() for _ in range(2)]
             self._blocks.split(self._ksp.pc)
             self._ksp.setFromOptions()
         self._ksp.setUp()
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the result of one sweep for b."""
-        self._ksp.solve(b, x)
+        right, solution = self._work
+        own = self._numbers - b.getOwnershipRange()[0]
+        right.array[:] = b.array_r[own]
+        self._ksp.solve(right, solution)
+        x.array[own] = solution.array_r
 
     def destroy(self) -> None:
-        """Free the hierarchies and blocks."""
+        """Free the solvers and blocks."""
+        self._ksp.destroy()
+        self._blocks.destroy()
+        for vector in self._work:
+            vector.destroy()
+
+
+class BlockSolver:
+    """Solves for one block of a system, where all other unknowns are held.
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        block: the unknowns that are not held.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, prefix: str, block: Block) -> None:
+        self.defaults: Mapping[str, object] = block.options
+        self.most_changed = MOST_CHANGED
+        self.is_exact = block.options is FACTORS
+        self._rows, self._blocks = block.rows, Blocks(comm, [block])
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Take the block out of the matrix and set up its solver."""
+        first = not self._blocks.ready
+        self._ksp.setOperators(self._blocks.update(matrix, held))
+        if first:
+            self._ksp.setFromOptions()
+        self._ksp.setUp()
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to about the solution of the block for b, zero elsewhere."""
+        x.set(0.0)
+        right, solution = b.getSubVector(self._rows), x.getSubVector(self._rows)
+        self._ksp.solve(right, solution)
+        b.restoreSubVector(self._rows, right)
+        x.restoreSubVector(self._rows, solution)
+
+    def destroy(self) -> None:
+        """Free the solver and the block."""
         self._ksp.destroy()
         self._blocks.destroy()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,8 +20,19 @@ TREATMENTS = {
     "multipliers": Treatment.READ,
     "penalty": Treatment.READ,
     "augmented-lagrangian": Treatment.READ,
+    "block-iterative": Treatment.READ,
 }
 """What the coordinates make of the pairs, by method."""
+
+
+COMMON_NUMBERS = (
+    "augmentation",
+    "augmentations",
+    "blocks",
+    "block_solver",
+    "block_iterations",
+)
+"""What belongs to a method, not to an interface."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +48,11 @@ class Contact:
         augmentation: "iteration" updates multipliers after every Newton iteration, "loop" after
             those that balance.
         augmentations: updates in one solve, at most.
+        blocks: of the block-iterative method: "bodies", or "interface" for the interiors of the
+            bodies and then all nodes of interfaces.
+        block_solver: "iteration" sweeps over the blocks, "preconditioner" lets a Krylov method do.
+        block_iterations: sweeps of one solve, at most.
+        fallback: methods that take over for a step in which the one before has failed.
     """
 
     secondary: str
@@ -46,6 +62,10 @@ class Contact:
     penalty: float | None = None
     augmentation: str = "loop"
     augmentations: int = 30
+    blocks: str = "bodies"
+    block_solver: str = "iteration"
+    block_iterations: int = 50
+    fallback: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -70,12 +90,29 @@ def common_method(contacts: Sequence[Contact]) -> str:
             f"contact methods {', '.join(sorted(methods))} in one case; use the same for all "
             "interfaces (tied ones may differ)"
         )
-    for name in ("augmentation", "augmentations"):
-        values = {getattr(c, name) for c in contacts if c.method == "augmented-lagrangian"}
+    for name in COMMON_NUMBERS:
+        values = {getattr(c, name) for c in contacts if c.method in methods}
         if len(values) > 1:
             found = ", ".join(str(value) for value in sorted(values))
             raise CaseError(f"contact.{name} {found} in one case; use the same for all interfaces")
     return next(iter(methods), "condensed")
+
+
+def fallbacks(contacts: Sequence[Contact]) -> list[tuple[str, list[Contact]]]:
+    """Return the methods that take over one after the other, and the interfaces with them.
+
+    Raises:
+        CaseError: the interfaces name different ones.
+    """
+    named = {c.fallback for c in contacts if c.method not in ("tied", "rigid")}
+    if len(named) > 1:
+        found = " and ".join(str(list(names)) for names in sorted(named))
+        raise CaseError(f"contact.fallback {found} in one case; use the same for all interfaces")
+    methods = next(iter(named), ())
+    return [
+        (name, [c if c.method == "tied" else replace(c, method=name) for c in contacts])
+        for name in methods
+    ]
 
 
 def body_problem(method: str, secondary: str, primary: str, rigid: Collection[str]) -> str:

@@ -18,11 +18,21 @@ from castx.units import LENGTH, PENALTY
 
 _LENGTHS = Quantity(LENGTH)
 _ALONG = ("x", "y", "z", "r")
-_WITH_PENALTY = ("penalty", "augmented-lagrangian")
+_WITH_PENALTY = ("penalty", "augmented-lagrangian", "block-iterative")
+_FALLBACKS = (
+    "condensed",
+    "multipliers",
+    "penalty",
+    "augmented-lagrangian",
+    "block-iterative",
+)
 _METHODS_WITH = {
     "penalty": _WITH_PENALTY,
     "augmentation": ("augmented-lagrangian",),
     "augmentations": ("augmented-lagrangian",),
+    "blocks": ("block-iterative",),
+    "block_solver": ("block-iterative",),
+    "block_iterations": ("block-iterative",),
 }
 
 
@@ -76,12 +86,29 @@ def _penalty(value: Any) -> float | str:
         raise CaseError(f'{error}, or "auto"') from None
 
 
+def _fallback(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or len(value) > len(_FALLBACKS):
+        raise CaseError(f"a list of methods is needed; {among('', _FALLBACKS)}")
+    for index, name in enumerate(value):
+        try:
+            Choice(_FALLBACKS).read(name)
+        except CaseError as error:
+            raise refuse(str(error), index) from None
+        if name in value[:index]:
+            raise refuse("is there already", index)
+    return tuple(value)
+
+
 class Contact(Description):
     """How two bodies touch, and the gap they start with.
 
     `penalty` [Pa/m] belongs to the methods that have one, by default "auto": by the present
     stiffness of the softer side. The augmented Lagrangian method updates its multipliers at most
     `augmentations` times in a solve, after every "iteration" or in a "loop" round the iteration.
+    The block-iterative method sweeps at most `block_iterations` times over the `blocks`, the
+    "bodies" or their interiors and the "interface", and goes on with the state it has reached; as
+    a "preconditioner" one sweep stands for the inverse of the matrix. The methods of `fallback`
+    take over one after the other for a step in which those before have failed.
     """
 
     method: Annotated[
@@ -93,10 +120,10 @@ class Contact(Description):
                 "penalty",
                 "augmented-lagrangian",
                 "rigid",
+                "block-iterative",
                 "tied",
                 "none",
             ),
-            ("block-iterative",),
         ),
     ] = "condensed"
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
@@ -108,13 +135,21 @@ class Contact(Description):
     penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
     augmentation: Annotated[str, Choice(("iteration", "loop"))] = "loop"
     augmentations: Annotated[int, Whole(0, 10_000)] = 30
-    fallback: Annotated[Any, NotYet([])] = ()
+    blocks: Annotated[str, Choice(("bodies", "interface"))] = "bodies"
+    block_solver: Annotated[str, Choice(("iteration", "preconditioner"))] = "iteration"
+    block_iterations: Annotated[int, Whole(1, 100_000)] = 50
+    fallback: Annotated[tuple[str, ...], PlainValidator(_fallback)] = ()
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield numbers that the method does not use."""
+        used = {self.method, *self.fallback}
         for key, methods in _METHODS_WITH.items():
-            if key in self.model_fields_set and self.method not in methods:
+            if key in self.model_fields_set and not used.intersection(methods):
                 yield Problem((key,), f"the method {self.method!r} does not use it; {_users(key)}")
+        if self.fallback and self.method in ("rigid", "tied", "none"):
+            yield Problem(("fallback",), f"the method {self.method!r} has none; leave it out")
+        if self.method in self.fallback:
+            yield Problem(("fallback",), f"begins with the method {self.method!r} itself")
         if "initial_gap" in self.model_fields_set and self.method == "tied":
             yield Problem(("initial_gap",), "the method 'tied' has no gap; leave it out")
 

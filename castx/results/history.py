@@ -17,6 +17,9 @@ COUNTERS = (
     "passes",
     "cutbacks",
     "wall",
+    "frozen_pairs",
+    "unbalanced",
+    "fallbacks",
 )
 BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "power")
 INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")

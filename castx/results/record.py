@@ -26,6 +26,9 @@ SUMMED = (
     "heat_iterations",
     "mechanics_iterations",
     "contact_changes",
+    "frozen_pairs",
+    "unbalanced",
+    "fallbacks",
 )
 
 

@@ -9,10 +9,9 @@ import pytest
 
 from castx.building import build_problem, law_above_solidus, step_settings
 from castx.case import read_case
-from castx.contact.choice import Contact
+from castx.contact.choice import Contact, common_method
 from castx.errors import CaseError, MeshError
 from castx.materials import find_material
-from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh_source import gmsh_session
 from castx.meshes.ring import core_in_ring
 from tests import coupled_cases
@@ -192,9 +191,9 @@ def test_solver_options_reach_their_solvers(comm):
     problem = coupled_cases.simulation(comm, data).problem
     assert problem.heat._solver.snes.getTolerances()[3] == 33
     equilibrium = problem.mechanics.equilibrium
-    assert equilibrium._solver.snes.getTolerances()[3] == 34
-    assert equilibrium._solver.options["bodies_mat_mumps_icntl_14"] == 35
-    assert equilibrium._balance._forces_in_bodies._tolerance == 1e-7
+    assert equilibrium._procedure._solver.snes.getTolerances()[3] == 34
+    assert equilibrium._procedure._solver.options["bodies_mat_mumps_icntl_14"] == 35
+    assert equilibrium.balance._forces_in_bodies._tolerance == 1e-7
 
 
 def test_coupling_numbers_reach_the_coupling(comm):
@@ -208,8 +207,8 @@ def test_support_can_be_switched_off(comm):
     data = changed(base(), "support.mode", "none")
     problems = [coupled_cases.simulation(comm, case).problem for case in (data, base())]
     without, supported = (problem.mechanics.equilibrium for problem in problems)
-    assert without._balance._floating is None
-    assert supported._balance._floating is not None
+    assert without.balance._floating is None
+    assert supported.balance._floating is not None
 
 
 def test_unknown_surface_of_a_file_is_refused(comm, shared_tmp_path):
@@ -248,7 +247,7 @@ def test_the_law_above_the_solidus_is_named():
 def test_methods_of_contact_cannot_be_mixed():
     contacts = [Contact("a", "b", "condensed"), Contact("a", "c", "multipliers")]
     with pytest.raises(CaseError, match="condensed, multipliers"):
-        MechanicalProblem(None, {}, {}, contacts, MechanicsSettings())
+        common_method(contacts)
 
 
 def test_initial_gap_at_the_pairs(comm):

@@ -65,13 +65,17 @@ class FakeMechanics:
         self.bodies = {"casting": self}
         self.equilibrium = self
         self.commits = self.rewinds = 0
+        self.active = SimpleNamespace(frozen_pairs=lambda: 3)
+        self.fallbacks, self.balanced = 2, False
         self.dissipated_fraction = 0.0
 
     def update_state(self, temperature, solid_fraction, step) -> None:
         self.state = float(temperature[0])
 
     def solve(self, time) -> SimpleNamespace:
-        return SimpleNamespace(iterations=1, linear_iterations=1, contact_changes=0)
+        return SimpleNamespace(
+            iterations=1, linear_iterations=1, contact_changes=0, balanced=self.balanced
+        )
 
     def contact_states(self):
         gap, none = np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
@@ -118,7 +122,8 @@ def test_iterated_gap_is_self_consistent(slope):
     assert heat.given[-1][0][1] == pytest.approx([1.0 + gap], rel=1e-9)
     assert report.passes == len(heat.given) < 15
     assert report.heat_iterations == 2 * report.passes
-    assert report.mechanics_iterations == report.passes
+    assert report.mechanics_iterations == report.passes == report.unbalanced
+    assert (report.frozen_pairs, report.fallbacks) == (3, 2)
 
 
 def test_first_guess_extrapolates_the_gap():
@@ -241,7 +246,7 @@ def test_failed_step_leaves_no_trace(comm, case, failure):
             spoilt.heat._solver.snes.max_it = 1
             spoilt.advance(0.5, 20.0, 1)
         else:
-            snes = spoilt.mechanics.equilibrium._solver.snes
+            snes = spoilt.mechanics.equilibrium._procedure._solver.snes
             snes.max_it, kept = 0, snes.max_it
             spoilt.advance(0.5, 20.0, 1)
     spoilt.rewind()

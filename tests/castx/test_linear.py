@@ -51,7 +51,7 @@ def dense_operator(comm, made: MechanicalProblem) -> np.ndarray:
         x.set(0.0)
         if first <= j < last:
             x.array[j - first] = 1.0
-        equilibrium._balance.operator.mult(None, x, y)
+        equilibrium.balance.operator.mult(None, x, y)
         columns.append(everywhere(comm, y.array_r.copy()))
     return np.array(columns).T
 
@@ -60,19 +60,19 @@ def dense_operator(comm, made: MechanicalProblem) -> np.ndarray:
 def test_springs_and_held_unknowns_are_eliminated_exactly(comm, method):
     made = floating_block(comm, method)
     equilibrium = made.equilibrium
-    assert len(equilibrium._balance.operator.support.motions) == 1
-    preconditioner = equilibrium._preconditioner
+    assert len(equilibrium.balance.operator.support.motions) == 1
+    preconditioner = equilibrium._procedure._preconditioner.chosen
     preconditioner.discard()
     preconditioner.refresh(0)
     r, z = equilibrium.x.duplicate(), equilibrium.x.duplicate()
     first, last = r.getOwnershipRange()
     r.array[:] = np.cos(0.9 * np.arange(first, last))
-    preconditioner.apply(None, r, z)
+    preconditioner.apply(r, z)
     expected = np.linalg.solve(dense_operator(comm, made), everywhere(comm, r.array_r.copy()))
     found = everywhere(comm, z.array_r.copy())
     np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
-    held = everywhere(comm, equilibrium._balance.operator.held)
-    stiffness = equilibrium._balance.operator.stiffness
+    held = everywhere(comm, equilibrium.balance.operator.held)
+    stiffness = equilibrium.balance.operator.stiffness
     np.testing.assert_allclose(
         found[held], everywhere(comm, r.array_r.copy())[held] / stiffness, rtol=1e-12
     )
@@ -81,7 +81,7 @@ def test_springs_and_held_unknowns_are_eliminated_exactly(comm, method):
 def test_operator_holds_and_supports(comm):
     """Held rows are those of the identity; the springs act on the floating motion alone."""
     made = floating_block(comm)
-    A, operator = dense_operator(comm, made), made.equilibrium._balance.operator
+    A, operator = dense_operator(comm, made), made.equilibrium.balance.operator
     held = everywhere(comm, operator.held)
     identity = operator.stiffness * np.eye(len(A))
     np.testing.assert_array_equal(A[held], identity[held])
@@ -96,7 +96,7 @@ def test_operator_holds_and_supports(comm):
 
 def test_masked_matrix_keeps_the_rest(comm):
     made = floating_block(comm)
-    A = made.equilibrium._balance.operator.matrix
+    A = made.equilibrium.balance.operator.matrix
     first, last = A.getOwnershipRange()
     held = np.arange(first, last) % 3 == 0
 

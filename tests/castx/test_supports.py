@@ -27,7 +27,7 @@ METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
 
 def found(made):
     """Return the support of a problem after its solution."""
-    return made.equilibrium._balance.operator.support
+    return made.equilibrium.balance.operator.support
 
 
 def free_block(comm, model="plane-strain", **load):

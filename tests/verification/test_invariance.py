@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.equilibrium import EquilibriumReport
 from castx.mechanical_problem import MechanicalProblem
 from castx.meshes import GENERATORS
+from castx.newton import EquilibriumReport
 from tests.elastic_bodies import (
     body,
     drawn,
@@ -134,7 +134,7 @@ def solved(
 def assert_same(comm, found: Solved, expected: Solved, tolerance: float) -> None:
     points, forces = expected.forces(comm)
     assert 0 < np.count_nonzero(forces) < len(forces)
-    assert found.made.equilibrium._balance.operator.support is not None
+    assert found.made.equilibrium.balance.operator.support is not None
     np.testing.assert_allclose(found.forces(comm)[0], points, atol=1e-9)
     np.testing.assert_allclose(found.forces(comm)[1], forces, atol=tolerance * forces.max())
     for name in expected.made.bodies:

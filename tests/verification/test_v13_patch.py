@@ -32,7 +32,13 @@ MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
 FORMULATIONS = (("mixed", "osgs"), ("mixed", "gls"), ("displacement", "osgs"))
 
 
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian")
+METHODS = {
+    "condensed": {},
+    "multipliers": {},
+    "penalty": {},
+    "augmented-lagrangian": {},
+    "block-iterative": {"block_solver": "preconditioner"},
+}
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -48,7 +54,7 @@ def test_pressure_is_uniform_and_displacement_exact(
     )
     made = problem(
         blocks(comm, model), bodies, {"base": [fixed("bottom")]},
-        [Contact("upper", "base", method)],
+        [Contact("upper", "base", method, **METHODS[method])],
     )  # fmt: skip
     made.equilibrium.solve(0.0)
 
@@ -66,3 +72,18 @@ def test_pressure_is_uniform_and_displacement_exact(
     if model == "plane-strain":
         assert expected == pytest.approx(-6.365e-5, rel=1e-12)
     assert made.equilibrium.support_force() < 1e-8 * PRESSURE * HEIGHT
+
+
+def test_bodies_in_turn_pass_it_too(comm):
+    """A soft penalty, since the upper block stands on its springs alone and the sweeps are slow."""
+    bodies = {
+        "upper": body(elastic(YOUNG["upper"], POISSON), loads=(pushed("top", PRESSURE),)),
+        "base": body(elastic(YOUNG["base"], POISSON)),
+    }
+    contact = Contact("upper", "base", "block-iterative", penalty=1e11, block_iterations=2000)
+    made = problem(blocks(comm, size=0.01), bodies, {"base": [fixed("bottom")]}, [contact])
+    assert made.equilibrium.solve(0.0).balanced
+    np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
+    top = np.abs(places(made, "base")[:, 1]) < 1e-9
+    expected = -PRESSURE * HEIGHT * (1 - POISSON**2) / YOUNG["base"]
+    np.testing.assert_allclose(everywhere(comm, motion(made, "base")[top, 1]), expected, rtol=1e-8)

@@ -44,7 +44,10 @@ def test_what_asks_for_nothing_is_accepted():
     "contact, text",
     [
         ({"method": "condensd"}, r'method: unknown.*did you mean "condensed"\?'),
-        ({"method": "block-iterative"}, "method: not available yet"),
+        ({"method": "penalty", "blocks": "bodies"}, "blocks: the method 'penalty' does not use it"),
+        ({"method": "block-iterative", "blocks": "nodes"}, "blocks: unknown"),
+        ({"method": "block-iterative", "block_solver": "direct"}, "block_solver: unknown"),
+        ({"method": "block-iterative", "block_iterations": 0}, "block_iterations: a whole number"),
         ({"penalty": "auto"}, "penalty: the method 'condensed' does not use it; methods that do"),
         ({"method": "penalty", "penalty": 0}, "penalty: must be positive"),
         ({"method": "penalty", "penalty": "1 GPa"}, 'not a unit of pressure per length.*or "auto"'),
@@ -56,7 +59,11 @@ def test_what_asks_for_nothing_is_accepted():
         ({"normals": "patches"}, "normals: not available yet"),
         ({"normals": "primary"}, "normals: not available yet"),
         ({"friction": 0.2}, "friction: not available yet"),
-        ({"fallback": ["penalty"]}, "fallback: not available yet"),
+        ({"fallback": "penalty"}, "fallback: a list of methods is needed"),
+        ({"fallback": ["tied"]}, r"fallback\[0\]: unknown; allowed: condensed, multipliers"),
+        ({"fallback": ["penalty", "penalty"]}, r"fallback\[1\]: is there already"),
+        ({"fallback": ["condensed"]}, "fallback: begins with the method 'condensed' itself"),
+        ({"method": "rigid", "fallback": ["penalty"]}, "fallback: the method 'rigid' has none"),
         ({"initial_gap": "1 s"}, "initial_gap: 's' is not a unit of length"),
         ({"initial_gap": {"along": "x"}}, "initial_gap.table: missing; both along and table"),
         (
@@ -73,6 +80,11 @@ def test_what_asks_for_nothing_is_accepted():
 def test_refused_contact(contact, text):
     with pytest.raises(Refusal, match=text):
         Contact.read(contact)
+
+
+def test_numbers_of_a_fallback_are_accepted():
+    contact = Contact.read({"fallback": ["block-iterative"], "penalty": 1e12, "blocks": "bodies"})
+    assert (contact.fallback, contact.penalty) == (("block-iterative",), 1e12)
 
 
 def test_penalties_carry_units():

@@ -117,7 +117,7 @@ def test_gap_matrix_of_planes(comm):
 
 def test_condensed_matrix_against_dense_products(comm):
     made = ring(comm, "condensed")
-    contact, assembly = made.equilibrium._balance.contact, made.equilibrium._balance.assembly
+    contact, assembly = made.equilibrium.balance.contact, made.equilibrium.balance.assembly
     assert isinstance(contact, CondensedContact)
     A, P = assembly.matrix(), contact._P
 
@@ -150,10 +150,10 @@ def test_jacobian_against_differences_of_the_residual(comm, method):
         equilibrium.x.copy(x)
         x.axpy(sign, direction)
         f = x.duplicate()
-        equilibrium._residual(None, x, f)
+        equilibrium.balance.residual(x, f)
         results.append(f.array_r.copy())
     product = x.duplicate()
-    equilibrium._balance.operator.mult(None, direction, product)
+    equilibrium.balance.operator.mult(None, direction, product)
     difference = (results[0] - results[1]) / 2
     scale = comm.allreduce(np.abs(difference).max(initial=0.0), op=max)
     np.testing.assert_allclose(difference, product.array_r, atol=1e-6 * scale)

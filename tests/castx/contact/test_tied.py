@@ -78,7 +78,7 @@ def test_iterative_solver_agrees(comm):
 def test_tie_against_dense_multipliers(comm):
     """The solution is that of [A Cᵀ; C 0] with a row u_upper - u_base for each direction."""
     made = tower(comm, stabilisation="gls")
-    assembly = made.equilibrium._balance.assembly
+    assembly = made.equilibrium.balance.assembly
     A = assembly.matrix().convert("dense").getDenseArray()
     found = assembly.unknowns.array_r.copy()
     assembly.unknowns.set(0.0)

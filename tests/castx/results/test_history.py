@@ -47,7 +47,8 @@ def test_one_line_per_step_with_all_digits(tmp_path):
     series = read_series(tmp_path / "history.csv")
     assert list(series) == [
         *("time", "step", "heat_iterations", "mechanics_iterations", "contact_changes", "passes"),
-        *("cutbacks", "wall", "casting.enthalpy", "energy_error"),
+        *("cutbacks", "wall", "frozen_pairs", "unbalanced", "fallbacks"),
+        *("casting.enthalpy", "energy_error"),
     ]
     assert series["energy_error"].tolist() == [1e-9 / 3.0] * 2
     assert series["passes"].tolist() == [2.0, 2.0] and series["cutbacks"].tolist() == [1.0, 1.0]

@@ -1,0 +1,102 @@
+"""Block-iterative contact: the penalty solution in turn from bodies or interface and interiors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.choice import Contact
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    gaps,
+    motion,
+    pressures,
+    problem,
+)
+
+SOFT, STIFF = (1e9, 0.3), (1e10, 0.3)
+
+
+def pressed(comm, method="block-iterative", size=0.005, **settings):
+    """Return two blocks, the upper one pressed down on a wider base, and the report."""
+    contact = {name: settings.pop(name) for name in list(settings) if name in CONTACT}
+    bodies = {"upper": body(elastic(*SOFT)), "base": body(elastic(*STIFF))}
+    held = {"base": [fixed("bottom")], "upper": [fixed("top", value=-1e-4)]}
+    mesh = blocks(comm, base=(0.04, 0.02), size=size)
+    made = problem(mesh, bodies, held, [Contact("upper", "base", method, **contact)], **settings)
+    return made, made.equilibrium.solve(0.0)
+
+
+CONTACT = ("penalty", "blocks", "block_solver", "block_iterations")
+
+
+@pytest.mark.parametrize("linear", ["direct", "iterative"])
+@pytest.mark.parametrize("block_solver", ["iteration", "preconditioner"])
+@pytest.mark.parametrize("form", ["bodies", "interface"])
+def test_every_form_ends_at_the_penalty_solution(comm, form, block_solver, linear):
+    expected = pressed(comm, "penalty", penalty=1e12)[0]
+    made, report = pressed(
+        comm, penalty=1e12, blocks=form, block_solver=block_solver, block_iterations=1000,
+        linear=linear, tolerance=1e-10,
+    )  # fmt: skip
+    assert report.balanced
+    assert bool(report.sweeps) == (block_solver == "iteration")
+    p = pressures(comm, expected)
+    np.testing.assert_allclose(pressures(comm, made), p, atol=1e-6 * p.max())
+    np.testing.assert_allclose(gaps(comm, made), gaps(comm, expected), atol=1e-12)
+    for name in made.bodies:
+        u = everywhere(comm, motion(expected, name)[:, :2])
+        found = everywhere(comm, motion(made, name)[:, :2])
+        np.testing.assert_allclose(found, u, atol=1e-6 * np.abs(u).max())
+
+
+def sweeps(comm, **changes) -> int:
+    report = pressed(comm, tolerance=1e-3, block_iterations=1000, **changes)[1]
+    assert report.balanced
+    return len(report.sweeps)
+
+
+def test_sweeps_over_bodies_depend_on_the_penalty_and_not_on_the_mesh(comm):
+    """Each sweep leaves the share ε/(ε + k) of the error, k the stiffness of the bodies."""
+    soft, hard, fine = (
+        sweeps(comm, penalty=penalty, size=size)
+        for penalty, size in ((1e12, 0.005), (1e13, 0.005), (1e13, 0.0025))
+    )
+    assert hard > 5 * soft > 5
+    assert fine == pytest.approx(hard, rel=0.2)
+
+
+def test_sweeps_over_interface_and_interiors_depend_on_the_mesh_and_not_on_the_penalty(comm):
+    """The literal reading of the paper's system: errors pass from node to node."""
+    soft, hard, fine = (
+        sweeps(comm, penalty=penalty, size=size, blocks="interface")
+        for penalty, size in ((1e12, 0.005), (1e13, 0.005), (1e13, 0.0025))
+    )
+    assert hard == pytest.approx(soft, rel=0.3)
+    assert fine > 1.4 * hard
+
+
+@pytest.mark.parametrize("form", ["bodies", "interface"])
+def test_an_early_stop_leaves_a_state_to_go_on_from(comm, form):
+    """Its residual shrinks from sweep to sweep, and the next solve starts where this one ended."""
+    made, report = pressed(comm, penalty=1e13, blocks=form, block_iterations=6, tolerance=1e-6)
+    assert not report.balanced
+    assert len(report.sweeps) == 6
+    ends = [report.residuals[place - 1] for place in report.sweeps[1:]] + [report.residuals[-1]]
+    assert ends[-1] < 0.9 * ends[0]
+    made.equilibrium.commit()
+    before = report.residuals[-1]
+    following = made.equilibrium.solve(1.0)
+    assert following.residuals[0] <= before * (1 + 1e-9)
+    assert following.residuals[-1] < before
+
+
+def test_each_block_ends_quadratically(comm):
+    """Within a block Newton's method is exact for elastic bodies once its pairs are known."""
+    _, report = pressed(comm, penalty=1e12, tolerance=1e-8, block_iterations=3)
+    first = report.residuals[report.sweeps[1] : report.sweeps[2]]
+    assert min(first) < 1e-6 * first[0]
