@@ -11,7 +11,7 @@ part, since neither gap nor pressure change it.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mpi4py import MPI
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from castx.conductance import PairState
 from castx.coupled_interface import CoupledInterface, InterfaceState
+from castx.coupled_report import CoupledReport
 from castx.dissipation import Dissipation
 from castx.errors import ConvergenceError
 from castx.mechanical_problem import MechanicalProblem
@@ -35,35 +36,6 @@ from castx.saved import (
 )
 from castx.tables import FloatArray
 from castx.temperatures import Temperatures
-
-
-@dataclass(frozen=True)
-class CoupledReport:
-    """What one coupled step took.
-
-    Attributes:
-        passes: solutions of heat and mechanics.
-        heat_iterations: Newton iterations of the heat problem, all passes.
-        mechanics_iterations: those of the equilibrium.
-        linear_iterations: linear iterations of the equilibrium.
-        contact_changes: pairs that opened or closed.
-        frozen_pairs: pairs that chattered and were frozen, at the end.
-        unbalanced: equilibria that a block iteration left before they balanced.
-        fallbacks: contact methods that failed before the one that served.
-        temperature_change: of the fastest node [K].
-        solid_fraction_change: likewise.
-    """
-
-    passes: int = 0
-    heat_iterations: int = 0
-    mechanics_iterations: int = 0
-    linear_iterations: int = 0
-    contact_changes: int = 0
-    frozen_pairs: int = 0
-    unbalanced: int = 0
-    fallbacks: int = 0
-    temperature_change: float = 0.0
-    solid_fraction_change: float = 0.0
 
 
 class CoupledProblem:
@@ -136,7 +108,7 @@ class CoupledProblem:
         relaxation = Relaxation(self.comm)
         total = CoupledReport()
         for _ in range(self._most_passes):
-            total = _sum(total, self._pass(time, step, substeps, guess))
+            total = total.followed_by(self._pass(time, step, substeps, guess))
             felt = self._felt(self.states)
             found = self.heat.resistances(felt)
             self.states = [
@@ -310,20 +282,6 @@ def _largest_change(comm: MPI.Intracomm, found: FloatArray, tried: FloatArray) -
     if (np.isfinite(found) != np.isfinite(tried)).any():
         change = np.array([np.inf])
     return float(comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
-
-
-def _sum(a: CoupledReport, b: CoupledReport) -> CoupledReport:
-    return CoupledReport(
-        a.passes + b.passes,
-        a.heat_iterations + b.heat_iterations,
-        a.mechanics_iterations + b.mechanics_iterations,
-        a.linear_iterations + b.linear_iterations,
-        a.contact_changes + b.contact_changes,
-        b.frozen_pairs,
-        a.unbalanced + b.unbalanced,
-        b.fallbacks,
-        b.temperature_change,
-    )
 
 
 def _concatenated(parts: Sequence[FloatArray]) -> FloatArray:

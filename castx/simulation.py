@@ -14,7 +14,8 @@ import numpy as np
 from castx.building import build_problem, step_settings
 from castx.case import Case
 from castx.conductance import ConductionLaw
-from castx.coupling import CoupledProblem, CoupledReport
+from castx.coupled_report import CoupledReport
+from castx.coupling import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.mesh import CastingMesh, build_mesh
 from castx.pairs import NodePairs, node_pairs

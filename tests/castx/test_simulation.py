@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.coupling import CoupledProblem, CoupledReport
+from castx.coupled_report import CoupledReport
+from castx.coupling import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.simulation import MOST_SUBSTEPS, Simulation
 from castx.steps import StepSettings

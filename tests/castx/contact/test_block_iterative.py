@@ -60,6 +60,7 @@ def sweeps(comm, **changes) -> int:
     return len(report.sweeps)
 
 
+@pytest.mark.serial
 def test_sweeps_over_bodies_depend_on_the_penalty_and_not_on_the_mesh(comm):
     """Each sweep leaves the share ε/(ε + k) of the error, k the stiffness of the bodies."""
     soft, hard, fine = (
@@ -70,6 +71,7 @@ def test_sweeps_over_bodies_depend_on_the_penalty_and_not_on_the_mesh(comm):
     assert fine == pytest.approx(hard, rel=0.2)
 
 
+@pytest.mark.serial
 def test_sweeps_over_interface_and_interiors_depend_on_the_mesh_and_not_on_the_penalty(comm):
     """The literal reading of the paper's system: errors pass from node to node."""
     soft, hard, fine = (
