@@ -54,6 +54,7 @@ def test_a_rigid_mould_neither_moves_nor_bears_stress(comm, expected):
     assert not nodal(state, "mould", "displacement").any()
     assert not state.cellwise("mould", "stress").any()
     assert not state.cellwise("mould", "von_mises").any()
+    assert not state.cellwise("mould", "plastic_strain").any()
     assert not state.nodal("mould", "pressure").any()
     gap, elastic = (paired(s, "casting/mould", "gap") for s in (state, expected))
     assert 0.0 < gap.mean() < 0.5 * elastic.mean()
