@@ -64,16 +64,41 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+# All that an interface and a surface can have, in one case.
+LAWS = cylinder(BRIEF)
+LAWS["interfaces"][0]["heat"] = {
+    "law": "series", "roughness": [3e-5, 1e-5], "coating": {"thickness": 1e-4, "conductivity": 0.6},
+    "gas_conductivity": {"over": "temperature", "table": [[0, 0.025], [1000, 0.08]]},
+    "pressure": {"hardness": 1e9, "exponent": 0.8}, "transition": 1e-5,
+    "radiation": {"emissivities": [0.3, 0.8]},
+    "patches": [
+        {"within": {"z": [0.0, 0.02]}, "law": "limited", "gas_conductivity": 0.05,
+         "closed": {"over": "temperature", "table": [[200, 1000], [660, 2500]], "of": "mean"}},
+        {"within": {"z": [0.05, 0.06]}, "law": "solid-fraction", "closed": 2000, "open": 300},
+    ],
+}  # fmt: skip
+FILM = {"over": "temperature", "table": [[20, 200], [300, 900]]}
+LAWS["boundaries"] += [
+    {"on": "mould/outside", "heat": [
+        {"type": "convection", "coefficient": FILM, "ambient": [[0, 20], [6, 60]]},
+        {"type": "radiation", "emissivity": 0.9, "ambient": 20},
+    ]},
+    {"on": "casting/top", "heat": {"type": "radiation", "emissivity": 0.2, "ambient": 20}},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*CASES, "laws"])
 def test_energy_and_interface_heat(comm, name):
     """Checks 1 and 2, at the default tolerances."""
-    state = final_state(comm, CASES[name])
+    state = final_state(comm, LAWS if name == "laws" else CASES[name])
     (interface,) = state.pairs
     secondary, primary = interface.split("/")
     totals = state.totals
     assert totals["energy_error"] < 1e-6
     crossed = totals[f"{interface}.heat"]
-    outside = sum(v for k, v in totals.items() if k.startswith(f"{primary}/") and "heat" in k)
+    outside = sum(
+        v for k, v in totals.items() if k.startswith(f"{primary}/") and k.endswith(".heat")
+    )
     assert crossed > 0
     assert totals[f"{primary}.heat_in"] == pytest.approx(crossed + outside, rel=1e-10)
     lost = sum(v for k, v in totals.items() if k.startswith(f"{secondary}/")
@@ -214,6 +239,7 @@ TIGHT_CASES = {
     "quarter": cylinder(TIGHT, SHORT, **QUARTER),
     "ring": ring(TIGHT, BRIEF),
     "blocks": blocks(TIGHT, SHORT),
+    "laws": merged(LAWS, merged(TIGHT, SHORT)),
 }
 
 
