@@ -38,6 +38,7 @@ class ForceBalance:
         self._parts = [layout.local_slice(k) for k in range(len(layout.block_sizes))]
         self._comm = layout.comm
         self._targets: FloatArray = np.zeros(len(self._parts))
+        self._length = max(body.length for body in assembly.bodies)
         self.weakest = 0.0
 
     def update(self, x: PETSc.Vec, diagonal: FloatArray) -> None:
@@ -46,8 +47,10 @@ class ForceBalance:
         forces = np.maximum(forces, BODY_SHARE * forces.max())
         self.weakest = float(forces.min())
         rest = np.full(len(self._parts) - len(forces), self.weakest)
-        # Of all rows together: linear solves mix them.
-        rounding = ROUNDING * np.linalg.norm(self._norms(diagonal * x.array_r))
+        # Of all rows together: linear solves mix them. Unknowns, all of them lengths, beyond the
+        # size of the bodies are those of an iteration that ran away: its rows are mere rounding.
+        terms = diagonal * np.minimum(np.abs(x.array_r), self._length)
+        rounding = ROUNDING * np.linalg.norm(self._norms(terms))
         self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
 
     def _norms(self, rows: FloatArray) -> FloatArray:

@@ -45,6 +45,7 @@ class MaterialPoints:
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
+        self._committed: tuple[History, Conditions, float, FloatArray] | None = None
 
     @property
     def conditions(self) -> Conditions:
@@ -77,12 +78,14 @@ class MaterialPoints:
     ) -> Conditions:
         """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
         c = self.law.conditions(self.points, temperature, solid_fraction, step)
-        self._conditions, self._step = c, step
-        self._start = self.history.start(c.coherent, self.points)
-        self.compressibility.x.array[:] = c.compressibility
-        self.thermal_strain.x.array[:] = c.thermal_strain
-        self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(c))
+        self._use(self.history.start(c.coherent, self.points), c, step)
         return c
+
+    def _use(self, start: History, conditions: Conditions, step: float) -> None:
+        self._start, self._conditions, self._step = start, conditions, step
+        self.compressibility.x.array[:] = conditions.compressibility
+        self.thermal_strain.x.array[:] = conditions.thermal_strain
+        self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
 
     def _secant(self, c: Conditions) -> FloatArray:
         """Return the shear modulus by which the step is stabilised, known at its start."""
@@ -144,7 +147,7 @@ class MaterialPoints:
 
     def restore(self, arrays: Arrays) -> None:
         """Take back the history with which the next step starts."""
-        self.history = self.history.restored(arrays)
+        self.history, self._committed = self.history.restored(arrays), None
         if self.out_of_plane is not None:
             self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
 
@@ -159,3 +162,15 @@ class MaterialPoints:
             secant_softening(response, self.conditions, self._start, strain),
             self.conditions.coherent,
         )
+        compressibility = self.compressibility.x.array.copy()
+        self._committed = self._start, self.conditions, self._step, compressibility
+
+    def rewind(self) -> None:
+        """Answer again as at the end of the last accepted step.
+
+        Its own start is needed for that: what is viscous would go on flowing from its end.
+        """
+        if self._committed is not None:
+            start, conditions, step, compressibility = self._committed
+            self._use(start, conditions, step)
+            self.compressibility.x.array[:] = compressibility  # trapped liquid has its own

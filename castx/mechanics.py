@@ -314,5 +314,6 @@ class BodyMechanics:
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
+        self.material.rewind()
         if self.mean_dilatation is not None:
             self.mean_dilatation.rewind()

@@ -17,7 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from castx.constitutive import Law
+from castx import constitutive
+from castx.constitutive import SMALLEST_SECANT, Law
+from castx.constraints import SurfaceDisplacement
 from castx.equilibrium import EquilibriumReport
 from castx.mechanical_body import MechanicalBody, SurfaceLoad
 from castx.tables import FloatArray, Table
@@ -115,6 +117,33 @@ def test_no_pressure_checkerboard_at_collapse(panel, kind):
         amplitudes = np.abs(np.diff(p, 4, axis=axis)) / 16
         assert np.sqrt(np.mean(amplitudes**2)) < 0.005 * np.ptp(p)
         assert amplitudes.max() < 0.03 * np.ptp(p)
+
+
+@pytest.mark.parametrize("kind", ["osgs", "gls"])
+def test_the_secant_modulus_smooths_the_pressure_of_deep_flow(
+    comm, shared_tmp_path, monkeypatch, kind
+):
+    """Perfectly plastic, its edge moved by 30: strains of 0.7 bring the modulus down to 0.005 G."""
+    mesh = drawn(comm, "plane-strain", ["membrane"], shared_tmp_path / "cook.msh",
+                 partial(draw_membrane, 16))  # fmt: skip
+    law = Law(elastic(70.0, 0.4999, yield_stress=0.243), 20.0, "thermo-elasto-plastic")
+    moved = SurfaceDisplacement("right", "y", Table.from_points([[0.0, 0.0], [STEPS, 30.0]]))
+    alternating = []
+    for least in (SMALLEST_SECANT, 1.0):
+        monkeypatch.setattr(constitutive, "SMALLEST_SECANT", least)
+        made = problem(
+            mesh, {"membrane": MechanicalBody(law, **KINDS[kind])},
+            {"membrane": [fixed("left", "all"), moved]}, tolerance=1e-6,
+        )  # fmt: skip
+        for k in range(1, STEPS + 1):
+            heat(made, 20.0)
+            made.equilibrium.solve(float(k))
+            made.equilibrium.commit()
+        p = inner_pressures(comm, made, 16)
+        fourth = [np.diff(p, 4, axis=axis).ravel() / 16 for axis in (0, 1)]
+        alternating.append(np.sqrt(np.mean(np.concatenate(fourth) ** 2)) / np.ptp(p))
+    assert alternating[0] < 0.02
+    assert alternating[0] < 0.7 * alternating[1]
 
 
 @pytest.mark.parametrize("kind", ["osgs", "gls"])
