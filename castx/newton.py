@@ -82,8 +82,8 @@ class Newton:
         self._vector = layout.create_vector()
         self._matrix = operator_matrix(layout, balance.operator)
         defaults: dict[str, Any] = {
-            "ksp_type": "fgmres", "ksp_max_it": 200, "snes_linesearch_type": "basic",
-            "snes_max_it": 60, "ksp_gmres_restart": 60,
+            "ksp_type": "fgmres", "ksp_max_it": 100, "snes_linesearch_type": "basic",
+            "snes_max_it": 60, "ksp_gmres_restart": 60, "snes_max_linear_solve_fail": 5,
         }  # fmt: skip
         for _, solver in inner:
             name = solver.prefix.removeprefix(PREFIX)
