@@ -16,6 +16,7 @@ from castx.coordinates import Coordinates
 from castx.force_balance import ForceBalance
 from castx.linear import SystemOperator
 from castx.supports import FloatingMotions, Support
+from castx.worst_place import Part, worst_place
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -206,6 +207,21 @@ class Balance:
         """Take over the committed time and pairs of another contact method."""
         self.committed_time, self._committed_support = other.committed_time, None
         self.active.restore(other.active.committed & self.gaps.free)
+
+    def worst_place(self, f: PETSc.Vec) -> str:
+        """Say where a residual is largest, the same text on all ranks; collective."""
+        layout, parts = self.contact.layout, []
+        for b, body in enumerate(self.assembly.bodies):
+            own = f.array_r[layout.local_slice(b)].reshape(-1, body.block_size)
+            points, d = body.mesh.points[: len(own)], body.dimension
+            parts.append(Part(f"body {body.name!r} (forces)", own[:, :d], points))
+            parts.append(Part(f"body {body.name!r} (volumes, axial strain)", own[:, d:], points))
+        rest = f.array_r[self.assembly.layout.size_local :]
+        for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True):
+            if len(rest):
+                points = interface.pairs.points[interface.index]
+                parts.append(Part(f"interface {interface.pairs.name!r}", rest[part], points))
+        return worst_place(self._comm, parts, "N")
 
     def commit(self) -> None:
         """Make the present state the one from which the next step starts."""

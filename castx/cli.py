@@ -36,6 +36,12 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+AFTER_FAILURE = (
+    "The last accepted state and a checkpoint are in the results folder. After a change of solver, "
+    "coupling.passes or time.smallest_step the run goes on with --restart; after others it has to "
+    "begin anew."
+)
+
 
 class Exit(IntEnum):
     """Exit codes of the command."""
@@ -78,7 +84,7 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
     except (CaseError, MeshError) as error:
         return say(comm, error, Exit.REFUSED)
     except ConvergenceError as error:
-        return say(comm, f"not converged: {error}", Exit.NOT_CONVERGED)
+        return say(comm, f"not converged: {error}\n{AFTER_FAILURE}", Exit.NOT_CONVERGED)
     except StorageError as error:
         return say(comm, error, Exit.FAILED)
     except (KeyboardInterrupt, click.Abort):

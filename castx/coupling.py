@@ -20,8 +20,10 @@ import numpy as np
 from castx.conductance import PairState
 from castx.coupled_interface import CoupledInterface, InterfaceState
 from castx.coupled_report import CoupledReport
+from castx.diagnosis import COUPLING
 from castx.dissipation import Dissipation
 from castx.errors import ConvergenceError
+from castx.finite import require_finite
 from castx.mechanical_problem import MechanicalProblem
 from castx.relaxation import Relaxation, scaled
 from castx.saved import (
@@ -119,13 +121,20 @@ class CoupledProblem:
             change = _largest_change(self.comm, _concatenated(found), tried)
             change = max(change, self._dissipation_change(step))
             if self._scheme != "iterated" or change <= self._tolerance:
+                self._require_finite()
                 return replace(total, solid_fraction_change=self._solid_fraction_change())
             wanted = relaxation.next(tried, _concatenated(found))
             guess = scaled(felt, found, wanted)
         raise ConvergenceError(
             f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
-            f"resistance of some pair still changes by {change:.2g} of its value"
+            f"resistance of some pair still changes by {change:.2g} of its value",
+            COUPLING,
         )
+
+    def _require_finite(self) -> None:
+        moving = {} if self.mechanics is None else self.mechanics.bodies
+        motions = {name: body.solution for name, body in moving.items()}
+        require_finite(self.comm, {"temperature": self.heat.temperature, "motion": motions})
 
     def _felt(self, states: Sequence[InterfaceState]) -> list[PairState]:
         """Return what heat feels of the states of the interfaces."""

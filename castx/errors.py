@@ -14,4 +14,13 @@ class StorageError(RuntimeError):
 
 
 class ConvergenceError(RuntimeError):
-    """A nonlinear or linear problem was not solved to its tolerance."""
+    """A nonlinear or linear problem was not solved to its tolerance.
+
+    Args:
+        message: what happened, where and why.
+        problem: the problem that failed, by a name of `castx.diagnosis`; "" if it is none of them.
+    """
+
+    def __init__(self, message: str, problem: str = "") -> None:
+        super().__init__(message)
+        self.problem = problem

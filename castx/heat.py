@@ -11,6 +11,7 @@ import numpy as np
 
 from castx.accounts import Accounts, accounts_of, joined_accounts
 from castx.conductance import PairState
+from castx.diagnosis import HEAT
 from castx.errors import CaseError, ConvergenceError
 from castx.exchange import MECHANISMS, HeatExchange
 from castx.heat_boundaries import FLUXES, SurfaceFlux, SurfaceHeat, SurfaceTemperature
@@ -24,6 +25,7 @@ from castx.saved import Arrays, Saved, joined, part_of
 from castx.snes import NonlinearSolver, SolveReport
 from castx.tables import FloatArray
 from castx.thermal_body import HeatBody, ThermalBody
+from castx.worst_place import Part, worst_place
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ class HeatProblem:
             [SurfaceTemperature(named[s.body], s) for s in surfaces if s.kind == "temperature"],
         )
         self._solver = NonlinearSolver(
-            "the heat problem",
+            HEAT,
             PREFIX,
             partial(residual, self._system),
             partial(jacobian, self._system),
@@ -197,21 +199,20 @@ class HeatProblem:
         try:
             return self._solver.solve(self._unknown)
         except ConvergenceError as error:
-            raise ConvergenceError(f"{error}; {self._worst_node()}") from None
+            raise ConvergenceError(f"{error}; {self._worst_node()}", HEAT) from None
 
     def _worst_node(self) -> str:
         """Say where the residual is largest, the same text on all ranks."""
-        size, text = -1.0, ""
-        values = np.abs(self._system.residual.array_r)
-        for number, body in enumerate(self._bodies):
-            part = np.nan_to_num(values[self._layout.local_slice(number)], nan=np.inf)
-            if len(part) and part.max() > size:
-                node = int(part.argmax())
-                point = body.mesh.nodes.tabulate_dof_coordinates()[node]
-                place = ", ".join(f"{coordinate:.6g}" for coordinate in point)
-                size = float(part[node])
-                text = f"largest residual {size:.3e} W in body {body.name!r} at ({place}) m"
-        return max(self._comm.allgather((size, text)))[1]
+        values = self._system.residual.array_r
+        parts = [
+            Part(
+                f"body {body.name!r}",
+                values[self._layout.local_slice(number)],
+                body.mesh.points[: body.owned],
+            )
+            for number, body in enumerate(self._bodies)
+        ]
+        return worst_place(self._comm, parts, "W")
 
     def _book(self, size: float) -> None:
         heat = size * self._sums(self._system.flows())

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.balance import Balance
+from castx.diagnosis import MECHANICS
 from castx.errors import ConvergenceError
 from castx.line_search import shorten_step
 from castx.linear import (
@@ -90,7 +91,7 @@ class Newton:
             defaults |= {f"{name}{key}": value for key, value in solver.defaults.items()}
         linear = balance.assembly.is_linear
         self._solver = NonlinearSolver(
-            "the mechanical equilibrium", PREFIX, self._residual, self._jacobian,
+            MECHANICS, PREFIX, self._residual, self._jacobian,
             vector=self._vector, matrix=self._matrix,
             options={**defaults, **options}, converged=self._converged,
             step_rule=None if linear else partial(shorten_step, self._residual),
@@ -140,8 +141,8 @@ class Newton:
         try:
             report = self._solver.solve(x)
         except ConvergenceError as error:
-            text = f"{error}; {self._failure}" if self._failure else str(error)
-            raise ConvergenceError(text) from None
+            why = self._failure or self.balance.worst_place(self._vector)
+            raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
         return EquilibriumReport(
             report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),
             tuple(self._augmentations),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
 from typing import Self
 
@@ -16,6 +16,7 @@ from castx.case import Case
 from castx.conductance import ConductionLaw
 from castx.coupled_report import CoupledReport
 from castx.coupling import CoupledProblem
+from castx.diagnosis import FailedTry, diagnosis
 from castx.errors import ConvergenceError
 from castx.mesh import CastingMesh, build_mesh
 from castx.pairs import NodePairs, node_pairs
@@ -117,15 +118,15 @@ class Simulation:
     def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
         """Take one step, cutting it as long as it fails."""
         begin = clock.perf_counter()
-        cutbacks = 0
+        failed: list[FailedTry] = []
         while True:
             step = self.control.propose(self.time)
             try:
                 report = self.problem.advance(self.time, step, self._heat_substeps(step))
             except ConvergenceError as error:
                 self.problem.rewind()
-                self.control.reject(step, error)
-                cutbacks += 1
+                failed.append(FailedTry(step, error))
+                self._cut(failed)
                 after_failed_try()
                 continue
             break
@@ -134,7 +135,16 @@ class Simulation:
         self._substep_rate = self._wanted_substeps(report) / step
         self.time += step
         self.step += 1
-        return _counters(report, step, clock.perf_counter() - begin, cutbacks)
+        return _counters(report, step, clock.perf_counter() - begin, len(failed))
+
+    def _cut(self, failed: Sequence[FailedTry]) -> None:
+        """Make the next try smaller than the last one, or give up and say why."""
+        last = failed[-1]
+        try:
+            self.control.reject(last.step, last.error)
+        except ConvergenceError as error:
+            text = f"{error}\n{diagnosis(self.time, failed)}"
+            raise ConvergenceError(text, last.error.problem) from last.error
 
     def _wanted_substeps(self, report: CoupledReport) -> float:
         by_temperature = report.temperature_change / (CHANGE_PER_SUBSTEP * self._wanted)

@@ -106,8 +106,12 @@ class NonlinearSolver:
         Raises:
             ConvergenceError: with the reason and the history of the residual.
         """
-        with self._options_in_database():
-            self.snes.solve(None, x)
+        try:
+            with self._options_in_database():
+                self.snes.solve(None, x)
+        except PETSc.Error as error:  # a factorisation of what is not a number, too little memory
+            last = str(error).strip().splitlines()[-1]
+            raise ConvergenceError(f"{self.name} did not converge: PETSc failed: {last}") from error
         residuals = tuple(float(value) for value in self.snes.getConvergenceHistory()[0])
         reason = self.snes.getConvergedReason()
         if reason <= 0:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from castx.balance import Balance
 from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
+from castx.diagnosis import MECHANICS
 from castx.equilibrium import Equilibrium
 from castx.errors import ConvergenceError
 from castx.newton import EquilibriumReport
@@ -77,7 +78,7 @@ class MethodsInTurn:
             except ConvergenceError as error:
                 failures.append(str(error))
                 if self._turn == len(self._others):
-                    raise ConvergenceError("; then ".join(failures)) from None
+                    raise ConvergenceError("; then ".join(failures), MECHANICS) from None
                 self._take_over(error)
             else:
                 self._shown = self._present

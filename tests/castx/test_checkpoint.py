@@ -58,7 +58,7 @@ def elastic(method: str) -> dict[str, Any]:
     return cylinder(SHORT, {"materials": {"aluminium": {"liquid": LIQUID}}}, method=method)
 
 
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "tied")
+METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "tied", "block-iterative")
 CASES = {method: elastic(method) for method in METHODS} | {
     "elasto-plastic": with_law("thermo-elasto-plastic"),
     "viscoplastic": with_law("thermo-elasto-viscoplastic"),

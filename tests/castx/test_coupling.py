@@ -63,6 +63,7 @@ class FakeMechanics:
     def __init__(self, slope: float) -> None:
         self.slope, self.state = slope, 1.0
         self.bodies = {"casting": self}
+        self.solution = fake_function(0.0)
         self.equilibrium = self
         self.commits = self.rewinds = 0
         self.active = SimpleNamespace(frozen_pairs=lambda: 3)
