@@ -7,7 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -41,6 +41,17 @@ AFTER_FAILURE = (
     "coupling.passes or time.smallest_step the run goes on with --restart; after others it has to "
     "begin anew."
 )
+
+
+class Topic(StrEnum):
+    """What a run can tell more about; the modules whose messages belong to it."""
+
+    NEWTON = "newton"
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Names of the loggers."""
+        return {Topic.NEWTON: ("castx.simulation", "castx.snes")}[self]
 
 
 class Exit(IntEnum):
@@ -132,6 +143,15 @@ def prepare_logging(comm: MPI.Intracomm) -> None:
     logger.handlers = [handler]
     logger.setLevel(level)
     logger.propagate = False
+    show_details(comm, ())
+
+
+def show_details(comm: MPI.Intracomm, topics: Sequence[Topic]) -> None:
+    """Let rank 0 show all messages that belong to these topics, and no others of the kind."""
+    for topic in Topic:
+        level = logging.DEBUG if topic in topics and comm.rank == 0 else logging.NOTSET
+        for module in topic.modules:
+            logging.getLogger(module).setLevel(level)
 
 
 def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
@@ -166,6 +186,10 @@ def run(
         str | None,
         typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".'),
     ] = None,
+    log: Annotated[
+        list[Topic] | None,
+        typer.Option(help="Show the residuals of each Newton iteration."),
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
@@ -173,6 +197,7 @@ def run(
     from castx.running import run as run_case_file
 
     comm, console = output_of(context)
+    show_details(comm, log or ())
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
         logging.getLogger(__name__).warning(warning)
     limit = None if time_limit is None else seconds("--time-limit", time_limit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
@@ -38,6 +39,8 @@ element, while temperatures hardly change on either side of it."""
 MOST_SUBSTEPS = 10
 
 NO_COUNTERS = StepCounters()
+
+_log = logging.getLogger(__name__)
 
 
 class Simulation:
@@ -121,9 +124,11 @@ class Simulation:
         failed: list[FailedTry] = []
         while True:
             step = self.control.propose(self.time)
+            _log.debug("step of %g s from %g s", step, self.time)
             try:
                 report = self.problem.advance(self.time, step, self._heat_substeps(step))
             except ConvergenceError as error:
+                _log.debug("the step failed: %s", error)
                 self.problem.rewind()
                 failed.append(FailedTry(step, error))
                 self._cut(failed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ Jacobian = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Mat, PETSc.Mat], None]
 ConvergenceTest = Callable[[PETSc.SNES, int, tuple[float, float, float]], Any]
 StepRule = Callable[[PETSc.Vec, PETSc.Vec, PETSc.SNES], bool]
 Options = Mapping[str, Any]
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -114,15 +117,19 @@ class NonlinearSolver:
             raise ConvergenceError(f"{self.name} did not converge: PETSc failed: {last}") from error
         residuals = tuple(float(value) for value in self.snes.getConvergenceHistory()[0])
         reason = self.snes.getConvergedReason()
+        iterations = self.snes.getIterationNumber()
+        linear_iterations = self.snes.getLinearSolveIterations()
+        if _log.isEnabledFor(logging.DEBUG):
+            _log.debug(
+                "%s: %s after %d iterations (%d linear), residuals %s",
+                self.name, self._reason(reason), iterations, linear_iterations, _texts(residuals),
+            )  # fmt: skip
         if reason <= 0:
             raise ConvergenceError(
-                f"{self.name} did not converge: {self._reason(reason)} after "
-                f"{self.snes.getIterationNumber()} iterations, residuals "
-                + _history_text(residuals)
+                f"{self.name} did not converge: {self._reason(reason)} after {iterations} "
+                f"iterations, residuals {_ends(residuals)}"
             )
-        return SolveReport(
-            self.snes.getIterationNumber(), self.snes.getLinearSolveIterations(), residuals
-        )
+        return SolveReport(iterations, linear_iterations, residuals)
 
     def _reason(self, reason: int) -> str:
         text = _reason_text(PETSc.SNES.ConvergedReason, reason)
@@ -149,9 +156,13 @@ def _reason_text(reasons: type, reason: int) -> str:
     return names[0].lower().replace("_", " ") if names else f"reason {reason}"
 
 
-def _history_text(residuals: Sequence[float]) -> str:
+def _texts(residuals: Sequence[float]) -> str:
+    """Return the residuals of an iteration."""
+    return ", ".join(f"{value:.3e}" for value in residuals)
+
+
+def _ends(residuals: Sequence[float]) -> str:
     """Return the residuals of an iteration, of a long one the ends."""
-    texts = [f"{value:.3e}" for value in residuals]
-    if len(texts) > 8:
-        texts[3:-4] = ["…"]
-    return ", ".join(texts)
+    if len(residuals) <= 8:
+        return _texts(residuals)
+    return f"{_texts(residuals[:3])}, …, {_texts(residuals[-4:])}"

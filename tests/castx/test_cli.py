@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -68,6 +69,30 @@ def test_a_run_leaves_its_results_and_says_where(comm, case_file, shared_tmp_pat
     text = said(comm, capsys)
     assert "step 1" in text and f"done: {folder}" in text
     assert json.loads((folder / "run.json").read_text())["exit"]["reason"] == "finished"
+
+
+def test_newton_iterations_are_shown_on_request(comm, case_file, shared_tmp_path, capsys):
+    arguments = ["run", str(case_file), "--output", str(shared_tmp_path / "out"),
+                 "--set", "time.end=0.05", "--set", "time.smallest_step=0.02"]  # fmt: skip
+    assert execute([*arguments, "--log", "newton"], comm) == 0
+    text = said(comm, capsys)
+    assert "step of 0.05 s from 0 s" in text
+    for name in ("the heat problem", "the mechanical equilibrium"):
+        found = re.search(rf"{name}: converged [a-z ]+ after (\d+) iterations \((\d+) linear\), "
+                          r"residuals ([-+.e\d, ]+)", text)  # fmt: skip
+        assert found, text
+        residuals = [float(value) for value in found[3].split(",")]
+        assert len(residuals) == int(found[1]) + 1 and int(found[2]) >= int(found[1])
+        assert residuals[-1] < 1e-2 * residuals[0]
+    failing = [*arguments, "--log", "newton", "--set", "solver.mechanics.snes_max_it=0"]
+    assert execute(failing, comm) == 3
+    text = said(comm, capsys)
+    assert "the mechanical equilibrium: diverged max it after 0 iterations" in text
+    assert "step of 0.025 s from 0 s" in text
+    assert execute(arguments, comm) == 0
+    assert "residuals" not in said(comm, capsys)
+    assert execute([*arguments, "--log", "everything"], comm) == 2
+    assert "'everything' is not 'newton'" in said(comm, capsys)
 
 
 def test_set_replaces_values(comm, case_file, shared_tmp_path, capsys):
