@@ -132,3 +132,33 @@ def test_the_notebook_compares_the_laws_of_an_interface():
     assert solid["solid-fraction, thermal"] == pytest.approx(solid["limited"], rel=0.1)
     assert "only radiation" not in solid
     assert pictures == 3
+
+
+def test_the_notebook_explains_residual_stress():
+    text, pictures = executed("residual_stress_notebook.py")
+
+    def number(label, pattern=r"([-+]?[\d.]+)"):
+        found = re.search(re.escape(label) + r"\s*" + pattern, text)
+        assert found is not None, label
+        return float(found[1])
+
+    assert number("largest deviation of the stress:") < 5.0
+    contraction = number("contraction from 1 to 10 s:")
+    assert contraction == pytest.approx(number("exact:"), rel=0.01)
+    elastic, plastic, creeping = (
+        number(f"room temperature, thermo-{law}:")
+        for law in ("elastic", "elasto-plastic", "elasto-viscoplastic")
+    )
+    assert creeping == pytest.approx(52.0, abs=3.0)
+    assert plastic == pytest.approx(creeping, rel=0.03)
+    assert elastic > 3.0 * creeping
+    assert number("force of hoop stress over that of contact:") == pytest.approx(1.0, abs=0.005)
+    # The thin ring: mean hoop stress = pressure times inner radius over wall.
+    assert number("hoop stress, mean:") == pytest.approx(2.0 * creeping, rel=0.06)
+    effect = {
+        name: (number(f"\n{name} "), number(f"\n{name} ", r"[-+.\d]+ % +([-+.\d]+)"))
+        for name in ("yield stress", "viscosity", "Young's modulus")
+    }
+    assert effect["yield stress"][1] > 5.0 * effect["Young's modulus"][1] > 0.0
+    assert effect["viscosity"][0] > 4.0 > 1.0 > effect["viscosity"][1]
+    assert pictures == 4
