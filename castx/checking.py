@@ -13,19 +13,23 @@ from rich.table import Table
 from castx.building import formulation_of
 from castx.case import Case
 from castx.consistency import starts_solid
+from castx.interface_heat import InterfaceHeat
+from castx.law_building import heat_exchange
 from castx.materials import find_material
 from castx.mesh import build_mesh
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.pairs import node_pairs
 from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
+from castx.starting import initial_temperatures
 
 
 def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Raises:
-        CaseError: a probe lies outside its body, or cells do not serve a formulation.
+        CaseError: a probe lies outside its body, cells do not serve a formulation, an initial
+            temperature cannot be read, or a patch of an interface holds no node.
         MeshError: the mesh does not hold what the case asks of it.
     """
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
@@ -34,6 +38,11 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
         mesh.bodies[boundary.body].surface_tag(boundary.surface)
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
+    for body in case.bodies:
+        if body.temperature.file is not None:
+            initial_temperatures(body.temperature, mesh.bodies[body.name], comm)
+    for described in case.interfaces:
+        heat_exchange(described, pairs[described.name], mesh)
     formulations = [formulation_of(mesh, body) for body in case.bodies]
     summary = mesh_summary(mesh)
     box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
@@ -117,10 +126,18 @@ def interface_text(case: Case, summary: InterfaceSummary) -> str:
     sizes = f"{summary.pairs} pairs, {summary.area:.4g} m²"
     for interface in case.interfaces:
         if set(interface.bodies) == set(summary.bodies):
-            heat = "none" if interface.heat is None else interface.heat.law
-            laws = f"contact {interface.contact.method}, heat {heat}"
+            laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
             return f"interface {interface.name}: {sizes}, {laws}"
     return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"
+
+
+def heat_text(heat: InterfaceHeat | None) -> str:
+    """Return in words how heat crosses an interface."""
+    if heat is None:
+        return "none"
+    radiation = " and radiation" if heat.radiation is not None else ""
+    patches = f", other on {len(heat.patches)} of its parts" if heat.patches else ""
+    return f"{heat.law}{radiation}{patches}"
 
 
 def material_warnings(case: Case) -> Iterator[str]:

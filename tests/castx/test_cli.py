@@ -182,6 +182,20 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, capsys):
     assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
 
 
+def test_check_looks_at_patches_and_temperature_fields(comm, case_file, capsys):
+    radiation = "interfaces.0.heat.radiation={ emissivities = [0.3, 0.8] }"
+    patch = "interfaces.0.heat.patches=[{ within = { z = [%s, 1] }, closed = 500 }]"
+    given = ["check", str(case_file), "--set", radiation, "--set", patch % 0.01]
+    assert execute(given, comm) == 0
+    assert "limited and radiation, other on 1 of its parts" in said(comm, capsys)
+    assert execute(["check", str(case_file), "--set", patch % 0.9], comm) == 2
+    field = 'bodies.0.temperature={ file = "lost.vtu", field = "T" }'
+    assert execute(["check", str(case_file), "--set", field], comm) == 2
+    text = said(comm, capsys)
+    assert "heat.patches[0] holds no node" in text
+    assert "initial temperature of 'casting': there is no file" in text
+
+
 def test_mesh_writes_a_gmsh_file(comm, case_file, shared_tmp_path, capsys):
     target = shared_tmp_path / "part.msh"
     assert execute(["mesh", str(case_file), "-o", str(target)], comm) == 0
