@@ -124,11 +124,8 @@ def test_problems_of_all_parts_are_shown_together(file):
         ("name=3", "name = 3: a text in quotes of at most 200"),
         ("stages=[{at=60}]", r"stages = \[{.*: not available yet"),
         ('support.in_gate=["casting/top"]', "support.in_gate = .*: not available yet"),
-        ("output.checkpoint=20 s", 'output.checkpoint = "20 s": not available yet'),
-        (
-            "bodies.0.law=rigid",
-            'bodies.0..law = "rigid": not available yet; available: thermo-elas',
-        ),
+        ("output.checkpoint=0", "output.checkpoint = 0: must be positive"),
+        ("bodies.0.law=rigid", "the secondary body 'casting' is rigid; name the bodies the other"),
         ("bodies.0.law=elastic", 'law = "elastic": unknown; allowed: thermo-elastic'),
         ("bodies.0.formulation=q2", 'formulation = "q2": unknown; allowed: mixed'),
         (
