@@ -138,7 +138,7 @@ class Simulation:
         self.problem.commit()
         self.control.accept(step, report.temperature_change, report.passes <= EASY_PASSES)
         self._substep_rate = self._wanted_substeps(report) / step
-        self.time += step
+        self.time = self.control.landed(self.time + step)
         self.step += 1
         return _counters(report, step, clock.perf_counter() - begin, len(failed))
 

@@ -74,8 +74,10 @@ class StepControl:
         return rest if parts <= 1 else rest / 2 if parts == 2 else self._size
 
     def landed(self, time: float) -> float:
-        """Return the end or the stop that a time [s] is but for round-off, else the time."""
-        near = self._following(time - 2 * self._tolerance)
+        """Return the end, stop or milestone that a time [s] is but for round-off, else the time."""
+        near, milestone = self._following(time - 2 * self._tolerance), self._settings.milestone
+        if milestone is not None and abs(near - time) > self._tolerance:
+            near = round(time / milestone) * milestone
         return near if abs(near - time) <= self._tolerance else time
 
     def restart(self) -> None:

@@ -163,6 +163,8 @@ def test_times_that_miss_a_stop_by_round_off_are_the_stop():
         3.3, 3.3, 7.0, 10.0,
     ]  # fmt: skip
     assert steps.landed(3.31) == 3.31
+    outputs = control(end=10.0, milestone=2.5)
+    assert [outputs.landed(t) for t in (2.500000000000001, 7.5 - 1e-12, 2.51)] == [2.5, 7.5, 2.51]
     assert steps.propose(3.3) == 1.0
 
 
