@@ -64,7 +64,9 @@ def gather_links(
         row[:, 0] = layout.dofs(secondary, pairs.secondary_nodes, 0)
         row[:, 1] = layout.dofs(primary, pairs.primary_nodes, 0)
         row[:, 2:] = secondary, primary, interface
-        rows.append(row)
+        # Pairs of several patches at one node are one bond.
+        first = np.sort(np.unique(row[:, 0], return_index=True)[1])
+        rows.append(row[first, :].reshape(-1, 5))
     table = np.concatenate(comm.allgather(np.concatenate(rows)))
     return Links(table[:, :2], table[:, 2:4], table[:, 4])
 

@@ -193,6 +193,7 @@ def _contact(interface: Interface) -> Contact:
         wanted.penalty if isinstance(wanted.penalty, float) else None,
         **{name: getattr(wanted, name) for name in COMMON_NUMBERS},
         fallback=wanted.fallback,
+        pairing=wanted.pairing_rule,
     )
 
 

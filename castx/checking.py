@@ -14,11 +14,11 @@ from castx.building import formulation_of
 from castx.case import Case
 from castx.consistency import starts_solid
 from castx.interface_heat import InterfaceHeat
+from castx.interface_pairs import paired
 from castx.law_building import heat_exchange
 from castx.materials import find_material
 from castx.mesh import build_mesh
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
-from castx.pairs import node_pairs
 from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
 from castx.starting import initial_temperatures
@@ -33,7 +33,7 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
         MeshError: the mesh does not hold what the case asks of it.
     """
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-    pairs = {item.name: node_pairs(mesh, item.secondary, item.primary) for item in case.interfaces}
+    pairs = {item.name: paired(mesh, item) for item in case.interfaces}
     for boundary in case.boundaries:
         mesh.bodies[boundary.body].surface_tag(boundary.surface)
     for probe in case.probes:

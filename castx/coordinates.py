@@ -26,12 +26,12 @@ import numpy.typing as npt
 
 from castx.basis import BasisMatrices
 from castx.constraints import PARALLEL, ZERO, FixedDirections
-from castx.contact.rows import PairRows, Treatment, turn_of
+from castx.contact.rows import InterfaceRows, Treatment
 from castx.errors import CaseError
 from castx.layout import Layout
 from castx.node_rows import NodeRows
 from castx.pairs import NodePairs
-from castx.saved import Numbering
+from castx.saved import Numbering, numbered_at_nodes
 from castx.tables import Table
 
 FloatArray = npt.NDArray[np.float64]
@@ -39,9 +39,6 @@ IntArray = npt.NDArray[np.int32]
 
 GRAZING = 0.05
 """Sine of the smallest angle at which a node with fixed directions can still leave its partner."""
-
-MOST_ROWS = 8
-"""More than the rows of any pair."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +73,8 @@ class PairCoordinates:
     @property
     def numbering(self) -> Numbering:
         """The rows by the numbers of their secondary nodes and their turn among those of a node."""
-        numbers = self.pairs.original_nodes[self.index] * MOST_ROWS + turn_of(self.index)
-        return Numbering(f"rows of {self.pairs.name}", numbers, len(numbers))
+        nodes = self.pairs.original_nodes[self.index]
+        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes)
 
     @property
     def free(self) -> npt.NDArray[np.bool_]:
@@ -106,7 +103,7 @@ class Coordinates:
         body_names: Sequence[str],
         dimension: int,
         fixed: Sequence[Sequence[FixedDirections]],
-        interfaces: Sequence[PairRows],
+        interfaces: Sequence[InterfaceRows],
         uniform: Sequence[int | None] = (),
     ) -> None:
         self.layout = layout
@@ -177,7 +174,7 @@ class Coordinates:
             )
 
     def _add_interfaces(
-        self, interfaces: Sequence[PairRows], fixed: Sequence[Sequence[FixedDirections]]
+        self, interfaces: Sequence[InterfaceRows], fixed: Sequence[Sequence[FixedDirections]]
     ) -> list[PairCoordinates]:
         """Add the rows of all interfaces, ties first: what is tied has no gap."""
         placed = {}
@@ -193,12 +190,12 @@ class Coordinates:
 
     def _add_pairs(
         self,
-        rows: PairRows,
+        rows: InterfaceRows,
         fixed: Sequence[Sequence[FixedDirections]],
         target: Sequence[NodeRows],
     ) -> PairCoordinates:
-        b, nodes = self._names.index(rows.pairs.secondary), rows.nodes
-        vectors = rows.vectors.copy()
+        pairs, b = rows.pairs, self._names.index(rows.pairs.secondary)
+        nodes, vectors = pairs.secondary_local, pairs.area_vectors.copy()
         for condition in fixed[b]:
             if condition.symmetry:
                 condition.cancel(vectors, nodes, self.owned_nodes(b))
@@ -209,10 +206,10 @@ class Coordinates:
         slots = np.full(len(nodes), -1, dtype=np.int32)
         for turn in rows.turns():
             slots[turn] = target[b].try_add(nodes[turn], normals[turn], GRAZING)
-        local = self._local(b, nodes, slots)
-        return PairCoordinates(rows.pairs, rows.index, normals, areas, local, rows.treatment)
+        local, index = self._local(b, nodes, slots), np.arange(len(nodes), dtype=np.int32)
+        return PairCoordinates(pairs, index, normals, areas, local, rows.treatment)
 
-    def _tie_pairs(self, rows: PairRows) -> PairCoordinates:
+    def _tie_pairs(self, rows: InterfaceRows) -> PairCoordinates:
         """Make the relative motions that conditions leave free coordinates, and hold them."""
         pairs, b = rows.pairs, self._names.index(rows.pairs.secondary)
         nodes = pairs.secondary_local

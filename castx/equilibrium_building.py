@@ -22,7 +22,7 @@ from castx.contact.gaps import Gaps
 from castx.contact.methods import contact_system
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.rigid import RigidBody
-from castx.contact.rows import single_rows
+from castx.contact.rows import InterfaceRows
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.equilibrium import Equilibrium, Procedure
@@ -132,7 +132,7 @@ def _build_equilibrium(
     settings: MechanicsSettings,
 ) -> Equilibrium:
     method = common_method(contacts)
-    rows = [single_rows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
+    rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
     coordinates = Coordinates(
         made.layout, made.names, made.bodies[0].dimension, made.fixed, rows,
         [body.axial for body in made.bodies],

@@ -137,7 +137,7 @@ class PairExchange:
 
     def add_heat(self, heat: FloatArray, balance: PETSc.Vec) -> None:
         """Add what leaves the nodes to their balance: `heat` at the secondary, −`heat` there."""
-        balance.array[self.local] += heat
+        np.add.at(balance.array, self.local, heat)
         self._primary.add(-heat, balance)
 
     def _slopes(self) -> FloatArray:

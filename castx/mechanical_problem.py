@@ -12,13 +12,13 @@ from castx.contact.gaps import Gaps
 from castx.contact.pair_state import ContactState, contact_state
 from castx.contact.rigid import rigid_body
 from castx.equilibrium_building import Assembled, MechanicsSettings, build_methods
+from castx.interface_pairs import interface_pairs
 from castx.layout import Layout
 from castx.measures import extent
 from castx.mechanical_body import MechanicalBody
 from castx.mechanical_memory import MechanicalMemory
 from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh
-from castx.pairs import node_pairs
 
 
 class MechanicalProblem:
@@ -63,7 +63,7 @@ class MechanicalProblem:
             [body.space.dofmap.index_map for body in parts],
             [body.block_size for body in parts],
         )
-        self.pairs = [node_pairs(mesh, c.secondary, c.primary) for c in contacts]
+        self.pairs = [interface_pairs(mesh, c.secondary, c.primary, c.pairing) for c in contacts]
         self.rigid = {
             n: rigid_body(n, mesh.model, displacements.get(n, ()))
             for n in mesh.bodies

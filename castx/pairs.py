@@ -13,7 +13,7 @@ from castx.errors import MeshError
 from castx.forms.interface import nodal_area, nodal_area_vector
 from castx.forms.kinematics import weight as model_weight
 from castx.mesh import BodyMesh, CastingMesh
-from castx.saved import Numbering
+from castx.saved import Numbering, numbered_at_nodes
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 @dataclass(frozen=True)
 class NodePairs:
     """Pairs of nodes, each kept by the rank that owns the secondary's node.
+
+    At an edge there may be several pairs of the same nodes, one for each smooth patch.
 
     Args:
         secondary: name of the body whose nodes carry the pairs.
@@ -54,8 +56,8 @@ class NodePairs:
 
     @property
     def numbering(self) -> Numbering:
-        """The pairs by the numbers of their secondary nodes."""
-        return Numbering(f"pairs of {self.name}", self.original_nodes, len(self.original_nodes))
+        """The pairs by the numbers of their secondary nodes and their turn at them."""
+        return numbered_at_nodes(f"pairs of {self.name}", self.original_nodes)
 
 
 def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
@@ -65,29 +67,62 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
         MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
     """
     body = mesh.bodies[secondary]
-    if primary not in body.surfaces:
+    check_shared(body, primary)
+    local = body.surface_nodes(primary)
+    local = local[local < body.nodes.dofmap.index_map.size_local]
+    areas, vectors = _nodal_areas(mesh, body, primary)
+    return pairs_at(mesh, secondary, primary, local, areas[local], vectors[local])
+
+
+def check_shared(body: BodyMesh, other: str) -> None:
+    """Refuse a body that shares no surface with another one.
+
+    Raises:
+        MeshError: it does not.
+    """
+    if other not in body.surfaces:
         raise MeshError(
-            f"the bodies {secondary!r} and {primary!r} share no surface; an interface needs faces "
+            f"the bodies {body.name!r} and {other!r} share no surface; an interface needs faces "
             "whose nodes belong to both (a conforming mesh)"
         )
-    node_map = body.nodes.dofmap.index_map
-    local = body.surface_nodes(primary)
-    local = local[local < node_map.size_local]
+
+
+def pairs_at(
+    mesh: CastingMesh,
+    secondary: str,
+    primary: str,
+    local: NDArray[np.int32],
+    areas: FloatArray,
+    vectors: FloatArray,
+) -> NodePairs:
+    """Return pairs at nodes of a shared surface; collective.
+
+    Args:
+        mesh: mesh of the bodies.
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        local: local numbers of owned nodes of the secondary body, shape (n,).
+        areas: of the pairs [m²], shape (n,).
+        vectors: their area vectors, outward from the secondary body [m²], shape (n, gdim).
+
+    Raises:
+        MeshError: an area vector vanishes; on all ranks.
+    """
+    body = mesh.bodies[secondary]
     facing = _nodes_at_vertices(mesh, mesh.bodies[primary])
-    areas, vectors = _nodal_areas(mesh, body, primary)
-    length = np.linalg.norm(vectors[local], axis=1)
-    _check_normals(mesh, body, local, length < 1e-9 * areas[local])
+    length = np.linalg.norm(vectors, axis=1)
+    _check_normals(mesh, body, local, length < 1e-9 * areas)
     return NodePairs(
         secondary,
         primary,
-        node_map.local_to_global(local),
+        body.nodes.dofmap.index_map.local_to_global(local),
         local,
         facing[body.parent_vertices[local]],
         body.original_nodes[local],
         body.points[local],
-        areas[local],
-        -vectors[local],
-        -vectors[local] / length[:, None],
+        areas,
+        -vectors,
+        -vectors / length[:, None],
     )
 
 

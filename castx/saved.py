@@ -33,6 +33,24 @@ class Numbering:
     owned: int
 
 
+MOST_AT_NODE = 64
+"""More than the pairs, or the rows of pairs, at any node."""
+
+
+def turn_of(owners: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """Return how many entries of the same owner stand before each entry, shape (entries,)."""
+    order = np.argsort(owners, kind="stable")
+    first = np.searchsorted(owners[order], owners[order])
+    turn = np.empty(len(order), dtype=np.int64)
+    turn[order] = np.arange(len(order)) - first
+    return turn
+
+
+def numbered_at_nodes(name: str, nodes: npt.NDArray[np.int64]) -> Numbering:
+    """Return the numbering of owned entities by their nodes and their turn at them."""
+    return Numbering(name, nodes * MOST_AT_NODE + turn_of(nodes), len(nodes))
+
+
 @dataclass(frozen=True, eq=False)
 class Saved:
     """An array of a state.

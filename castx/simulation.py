@@ -19,8 +19,9 @@ from castx.coupled_report import CoupledReport
 from castx.coupling import CoupledProblem
 from castx.diagnosis import FailedTry, diagnosis
 from castx.errors import ConvergenceError
+from castx.interface_pairs import paired
 from castx.mesh import CastingMesh, build_mesh
-from castx.pairs import NodePairs, node_pairs
+from castx.pairs import NodePairs
 from castx.saved import Arrays, Saved, Stateful, joined, number, part_of, restore_parts, saved_parts
 from castx.snapshot import StepCounters
 from castx.state import State
@@ -87,7 +88,7 @@ class Simulation:
             MeshError: the mesh does not hold what the case asks of it.
         """
         mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-        pairs = {i.name: node_pairs(mesh, i.secondary, i.primary) for i in case.interfaces}
+        pairs = {i.name: paired(mesh, i) for i in case.interfaces}
         problem = build_problem(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given

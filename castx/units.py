@@ -55,6 +55,7 @@ HEAT_CAPACITY = Dimension("a heat capacity per mass", "J/kg/K", ("J/kg/K", "kJ/k
 CONDUCTIVITY = Dimension("a thermal conductivity", "W/m/K", ("W/m/K", "W/mm/K"))
 LATENT_HEAT = Dimension("a heat per mass", "J/kg", ("J/kg", "kJ/kg"))
 STRESS = Dimension("a pressure or stress", "Pa", ("MPa", "GPa", "kPa", "Pa", "bar", "N/mm^2"))
+ANGLE = Dimension("an angle", "deg", ("deg", "rad"))
 PENALTY = Dimension("a pressure per length", "Pa/m", ("Pa/m", "GPa/m", "MPa/mm"))
 EXPANSION = Dimension("a thermal expansion", "1/K", ("1/K", "um/m/K"))
 VISCOSITY = Dimension("a viscosity", "Pa*s", ("Pa*s", "MPa*s"))

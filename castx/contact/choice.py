@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from castx.contact.pairing import BY_NODES, Pairing
 from castx.contact.rows import Treatment
 from castx.errors import CaseError
 
@@ -53,6 +54,7 @@ class Contact:
         block_solver: "iteration" sweeps over the blocks, "preconditioner" lets a Krylov method do.
         block_iterations: sweeps of one solve, at most.
         fallback: methods that take over for a step in which the one before has failed.
+        pairing: how nodes find partners and normals.
     """
 
     secondary: str
@@ -66,6 +68,7 @@ class Contact:
     block_solver: str = "iteration"
     block_iterations: int = 50
     fallback: tuple[str, ...] = ()
+    pairing: Pairing = BY_NODES
 
     @property
     def name(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -10,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import PlainValidator
 
+from castx.contact.pairing import Pairing
 from castx.entries import Choice, Description, NotYet, PureNumber, Quantity, Tabulated, Whole
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import FloatArray, Table
-from castx.units import LENGTH, PENALTY
+from castx.units import ANGLE, LENGTH, PENALTY
 
 _LENGTHS = Quantity(LENGTH)
 _ALONG = ("x", "y", "z", "r")
@@ -109,6 +111,9 @@ class Contact(Description):
     "bodies" or their interiors and the "interface", and goes on with the state it has reached; as
     a "preconditioner" one sweep stands for the inverse of the matrix. The methods of `fallback`
     take over one after the other for a step in which those before have failed.
+
+    `normals`: "averaged" over the facets of an interface round each node, or at edges and corners
+    one for each of the smooth "patches", whose facets enclose more than the `sharp_angle` [°].
     """
 
     method: Annotated[
@@ -129,7 +134,8 @@ class Contact(Description):
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
         Table.constant(0.0)
     )
-    normals: Annotated[str, Choice(("averaged",), ("primary", "patches"))] = "averaged"
+    normals: Annotated[str, Choice(("averaged", "patches"), ("primary",))] = "averaged"
+    sharp_angle: Annotated[float, Quantity(ANGLE, above=0.0, most=180.0)] = 40.0
     pairing: Annotated[str, Choice(("node-to-node",), ("node-to-face",))] = "node-to-node"
     friction: Annotated[PureNumber, NotYet(0.0)] = 0.0
     penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
@@ -140,8 +146,17 @@ class Contact(Description):
     block_iterations: Annotated[int, Whole(1, 100_000)] = 50
     fallback: Annotated[tuple[str, ...], PlainValidator(_fallback)] = ()
 
+    @property
+    def pairing_rule(self) -> Pairing:
+        """How nodes find partners and normals."""
+        return Pairing(self.normals, math.radians(self.sharp_angle))
+
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield numbers that the method does not use."""
+        """Yield numbers that the method or the normals do not use."""
+        if self.normals != "averaged" and self.method == "tied":
+            yield Problem(("normals",), "the method 'tied' has no normals; leave it out")
+        if "sharp_angle" in self.model_fields_set and self.normals != "patches":
+            yield Problem(("sharp_angle",), 'belongs to normals = "patches"')
         used = {self.method, *self.fallback}
         for key, methods in _METHODS_WITH.items():
             if key in self.model_fields_set and not used.intersection(methods):

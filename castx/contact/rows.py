@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from castx.saved import turn_of
+
 if TYPE_CHECKING:
     from castx.pairs import NodePairs
 
-FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 
@@ -30,43 +31,19 @@ class Treatment(Enum):
 
 
 @dataclass(frozen=True)
-class PairRows:
-    """The pairs of one interface and their normals, one or several for each pair.
+class InterfaceRows:
+    """The pairs of one interface and what the coordinates make of them.
 
     Attributes:
-        pairs: the node pairs.
-        index: number of the pair of each row, shape (rows,).
-        vectors: area vectors ∫φ n dS of the rows [m²], shape (rows, dimension).
+        pairs: the node pairs, one or several at each node.
         treatment: what the coordinates make of them.
     """
 
     pairs: NodePairs
-    index: IntArray
-    vectors: FloatArray
     treatment: Treatment = Treatment.CONDENSED
 
-    @property
-    def nodes(self) -> IntArray:
-        """Local numbers of the secondary nodes of the rows, shape (rows,)."""
-        return self.pairs.secondary_local[self.index]
-
     def turns(self) -> Iterator[IntArray]:
-        """Yield the first rows of all nodes, then the second ones, and so on."""
-        turn = turn_of(self.nodes)
+        """Yield the first pairs of all nodes, then the second ones, and so on."""
+        turn = turn_of(self.pairs.secondary_local)
         for k in range(int(turn.max(initial=-1)) + 1):
             yield np.flatnonzero(turn == k).astype(np.int32)
-
-
-def turn_of(owners: IntArray) -> npt.NDArray[np.int64]:
-    """Return how many rows of the same owner stand before each row, shape (rows,)."""
-    order = np.argsort(owners, kind="stable")
-    first = np.searchsorted(owners[order], owners[order])
-    turn = np.empty(len(order), dtype=np.int64)
-    turn[order] = np.arange(len(order)) - first
-    return turn
-
-
-def single_rows(pairs: NodePairs, treatment: Treatment = Treatment.CONDENSED) -> PairRows:
-    """Return one row for each pair, along the mean normal of its surface."""
-    index = np.arange(len(pairs.areas), dtype=np.int32)
-    return PairRows(pairs, index, pairs.area_vectors, treatment)

@@ -12,7 +12,7 @@ import pytest
 
 from castx.constraints import SurfaceDisplacement, fixed_directions
 from castx.contact.choice import Contact
-from castx.contact.rows import Treatment, single_rows
+from castx.contact.rows import InterfaceRows, Treatment
 from castx.coordinates import Coordinates
 from castx.errors import CaseError
 from castx.layout import Layout
@@ -56,7 +56,7 @@ def coordinates(mesh, conditions, contacts, condensed=True, block_sizes=None) ->
     ]
     pairs = [node_pairs(mesh, *contact) for contact in contacts]
     treatment = Treatment.CONDENSED if condensed else Treatment.READ
-    rows = [single_rows(p, treatment) for p in pairs]
+    rows = [InterfaceRows(p, treatment) for p in pairs]
     made = Coordinates(layout, names, dimension, directions, rows)
     return Made(mesh, layout, directions, pairs, made)
 
