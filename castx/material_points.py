@@ -45,6 +45,7 @@ class MaterialPoints:
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
+        self._free_volume: FloatArray = np.zeros(points.cells)
         self._committed: tuple[History, Conditions, float, FloatArray] | None = None
 
     @property
@@ -80,6 +81,18 @@ class MaterialPoints:
         c = self.law.conditions(self.points, temperature, solid_fraction, step)
         self._use(self.history.start(c.coherent, self.points), c, step)
         return c
+
+    def add_free_volume(self, strain: FloatArray) -> Conditions:
+        """Add a volumetric strain of the cells, shape (cells,), to the thermal one of the step."""
+        c, self._free_volume = self.conditions, strain
+        self._conditions = c._replace(thermal_strain=c.thermal_strain + strain)
+        self.thermal_strain.x.array[:] = self._conditions.thermal_strain
+        return self._conditions
+
+    @property
+    def thermal_change(self) -> FloatArray:
+        """Volumetric thermal strain of the cells alone, shape (cells,)."""
+        return self.conditions.thermal_strain - self._free_volume
 
     def _use(self, start: History, conditions: Conditions, step: float) -> None:
         self._start, self._conditions, self._step = start, conditions, step

@@ -168,6 +168,7 @@ class BodyMechanics:
         given = None
         if self.pockets is not None:
             trapped = self.pockets.update(~conditions.coherent)
+            conditions = self.material.add_free_volume(self.pockets.birth_volume)
             given = np.where(
                 trapped, self.pockets.pressure.x.array[self.cell_nodes].mean(axis=1), np.nan
             )
@@ -246,7 +247,7 @@ class BodyMechanics:
         size = np.linalg.norm(self._present_stress()[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
         conditions = self.material.conditions
         G = self.points.cell_means(conditions.shear_modulus)
-        size += THERMAL_SHARE * 2 * G * np.abs(conditions.thermal_strain)
+        size += THERMAL_SHARE * 2 * G * np.abs(self.material.thermal_change)
         owned = self.cells.dofmap.index_map.size_local
         corners = self.cell_nodes[:owned]
         forces = np.repeat((size * self._force_of_stress)[:owned], corners.shape[1])

@@ -2,7 +2,8 @@
 
 An incompressible pocket inside a shrinking shell would be squeezed to absurd pressures. It keeps
 the pressure it had when it closed instead, and the volume that its shell takes from it or leaves
-empty is booked: the shrinkage porosity.
+empty is booked: the shrinkage porosity. What freezes out of a pocket is born with the volume that
+it has there; else its shell would have to close upon it at once.
 """
 
 from __future__ import annotations
@@ -55,16 +56,23 @@ class Pockets:
         self._held_pressure: FloatArray = np.zeros(len(body.parent_vertices))
         self._last_pressure: FloatArray = np.zeros(len(body.parent_vertices))
         self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
+        self._born: FloatArray = np.zeros(len(self._cell_nodes))
+        self._liquid: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
 
     def update(self, liquid: BoolArray) -> BoolArray:
         """Find the trapped cells of a trial step; return them, shape (cells,)."""
         trapped = self._paths.trapped(liquid)
-        self.trapped.x.array[:] = trapped
+        self.trapped.x.array[:], self._liquid = trapped, liquid
         closing = np.zeros(len(self._held_pressure), dtype=bool)
         closing[self._cell_nodes[trapped & ~self._was_trapped].ravel()] = True
         closing[self._cell_nodes[trapped & self._was_trapped].ravel()] = False
         self.pressure.x.array[:] = np.where(closing, self._last_pressure, self._held_pressure)
         return trapped
+
+    @property
+    def birth_volume(self) -> FloatArray:
+        """Volumetric strain without stress of the solid cells of the trial step, shape (cells,)."""
+        return np.where(self._liquid, 0.0, self._born)
 
     def commit(self, pressure: FloatArray, dilatation: FloatArray) -> None:
         """Book the volume that trapped cells gained in an accepted step.
@@ -81,6 +89,7 @@ class Pockets:
         self._held_pressure = self.pressure.x.array.copy()
         self._last_pressure, self._last_dilatation = pressure.copy(), dilatation.copy()
         self._was_trapped = trapped
+        self._born = np.where(trapped, dilatation, self.birth_volume)
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state of trapped liquid and the volume it lacks."""
@@ -89,6 +98,7 @@ class Pockets:
             "volume": number(self.volume),
             "trapped": Saved(self._was_trapped, cells),
             "dilatation": Saved(self._last_dilatation, cells),
+            "born": Saved(self._born, cells),
             "pressure": Saved(self._last_pressure, nodes),
             "held_pressure": Saved(self._held_pressure, nodes),
         }
@@ -98,6 +108,7 @@ class Pockets:
         self.volume = float(arrays["volume"])
         self._was_trapped = arrays["trapped"].astype(bool)
         self._last_dilatation = arrays["dilatation"].copy()
+        self._born = arrays["born"].copy()
         self._last_pressure = arrays["pressure"].copy()
         self._held_pressure = arrays["held_pressure"].copy()
 

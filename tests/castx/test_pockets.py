@@ -81,6 +81,28 @@ def test_a_pocket_keeps_the_pressure_at_which_it_closed_and_books_its_volume(cas
     assert pockets.volume == pytest.approx(3e-3 * area, rel=1e-12)
 
 
+def test_solid_out_of_a_pocket_has_the_volume_of_its_birth(casting) -> None:
+    """Melting in a pocket frees it again, melting where liquid follows takes it away."""
+    r, z = midpoints(casting).T
+    core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
+    shrunk = core & (r < RADIUS / 4)
+    pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
+    nodes, nothing = np.zeros(len(casting.points)), np.zeros(len(r))
+    steps = [(core, 2e-3), (shrunk, 5e-3), (shrunk, 4e-3), (np.zeros(len(r), dtype=bool), 1e-3)]
+    for liquid, dilatation in steps:
+        pockets.update(liquid)
+        pockets.commit(nodes, nothing + dilatation)
+    ring = core & ~shrunk
+    expected = np.where(ring, 2e-3, np.where(shrunk, 4e-3, 0.0))
+    assert np.allclose(pockets.birth_volume, expected, rtol=1e-14)
+    pockets.update(shrunk)
+    assert np.allclose(pockets.birth_volume, np.where(shrunk, 0.0, expected), rtol=1e-14)
+    pockets.update(r < RADIUS)
+    pockets.commit(nodes, nothing)
+    pockets.update(~np.ones(len(r), dtype=bool))
+    assert not pockets.birth_volume.any()
+
+
 def owned(body: BodyMesh) -> int:
     return body.mesh.topology.index_map(2).size_local
 
