@@ -31,7 +31,7 @@ LIQUIDUS = {
 ALLOYS = tuple(LIQUIDUS)
 MOULDS = ("steel-H13", "steel-carbon", "sand-silica")
 LAWS = ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian")
+METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "block-iterative")
 HEAT_LAWS = ("limited", "limited", "series", "constant", "solid-fraction", "perfect", "none")
 ELEMENTS = 7
 """Elements across the casting."""
@@ -39,8 +39,9 @@ PATIENCE = 1800.0
 """Wall clock time after which a run counts as lost [s]."""
 COLUMNS = (
     ("number", 4), ("generator", 18), ("alloy", 9), ("mould", 13), ("size m", 8), ("h", 7),
-    ("law of heat", 15), ("law", 27), ("contact", 21), ("steps", 6), ("cuts", 5), ("passes", 7),
-    ("its", 6), ("reached", 8), ("solid", 6), ("exit", 5), ("wall s", 7),
+    ("law of heat", 15), ("law", 27), ("contact", 21), ("steps", 6), ("cuts", 5),
+    ("fallbacks", 10), ("passes", 7), ("its", 6), ("reached", 8), ("solid", 6), ("exit", 5),
+    ("wall s", 7),
 )  # fmt: skip
 
 
@@ -220,6 +221,7 @@ def taken(results: Path, end: float) -> dict[str, Any]:
     totals = record["totals"]
     return {
         "steps": totals["steps"], "cuts": totals["cutbacks"], "passes": totals["passes"],
+        "fallbacks": totals["fallbacks"],
         "its": totals["mechanics_iterations"], "reached": f"{record['time_reached'] / end:.0%}",
         "solid": f"{record['last'].get('casting.solid_fraction') or 0.0:.0%}",
     }  # fmt: skip
@@ -254,7 +256,9 @@ def main() -> int:
         writer.writerows(lines)
     lost = [line["number"] for line in lines if line["exit"] != 0]
     print(f"{len(lines) - len(lost)} of {len(lines)} reached their end; not: {lost or 'none'}")
-    print(f"cutbacks in all: {sum(line.get('cuts', 0) for line in lines)}; files in {folder}")
+    for name in ("steps", "cuts", "fallbacks"):
+        print(f"{name} in all: {sum(line.get(name, 0) for line in lines)}")
+    print(f"files in {folder}")
     return int(bool(lost))
 
 

@@ -17,7 +17,7 @@ from castx.constraints import SurfaceDisplacement
 from castx.contact.choice import COMMON_NUMBERS, Contact
 from castx.coupled_interface import CoupledInterface
 from castx.coupling import CoupledProblem
-from castx.errors import CaseError
+from castx.errors import CaseError, MeshError
 from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
 from castx.heat_building import surface_heats
@@ -30,7 +30,7 @@ from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
-from castx.refusal import among
+from castx.refusal import among, show
 from castx.starting import initial_temperatures
 from castx.steps import StepSettings
 from castx.tables import Table
@@ -75,7 +75,7 @@ def build_problem(
         MeshError: a surface is missing.
     """
     materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
-    _check_surfaces(case, mesh)
+    check_surfaces(case, mesh)
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     mechanics = None
@@ -108,9 +108,18 @@ def build_problem(
     )
 
 
-def _check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    for boundary in case.boundaries:
-        mesh.bodies[boundary.body].surface_tag(boundary.surface)
+def check_surfaces(case: Case, mesh: CastingMesh) -> None:
+    """Find the surfaces that boundary conditions name.
+
+    Raises:
+        MeshError: one is missing; names the key.
+    """
+    for index, boundary in enumerate(case.boundaries):
+        try:
+            mesh.bodies[boundary.body].surface_tag(boundary.surface)
+        except MeshError as error:
+            place = f"boundaries[{index}].on = {show(boundary.on)}"
+            raise MeshError(f"{place}: {error}; use one of them, or name it in the mesh") from None
 
 
 def _check_laws(case: Case, laws: Mapping[str, ConductionLaw]) -> None:

@@ -10,7 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from castx.building import formulation_of
+from castx.building import check_surfaces, formulation_of
 from castx.case import Case
 from castx.consistency import starts_solid
 from castx.interface_heat import InterfaceHeat
@@ -18,6 +18,7 @@ from castx.interface_pairs import paired
 from castx.law_building import heat_exchange
 from castx.materials import find_material
 from castx.mesh import build_mesh
+from castx.mesh_memory import refuse_too_large
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
@@ -32,10 +33,11 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
             temperature cannot be read, or a patch of an interface holds no node.
         MeshError: the mesh does not hold what the case asks of it.
     """
-    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    names = [body.name for body in case.bodies]
+    refuse_too_large(case.geometry, names, comm, solved=False)
+    mesh = build_mesh(case.geometry, names, comm)
     pairs = {item.name: paired(mesh, item) for item in case.interfaces}
-    for boundary in case.boundaries:
-        mesh.bodies[boundary.body].surface_tag(boundary.surface)
+    check_surfaces(case, mesh)
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
     for body in case.bodies:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from enum import IntEnum, StrEnum
 from pathlib import Path
@@ -18,6 +18,7 @@ import typer
 from rich.console import Console
 from rich.logging import RichHandler
 
+from castx.cli_refusals import naming, on_first_rank, seconds
 from castx.ending import common_code
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 from castx.terminal import console_of
@@ -115,25 +116,6 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
     return code
 
 
-def seconds(option: str, text: str) -> float:
-    """Return the value of an option that is a time.
-
-    Raises:
-        CaseError: it is none.
-    """
-    from castx.entries import Quantity
-    from castx.units import TIME
-
-    try:
-        value: str | float = float(text)
-    except ValueError:
-        value = text
-    try:
-        return Quantity(TIME, above=0.0).read(value)
-    except CaseError as error:
-        raise CaseError(f'{option} {text}: {error}; for instance "8 h"') from None
-
-
 def prepare_logging(comm: MPI.Intracomm) -> None:
     """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
     console = console_of(comm, stderr=True)
@@ -158,18 +140,6 @@ def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
     """Return the ranks, and a console that is silent on all but the first."""
     comm: MPI.Intracomm = context.obj
     return comm, console_of(comm)
-
-
-def on_first_rank(comm: MPI.Intracomm, action: Callable[[], None]) -> None:
-    """Do something on rank 0, and raise on all ranks what it refuses."""
-    refusal: CaseError | MeshError | None = None
-    if comm.rank == 0:
-        try:
-            action()
-        except (CaseError, MeshError) as error:
-            refusal = error
-    if (refusal := comm.bcast(refusal)) is not None:
-        raise refusal
 
 
 @app.command()
@@ -202,9 +172,11 @@ def run(
         logging.getLogger(__name__).warning(warning)
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
-        folder = run_case_file(
-            case_file, overrides or (), output=output, comm=comm, restart=restart, time_limit=limit
-        )
+        with naming(case_file):
+            folder = run_case_file(
+                case_file, overrides or (), output=output, comm=comm, restart=restart,
+                time_limit=limit,
+            )  # fmt: skip
     except KeyboardInterrupt as error:  # typer would not say why
         say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
@@ -218,7 +190,8 @@ def check(context: typer.Context, case_file: CaseFile, overrides: Overrides = No
     from castx.checking import check_case
 
     comm, console = output_of(context)
-    check_case(load_case(case_file, overrides or ()), comm, console)
+    with naming(case_file):
+        check_case(load_case(case_file, overrides or ()), comm, console)
 
 
 @app.command()
@@ -232,11 +205,15 @@ def mesh(
 ) -> None:
     """Write the mesh of a case as a gmsh file."""
     from castx.case import load_case
+    from castx.mesh_memory import refuse_too_large
     from castx.mesh_source import write_mesh
 
     comm, console = output_of(context)
-    case = load_case(case_file, overrides or ())
-    on_first_rank(comm, lambda: write_mesh(case.geometry, output))
+    with naming(case_file):
+        case = load_case(case_file, overrides or ())
+        names = [body.name for body in case.bodies]
+        refuse_too_large(case.geometry, names, comm, solved=False)
+        on_first_rank(comm, lambda: write_mesh(case.geometry, output))
     console.print(f"written: {output}", markup=False)
 
 

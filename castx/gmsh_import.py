@@ -64,6 +64,7 @@ def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedM
     _check_shares(dimension, bodies, body_names, source)
     used, cells = np.unique(np.searchsorted(tags, cells), return_inverse=True)
     points, cells = points[used], cells.reshape(-1, kind.corners)
+    _check_numbers(points, tags[used], source)
     surfaces = _groups(dimension - 1, source)
     _check_surfaces(list(surfaces), body_names, source)
     faces, face_surfaces = _elements(KINDS[kind.face], surfaces, source)
@@ -110,6 +111,15 @@ def _nodes(dimension: int, source: str) -> tuple[IntArray, FloatArray]:
                 f"{source} is for a 2-D model but leaves the plane z = 0 by {height:g} m"
             )
     return tags[order].astype(np.int64), np.ascontiguousarray(points[:, :dimension])
+
+
+def _check_numbers(points: FloatArray, tags: IntArray, source: str) -> None:
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise MeshError(
+            f"{source}: {len(wrong)} nodes have coordinates that are no finite numbers, the first "
+            f"is node {tags[wrong[0]]}; repair it or export the mesh again"
+        )
 
 
 def _groups(dim: int, source: str) -> dict[str, list[int]]:
@@ -194,5 +204,7 @@ def _oriented(kind: CellKind, points: FloatArray, cells: IntArray, source: str) 
     if len(bad):
         place = ", ".join(f"{x:g}" for x in corners[bad[0]].mean(axis=0))
         what = "have no volume" if kind.simplex else "are flat or not convex"
-        raise MeshError(f"{source}: {len(bad)} elements {what}, the first at ({place}) m")
+        raise MeshError(
+            f"{source}: {len(bad)} elements {what}, the first at ({place}) m; repair the mesh there"
+        )
     return np.where(negative[:, None], cells[:, kind.mirrored], cells)

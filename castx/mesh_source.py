@@ -60,7 +60,8 @@ def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
     inmost = mesh.points[:, 0].min()
     if geometry.model == "axisymmetric" and inmost < -1e-9 * np.ptp(mesh.points[:, 0]):
         raise MeshError(
-            f"an axisymmetric mesh lies in r >= 0, but {source} reaches r = {inmost:g} m"
+            f"an axisymmetric mesh lies in r >= 0, but {source} reaches r = {inmost:g} m; move it, "
+            "or choose another geometry.model"
         )
     return mesh
 

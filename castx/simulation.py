@@ -21,6 +21,7 @@ from castx.diagnosis import FailedTry, diagnosis
 from castx.errors import ConvergenceError
 from castx.interface_pairs import paired
 from castx.mesh import CastingMesh, build_mesh
+from castx.mesh_memory import refuse_too_large
 from castx.pairs import NodePairs
 from castx.saved import Arrays, Saved, Stateful, joined, number, part_of, restore_parts, saved_parts
 from castx.snapshot import StepCounters
@@ -87,7 +88,9 @@ class Simulation:
             CaseError: the case cannot be solved as described.
             MeshError: the mesh does not hold what the case asks of it.
         """
-        mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+        names = [body.name for body in case.bodies]
+        refuse_too_large(case.geometry, names, comm, solved=True)
+        mesh = build_mesh(case.geometry, names, comm)
         pairs = {i.name: paired(mesh, i) for i in case.interfaces}
         problem = build_problem(case, mesh, pairs, laws)
         given = case.time.heat_substeps
