@@ -75,6 +75,7 @@ class Balance:
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""
         self._time = time
+        self._forces_in_bodies.begin()
         self.gaps.set_time(time)
         for body in self.assembly.bodies:
             body.set_time(time)
@@ -205,6 +206,7 @@ class Balance:
 
     def adopt(self, other: Balance) -> None:
         """Take over the committed time and pairs of another contact method."""
+        self.gaps.at_rest[:] = other.gaps.at_rest
         self.committed_time, self._committed_support = other.committed_time, None
         self.active.restore(other.active.committed & self.gaps.free)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Iterator, Mapping
 
@@ -15,6 +14,7 @@ from castx.consistency import starts_solid
 from castx.constitutive import ELASTIC, Law
 from castx.constraints import SurfaceDisplacement
 from castx.contact.choice import COMMON_NUMBERS, Contact
+from castx.contact.rigid import RigidBody, rigid_body
 from castx.coupled_interface import CoupledInterface
 from castx.coupling import CoupledProblem
 from castx.errors import CaseError, MeshError
@@ -31,26 +31,26 @@ from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.refusal import among, show
+from castx.schedule import Schedule
 from castx.starting import initial_temperatures
 from castx.steps import StepSettings
 from castx.tables import Table
 from castx.temperatures import Temperatures
 from castx.thermal_body import HeatBody
 
-_log = logging.getLogger(__name__)
-
 
 def step_settings(case: Case) -> StepSettings:
-    """Return what the case asks of the steps; they land on output times."""
-    time = case.time
+    """Return what the case asks of the steps; they land on stages and output times."""
+    time, schedule = case.time, Schedule(case.stages, case.time.end)
     return StepSettings(
-        time.end,
+        schedule.end,
         time.first_step,
         time.largest_step,
         time.smallest_step,
         time.temperature_change,
         time.fixed_step,
         case.output.every,
+        schedule.stops,
     )
 
 
@@ -79,7 +79,7 @@ def build_problem(
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     mechanics = None
-    if scheme != "thermal":
+    if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
         mechanics = _mechanics(case, mesh, materials, contacts)
     own = dict(laws or {})
     _check_laws(case, own)
@@ -175,12 +175,7 @@ def _mechanics(
         for b in case.bodies
         if b.law != "rigid"
     }
-    displacements: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
-    for boundary in case.boundaries:
-        for condition in boundary.displacement:
-            displacements[boundary.body].append(
-                SurfaceDisplacement(boundary.surface, condition.direction, condition.value)
-            )
+    displacements = _displacements(case)
     solver = case.solver
     settings = MechanicsSettings(
         solver.linear,
@@ -190,6 +185,29 @@ def _mechanics(
     )
     described = [_contact(i) for i in contacts]
     return MechanicalProblem(mesh, bodies, displacements, described, settings)
+
+
+def _displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:
+    found: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
+    for boundary in case.boundaries:
+        for condition in boundary.displacement:
+            found[boundary.body].append(
+                SurfaceDisplacement(boundary.surface, condition.direction, condition.value)
+            )
+    return found
+
+
+def rigid_bodies(case: Case, mesh: CastingMesh) -> dict[str, RigidBody]:
+    """Return the rigid bodies of a case; none without mechanics.
+
+    Raises:
+        CaseError: displacement conditions that a rigid body cannot follow.
+    """
+    if case.coupling.scheme == "thermal":
+        return {}
+    given = _displacements(case)
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    return {name: rigid_body(name, mesh.model, given[name]) for name in rigid}
 
 
 def _contact(interface: Interface) -> Contact:
@@ -217,8 +235,6 @@ def _mechanical_body(
                 f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
             )
         material = material.without_liquid()
-    if material.melts:
-        _log.info("%s", law_above_solidus(body.name, material))
     loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
     return MechanicalBody(
         Law(material, material.stress_free_temperature(_uniform(body)), body.law),
@@ -228,6 +244,24 @@ def _mechanical_body(
         tuple(loads),
         material.liquid is not None,
     )
+
+
+def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
+    """Return what the bodies that melt do mechanically while they are not solid, for people.
+
+    Raises:
+        CaseError: a body cannot be solved as described.
+    """
+    if case.coupling.scheme == "thermal":
+        return []
+    materials = {
+        body.name: _mechanical_body(
+            case, mesh, body, find_material(body.material, case.materials)
+        ).law.material
+        for body in case.bodies
+        if body.law != "rigid"
+    }
+    return [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
 
 
 def law_above_solidus(body: str, material: Material) -> str:

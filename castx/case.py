@@ -15,7 +15,7 @@ from castx.bodies import Body
 from castx.boundaries import Boundary, Loads, Support
 from castx.consistency import case_problems, gravity_along
 from castx.control import Coupling, Solver, Time
-from castx.entries import Description, MaterialName, NotYet
+from castx.entries import Description, MaterialName
 from castx.errors import CaseError
 from castx.geometry import Geometry
 from castx.interfaces import Interface
@@ -23,6 +23,7 @@ from castx.materials.description import MaterialDescription
 from castx.outputs import Output, Probe
 from castx.overrides import apply_overrides
 from castx.refusal import Problem, Refusal, summary
+from castx.stage_consistency import stage_problems
 from castx.stages import Stage
 
 _LARGEST_FILE = 4_000_000  # bytes
@@ -30,6 +31,7 @@ _LONGEST_TITLE = 200
 _DEEPEST = 20  # levels of nesting
 _MOST_BODIES = 100
 _MOST_ENTRIES = 1000
+_MOST_STAGES = 100
 
 
 def _title(value: Any) -> str:
@@ -54,7 +56,7 @@ class Case(Description):
     solver: Solver = Solver()
     output: Output = Output()
     probes: tuple[Probe, ...] = Field((), max_length=_MOST_ENTRIES)
-    stages: Annotated[tuple[Stage, ...], NotYet(())] = ()
+    stages: tuple[Stage, ...] = Field((), max_length=_MOST_STAGES)
 
     _path: Path = PrivateAttr(Path("case"))
     _digest: str = PrivateAttr("")
@@ -79,6 +81,7 @@ class Case(Description):
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield all contradictions between the parts."""
         yield from case_problems(self)
+        yield from stage_problems(self)
 
 
 def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:

@@ -101,6 +101,7 @@ class Checkpoints:
             "ranks": self._comm.size,
             "mesh": simulation.mesh.digest,
             "case": self._case.content,
+            "process": self._simulation.notes(),
             "results": self._results.notes(),
         }
 
@@ -115,6 +116,7 @@ class Checkpoints:
                 f"the mesh is not the one of {self._checkpoint.path}: its file or the version of "
                 "gmsh has changed; take the old one, or run the case anew without --restart"
             )
+        self._simulation.prepare(header["process"])
         wanted = self._state()
         missing = {name for name in wanted if name.startswith("simulation/")}
         missing -= set(header["arrays"])

@@ -234,10 +234,16 @@ def _rigid_problems(case: Case) -> Iterator[Problem]:
         if problem and method != "none":
             yield Problem(("interfaces", index, "contact", "method"), problem)
     for index, boundary in enumerate(case.boundaries):
-        for key in ("pressure", "traction"):
-            if boundary.body in rigid and getattr(boundary, key):
-                text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
-                yield Problem(("boundaries", index, key), text)
+        yield from load_problems(case, ("boundaries", index), boundary)
+
+
+def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
+    """Yield loads of a boundary that a rigid body does not feel."""
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    for key in ("pressure", "traction"):
+        if boundary.body in rigid and getattr(boundary, key):
+            text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
+            yield Problem((*place, key), text)
 
 
 def _boundary_problems(case: Case) -> Iterator[Problem]:

@@ -84,13 +84,15 @@ class Equilibrium:
 
     def adopt(self, other: Equilibrium) -> None:
         """Take over the committed solution of another contact method for the same bodies."""
+        pairs = ((self.committed, other.committed), (self.balance.anchor, other.balance.anchor))
         layout, coordinates = self.balance.assembly.layout, self.balance.coordinates
         u, v = layout.create_vector(), layout.create_vector()
-        v.array[:] = other.committed[: layout.size_local]
-        other.balance.coordinates.to_displacements.mult(v, u)
-        coordinates.to_coordinates.mult(u, v)
-        self.committed[:] = 0.0
-        self.committed[: layout.size_local] = v.array_r
+        for own, given in pairs:
+            v.array[:] = given[: layout.size_local]
+            other.balance.coordinates.to_displacements.mult(v, u)
+            coordinates.to_coordinates.mult(u, v)
+            own[:] = 0.0
+            own[: layout.size_local] = v.array_r
         u.destroy()
         v.destroy()
         self.balance.adopt(other.balance)

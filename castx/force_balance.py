@@ -39,7 +39,12 @@ class ForceBalance:
         self._comm = layout.comm
         self._targets: FloatArray = np.zeros(len(self._parts))
         self._length = max(body.length for body in assembly.bodies)
+        self._at_start: float | None = None
         self.weakest = 0.0
+
+    def begin(self) -> None:
+        """Start a new solution: what acts at its start counts to its end."""
+        self._at_start = None
 
     def update(self, x: PETSc.Vec, diagonal: FloatArray) -> None:
         """Measure the forces at the unknowns x, rows with this diagonal."""
@@ -50,7 +55,10 @@ class ForceBalance:
         # Of all rows together: linear solves mix them. Unknowns, all of them lengths, beyond the
         # size of the bodies are those of an iteration that ran away: its rows are mere rounding.
         terms = diagonal * np.minimum(np.abs(x.array_r), self._length)
-        rounding = ROUNDING * np.linalg.norm(self._norms(terms))
+        size = float(np.linalg.norm(self._norms(terms)))
+        # A body set free may end without stress, but with the rounding of what it had.
+        self._at_start = size if self._at_start is None else self._at_start
+        rounding = ROUNDING * max(size, self._at_start)
         self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
 
     def _norms(self, rows: FloatArray) -> FloatArray:

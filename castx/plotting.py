@@ -242,7 +242,7 @@ def limits_of(
 
     `share` leaves out the largest values that only few points or cells have.
     """
-    grids = [state[name] for state in states for name in bodies]
+    grids = [state[name] for state in states for name in bodies if name in state]
     values = [grid[field] for grid in grids if field in grid.array_names]
     found = np.concatenate([np.empty(0), *(array[np.isfinite(array)] for array in values)])
     if found.size == 0:

@@ -20,7 +20,7 @@ and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -88,7 +88,7 @@ class BodySolidification:
         nodes = body.nodes.dofmap.index_map.size_local + body.nodes.dofmap.index_map.num_ghosts
         self._times = np.full((len(LEVELS), nodes), np.nan)
         self._gradient = np.full(nodes, np.nan)
-        self._old = _Instant(np.nan, np.zeros(nodes), np.zeros(nodes))
+        self._old = self._first = _Instant(np.nan, np.zeros(nodes), np.zeros(nodes))
         self._numbering = body.node_numbering
 
     def update(self, snapshot: Snapshot, body: str) -> None:
@@ -100,32 +100,47 @@ class BodySolidification:
                 snapshot.nodal(body, "temperature"), snapshot.nodal(body, "solid_fraction")
             ),
         )
+        if body in snapshot.process.renewed:
+            self._times[:], self._gradient[:] = np.nan, np.nan
+            filled = snapshot.time - snapshot.counters.step
+            self._begin(replace(self._first, time=filled))
         if np.isnan(self._old.time):
-            solid = new.enthalpy <= self._thresholds[-1]
-            passed = new.enthalpy <= self._thresholds[:, None]
-            self._times[passed & ~solid] = new.time
+            self._first = new
+            self._begin(new)
         else:
             self._pass(self._old, new)
         self._old = new
 
+    def _begin(self, new: _Instant) -> None:
+        """Note what is passed already when a body begins."""
+        solid = new.enthalpy <= self._thresholds[-1]
+        passed = new.enthalpy <= self._thresholds[:, None]
+        self._times[passed & ~solid] = new.time
+        self._old = new
+
     def saved(self) -> dict[str, Saved]:
-        """Return what was passed so far, and the last state."""
+        """Return what was passed so far, the last state and the first one."""
         old = self._old
         found = {
             "times": self._times.T.copy(),
             "gradient": self._gradient,
             "last_enthalpy": old.enthalpy,
             "last_gradient": old.gradient,
+            "first_enthalpy": self._first.enthalpy,
+            "first_gradient": self._first.gradient,
         }
         nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
-        return {"time": number(old.time), **nodal}
+        return {"time": number(old.time), "first_time": number(self._first.time), **nodal}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back what was passed before, and the last state."""
+        """Take back what was passed before, the last state and the first one."""
         self._times = np.ascontiguousarray(arrays["times"].T)
         self._gradient = arrays["gradient"]
         self._old = _Instant(
             float(arrays["time"]), arrays["last_enthalpy"], arrays["last_gradient"]
+        )
+        self._first = _Instant(
+            float(arrays["first_time"]), arrays["first_enthalpy"], arrays["first_gradient"]
         )
 
     def _pass(self, old: _Instant, new: _Instant) -> None:
@@ -193,7 +208,8 @@ class Solidification:
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
         for name, body in self._bodies.items():
-            body.update(snapshot, name)
+            if name in snapshot.mesh.bodies:
+                body.update(snapshot, name)
 
     def saved(self) -> dict[str, Saved]:
         """Return what the bodies have passed; collective."""

@@ -48,7 +48,7 @@ class RangeWatch:
         if len(self._warned) == len(self._materials):
             return
         for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
-            if body.material in self._warned:
+            if body.material in self._warned or body.name not in snapshot.mesh.bodies:
                 continue
             found = outside_used_range(
                 self._case, body, self._materials[body.material], low, high
@@ -61,6 +61,8 @@ class RangeWatch:
         """Yield the lowest and the highest temperature of each body on all ranks [°C]."""
         own = np.full((len(self._case.bodies), 2), -np.inf)
         for row, body in zip(own, self._case.bodies, strict=True):
+            if body.name not in snapshot.mesh.bodies:
+                continue
             temperature = snapshot.nodal(body.name, "temperature")
             if temperature.size:
                 row[:] = -temperature.min(), temperature.max()

@@ -217,7 +217,7 @@ def topic_figures(
     if topic.final:
         times, states = times[-1:], states[-1:]
     if topic.outside:
-        states = [{name: state[name] for name in bodies} for state in states]
+        states = [{name: state[name] for name in bodies if name in state} for state in states]
     limits = limits_of(states, topic.field, bodies, topic.share)
     if limits is None or (topic.outside and model != "3d"):
         return

@@ -85,7 +85,7 @@ def _solve(
 ) -> None:
     comm = simulation.mesh.comm
     ranges = RangeWatch(case, comm)
-    with results, checkpoints, Progress(case.time.end, comm) as progress:
+    with results, checkpoints, Progress(simulation.end, comm) as progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()

@@ -6,13 +6,13 @@ import logging
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
-from typing import Self
+from typing import Any, Self
 
 from mpi4py import MPI
 
 import numpy as np
 
-from castx.building import build_problem, step_settings
+from castx.building import step_settings
 from castx.case import Case
 from castx.conductance import ConductionLaw
 from castx.coupled_report import CoupledReport
@@ -20,11 +20,12 @@ from castx.coupling import CoupledProblem
 from castx.diagnosis import FailedTry, diagnosis
 from castx.errors import ConvergenceError
 from castx.interface_pairs import paired
-from castx.mesh import CastingMesh, build_mesh
+from castx.mesh import build_mesh
 from castx.mesh_memory import refuse_too_large
-from castx.pairs import NodePairs
+from castx.process import Process
 from castx.saved import Arrays, Saved, Stateful, joined, number, part_of, restore_parts, saved_parts
 from castx.snapshot import StepCounters
+from castx.staging import process_of
 from castx.state import State
 from castx.steps import StepControl, StepSettings
 
@@ -48,23 +49,22 @@ _log = logging.getLogger(__name__)
 class Simulation:
     """A case on its mesh, stepped from the end of filling to the end of the run.
 
+    Attributes:
+        mesh: all bodies.
+        pairs: all node pairs by the name of the interface.
+        process: stages and what is solved during the present one.
+
     Args:
-        mesh: mesh of the bodies.
-        pairs: node pairs by the name of the interface.
-        problem: heat and mechanics.
+        process: the process at its start.
         settings: what the case asks of the steps.
         substeps: heat steps inside one mechanical step; None: by the temperature change.
     """
 
     def __init__(
-        self,
-        mesh: CastingMesh,
-        pairs: Mapping[str, NodePairs],
-        problem: CoupledProblem,
-        settings: StepSettings,
-        substeps: int | None = None,
+        self, process: Process, settings: StepSettings, substeps: int | None = None
     ) -> None:
-        self.mesh, self.pairs, self.problem = mesh, dict(pairs), problem
+        self.process = process
+        self.mesh, self.pairs = process.now.mesh, process.now.pairs
         self.control = StepControl(settings)
         self._wanted, self._substeps = settings.temperature_change, substeps
         self._substep_rate = np.inf
@@ -92,10 +92,15 @@ class Simulation:
         refuse_too_large(case.geometry, names, comm, solved=True)
         mesh = build_mesh(case.geometry, names, comm)
         pairs = {i.name: paired(mesh, i) for i in case.interfaces}
-        problem = build_problem(case, mesh, pairs, laws)
+        process = process_of(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given
-        return cls(mesh, pairs, problem, step_settings(case), substeps)
+        return cls(process, step_settings(case), substeps)
+
+    @property
+    def problem(self) -> CoupledProblem:
+        """Heat and mechanics of the present stage."""
+        return self.process.now.problem
 
     def __iter__(self) -> Iterator[State]:
         """Yield the states, see `states`."""
@@ -115,7 +120,15 @@ class Simulation:
             self._begun = True
             yield self.state()
         while not self.is_finished:
+            if self.process.proceed(self.time, lambda: self.state().totals):
+                self.control.restart()
+                self._substep_rate = np.inf
             yield self.state(self._advance(after_failed_try))
+
+    @property
+    def end(self) -> float:
+        """End of the run, all cycles included [s]."""
+        return self.process.schedule.end
 
     @property
     def is_finished(self) -> bool:
@@ -126,11 +139,12 @@ class Simulation:
         """Take one step, cutting it as long as it fails."""
         begin = clock.perf_counter()
         failed: list[FailedTry] = []
+        within = self.time - self.process.phase.cycle_start
         while True:
             step = self.control.propose(self.time)
             _log.debug("step of %g s from %g s", step, self.time)
             try:
-                report = self.problem.advance(self.time, step, self._heat_substeps(step))
+                report = self.problem.advance(within, step, self._heat_substeps(step))
             except ConvergenceError as error:
                 _log.debug("the step failed: %s", error)
                 self.problem.rewind()
@@ -144,6 +158,7 @@ class Simulation:
         self._substep_rate = self._wanted_substeps(report) / step
         self.time = self.control.landed(self.time + step)
         self.step += 1
+        self.process.end_step(self.time)
         return _counters(report, step, clock.perf_counter() - begin, len(failed))
 
     def _cut(self, failed: Sequence[FailedTry]) -> None:
@@ -168,7 +183,11 @@ class Simulation:
 
     def state(self, counters: StepCounters = NO_COUNTERS) -> State:
         """Return the state after the last accepted step."""
-        return State(self.mesh, self.pairs, self.problem, self.time, self.step, counters)
+        process = self.process
+        return State(
+            process.now, self.time, self.step, counters, process.state(), process.left,
+            process.friction,
+        )  # fmt: skip
 
     def saved(self) -> dict[str, Saved]:
         """Return the state after the last accepted step as arrays; collective."""
@@ -180,7 +199,15 @@ class Simulation:
         return joined({"clock": clock}) | saved_parts(self._parts())
 
     def _parts(self) -> dict[str, Stateful]:
-        return {"problem": self.problem, "control": self.control}
+        return {"process": self.process, "control": self.control}
+
+    def notes(self) -> dict[str, Any]:
+        """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
+        return self.process.notes()
+
+    def prepare(self, notes: Mapping[str, Any]) -> None:
+        """Go to the stage of `notes`, so that `restore` finds what it asks for; collective."""
+        self.process.prepare(notes)
 
     def restore(self, arrays: Arrays) -> None:
         """Go on from a saved state: the next state to come is that of the step after it."""
@@ -192,7 +219,7 @@ class Simulation:
 
     def destroy(self) -> None:
         """Free what PETSc holds."""
-        self.problem.destroy()
+        self.process.destroy()
 
 
 def _counters(

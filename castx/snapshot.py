@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from castx.tables import FloatArray
 
@@ -42,6 +42,27 @@ class StepCounters:
     fallbacks: int = 0
 
 
+@dataclass(frozen=True, kw_only=True)
+class ProcessState:
+    """Where in the process a snapshot is.
+
+    Args:
+        stage: number of the stage; 0 is the start.
+        cycle: number of the cycle, from 1.
+        cycle_start: time at which it has begun [s].
+        renewed: bodies that were new when the last step began.
+        events: stages that have begun and cycles that have ended so far, as JSON knows them.
+        staged: whether there are several stages at all.
+    """
+
+    stage: int = 0
+    cycle: int = 1
+    cycle_start: float = 0.0
+    renewed: frozenset[str] = frozenset()
+    events: tuple[Mapping[str, Any], ...] = ()
+    staged: bool = False
+
+
 class Snapshot(Protocol):
     """The state after an accepted step; the first one is the initial state, with step number 0.
 
@@ -59,15 +80,19 @@ class Snapshot(Protocol):
 
     @property
     def mesh(self) -> CastingMesh:
-        """The bodies and their meshes."""
+        """The bodies that are there and their meshes."""
 
     @property
     def pairs(self) -> Mapping[str, NodePairs]:
-        """The node pairs by the name of their interface."""
+        """The node pairs of these bodies by the name of their interface."""
 
     @property
     def counters(self) -> StepCounters:
         """What the step took."""
+
+    @property
+    def process(self) -> ProcessState:
+        """Where in the process the run is."""
 
     @property
     def totals(self) -> Mapping[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from castx.consistency import direction_problems
+from castx.consistency import direction_problems, load_problems
 from castx.refusal import KeyPath, Problem, among
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ def _body_problems(
             elif key == "remove" and name not in present:
                 text = f"is gone already; {among('', present, what='still there')}"
                 yield Problem((*place, key, number), text)
+        if key == "renew":
+            yield from _renewal_problems(case, (*place, "renew"), stage.renew)
     if stage.eject is not None and case.coupling.scheme == "thermal":
         text = 'needs contact forces, which coupling.scheme = "thermal" does not have'
         yield Problem((*place, "eject"), text)
@@ -72,6 +74,15 @@ def _body_problems(
         elif not _touched(case, name, present):
             text = f"{name!r} has no interface with contact; nothing holds it"
             yield Problem((*place, "eject", name), text)
+
+
+def _renewal_problems(case: Case, place: KeyPath, renewed: Sequence[str]) -> Iterator[Problem]:
+    for interface in case.interfaces:
+        new = [name for name in interface.bodies if name in renewed]
+        if interface.contact.method == "tied" and len(new) == 1:
+            (old,) = set(interface.bodies) - set(new)
+            text = f"{new[0]!r} is tied to {old!r}, which keeps its shape; renew both"
+            yield Problem(place, f"{text}, or use another contact method")
 
 
 def _touched(case: Case, body: str, present: Sequence[str]) -> bool:
@@ -91,6 +102,8 @@ def _surface_problems(
         place = ("stages", index, "boundaries", number)
         yield from _missing(case, (*place, "on"), boundary.on, present)
         yield from direction_problems(case, place, boundary)
+        if case.coupling.scheme != "thermal":
+            yield from load_problems(case, place, boundary)
         for key in ("heat", "displacement", "pressure", "traction"):
             if getattr(boundary, key) and (boundary.on, key) in seen:
                 text = f"{boundary.on!r} has it already in this stage; put both in one entry"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 from mpi4py import MPI
 
@@ -12,24 +13,54 @@ import numpy as np
 
 from castx.coupled_interface import InterfaceState
 from castx.coupling import CoupledProblem
+from castx.ejection import normal_force
 from castx.errors import CaseError
 from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
-from castx.snapshot import StepCounters
+from castx.process import StageProblem
+from castx.snapshot import ProcessState, StepCounters
 from castx.tables import FloatArray
+
+START, NONE = ProcessState(), MappingProxyType[str, float]({})
 
 
 @dataclass(frozen=True)
 class State:
-    """Fields of a coupled problem at its committed state, see `Snapshot`."""
+    """Fields of a coupled problem at its committed state, see `Snapshot`.
 
-    mesh: CastingMesh
-    pairs: Mapping[str, NodePairs]
-    problem: CoupledProblem
+    Args:
+        now: what is solved during the present stage.
+        time: [s].
+        step: number of the step.
+        counters: what it took.
+        process: where in the process the run is.
+        left: totals of bodies and interfaces that are gone.
+        friction: coefficients of friction of the bodies whose ejection is estimated.
+    """
+
+    now: StageProblem
     time: float
     step: int
     counters: StepCounters
+    process: ProcessState = START
+    left: Mapping[str, float] = NONE
+    friction: Mapping[str, float] = NONE
+
+    @property
+    def mesh(self) -> CastingMesh:
+        """The bodies that are there."""
+        return self.now.mesh
+
+    @property
+    def pairs(self) -> Mapping[str, NodePairs]:
+        """Their node pairs by the name of the interface."""
+        return self.now.pairs
+
+    @property
+    def problem(self) -> CoupledProblem:
+        """Heat and mechanics."""
+        return self.now.problem
 
     def nodal(self, body: str, name: str) -> FloatArray:
         """Return a nodal field with ghosts, shape (nodes,), displacement (nodes, gdim).
@@ -47,7 +78,7 @@ class State:
             if body not in fields[name]:
                 raise CaseError(f"no {name} in a run without the heat equation (coupling.scheme)")
             return np.asarray(fields[name][body].x.array)
-        if self._is_rigid(body):
+        if body in self.now.rigid:
             return self._rigid_field(body, name)
         mechanics = self._mechanics(body, name)
         if name == "displacement":
@@ -61,7 +92,7 @@ class State:
         """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
         if name not in ("stress", "von_mises", "plastic_strain"):
             raise CaseError(f"no cell field {name!r} on body {body!r}")
-        if self._is_rigid(body):
+        if body in self.now.rigid:
             cells = len(self.mesh.bodies[body].nodes.dofmap.list)
             return np.zeros((cells, 6) if name == "stress" else cells)
         mechanics = self._mechanics(body, name)
@@ -69,16 +100,12 @@ class State:
             return mechanics.plastic_strain()
         return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())
 
-    def _is_rigid(self, body: str) -> bool:
-        mechanics = self.problem.mechanics
-        return mechanics is not None and body in mechanics.rigid
-
     def _rigid_field(self, body: str, name: str) -> FloatArray:
         """Return the displacement of a rigid body; it has no pressure."""
-        assert self.problem.mechanics is not None
         nodes = len(self.mesh.bodies[body].parent_vertices)
         if name == "displacement":
-            moved = self.problem.mechanics.rigid[body].displacement(self.time)
+            within = self.time - self.process.cycle_start
+            moved = self.now.rigid[body].displacement(within)
             return np.tile(moved, (nodes, 1))
         if name == "pressure":
             return np.zeros(nodes)
@@ -118,7 +145,13 @@ class State:
                 if body.pockets is not None:
                     totals[f"{name}.unfed_volume"] = body.pockets.volume
             totals["support_force"] = self.problem.mechanics.equilibrium.support_force()
-        return totals
+        for name, coefficient in self.friction.items():
+            if name in self.mesh.bodies:
+                force = coefficient * normal_force(self.problem, name)
+                totals[f"{name}.ejection_force"] = force
+        if self.process.staged:
+            totals |= {"cycle": self.process.cycle, "stage": self.process.stage}
+        return {**self.left, **totals}
 
     def _solid_fraction(self, body: str) -> float:
         volumes = self.problem.volumes[body]

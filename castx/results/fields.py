@@ -27,9 +27,13 @@ COLLECTION = "castx.pvd"
 
 @dataclass
 class State:
-    """Copies of the wanted fields of one moment: arrays of the pieces of this rank by body."""
+    """Copies of the wanted fields of one moment: arrays of the pieces of this rank by body.
+
+    Bodies that are removed have none.
+    """
 
     time: float
+    phase: tuple[int, int]
     nodal: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     cellwise: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
 
@@ -83,7 +87,13 @@ class Fields:
         self._pending: State | None = None
 
     def update(self, snapshot: Snapshot) -> None:
-        """Take over the state after an accepted step, and write it when its time has come."""
+        """Take over the state after an accepted step, and write it when its time has come.
+
+        In the first cycle the last state of each stage is written as well.
+        """
+        if self._pending is not None and self._pending.phase != phase_of(snapshot):
+            if self._pending.phase[0] == 1:
+                self.write_pending()
         self._pending = self._copy(snapshot)
         if snapshot.step == 0 or self._due(snapshot.time):
             self.write_pending()
@@ -97,8 +107,10 @@ class Fields:
 
     def _copy(self, snapshot: Snapshot) -> State:
         """Return copies of the wanted fields; collective."""
-        state = State(snapshot.time)
+        state = State(snapshot.time, phase_of(snapshot))
         for body, piece in self._pieces.items():
+            if body not in snapshot.mesh.bodies:
+                continue
             state.nodal[body] = {
                 name: self._nodal(snapshot, body, name)[piece.nodes]
                 for name in self._names
@@ -130,11 +142,12 @@ class Fields:
         self._pending = None
         with self._disk.writing():
             for number, (body, piece) in enumerate(self._pieces.items()):
-                if piece.cells > 0:
+                if piece.cells > 0 and body in state.nodal:
                     path = self._folder / piece_name(body, index, self._comm.rank)
                     write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
         self._disk.settle()
-        self._outputs.append(Output(state.time, self._holders))
+        holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
+        self._outputs.append(Output(state.time, holders))
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._write_collection()
@@ -156,6 +169,11 @@ class Fields:
             if path.name not in known:
                 path.unlink()
         self._write_collection()
+
+
+def phase_of(snapshot: Snapshot) -> tuple[int, int]:
+    """Return cycle and stage of a snapshot."""
+    return snapshot.process.cycle, snapshot.process.stage
 
 
 def interface_field(snapshot: Snapshot, body: str, name: str) -> FloatArray:

@@ -23,7 +23,7 @@ COUNTERS = (
 )
 BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "power")
 INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
-RUN_TOTALS = ("energy_error", "support_force")
+RUN_TOTALS = ("energy_error", "support_force", "cycle", "stage")
 
 
 def ordered_totals(

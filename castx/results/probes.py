@@ -30,9 +30,11 @@ class Reading:
     """One quantity at one place: the names of its columns, and how to read it off a snapshot.
 
     `read` is collective; it returns (columns,), zeros except on the rank that holds the place.
+    What belongs to bodies that are removed is not a number.
     """
 
     columns: tuple[str, ...]
+    bodies: tuple[str, ...]
     read: Callable[[Snapshot], FloatArray]
 
 
@@ -74,7 +76,7 @@ class Probes:
 
     def append(self, snapshot: Snapshot) -> None:
         """Write the line of one accepted step; collective."""
-        own = [reading.read(snapshot) for reading in self._readings]
+        own = [value_of(reading, snapshot) for reading in self._readings]
         row = np.concatenate(own) if own else np.empty(0)
         total = np.empty_like(row)
         self._comm.Reduce(row, total, MPI.SUM, root=0)
@@ -85,6 +87,13 @@ class Probes:
         """Close the file."""
         if self._series is not None:
             self._series.close()
+
+
+def value_of(reading: Reading, snapshot: Snapshot) -> FloatArray:
+    """Return what a rank contributes to a reading, see `Reading`; collective."""
+    if set(reading.bodies) <= set(snapshot.mesh.bodies):
+        return reading.read(snapshot)
+    return np.full(len(reading.columns), np.nan)
 
 
 def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> list[Reading]:
@@ -136,7 +145,7 @@ def body_reading(probe: str, body: str, quantity: str, place: Place, model: str)
             value = place.interpolate(snapshot.nodal(body, quantity))
         return np.atleast_1d(value)[: len(suffixes) or None]
 
-    return Reading(columns or (f"{probe}.{quantity}",), read)
+    return Reading(columns or (f"{probe}.{quantity}",), (body,), read)
 
 
 def interface_reading(probe: str, interface: str, quantity: str, place: Place) -> Reading:
@@ -146,4 +155,5 @@ def interface_reading(probe: str, interface: str, quantity: str, place: Place) -
         values = on_secondary_nodes(snapshot, interface, quantity)
         return np.atleast_1d(place.interpolate(values))
 
-    return Reading((f"{probe}.{quantity}",), read)
+    bodies = tuple(interface.split("/"))
+    return Reading((f"{probe}.{quantity}",), bodies, read)

@@ -79,11 +79,13 @@ class RunRecord:
     _memory: dict[str, int] = field(default_factory=dict)
     _wall_before: float = 0.0
     _restarts: list[dict[str, Any]] = field(default_factory=list)
+    _events: list[Mapping[str, Any]] = field(default_factory=list)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
         self._reached = snapshot.time
         self._last = dict(snapshot.totals)
+        self._events = list(snapshot.process.events)
         self._memory = peak_memory(snapshot.mesh.comm)
         if snapshot.step > 0:
             self._counts["steps"] += 1
@@ -124,6 +126,7 @@ class RunRecord:
             "time_reached": self._reached,
             "totals": self._counts,
             "last": {name: number(value) for name, value in self._last.items()},
+            "process": self._events,
             "wall": self._wall,
             "restarts": self._restarts,
             "peak_memory": self._memory,

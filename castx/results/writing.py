@@ -17,6 +17,7 @@ from castx.results.names import MECHANICAL
 from castx.results.probes import Probes
 from castx.results.record import Reason, RunRecord
 from castx.saved import Arrays, Saved, joined, part_of
+from castx.schedule import Schedule
 from castx.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -218,7 +219,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         "case": {"name": case.name, "file": str(case.path.resolve()), "digest": case.digest},
         "model": mesh.model,
         "scheme": case.coupling.scheme,
-        "end": case.time.end,
+        "end": Schedule(case.stages, case.time.end).end,
         "bodies": sizes,
         "interfaces": interfaces,
         "ranks": mesh.comm.size,

@@ -14,7 +14,7 @@ import numpy as np
 from castx.geometry import Geometry
 from castx.mesh import CastingMesh, build_mesh
 from castx.pairs import NodePairs, node_pairs
-from castx.snapshot import StepCounters
+from castx.snapshot import ProcessState, StepCounters
 from castx.tables import FloatArray
 
 Formula = Callable[[FloatArray], FloatArray]
@@ -56,6 +56,7 @@ class FakeSnapshot:
     formulas: dict[str, Formula] = field(default_factory=dict)
     totals: dict[str, float] = field(default_factory=dict)
     counters: StepCounters = field(default_factory=StepCounters)
+    process: ProcessState = field(default_factory=ProcessState)
 
     def nodal(self, body: str, name: str) -> FloatArray:
         gdim = self.mesh.parent.geometry.dim

@@ -8,6 +8,8 @@ import pytest
 from castx.coupled_report import CoupledReport
 from castx.coupling import CoupledProblem
 from castx.errors import ConvergenceError
+from castx.process import Process, StageProblem
+from castx.schedule import Schedule
 from castx.simulation import MOST_SUBSTEPS, Simulation
 from castx.steps import StepSettings
 from tests import coupled_cases
@@ -45,7 +47,8 @@ class FakeProblem:
 def simulation(problem: Any, substeps: int | None = None, **changes) -> Simulation:
     settings = StepSettings(**{**SETTINGS.__dict__, **changes})
     no_mesh: Any = None
-    return Simulation(no_mesh, {}, problem, settings, substeps)
+    stage = StageProblem(no_mesh, {}, problem)
+    return Simulation(Process(Schedule((), settings.end), lambda _: stage), settings, substeps)
 
 
 def test_states_are_those_accepted():

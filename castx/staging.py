@@ -1,0 +1,85 @@
+"""From a case with stages to the process that goes through them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
+
+from castx.building import build_problem, laws_above_solidus, rigid_bodies
+from castx.case import Case
+from castx.conductance import ConductionLaw
+from castx.cycles import CycleEnds
+from castx.errors import CaseError
+from castx.heat_building import run_accounts
+from castx.mesh import CastingMesh
+from castx.pairs import NodePairs
+from castx.process import Cycling, Process, StageProblem
+from castx.refusal import among
+from castx.schedule import Schedule
+from castx.stage_cases import stage_case
+
+_log = logging.getLogger(__name__)
+
+
+class StageBuilder:
+    """Builds what is solved during the stages of a case, on one mesh.
+
+    Args:
+        case: the case.
+        mesh: of all its bodies.
+        pairs: of all its interfaces, by name.
+        laws: of the conduction through interfaces, in place of those of the case.
+
+    Raises:
+        CaseError: a stage cannot be run as described, or a law has no interface.
+        MeshError: a surface is missing.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        mesh: CastingMesh,
+        pairs: Mapping[str, NodePairs],
+        laws: Mapping[str, ConductionLaw],
+    ) -> None:
+        for name in laws:
+            if name not in pairs:
+                raise CaseError(f"a law for the interface {name!r}; {among(name, list(pairs))}")
+        self._mesh, self._pairs, self._laws = mesh, pairs, laws
+        surfaces = {name: tuple(body.surfaces) for name, body in mesh.bodies.items()}
+        numbers = range(Schedule(case.stages, case.time.end).stages)
+        self._cases = [stage_case(case, number, surfaces) for number in numbers]
+        self._accounts = run_accounts(case, surfaces)
+        for stage in self._cases:  # before anything is solved
+            rigid_bodies(stage, mesh)
+
+    def __call__(self, number: int) -> StageProblem:
+        """Return what is solved during a stage, as if the run began with it; collective."""
+        case = self._cases[number]
+        there = {body.name: self._mesh.bodies[body.name] for body in case.bodies}
+        mesh = replace(self._mesh, bodies=there)
+        pairs = {interface.name: self._pairs[interface.name] for interface in case.interfaces}
+        laws = {name: law for name, law in self._laws.items() if name in pairs}
+        problem = build_problem(case, mesh, pairs, laws, self._accounts)
+        return StageProblem(mesh, pairs, problem, rigid_bodies(case, mesh))
+
+
+def process_of(
+    case: Case,
+    mesh: CastingMesh,
+    pairs: Mapping[str, NodePairs],
+    laws: Mapping[str, ConductionLaw] | None = None,
+) -> Process:
+    """Return the process of a case at its start. Arguments and errors as in `StageBuilder`."""
+    schedule = Schedule(case.stages, case.time.end)
+    for line in laws_above_solidus(case, mesh):
+        _log.info("%s", line)
+    builder = StageBuilder(case, mesh, pairs, laws or {})
+    ejected = [{}, *(stage.friction for stage in case.stages)]
+    if schedule.cycles == 1:
+        return Process(schedule, builder, ejected)
+    last = case.stages[-1]
+    kept = [body.name for body in case.bodies if body.name not in last.renew]
+    cycling = Cycling(CycleEnds(mesh, kept), last.renew, last.periodic)
+    return Process(schedule, builder, ejected, cycling)
