@@ -122,7 +122,6 @@ def test_problems_of_all_parts_are_shown_together(file):
         ("bodies=[]", r"bodies = \[\]: at least 1 needed"),
         ("time=3", "time = 3: a table of keys is needed"),
         ("name=3", "name = 3: a text in quotes of at most 200"),
-        ("stages=[{at=60}]", r"stages = \[{.*: not available yet"),
         ('support.in_gate=["casting/top"]', "support.in_gate = .*: not available yet"),
         ("output.checkpoint=0", "output.checkpoint = 0: must be positive"),
         ("bodies.0.law=rigid", "the secondary body 'casting' is rigid; name the bodies the other"),
