@@ -291,6 +291,8 @@ def _mixture(
         isotropic=share * solid.isotropic + (1 - share) * isotropic,
         radial=np.where(use_solid, share * solid.radial, (1 - share) * radial),
         direction=np.where(use_solid[:, None], solid.direction, direction),
+        plastic=np.where(w > 0, solid.plastic, 0.0),
+        equivalent=np.where(share > 0, solid.equivalent, 0.0),
         work=share * solid.work,
     )
 

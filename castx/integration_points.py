@@ -49,9 +49,9 @@ class IntegrationPoints:
         self._shapes = self._tabulate()
         rule = np.asarray(basix.make_quadrature(self._cell_type(), degree)[1])
         scale = abs(ufl.JacobianDeterminant(body.mesh))
-        volumes = rule * self.evaluate(self.expression(scale)).reshape(self.cells, -1)
+        volumes = rule * self._by_points(self.evaluate(self.expression(scale)))
         weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
-        weighted = self.evaluate(self.expression(scale * weight)).reshape(self.cells, -1)
+        weighted = self._by_points(self.evaluate(self.expression(scale * weight)))
         self.weights: FloatArray = rule * weighted
         """What the points weigh [m³], shape (cells, points per cell)."""
         self.sizes: FloatArray = volumes.sum(axis=1) ** (1.0 / body.mesh.geometry.dim)
@@ -92,7 +92,7 @@ class IntegrationPoints:
     def evaluate(self, expression: fem.Expression) -> FloatArray:
         """Return an expression at all points, shape (points, components)."""
         values = expression.eval(self._mesh, self._all_cells)
-        return np.asarray(values).reshape(self.count, -1)
+        return np.asarray(values).reshape(self.count, expression.value_size)
 
     def from_nodes(self, values: FloatArray) -> FloatArray:
         """Return nodal values interpolated to the points, shape (points,)."""
@@ -106,18 +106,22 @@ class IntegrationPoints:
         """Return what points or cells have as one row for each cell."""
         return values.reshape(self.cells, values.size // max(self.cells, 1))
 
+    def _by_points(self, values: FloatArray) -> FloatArray:
+        """Return numbers at the points as rows of the cells, of which a rank may have none."""
+        return values.reshape(self.cells, self.per_cell)
+
     def cell_means(self, values: FloatArray) -> FloatArray:
         """Return means over the cells by weight, shape (cells,) or (cells, components)."""
         if self.per_cell == 1:
             return values
-        parts = values.reshape(self.cells, self.per_cell, -1)
-        means = np.einsum("cp,cpk->ck", self.weights, parts) / self.weights.sum(axis=1)[:, None]
-        return means if values.ndim > 1 else means[:, 0]
+        parts = values.reshape(self.cells, self.per_cell, *values.shape[1:])
+        shares = self.weights / self.weights.sum(axis=1, keepdims=True)
+        return np.asarray(np.einsum("cp,cp...->c...", shares, parts))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""
         owned = self._mesh.topology.index_map(self._mesh.topology.dim).size_local
-        weighted = (values.reshape(self.cells, -1) * self.weights)[:owned] @ self._shapes
+        weighted = (self._by_points(values) * self.weights)[:owned] @ self._shapes
         sums = np.bincount(
             self.cell_nodes[:owned].ravel(), weights=weighted.ravel(), minlength=nodes
         )

@@ -18,6 +18,9 @@ FULL_STEPS = 1
 """Steps taken in full: the first one fulfils all that is linear, constraints and incompressibility,
 so that the work of the steps that follow is that of forces alone."""
 
+SHORTEST = 1e-9
+"""Part of a step below which none is taken."""
+
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 
 
@@ -62,4 +65,6 @@ def _root(work: Callable[[float], float], start: float, end: float) -> float:
             known[part] = work(part)
         return known[part]
 
-    return float(brentq(remembered, 0.0, 1.0, xtol=1e-3, rtol=1e-2, disp=False))
+    # Perfect plasticity has steps of a mechanism, a thousand times too long: not to go at all would
+    # repeat them for ever.
+    return float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=1e-2, disp=False))

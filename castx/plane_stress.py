@@ -20,7 +20,7 @@ def normal_strain(
     respond: Callable[[FloatArray], Response],
     mean_stress: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
 ) -> FloatArray:
-    """Return ε_zz with s_zz(ε_zz) + p(ε_zz) = 0 by Newton's method, shape (points,).
+    """Return ε_zz with s_zz(ε_zz) + p(ε_zz) = 0 by Newton's method between bounds, shape (points,).
 
     Args:
         in_plane: strain with ε_zz = 0, shape (points, components).
@@ -32,17 +32,26 @@ def normal_strain(
         ConvergenceError: the iteration did not converge.
     """
     normal = guess.copy()
+    lower, upper = np.full_like(normal, -np.inf), np.full_like(normal, np.inf)
+    change = np.full_like(normal, np.inf)
+    found = np.zeros(len(normal), dtype=bool)
     for _ in range(MOST_ITERATIONS):
         response = respond(deviatoric(with_normal(in_plane, normal)))
         mean, slope = mean_stress(normal)
         n = response.direction[:, 2]
         stiffness = 2 / 3 * response.isotropic + response.radial * n**2 + slope
         stress = response.stress[:, 2] + mean
-        change = stress / stiffness
-        normal -= change
-        scale = np.abs(in_plane).max(axis=1, initial=0.0) + np.abs(normal)
-        elastic = np.abs(stress) <= ROUNDING * (np.abs(mean) + np.abs(response.stress[:, 2]))
-        if np.all((np.abs(change) <= ROUNDING * scale) | elastic):
+        found |= np.abs(stress) <= ROUNDING * (np.abs(mean) + np.abs(response.stress[:, 2]))
+        # σ_zz grows with ε_zz. Where a point yields both ways, Newton's steps go to and fro.
+        np.copyto(upper, normal, where=stress > 0)
+        np.copyto(lower, normal, where=stress < 0)
+        step = -stress / stiffness
+        halved = np.isfinite(upper - lower) & (np.abs(step) > 0.5 * np.abs(change))
+        step[halved] = 0.5 * (lower[halved] + upper[halved]) - normal[halved]
+        change = np.where(found, 0.0, step)
+        normal += change
+        found |= np.abs(change) <= ROUNDING * (np.abs(in_plane).max(axis=1) + np.abs(normal))
+        if found.all():
             return normal
     worst = int(np.argmax(np.abs(change)))
     raise ConvergenceError(
