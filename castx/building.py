@@ -32,9 +32,9 @@ from castx.pairs import NodePairs
 from castx.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.refusal import among, show
 from castx.schedule import Schedule
-from castx.starting import initial_temperatures
+from castx.starting import initial_state
 from castx.steps import StepSettings
-from castx.tables import Table
+from castx.tables import FloatArray, Table
 from castx.temperatures import Temperatures
 from castx.thermal_body import HeatBody
 
@@ -60,6 +60,7 @@ def build_problem(
     pairs: dict[str, NodePairs],
     laws: Mapping[str, ConductionLaw] | None = None,
     accounts: Accounts | None = None,
+    temperatures: Mapping[str, FloatArray] | None = None,
 ) -> CoupledProblem:
     """Return the coupled problem of a case.
 
@@ -69,13 +70,13 @@ def build_problem(
         pairs: node pairs by the name of the interface.
         laws: of the conduction through interfaces, in place of those of the case.
         accounts: of the heat of the whole run, if it has other stages.
+        temperatures: initial ones of the owned nodes by body [°C], if they are known already.
 
     Raises:
         CaseError: the case cannot be solved as described.
         MeshError: a surface is missing.
     """
     materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
-    check_surfaces(case, mesh)
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     mechanics = None
@@ -91,7 +92,8 @@ def build_problem(
         given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
         heat = PrescribedTemperatures(mesh, given, exchanges)
     else:
-        heat = _heat(case, mesh, materials, exchanges, accounts)
+        known = initial_state(case.bodies, mesh) if temperatures is None else temperatures
+        heat = _heat(case, mesh, materials, exchanges, known, accounts)
     interfaces = [
         CoupledInterface(
             interface.name,
@@ -109,17 +111,30 @@ def build_problem(
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    """Find the surfaces that boundary conditions name.
+    """Find the surfaces that boundary conditions name, those of later stages included.
 
     Raises:
         MeshError: one is missing; names the key.
     """
-    for index, boundary in enumerate(case.boundaries):
+    for place, on in _named_surfaces(case):
+        body, _, surface = on.partition("/")
         try:
-            mesh.bodies[boundary.body].surface_tag(boundary.surface)
+            mesh.bodies[body].surface_tag(surface)
         except MeshError as error:
-            place = f"boundaries[{index}].on = {show(boundary.on)}"
-            raise MeshError(f"{place}: {error}; use one of them, or name it in the mesh") from None
+            text = f"{place} = {show(on)}: {error}; use one of them, or name it in the mesh"
+            raise MeshError(text) from None
+
+
+def _named_surfaces(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield the keys that name surfaces, and their values."""
+    for index, boundary in enumerate(case.boundaries):
+        yield f"boundaries[{index}].on", boundary.on
+    for number, stage in enumerate(case.stages):
+        for index, boundary in enumerate(stage.boundaries):
+            yield f"stages[{number}].boundaries[{index}].on", boundary.on
+        for index, on in enumerate(stage.spray.on if stage.spray is not None else ()):
+            if "/" in on:
+                yield f"stages[{number}].spray.on[{index}]", on
 
 
 def _check_laws(case: Case, laws: Mapping[str, ConductionLaw]) -> None:
@@ -144,15 +159,11 @@ def _heat(
     mesh: CastingMesh,
     materials: dict[str, Material],
     exchanges: list[HeatExchange],
+    temperatures: Mapping[str, FloatArray],
     accounts: Accounts | None,
 ) -> HeatProblem:
     bodies = [
-        HeatBody(
-            b.name,
-            materials[b.name],
-            initial_temperatures(b.temperature, mesh.bodies[b.name], mesh.comm),
-            b.heat_source,
-        )
+        HeatBody(b.name, materials[b.name], temperatures[b.name], b.heat_source)
         for b in case.bodies
     ]
     solver = case.solver

@@ -10,7 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from castx.building import check_surfaces, formulation_of
+from castx.building import formulation_of
 from castx.case import Case
 from castx.consistency import starts_solid
 from castx.interface_heat import InterfaceHeat
@@ -22,6 +22,8 @@ from castx.mesh_memory import refuse_too_large
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
+from castx.stage_listing import cycle_text, stage_table
+from castx.staging import stage_cases
 from castx.starting import initial_temperatures
 
 
@@ -30,14 +32,15 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
 
     Raises:
         CaseError: a probe lies outside its body, cells do not serve a formulation, an initial
-            temperature cannot be read, or a patch of an interface holds no node.
+            temperature cannot be read, a patch of an interface holds no node, or a stage cannot be
+            run as described.
         MeshError: the mesh does not hold what the case asks of it.
     """
     names = [body.name for body in case.bodies]
     refuse_too_large(case.geometry, names, comm, solved=False)
     mesh = build_mesh(case.geometry, names, comm)
     pairs = {item.name: paired(mesh, item) for item in case.interfaces}
-    check_surfaces(case, mesh)
+    stages = stage_cases(case, mesh)
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
     for body in case.bodies:
@@ -54,6 +57,10 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     console.print(size_text(case.geometry.model), markup=False)
     for interface in summary.interfaces:
         console.print(interface_text(case, interface), markup=False)
+    if len(stages) > 1:
+        console.print(stage_table(case, stages))
+    if case.stages and case.stages[-1].repeat is not None:
+        console.print(cycle_text(case), markup=False)
     for warning in material_warnings(case):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
@@ -167,7 +174,9 @@ def temperature_range(case: Case) -> tuple[float, float]:
     """Return the lowest and the highest temperature that a case names [°C]."""
     found = [bound for body in case.bodies for bound in body.temperature.bounds or ()]
     tables = [body.temperature_history for body in case.bodies]
-    for boundary in case.boundaries:
+    tables += [stage.spray.ambient for stage in case.stages if stage.spray is not None]
+    later = [boundary for stage in case.stages for boundary in stage.boundaries]
+    for boundary in (*case.boundaries, *later):
         for heat in boundary.heat:
             tables.append(heat.value if heat.type == "temperature" else heat.ambient)
     for table in tables:

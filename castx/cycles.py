@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from mpi4py import MPI
 
@@ -64,3 +64,18 @@ class CycleEnds:
         for body, numbering in self._numberings.items():
             self._now[body] = arrays[f"{body}/now"][: numbering.owned].copy()
             self._last[body] = arrays[f"{body}/last"][: numbering.owned].copy()
+
+
+def distance_from_periodic(changes: Sequence[float | None]) -> float | None:
+    """Return how far the last cycle is from the state to which they tend [K], None if unknown.
+
+    Changes that shrink by the factor q from cycle to cycle add up to q/(1 - q) times the last one.
+
+    Args:
+        changes: from each cycle to the next one [K], None where there was none.
+    """
+    known = [change for change in changes[-2:] if change is not None]
+    if len(known) < 2 or known[1] >= known[0]:
+        return 0.0 if known and known[-1] == 0.0 else None
+    ratio = known[1] / known[0]
+    return known[1] * ratio / (1.0 - ratio)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from castx.accounts import Account, Accounts, accounts_of, joined_accounts
 from castx.case import Case
 from castx.heat_boundaries import SurfaceHeat
-from castx.schedule import Schedule
-from castx.stage_cases import Surfaces, stage_case
 
 
 def surface_heats(case: Case, bodies: Collection[str]) -> list[SurfaceHeat]:
@@ -34,20 +32,16 @@ def surface_heats(case: Case, bodies: Collection[str]) -> list[SurfaceHeat]:
     ]
 
 
-def run_accounts(case: Case, surfaces: Surfaces) -> Accounts:
+def run_accounts(case: Case, stages: Sequence[Case]) -> Accounts:
     """Return the accounts of all stages of a case.
 
     Args:
         case: the case.
-        surfaces: of its mesh.
-
-    Raises:
-        CaseError: a stage cannot be run as described.
+        stages: what it asks for during each stage.
     """
     bodies = [body.name for body in case.bodies]
-    stages = Schedule(case.stages, case.time.end).stages
-    parts = [_accounts(stage_case(case, number, surfaces), bodies) for number in range(stages)]
     renewed = case.stages[-1].renew if case.stages else ()
+    parts = [_accounts(stage, bodies) for stage in stages]
     return joined_accounts(bodies, [*parts, [Account.renewal(name) for name in renewed]])
 
 

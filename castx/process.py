@@ -11,8 +11,9 @@ from typing import Any
 from castx.carrying import left_total, without
 from castx.contact.rigid import RigidBody
 from castx.coupling import CoupledProblem
-from castx.cycles import CycleEnds
+from castx.cycles import CycleEnds, distance_from_periodic
 from castx.ejection import normal_force
+from castx.errors import CaseError
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
 from castx.saved import Arrays, Saved, joined, part_of
@@ -20,6 +21,9 @@ from castx.schedule import SLACK, Phase, Schedule
 from castx.snapshot import ProcessState
 
 _log = logging.getLogger(__name__)
+
+SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class Cycling:
     Attributes:
         ends: compares their ends.
         renewed: names of the bodies with which each of them begins anew.
-        periodic: change from cycle to cycle below which the state is called periodic [K].
+        periodic: distance from the periodic state below which cycles are called periodic [K].
     """
 
     ends: CycleEnds
@@ -121,7 +125,8 @@ class Process:
         self._renewed = frozenset()
         if number == self._number:
             return False
-        self.left = {name: left_total(name, value) for name, value in totals().items()}
+        last, before = totals(), list(self.now.mesh.bodies)
+        self.left = {name: left_total(name, value) for name, value in last.items()}
         known = {**self._aside, **self.now.problem.saved()}
         if self._cycling is not None and self.schedule.phases[number].cycle != self.phase.cycle:
             self._renewed = frozenset(self._cycling.renewed)
@@ -129,7 +134,9 @@ class Process:
         forces = self._ejection_forces(self.schedule.phases[number].stage)
         self._begin(number)
         self._take_over(known)
-        self._announce(time, forces)
+        removed = [name for name in before if name not in self.now.mesh.bodies]
+        solid = {name: last.get(f"{name}.solid_fraction", 1.0) for name in removed}
+        self._announce(time, solid, forces)
         return True
 
     def _begin(self, number: int) -> None:
@@ -153,13 +160,26 @@ class Process:
             forces[body] = {"friction": friction, "normal": normal, "force": friction * normal}
         return forces
 
-    def _announce(self, time: float, forces: Mapping[str, Mapping[str, float]]) -> None:
+    def _announce(
+        self,
+        time: float,
+        removed: Mapping[str, float],
+        forces: Mapping[str, Mapping[str, float]],
+    ) -> None:
+        """Note a stage that has begun.
+
+        Args:
+            time: when [s].
+            removed: solid fractions of the bodies that it removes.
+            forces: that draw bodies.
+        """
         there = list(self.now.mesh.bodies)
         event = {
             "time": time,
             "cycle": self.phase.cycle,
             "stage": self.phase.stage,
             "bodies": there,
+            "removed": dict(removed),
             "renewed": sorted(self._renewed),
             "ejection": forces,
         }
@@ -168,6 +188,10 @@ class Process:
             "t = %g s: cycle %d, stage %d with %s",
             time, self.phase.cycle, self.phase.stage, ", ".join(there),
         )  # fmt: skip
+        for body, fraction in removed.items():
+            if fraction < SOLID:
+                text = "%s is removed at t = %g s though only %.1f %% of it is solid"
+                _log.warning(text, body, time, 100.0 * fraction)
         for body, found in forces.items():
             _log.info(
                 "%s: about %.3g N to draw it, friction %g times normal forces of %.3g N (without "
@@ -186,30 +210,51 @@ class Process:
             return
         if end < (self.phase.cycle_start + self.schedule.cycle_length) * (1 - SLACK):
             return  # the run ends in the middle of a cycle
-        change, cycle = self._cycling.ends.change(), self.phase.cycle
-        event: dict[str, Any] = {"time": time, "cycle": cycle, "change": change}
-        if change is not None:
-            event["periodic"] = change <= self._cycling.periodic
-            state = "periodic" if event["periodic"] else "not periodic yet"
-            _log.info(
-                "cycle %d ends within %.3g K of the one before: the state is %s (periodic: %g K)",
-                cycle, change, state, self._cycling.periodic,
-            )  # fmt: skip
+        self._note_cycle(time, self._cycling.ends.change(), self._cycling.periodic)
+
+    def _note_cycle(self, time: float, change: float | None, periodic: float) -> None:
+        """Note the end of a cycle, which differs so much from the one before."""
+        earlier = [event["change"] for event in self._events if event.get("change") is not None]
+        distance = distance_from_periodic([*earlier, change])
+        event = {"time": time, "cycle": self.phase.cycle, "change": change, "distance": distance}
+        event["periodic"] = distance is not None and max(distance, change or 0.0) <= periodic
         self._events.append(event)
+        if change is not None:
+            _log.info(
+                "cycle %d ends within %.3g K of the one before%s: %s (%g K)",
+                self.phase.cycle,
+                change,
+                "" if distance is None else f", about {distance:.3g} K from the periodic state",
+                "periodic" if event["periodic"] else "not periodic yet",
+                periodic,
+            )
 
     def notes(self) -> dict[str, Any]:
         """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
         return {
             "phase": self._number,
+            "start": self.phase.start,
             "left": self.left,
             "aside": sorted(self._aside),
             "events": self._events,
         }
 
     def prepare(self, notes: Mapping[str, Any]) -> None:
-        """Go to the stage of `notes`, whose state `restore` takes back then; collective."""
+        """Go to the stage of `notes`, whose state `restore` takes back then; collective.
+
+        Raises:
+            CaseError: the stages are at other times now.
+        """
+        number = int(notes["phase"])
+        starts = [phase.start for phase in self.schedule.phases]
+        if number >= len(starts) or starts[number] != notes["start"]:
+            raise CaseError(
+                f"the stages are not those of the checkpoint, which is in one that began at "
+                f"{notes['start']:g} s; take back the change of time.end, which ends the cycles, "
+                "or run the case anew without --restart"
+            )
         whole = self.now.problem.saved()
-        self._number, self.left = int(notes["phase"]), dict(notes["left"])
+        self._number, self.left = number, dict(notes["left"])
         self._events = list(notes["events"])
         self._aside = {name: whole[name] for name in notes["aside"]}
         if self.phase.stage > 0:

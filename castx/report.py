@@ -16,10 +16,14 @@ import numpy as np
 from castx.errors import CaseError
 from castx.results.folder import RECORD, REPORT, write_whole
 from castx.results.series import read_series
+from castx.stage_listing import process_rows
 from castx.tables import FloatArray
 
 SOLID = 1.0 - 1e-6
 """Solid fraction from which a body counts as solid."""
+
+ROUNDING = 1e-15
+"""Gap that is none [m]."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +117,9 @@ def summary(run: Run) -> list[tuple[str, str]]:
     for name in record["interfaces"]:
         largest = history.get(f"{name}.max_gap")
         if largest is not None:
-            rows.append((f"largest gap {name}", f"{1e6 * largest[-1]:.4g} µm at the end"))
+            rows.append((f"largest gap {name}", gap_text(largest)))
             rows.append((f"{name} begins to open", opening_text(history["time"], largest)))
+    rows += process_rows(record.get("process", []))
     if "energy_error" in history:
         rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
     counts, memory = record["totals"], record["peak_memory"]
@@ -130,6 +135,14 @@ def summary(run: Run) -> list[tuple[str, str]]:
         ("peak memory", f"{memory.get('all_ranks', 0) / 2**20:.0f} MiB, all ranks"),
     ]
     return rows
+
+
+def gap_text(largest: FloatArray) -> str:
+    """Return the last largest gap; a removed body has none."""
+    known = largest[np.isfinite(largest)]
+    when = "at the end" if np.isfinite(largest[-1]) else "before a body was removed"
+    gap = known[-1] if known[-1] > ROUNDING else 0.0
+    return f"{1e6 * gap:.4g} µm {when}"
 
 
 def solid_text(history: Mapping[str, FloatArray], body: str) -> str:

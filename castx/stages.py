@@ -60,8 +60,8 @@ class Stage(Description):
     surface, `displacement = "free"` lifts what held it; `eject` gives the coefficient of friction
     from which the force to draw a body is estimated: one for all that the stage removes, or one for
     each name. In the last stage, `repeat` is the number of cycles, `renew` the bodies that each of
-    them starts with anew, and `periodic` [K] the change from cycle to cycle below which the state
-    is called periodic.
+    them starts with anew, and `periodic` [K] the distance from the state to which the cycles tend,
+    estimated from how they change, below which they are called periodic.
     """
 
     at: Annotated[float, Quantity(TIME, above=0.0)]

@@ -6,7 +6,12 @@ import logging
 from collections.abc import Mapping
 from dataclasses import replace
 
-from castx.building import build_problem, laws_above_solidus, rigid_bodies
+from castx.building import (
+    build_problem,
+    check_surfaces,
+    laws_above_solidus,
+    rigid_bodies,
+)
 from castx.case import Case
 from castx.conductance import ConductionLaw
 from castx.cycles import CycleEnds
@@ -18,6 +23,7 @@ from castx.process import Cycling, Process, StageProblem
 from castx.refusal import among
 from castx.schedule import Schedule
 from castx.stage_cases import stage_case
+from castx.starting import initial_state
 
 _log = logging.getLogger(__name__)
 
@@ -47,12 +53,12 @@ class StageBuilder:
             if name not in pairs:
                 raise CaseError(f"a law for the interface {name!r}; {among(name, list(pairs))}")
         self._mesh, self._pairs, self._laws = mesh, pairs, laws
-        surfaces = {name: tuple(body.surfaces) for name, body in mesh.bodies.items()}
-        numbers = range(Schedule(case.stages, case.time.end).stages)
-        self._cases = [stage_case(case, number, surfaces) for number in numbers]
-        self._accounts = run_accounts(case, surfaces)
-        for stage in self._cases:  # before anything is solved
-            rigid_bodies(stage, mesh)
+        self._cases = stage_cases(case, mesh)
+        self._accounts = run_accounts(case, self._cases)
+        # A file of temperatures is read once: it may be gone when a casting is renewed.
+        self._temperatures = (
+            None if case.coupling.scheme == "mechanical" else initial_state(case.bodies, mesh)
+        )
 
     def __call__(self, number: int) -> StageProblem:
         """Return what is solved during a stage, as if the run began with it; collective."""
@@ -61,8 +67,28 @@ class StageBuilder:
         mesh = replace(self._mesh, bodies=there)
         pairs = {interface.name: self._pairs[interface.name] for interface in case.interfaces}
         laws = {name: law for name, law in self._laws.items() if name in pairs}
-        problem = build_problem(case, mesh, pairs, laws, self._accounts)
+        problem = build_problem(case, mesh, pairs, laws, self._accounts, self._temperatures)
         return StageProblem(mesh, pairs, problem, rigid_bodies(case, mesh))
+
+
+def stage_cases(case: Case, mesh: CastingMesh) -> list[Case]:
+    """Return what a case asks for during each of its stages, the start first.
+
+    Args:
+        case: the case.
+        mesh: of all its bodies.
+
+    Raises:
+        CaseError: a stage cannot be run as described.
+        MeshError: a surface is missing.
+    """
+    check_surfaces(case, mesh)
+    surfaces = {name: tuple(body.surfaces) for name, body in mesh.bodies.items()}
+    numbers = range(Schedule(case.stages, case.time.end).stages)
+    found = [stage_case(case, number, surfaces) for number in numbers]
+    for stage in found:
+        rigid_bodies(stage, mesh)
+    return found
 
 
 def process_of(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpi4py import MPI
 
 import numpy as np
 
+from castx.bodies import Body
 from castx.errors import CaseError
 from castx.field_files import temperatures_at
 from castx.initial_temperature import FieldFile, InitialTemperature
-from castx.mesh import BodyMesh
+from castx.mesh import BodyMesh, CastingMesh
 from castx.tables import FloatArray
 
 
@@ -27,6 +30,18 @@ def initial_temperatures(
     if description.file is None:
         return description.at(points)
     return _from_rank_zero(description.file, body, points, comm)
+
+
+def initial_state(bodies: Sequence[Body], mesh: CastingMesh) -> dict[str, FloatArray]:
+    """Return the initial temperatures of the owned nodes of bodies [°C] by name; collective.
+
+    Raises:
+        CaseError: a file cannot serve; on all ranks.
+    """
+    return {
+        body.name: initial_temperatures(body.temperature, mesh.bodies[body.name], mesh.comm)
+        for body in bodies
+    }
 
 
 def _from_rank_zero(

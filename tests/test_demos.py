@@ -1,5 +1,6 @@
 """Every demo runs and gives the number it is about."""
 
+import json
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from castx.case import load_case
+from castx.report import write_report
 from castx.results import read_series
 from castx.running import run
 
@@ -162,3 +164,30 @@ def test_the_notebook_explains_residual_stress():
     assert effect["yield stress"][1] > 5.0 * effect["Young's modulus"][1] > 0.0
     assert effect["viscosity"][0] > 4.0 > 1.0 > effect["viscosity"][1]
     assert pictures == 4
+
+
+def test_the_ring_holds_its_core_and_keeps_residual_stress(tmp_path):
+    folder = run(DEMOS / "stages.toml", output=tmp_path)
+    record = json.loads((folder / "run.json").read_text())
+    drawn = record["process"][0]["ejection"]["core"]
+    assert 2.5e4 < drawn["force"] < 4.5e4 and record["process"][1]["time"] == 180.0
+    probes, history = (read_series(folder / f"{name}.csv") for name in ("probes", "history"))
+    after = history["time"] > 120.0
+    assert np.isnan(probes["contact.contact_pressure"][after]).all()
+    assert history["core.ejection_force"][~after].max() == pytest.approx(drawn["force"])
+    assert history["energy_error"].max() < 1e-6
+    # The bore was drawn out while it was hot, so that it is pressed in the end.
+    assert -8e6 < probes["bore.stress.tt"][-1] < -2e6
+    assert history["support_force"][-1] < 1e-6
+    assert "force to draw core" in write_report(folder).read_text()
+
+
+def test_the_die_becomes_periodic(tmp_path):
+    folder = run(DEMOS / "die_cycles.toml", output=tmp_path)
+    ends = [e for e in json.loads((folder / "run.json").read_text())["process"] if "change" in e]
+    assert [event["cycle"] for event in ends] == list(range(1, 9))
+    assert [event["periodic"] for event in ends].index(True) in (3, 4, 5)
+    probes = read_series(folder / "probes.csv")
+    assert 330.0 < np.nanmax(probes["die_inside.temperature"]) < 450.0
+    assert read_series(folder / "history.csv")["energy_error"].max() < 1e-6
+    assert "periodic since cycle" in write_report(folder).read_text()

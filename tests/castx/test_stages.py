@@ -8,6 +8,7 @@ import pytest
 from castx.boundaries import Boundary
 from castx.carrying import owners, without
 from castx.checkpoint import Checkpoint
+from castx.errors import CaseError
 from castx.stage_cases import replaced
 from tests.coupled_cases import (
     TIGHT,
@@ -54,7 +55,10 @@ def thermal(*stages, **changes) -> dict:
     return short(*stages, coupling={"scheme": "thermal"}, **changes)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "method",
+    ["condensed", *(pytest.param(m, marks=pytest.mark.serial) for m in METHODS[1:])],
+)
 def test_opening(comm, method):
     """The step lands on the stage; what is removed disappears, its totals stay."""
     before, last = None, None
@@ -84,6 +88,7 @@ def test_opening(comm, method):
     assert last["casting/mould.surface.power"] < 0.0
 
 
+@pytest.mark.serial
 def test_a_stage_that_changes_nothing_changes_nothing(comm):
     """Everything a body remembers goes on: a spray of no coefficient, in the midst of freezing."""
     idle = {"at": 3.0, "boundaries": [{"on": "casting/top", "heat": {"type": "insulated"}}]}
@@ -98,6 +103,7 @@ def test_a_stage_that_changes_nothing_changes_nothing(comm):
         assert staged.totals[name] == pytest.approx(plain.totals[name], rel=1e-9), name
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize("coefficient", [100.0, 3000.0])
 def test_a_spray_cools_as_convection_does(comm, coefficient):
     """By default it cools what the mould has left bare, and by the name of a body all of it."""
@@ -127,7 +133,7 @@ def test_boundaries_replace_those_of_the_same_kind():
     assert loaded.pressure is not None and loaded.heat and loaded.displacement
 
 
-@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("gravity", [pytest.param(0.0, marks=pytest.mark.serial), 9.81])
 def test_a_casting_without_mould_stays_where_it_is(comm, gravity):
     """The support carries its weight and nothing else, and does not let it move."""
     lifted = {**BARE, "boundaries": [*BARE["boundaries"], {"on": "casting/base",
@@ -158,6 +164,7 @@ def cycling(*stages, **changes) -> dict:
     return data
 
 
+@pytest.mark.serial
 def test_what_is_renewed_begins_again(comm):
     """If all bodies are renewed, each cycle is the first one."""
     spray = {"at": 3.0, "remove": ["casting"], "spray": {"coefficient": 2e3, "ambient": 20.0}}
@@ -211,6 +218,7 @@ def test_a_mould_that_comes_back_is_as_it_left(comm):
     assert np.abs(left["displacement"]).max() > 1e-6
 
 
+@pytest.mark.serial
 def test_tables_count_from_the_start_of_the_cycle(comm):
     """A heat source that works in the first second of each cycle."""
     data = thermal({"at": 2.0, "repeat": 3})
@@ -223,6 +231,7 @@ def test_tables_count_from_the_start_of_the_cycle(comm):
     assert given[6.0] - given[5.0] < 1e-3 * given[1.0]
 
 
+@pytest.mark.serial
 def test_rigid_moulds_may_be_all_that_is_left(comm):
     """Nothing deforms then; the rigid body still heats and cools, and the casting comes back."""
     spray = {"at": 3.0, "remove": ["casting"], "spray": {"coefficient": 2e3, "ambient": 20.0}}
@@ -255,7 +264,13 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
+ON_ALL_RANKS = ("away", "freezing")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [n if n in ON_ALL_RANKS else pytest.param(n, marks=pytest.mark.serial) for n in LAWS],
+)
 def test_runs_go_on_in_any_stage(name, comm, shared_tmp_path):
     data, at = LAWS[name]
     data = merged(data, TIGHT)
@@ -279,6 +294,20 @@ def test_runs_go_on_in_any_stage(name, comm, shared_tmp_path):
         assert last.totals[key] == pytest.approx(value, rel=1e-8, abs=1e-6, nan_ok=True), key
     assert [event["time"] for event in last.process.events] == [event["time"] for event in events]
     again.destroy()
+
+
+@pytest.mark.serial
+def test_another_length_of_the_cycles_is_refused(comm):
+    data = cycling({**CYCLES, "at": 3.0, "remove": ["casting"]})
+    run, other = (simulation(comm, merged(data, {"time": {"end": end}})) for end in (4.0, 5.0))
+    for state in run:
+        if state.time > 4.0:
+            break
+    assert run.notes()["start"] == 4.0
+    with pytest.raises(CaseError, match=r"began at 4 s; take back the change of time\.end"):
+        other.prepare(run.notes())
+    run.destroy()
+    other.destroy()
 
 
 def test_arrays_know_their_bodies(comm):

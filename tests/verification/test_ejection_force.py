@@ -47,7 +47,9 @@ def case(n: int, method: str = "condensed") -> dict:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize(
+    "method", ["condensed", pytest.param("multipliers", marks=pytest.mark.serial)]
+)
 def test_force_is_friction_times_the_normal_force(comm, method):
     forces = []
     for state in states(comm, case(24, method)):
@@ -60,6 +62,7 @@ def test_force_is_friction_times_the_normal_force(comm, method):
     assert forces[0] == forces[4] == 0.0
 
 
+@pytest.mark.serial
 def test_the_estimate_converges(comm):
     errors = []
     for n in (6, 12, 24):

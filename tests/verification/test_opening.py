@@ -85,7 +85,14 @@ def balance(comm, state) -> tuple[float, float]:
     return largest / scale, mean
 
 
-@pytest.mark.parametrize("case", [opened_cylinder, ring_off_its_core, box])
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(opened_cylinder, marks=pytest.mark.serial),
+        ring_off_its_core,
+        pytest.param(box, marks=pytest.mark.serial),
+    ],
+)
 def test_residual_stress_is_in_balance_with_itself(comm, case):
     data = case() | {"solver": TIGHT}
     removed = data["bodies"][1]["name"]
