@@ -238,7 +238,7 @@ def respond(conditions: Conditions, start: History, strain: FloatArray) -> Respo
     share = conditions.solid_share
     if conditions.liquid_modulus is None and conditions.liquid_flow is None:
         return response
-    if share.all() and share.min() == 1.0:
+    if (share == 1.0).all():
         return response
     return _mixture(response, share, *_liquid_response(conditions, start, strain))
 

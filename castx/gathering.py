@@ -43,9 +43,9 @@ class Gathering:
         for rank, size in enumerate(sizes):
             part = gathered[filled : filled + size]
             filled += size
-            if rank == 0:
+            if rank == 0 and size > 0:
                 part[:] = rows
-            else:
+            elif rank > 0:
                 for chunk in _chunks(part):
                     self._comm.Recv(_bytes(chunk), source=rank)
         return gathered[np.argsort(np.concatenate(order), kind="stable")]
@@ -76,9 +76,9 @@ class Gathering:
         ascending = np.sort(np.concatenate(known))
         for rank, numbers in enumerate(wanted):
             rows = gathered[np.searchsorted(ascending, numbers)]
-            if rank == 0:
+            if rank == 0 and len(numbers):
                 found[:] = rows
-            else:
+            elif rank > 0:
                 for part in _chunks(np.ascontiguousarray(rows)):
                     self._comm.Send(_bytes(part), dest=rank)
         return found

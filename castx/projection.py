@@ -44,7 +44,7 @@ class Projection:
         vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
         dx = cell_measure(body, model, 2)
         p, omega = ufl.TrialFunction(nodes), ufl.TestFunction(vectors)
-        self._scale = pressure_scale
+        self._scale, self._dimension = pressure_scale, dimension
         self._gradient_form = fem.form(stabilisation.weighted_gradient(p, omega, tau, dx))
         self._weight_form = fem.form(
             stabilisation.projection_weight(ufl.TestFunction(nodes), tau, dx)
@@ -75,7 +75,7 @@ class Projection:
         owned = self._pressure.getLocalSize()
         self._pressure.array[:] = pressure[:owned]
         self._gradient.mult(self._pressure, self._projected)
-        projected = self._projected.array.reshape(owned, -1)
+        projected = self._projected.array.reshape(owned, self._dimension)
         # Nodes inside trapped liquid have no weight: nothing is projected there.
         weight = self._weight.array[:owned, None]
         np.divide(projected, weight, out=projected, where=weight > 0)

@@ -37,9 +37,11 @@ def worst_place(comm: MPI.Intracomm, parts: Sequence[Part], unit: str) -> str:
     # What is not a number counts as largest.
     size, text = -1.0, ""
     for part in parts:
+        if not len(part.points):  # numpy cannot divide nothing into rows
+            continue
         values = np.abs(part.values.reshape(len(part.points), -1)).max(axis=1, initial=0.0)
         values = np.nan_to_num(values, nan=np.inf, posinf=np.inf)
-        if len(values) and values.max() > size:
+        if values.max() > size:
             worst = int(values.argmax())
             size = float(values[worst])
             place = ", ".join(f"{coordinate:.6g}" for coordinate in part.points[worst])

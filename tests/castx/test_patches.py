@@ -67,7 +67,7 @@ def test_patches_of_a_node_add_up(comm, name):
     sums = np.zeros((size, several.points.shape[1]))
     np.add.at(sums, several.secondary_local, several.area_vectors)
     np.testing.assert_allclose(
-        sums[single.secondary_local], single.area_vectors, atol=1e-10 * areas.max()
+        sums[single.secondary_local], single.area_vectors, atol=1e-10 * areas.max(initial=0.0)
     )
     by_node = dict(zip(single.secondary_nodes, single.primary_nodes, strict=True))
     assert all(by_node[s] == p for s, p in zip(several.secondary_nodes, several.primary_nodes,

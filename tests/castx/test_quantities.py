@@ -60,7 +60,7 @@ def follow(comm, step_size=0.1, end=60.0):
 
 
 def extremes(comm, values):
-    low, high = float(values.min()), float(values.max())
+    low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
     return comm.allreduce(low, MPI.MIN), comm.allreduce(high, MPI.MAX)
 
 

@@ -19,6 +19,7 @@ import pytest
 
 from castx.mesh_source import gmsh_session
 from castx.meshes.blocks import stacked_blocks
+from castx.partition import partition
 from tests import coupled_cases
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring
 
@@ -251,6 +252,23 @@ def test_any_number_of_ranks(comm, name):
     spread = coupled_cases.fields(final_state(comm, TIGHT_CASES[name]))
     alone = coupled_cases.fields(final_state(MPI.COMM_SELF, TIGHT_CASES[name]))
     difference, where = coupled_cases.largest_difference(spread, alone)
+    assert difference < 1e-8, where
+
+
+@pytest.mark.parametrize("name", ["laws", "multipliers", "quarter"])
+def test_a_rank_without_cells(comm, monkeypatch, name):
+    """Small bodies leave ranks without cells or nodes of their own."""
+    if comm.size == 1:
+        pytest.skip("leaves one of several ranks empty")
+
+    def away_from_first(*arguments):
+        return np.maximum(partition(*arguments), 1)
+
+    alone = coupled_cases.fields(final_state(MPI.COMM_SELF, TIGHT_CASES[name]))
+    monkeypatch.setattr("castx.mesh.partition", away_from_first)
+    spread = final_state(comm, TIGHT_CASES[name])
+    assert (len(spread.mesh.bodies["casting"].points) == 0) == (comm.rank == 0)
+    difference, where = coupled_cases.largest_difference(coupled_cases.fields(spread), alone)
     assert difference < 1e-8, where
 
 
