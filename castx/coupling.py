@@ -39,6 +39,9 @@ from castx.saved import (
 from castx.tables import FloatArray
 from castx.temperatures import Temperatures
 
+ROUNDING = 1e-12
+"""Part of the heat that bodies hold below which none moves: the end of a run stands still."""
+
 
 class CoupledProblem:
     """Heat and mechanics of all bodies, committed and trial.
@@ -177,8 +180,9 @@ class CoupledProblem:
     def _dissipation_change(self, step: float) -> float:
         """Return the change of the plastic heat of the step, relative to all heat that it moves."""
         change = step * self._dissipation.update()
-        moved = float(np.abs(self._stored_heat() - self._heat).sum())
-        moved = max(self.comm.allreduce(moved, op=MPI.SUM), change)
+        local = [np.abs(self._stored_heat() - self._heat).sum(), np.abs(self._heat).sum()]
+        moved, held = self.comm.allreduce(np.array(local), op=MPI.SUM)
+        moved = max(float(moved), ROUNDING * float(held), change)
         return change / moved if moved > 0 else 0.0
 
     def _stored_heat(self) -> FloatArray:

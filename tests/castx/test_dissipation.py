@@ -104,3 +104,18 @@ def test_rewind_restores_the_dissipated_power(comm):
         simulation.problem.commit()
     one, other = (s.problem.heat.totals()["casting.dissipation"] for s in made)
     assert one == pytest.approx(other, rel=1e-12)
+
+
+@pytest.mark.serial
+def test_a_run_that_stands_still_goes_on(comm):
+    """Round-off in the plastic work is no change of a step in which no heat moves at all."""
+    pulled = [{"on": "casting/wall", "displacement": {"x": 0.0}},
+              {"on": "casting/bottom", "displacement": {"y": 0.0}},
+              {"on": "casting/far", "displacement": {"x": [[0.0, 0.0], [1.0, 0.02 * STRAIN]]},
+               "heat": {"type": "convection", "coefficient": 1e5, "ambient": 20.0}}]  # fmt: skip
+    time = {"fixed_step": None, "end": 1e4, "first_step": 0.5, "largest_step": 1e3}
+    data = bar({"time": time, "boundaries": pulled})
+    del data["time"]["fixed_step"]
+    states = list(coupled_cases.states(comm, data))
+    assert sum(state.counters.cutbacks for state in states) == 0
+    assert states[-1].time == pytest.approx(1e4)
