@@ -104,16 +104,15 @@ class BodyMechanics:
         return int(self.mesh.nodes.dofmap.index_map.size_local)
 
     def _create_points(self) -> None:
-        description = self.description
-        degree = quadrature_degree(self.mesh, self.model, description.formulation)
+        given = self.description
+        degree = quadrature_degree(self.mesh, self.model, given.formulation)
         self.points = IntegrationPoints(self.mesh, self.model, degree)
         self.cells = fem.functionspace(self.mesh.mesh, ("DG", 0))
-        self.material = MaterialPoints(
-            self.points, description.law, self.cells, description.starts_liquid
-        )
+        self.material = MaterialPoints(self.points, given.law, self.cells, given.starts_liquid)
         self.pockets: Pockets | None = None
-        if not self.is_compressible and description.formulation != "displacement":
-            self.pockets = Pockets(self.mesh, self.model, description.closed)
+        if not self.is_compressible and given.formulation != "displacement":
+            self.pockets = Pockets(self.mesh, self.model, given.closed, given.body_force)
+
     @property
     def is_compressible(self) -> bool:
         """Whether the body never is a liquid."""

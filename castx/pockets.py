@@ -9,7 +9,8 @@ it has there; else its shell would have to close upon it at once.
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
+from typing import Any
 
 from mpi4py import MPI
 
@@ -28,6 +29,7 @@ from castx.tables import FloatArray
 
 logger = logging.getLogger(__name__)
 
+Force = Sequence[float] | Callable[[Any], Any]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int32]
 
@@ -39,9 +41,13 @@ class Pockets:
         body: mesh of the body.
         model: geometric model.
         closed: names of the surfaces through which no liquid can follow.
+        body_force: on the liquid [N/m³], which a pocket that is closed from the start carries by
+            its pressure; one that depends on the place is not carried.
     """
 
-    def __init__(self, body: BodyMesh, model: str, closed: Collection[str]) -> None:
+    def __init__(
+        self, body: BodyMesh, model: str, closed: Collection[str], body_force: Force = ()
+    ) -> None:
         cells = fem.functionspace(body.mesh, ("DG", 0))
         self.trapped = fem.Function(cells)
         self.pressure = fem.Function(body.nodes)
@@ -54,7 +60,7 @@ class Pockets:
         ).array[: cells.dofmap.index_map.size_local]
         self._was_trapped: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
         self._held_pressure: FloatArray = np.zeros(len(body.parent_vertices))
-        self._last_pressure: FloatArray = np.zeros(len(body.parent_vertices))
+        self._last_pressure: FloatArray = _hydrostatic(body, body_force)
         self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
         self._born: FloatArray = np.zeros(len(self._cell_nodes))
         self._liquid: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
@@ -121,6 +127,15 @@ class Pockets:
                 self._body.name,
                 volume,
             )
+
+
+def _hydrostatic(body: BodyMesh, body_force: Force) -> FloatArray:
+    """Return the pressures at rest [Pa], zero at the highest node, shape (nodes,)."""
+    if callable(body_force) or len(body_force) == 0:
+        return np.zeros(len(body.parent_vertices))
+    head: FloatArray = body.points @ np.asarray(body_force[: body.points.shape[1]])
+    lowest = body.mesh.comm.allreduce(float(head.min(initial=np.inf)), op=MPI.MIN)
+    return np.asarray(lowest - head)
 
 
 class FeedingPaths:

@@ -22,25 +22,48 @@ from tests.coupled_cases import (
 )
 
 LIQUID = {"model": "viscous", "viscosity": 1e6, "coherency": 0.6}
-FLOWING = {
-    "materials": {
-        "aluminium": {
-            "solidus": 640.0,
-            "liquid": LIQUID,
-            "yield_stress": [[20.0, 60e6], [640.0, 1e6]],
-            "hardening": 500e6,
-            "viscosity": 1e8,
-        }
-    }
-}
+CREEPING_LIQUID = {
+    "model": "norton", "coefficient": 1e-12, "exponent": 2.0, "activation_energy": 1e4,
+    "coherency": 0.6,
+}  # fmt: skip
+YIELDING = {"yield_stress": [[20.0, 60e6], [640.0, 1e6]], "hardening": 500e6}
+LAWS = ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
+FLOWS: dict[str, dict[str, Any]] = {
+    "bingham": {"law": "bingham", "viscosity": 1e8, **YIELDING},
+    "norton": {
+        "law": "norton", "coefficient": 1e-30, "exponent": 3.5, "activation_energy": 5e4,
+    },
+    "power": {"law": "perzyna", "viscosity": 1e9, "exponent": 3.0, **YIELDING},
+    "voce": {
+        "viscosity": 1e8, **YIELDING,
+        "hardening": {"linear": 100e6, "saturation": 20e6, "rate": 50.0},
+    },
+    "kinematic": {"viscosity": 1e8, **YIELDING, "kinematic_hardening": 1e9},
+    "creeping liquid": {"viscosity": 1e8, **YIELDING, "liquid": CREEPING_LIQUID},
+}  # fmt: skip
 SHORT = {"time": {"end": 3.0, "first_step": 0.2, "largest_step": 0.5}}
 
 
-def with_law(law: str, **casting: Any) -> dict[str, Any]:
-    """Return the cylinder with a casting that freezes from a liquid and flows."""
-    data = cylinder(SHORT, FLOWING)
-    data["bodies"][0] |= {"law": law, **casting}
+def casting(
+    law: str, method: str = "condensed", flow: Mapping[str, Any] | None = None, **contact: Any
+) -> dict[str, Any]:
+    """Return the cylinder with a casting that freezes from a liquid and obeys a law."""
+    material: dict[str, Any] = {"liquid": LIQUID}
+    if law != "thermo-elastic":
+        material |= {"solidus": 640.0, **YIELDING}
+    if law == "thermo-elasto-viscoplastic":
+        material |= {"viscosity": 1e8}
+    if flow is not None:
+        material = {"liquid": LIQUID, "solidus": 640.0, **flow}
+    data = cylinder(SHORT, {"materials": {"aluminium": material}}, method=method)
+    data["bodies"][0]["law"] = law
+    data["interfaces"][0]["contact"] |= contact
     return data
+
+
+def flowing(*changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the cylinder whose metal flows viscously, with changes."""
+    return merged(casting("thermo-elasto-viscoplastic"), dict(*changes))
 
 
 def thermal() -> dict[str, Any]:
@@ -53,24 +76,69 @@ def prescribed() -> dict[str, Any]:
     return data
 
 
-def elastic(method: str) -> dict[str, Any]:
-    """Return the cylinder with a contact method, born from a liquid."""
-    return cylinder(SHORT, {"materials": {"aluminium": {"liquid": LIQUID}}}, method=method)
+def rigid(law: str) -> dict[str, Any]:
+    """Return the cylinder in a mould that does not give way, and its method."""
+    data = casting(law, "rigid")
+    data["bodies"][1] = {"name": "mould", "material": "steel", "temperature": 200.0, "law": "rigid"}
+    data["boundaries"] = data["boundaries"][:1]
+    return data
+
+
+def boxed(model: str) -> dict[str, Any]:
+    """Return a heavy plane casting in a box, whose metal flows."""
+    data = casting(LAWS[2])
+    data["geometry"] = {
+        "generator": "box_in_mould", "model": model, "box": [0.04, 0.03], "wall": 0.02,
+        "size": 0.006,
+    }  # fmt: skip
+    data["boundaries"] = [{"on": "mould/base", "displacement": {"all": 0.0}}]
+    data["loads"] = {"gravity": [0.0, -9.81, 0.0]}
+    return data
+
+
+def solid_sheet() -> dict[str, Any]:
+    """Return a sheet that never melts and yields in plane stress."""
+    data = boxed("plane-stress")
+    del data["materials"]["aluminium"]["liquid"]
+    data["bodies"][0] |= {"formulation": "displacement", "temperature": 600.0}
+    return data
 
 
 METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "tied", "block-iterative")
-CASES = {method: elastic(method) for method in METHODS} | {
-    "elasto-plastic": with_law("thermo-elasto-plastic"),
-    "viscoplastic": with_law("thermo-elasto-viscoplastic"),
-    "thermal": thermal(),
-    "prescribed": prescribed(),
-    "quadrilaterals": merged(
-        with_law("thermo-elasto-viscoplastic"), {"geometry": {"cells": "quadrilaterals"}}
-    ),
-    "closing": ring({"time": {"end": 4.0, "largest_step": 0.5}}),
-}
+CASES = (
+    {f"{method}, {law}": casting(law, method) for method in METHODS for law in LAWS}
+    | {f"rigid, {law}": rigid(law) for law in LAWS}
+    | {name: casting(LAWS[2], flow=flow) for name, flow in FLOWS.items()}
+    | {
+        "augmented in the iteration": casting(
+            LAWS[2], "augmented-lagrangian", augmentation="iteration"
+        ),
+        "interface as a block": casting(LAWS[0], "block-iterative", blocks="interface"),
+        "blocks as a preconditioner": casting(
+            LAWS[2], "block-iterative", block_solver="preconditioner"
+        ),
+        "fallback": casting(LAWS[0], "block-iterative", fallback=["condensed"]),
+        "patches": casting(LAWS[2], normals="patches"),
+        "thermal": thermal(),
+        "mechanical": prescribed(),
+        "quadrilaterals": flowing({"geometry": {"cells": "quadrilaterals"}}),
+        "staggered": flowing({"coupling": {"scheme": "staggered"}}),
+        "closing": ring({"time": {"end": 4.0, "largest_step": 0.5}}),
+        "plane stress": solid_sheet(),
+        "plane strain": boxed("plane-strain"),
+        "generalised plane strain": boxed("generalised-plane-strain"),
+    }
+)
 
-IN_PARALLEL = ("condensed", "multipliers", "viscoplastic")
+IN_PARALLEL = (
+    "condensed, thermo-elasto-viscoplastic",
+    "multipliers, thermo-elasto-plastic",
+    "penalty, thermo-elastic",
+    "augmented-lagrangian, thermo-elastic",
+    "rigid, thermo-elasto-plastic",
+    "thermal",
+    "mechanical",
+)
 
 
 def run_with_checkpoint(comm, data: Mapping[str, Any], folder, at: int):

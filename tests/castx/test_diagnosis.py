@@ -11,7 +11,7 @@ from castx.mechanics import BodyMechanics
 from castx.thermal_body import ThermalBody
 from castx.worst_place import Part, worst_place
 from tests.castx.fakes import cylinder_mesh
-from tests.castx.test_checkpoint import with_law
+from tests.castx.test_checkpoint import casting
 from tests.coupled_cases import cylinder, merged, states
 
 SHORT = {"time": {"end": 2.0, "first_step": 0.2, "smallest_step": 0.1}}
@@ -48,7 +48,7 @@ def test_heat_that_does_not_converge(comm):
 
 
 def test_mechanics_that_does_not_converge(comm):
-    data = merged(with_law("thermo-elasto-viscoplastic"), SHORT)
+    data = merged(casting("thermo-elasto-viscoplastic"), SHORT)
     data = merged(data, {"solver": {"mechanics": {"snes_max_it": 1}}})
     text = failure_of(comm, data, MECHANICS)
     assert "the mechanical equilibrium did not converge" in text

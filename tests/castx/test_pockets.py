@@ -103,6 +103,18 @@ def test_solid_out_of_a_pocket_has_the_volume_of_its_birth(casting) -> None:
     assert not pockets.birth_volume.any()
 
 
+def test_a_pocket_that_is_closed_from_the_start_carries_its_weight(casting) -> None:
+    """Liquid that fills a closed box is at rest, with the pressure of its depth."""
+    everywhere = np.ones(len(midpoints(casting)), dtype=bool)
+    shut = ["mould", "base", "top"]
+    pockets = Pockets(casting, "axisymmetric", shut, (0.0, -2700 * 9.81))
+    assert pockets.update(everywhere).all()
+    depth = HEIGHT - casting.points[:, 1]
+    assert np.allclose(pockets.pressure.x.array, -2700 * 9.81 * depth, rtol=1e-12, atol=1e-9)
+    weightless = Pockets(casting, "axisymmetric", shut)
+    assert weightless.update(everywhere).all() and not weightless.pressure.x.array.any()
+
+
 def owned(body: BodyMesh) -> int:
     return body.mesh.topology.index_map(2).size_local
 

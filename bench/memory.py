@@ -1,0 +1,109 @@
+"""Does a long run need more memory the longer it lasts?
+
+    bin/with-fenicsx python3 bench/memory.py [STEPS]
+
+Runs a small coupled casting over so many small steps (1000 unless said otherwise) for each contact
+method and linear solver, with checkpoints and field output, and prints the resident set after the
+first tenth and at the end. It should grow by less than 1 %.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+STATM = Path("/proc/self/statm")
+PAGE = 4096
+KINDS = (
+    ("condensed", "direct"),
+    ("condensed", "iterative"),
+    ("multipliers", "direct"),
+    ("multipliers", "iterative"),
+    ("penalty", "direct"),
+    ("augmented-lagrangian", "iterative"),
+    ("block-iterative", "direct"),
+)
+CASE = """
+[geometry]
+generator = "cylinder_in_mould"
+model = "axisymmetric"
+radius = "30 mm"
+height = "60 mm"
+wall = "25 mm"
+size = "5 mm"
+[[bodies]]
+name = "casting"
+material = "AlSi7Mg"
+law = "thermo-elasto-viscoplastic"
+temperature = 670
+[[bodies]]
+name = "mould"
+material = "steel-H13"
+temperature = 200
+formulation = "displacement"
+[[interfaces]]
+bodies = ["casting", "mould"]
+contact = {{ method = "{method}" }}
+heat = {{ law = "limited", closed = 2300, gas_conductivity = 0.05 }}
+[[boundaries]]
+on = "casting/base"
+displacement = {{ normal = 0 }}
+[[boundaries]]
+on = "mould/base"
+displacement = {{ normal = 0 }}
+[time]
+end = {end}
+fixed_step = 0.02
+first_step = 0.02
+largest_step = 0.02
+heat_substeps = 1
+[solver]
+linear = "{linear}"
+[output]
+every = {every}
+checkpoint = {every}
+"""
+
+
+def measure(case: Path, folder: Path, steps: int) -> tuple[float, float]:
+    """Run a case in this process; return the resident set [MB] after a tenth and at the end."""
+    from castx import progress, running
+
+    sizes: list[float] = []
+
+    def note(self: object, snapshot: object) -> None:
+        sizes.append(int(STATM.read_text().split()[1]) * PAGE / 1e6)
+
+    progress.Progress.show = note  # type: ignore[method-assign, assignment]
+    running.run(case, output=folder)
+    return sizes[steps // 10], sizes[-1]
+
+
+def main() -> int:
+    """Run each kind in a process of its own; return 1 when one grew by more than 1 %."""
+    if len(sys.argv) == 4:
+        print(json.dumps(measure(Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]))))
+        return 0
+    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    root, grown = Path(tempfile.mkdtemp(prefix="memory-")), False
+    for method, linear in KINDS:
+        case = root / f"{method}-{linear}.toml"
+        end = 0.02 * steps
+        case.write_text(CASE.format(method=method, linear=linear, end=end, every=end / 10))
+        command = [sys.executable, __file__, str(case), str(case.with_suffix("")), str(steps)]
+        found = subprocess.run(command, capture_output=True, text=True, check=True)
+        early, late = json.loads(found.stdout.splitlines()[-1])
+        grown |= late > 1.01 * early
+        print(
+            f"{method:21s} {linear:10s} {early:7.1f} MB after {steps // 10} steps, {late:7.1f} MB "
+            f"after {steps}: {100 * (late / early - 1):+.2f} %",
+            flush=True,
+        )
+    return int(grown)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
