@@ -47,6 +47,7 @@ class EquilibriumReport:
         augmentations: where in `residuals` updates of multipliers that are no unknowns stand.
         sweeps: where in `residuals` the sweeps over blocks begin.
         balanced: whether the forces balance; a block iteration may stop before they do.
+        linear_solves: iterations of each linear solve.
     """
 
     iterations: int
@@ -56,6 +57,7 @@ class EquilibriumReport:
     augmentations: tuple[int, ...] = ()
     sweeps: tuple[int, ...] = ()
     balanced: bool = True
+    linear_solves: tuple[int, ...] = ()
 
 
 class Newton:
@@ -103,6 +105,7 @@ class Newton:
         self._always_fresh, self._was_fresh = False, True
         self._residuals: list[float] = []
         self._augmentations: list[int] = []
+        self._linear_solves: list[int] = []
 
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies at a time [s]."""
@@ -137,7 +140,7 @@ class Newton:
         self._failure, self._always_fresh, self._was_fresh = "", always_fresh, True
         active = self.balance.active
         active.begin()
-        self._residuals, self._augmentations = [], []
+        self._residuals, self._augmentations, self._linear_solves = [], [], []
         try:
             report = self._solver.solve(x)
         except ConvergenceError as error:
@@ -145,7 +148,7 @@ class Newton:
             raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
         return EquilibriumReport(
             report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),
-            tuple(self._augmentations),
+            tuple(self._augmentations), linear_solves=tuple(self._linear_solves),
         )
 
     def imbalance(self, x: PETSc.Vec) -> tuple[float, bool]:
@@ -184,6 +187,8 @@ class Newton:
         if not np.isfinite(norms[2]):
             return reasons.DIVERGED_FNORM_NAN
         x, f = snes.getSolution(), snes.getFunction()[0]
+        if iteration > 0:
+            self._linear_solves.append(snes.ksp.getIterationNumber())
         changed = iteration > 0 and balance.change_set(x, f)
         self._residuals.append(f.norm())
         balanced = balance.holds(f)

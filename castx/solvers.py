@@ -37,6 +37,9 @@ FACTORS: Mapping[str, object] = {
 MOST_CHANGED = 8
 """Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
 
+MOST_CHANGED_IN_SWEEP = 4
+"""The same for multigrid: a gap costs some four iterations, a new set-up about a dozen."""
+
 
 class DirectSolver:
     """Sparse LU factorisation (MUMPS).
@@ -103,6 +106,7 @@ class Blocks:
         self._comm, self._given = comm, list(blocks)
         self._rows = [block.rows for block in blocks]
         self._matrices: list[list[PETSc.Mat]] = []
+        self._first, self._held = 0, list[BoolArray]()
         self.nest: PETSc.Mat | None = None
 
     def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
@@ -112,7 +116,10 @@ class Blocks:
                 [matrix.createSubMatrix(row, column) for column in self._rows]
                 for row in self._rows
             ]
-            self._attach_modes(held, matrix.getOwnershipRange()[0])
+            self._first = matrix.getOwnershipRange()[0]
+            self._held = self._parts(held)
+            for b in range(len(self._rows)):
+                self._attach_modes(b)
             if len(self._rows) == 1:
                 return self._matrices[0][0]
             self.nest = PETSc.Mat().createNest(self._matrices, comm=self._comm)
@@ -130,17 +137,34 @@ class Blocks:
         """Whether the matrices exist."""
         return bool(self._matrices)
 
-    def _attach_modes(self, held: BoolArray, first: int) -> None:
-        for b, (rows, modes, _) in enumerate(self._given):
-            block, fixed = self._matrices[b][b], held[rows.getIndices() - first]
-            vectors = []
-            for mode in modes:
-                vector = block.createVecRight()
-                vector.array[:] = np.where(fixed, 0.0, mode)
-                vectors.append(vector)
-            if vectors:
-                kept = orthonormal(vectors)
-                block.setNearNullSpace(PETSc.NullSpace().create(vectors=kept, comm=self._comm))
+    def renew_modes(self, held: BoolArray) -> list[int]:
+        """Fit the near-null vectors to what is held now; return blocks whose hierarchy is not.
+
+        Coarse spaces made when a gap was held do not have its motion.
+        """
+        parts = self._parts(held)
+        pairs = zip(parts, self._held, strict=True)
+        changed = np.array([np.count_nonzero(now != then) for now, then in pairs])
+        most = self._comm.allreduce(changed, op=MPI.SUM)
+        outdated = [b for b, count in enumerate(most) if count > MOST_CHANGED_IN_SWEEP]
+        for b in outdated:
+            self._held[b] = parts[b]
+            self._attach_modes(b)
+        return outdated
+
+    def _parts(self, held: BoolArray) -> list[BoolArray]:
+        """Return what is held in each block."""
+        return [held[rows.getIndices() - self._first] for rows in self._rows]
+
+    def _attach_modes(self, b: int) -> None:
+        block, vectors = self._matrices[b][b], []
+        for mode in self._given[b].modes:
+            vector = block.createVecRight()
+            vector.array[:] = np.where(self._held[b], 0.0, mode)
+            vectors.append(vector)
+        if vectors:
+            kept = orthonormal(vectors)
+            block.setNearNullSpace(PETSc.NullSpace().create(vectors=kept, comm=self._comm))
 
     def split(self, pc: PETSc.PC) -> None:
         """Make a PC sweep over the blocks one after the other, if there are several."""
@@ -179,7 +203,7 @@ class BlockSweep:
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, blocks: Sequence[Block]) -> None:
         self.defaults: Mapping[str, object] = sweep_options(blocks)
-        self.most_changed, self.is_exact = MOST_CHANGED, False
+        self.most_changed, self.is_exact = MOST_CHANGED_IN_SWEEP, False
         self._blocks = Blocks(comm, blocks)
         self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
         self._work: list[PETSc.Vec] = []
@@ -190,12 +214,20 @@ class BlockSweep:
     def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
-        self._ksp.setOperators(self._blocks.update(matrix, held))
+        assembled = self._blocks.update(matrix, held)
+        if not first:
+            for b in self._blocks.renew_modes(held):
+                self._solver_of(b).reset()
+        self._ksp.setOperators(assembled)
         if first:
             self._work = [matrix.createVecRight() for _ in range(2)]
             self._blocks.split(self._ksp.pc)
             self._ksp.setFromOptions()
         self._ksp.setUp()
+
+    def _solver_of(self, b: int) -> PETSc.KSP:
+        several = self._blocks.nest is not None
+        return self._ksp.pc.getFieldSplitSubKSP()[b] if several else self._ksp
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the result of one sweep for b."""

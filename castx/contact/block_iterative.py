@@ -64,6 +64,7 @@ class BlockIteration:
             tuple(residuals),
             sweeps=tuple(sweeps),
             balanced=balanced,
+            linear_solves=tuple(count for report in reports for count in report.linear_solves),
         )
 
     def forget(self) -> None:
