@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -14,15 +16,19 @@ from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.force_balance import ForceBalance
+from castx.gates import InGate
 from castx.linear import SystemOperator
+from castx.support_forces import Resultant, SupportForces
 from castx.supports import FloatingMotions, Support
 from castx.worst_place import Part, worst_place
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-NOISE_SHARE = 1e-2
-"""Part of the nonlinear tolerance that closes or opens pairs."""
+NOISE_SHARE, NOISE_FACTOR = 1e-2, 100.0
+"""Forces that are too small to open or close a pair: at most a part of what balances, and no more
+than a multiple of the residual, so that exact solutions see the weight of a body beside far larger
+thermal forces."""
 
 
 class Balance:
@@ -44,6 +50,7 @@ class Balance:
         gaps: pairs of all interfaces.
         contact: the contact method.
         floating: finds what nothing holds; None: no supports.
+        gates: hold bodies that have lost all contact.
         tolerance: residual relative to the largest internal, contact or external force.
     """
 
@@ -54,10 +61,13 @@ class Balance:
         gaps: Gaps,
         contact: ContactSystem,
         floating: FloatingMotions | None,
+        gates: Sequence[InGate],
         tolerance: float,
     ) -> None:
         self.assembly, self.gaps, self.contact = assembly, gaps, contact
-        self.coordinates, self._floating = coordinates, floating
+        self.coordinates, self._floating, self._gates = coordinates, floating, list(gates)
+        self._support_forces = SupportForces(coordinates, assembly.bodies)
+        self._place: FloatArray = np.zeros(contact.layout.size_local)
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.keys())
         self.operator = SystemOperator(assembly.corrections())
@@ -76,6 +86,8 @@ class Balance:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""
         self._time = time
         self._forces_in_bodies.begin()
+        for gate in self._gates:
+            gate.begin(self.active.committed)
         self.gaps.set_time(time)
         for body in self.assembly.bodies:
             body.set_time(time)
@@ -119,6 +131,10 @@ class Balance:
         self._forces = self._trial_forces(x, rows)
         held, violation = self._prescribed(x)
         self.contact.impose(x, self._forces, closed, rows, held, violation)
+        for gate in self._gates:
+            if gate.holds:
+                held[gate.local] = True
+                violation[gate.local] = x.array_r[gate.local] - self._place[gate.local]
         held[self.frozen], violation[self.frozen] = True, 0.0
         support = self._support(held)
         follows = closed.copy() if self.contact.follows_set else closed[:0]
@@ -146,7 +162,7 @@ class Balance:
         return self._floating.find(held, values)
 
     def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
-        """Close and open pairs at the present iterate; return whether any did.
+        """Close and open pairs and gates at the present iterate; return whether any did.
 
         Args:
             x: the iterate.
@@ -155,7 +171,10 @@ class Balance:
         improved = self.assembly.improve_pressures()
         if improved or not self._all(np.array_equal(self._evaluated[0], x.array_r)):
             self.residual(x, f)
-        if not self.active.update(self._forces, NOISE_SHARE * self._forces_in_bodies.smallest):
+        noise = min(NOISE_SHARE * self._forces_in_bodies.smallest, NOISE_FACTOR * f.norm())
+        changed = self.active.update(self._forces, noise)
+        gripped = [gate.update(self.active.closed, not changed) for gate in self._gates]
+        if not changed and not any(gripped):
             return False
         self._sum_up(x, self._evaluated[1].copy(), f)
         return True
@@ -168,7 +187,8 @@ class Balance:
             f: its residual, filled anew if it has changed.
             balanced: whether it is small enough.
         """
-        if not self.contact.augment(self._forces, self.active.closed, balanced):
+        enough = self._forces_in_bodies.smallest
+        if not self.contact.augment(self._forces, self.active.closed, balanced, enough):
             return False
         self._sum_up(x, self._evaluated[1].copy(), f)
         return True
@@ -200,9 +220,26 @@ class Balance:
         return gaps, forces
 
     def support_force(self, x: PETSc.Vec) -> float:
-        """Return the norm of the forces of the supports at unknowns x [N]."""
+        """Return the norm of the forces of the supports at unknowns x [N], springs and gates."""
         support = self.operator.support
-        return 0.0 if support is None else support.resultant(x.array_r - self.anchor)
+        springs = 0.0 if support is None else support.resultant(x.array_r - self.anchor)
+        gates = self._support_forces.resultants(self._gate_forces(x))
+        return springs + sum(float(np.linalg.norm(body.force)) for body in gates.values())
+
+    def supports(self, x: PETSc.Vec) -> dict[str, Resultant]:
+        """Return what the supports exert on each body at unknowns x; collective."""
+        forces, support = self._gate_forces(x), self.operator.support
+        if support is not None:
+            forces = forces - support.force(x.array_r - self.anchor)[: len(forces)]
+        return self._support_forces.resultants(forces)
+
+    def _gate_forces(self, x: PETSc.Vec) -> FloatArray:
+        forces = np.zeros(self.assembly.layout.size_local)
+        rows = self.rows(x)
+        for gate in self._gates:
+            if gate.holds:
+                forces[gate.local] = rows[gate.local]
+        return forces
 
     def adopt(self, other: Balance) -> None:
         """Take over the committed time and pairs of another contact method."""
@@ -225,8 +262,9 @@ class Balance:
                 parts.append(Part(f"interface {interface.pairs.name!r}", rest[part], points))
         return worst_place(self._comm, parts, "N")
 
-    def commit(self) -> None:
-        """Make the present state the one from which the next step starts."""
+    def commit(self, x: PETSc.Vec) -> None:
+        """Make the present state, whose unknowns are x, the one from which the next step starts."""
+        self._place = x.array_r.copy()
         self.committed_time, self._committed_support = self._time, self.operator.support
         self.active.commit()
         self.contact.commit()
@@ -235,6 +273,7 @@ class Balance:
 
     def rewind(self, x: PETSc.Vec) -> None:
         """Return to the last committed state, whose unknowns are x."""
+        self._place = x.array_r.copy()
         self._time, self.operator.support = self.committed_time, self._committed_support
         self.gaps.set_time(self._time)
         self.active.rewind()

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, ValidationInfo, field_validator
 
-from castx.entries import Choice, Description, NotYet, Quantity, over_time
+from castx.entries import Choice, Description, Quantity, over_time
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import Table
@@ -177,8 +177,30 @@ class Loads(Description):
     ] = ()
 
 
+def _surface_names(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or len(value) > _MOST_CONDITIONS:
+        raise CaseError('a list of surfaces "body/surface" is needed')
+    for index, name in enumerate(value):
+        if not isinstance(name, str) or len(name) > 200 or not all(name.partition("/")):
+            raise refuse('a surface is named "body/surface"', index)
+        if name in value[:index]:
+            raise refuse("is there already", index)
+    return tuple(value)
+
+
 class Support(Description):
-    """What holds bodies that nothing else holds."""
+    """What holds bodies that nothing else holds.
+
+    `in_gate`: surfaces "body/surface" that hold a body only while it has lost all contact.
+    """
 
     mode: Annotated[str, Choice(("automatic", "none"))] = "automatic"
-    in_gate: Annotated[tuple[str, ...] | list[str], NotYet([])] = ()
+    in_gate: Annotated[tuple[str, ...], PlainValidator(_surface_names)] = ()
+
+    def by_body(self) -> dict[str, list[str]]:
+        """Return the names of the in-gate surfaces by body."""
+        found: dict[str, list[str]] = {}
+        for place in self.in_gate:
+            body, _, surface = place.partition("/")
+            found.setdefault(body, []).append(surface)
+        return found

@@ -193,6 +193,7 @@ def _mechanics(
         solver.mechanics_tolerance,
         case.support.mode == "automatic",
         {**solver.mechanics, **{f"bodies_{k}": v for k, v in solver.contact.items()}},
+        case.support.by_body(),
     )
     described = [_contact(i) for i in contacts]
     return MechanicalProblem(mesh, bodies, displacements, described, settings)

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from castx.boundaries import FREE, Boundary
-from castx.contact.choice import body_problem
+from castx.contact_consistency import rigid_problems
 from castx.errors import CaseError
 from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
 from castx.materials.finding import find_material
 from castx.materials.material import Material
 from castx.refusal import KeyPath, Problem, Refusal, among
+from castx.surface_consistency import surface_problems
 
 if TYPE_CHECKING:
     from castx.bodies import Body
@@ -33,7 +34,7 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _name_problems(case)
     yield from _material_problems(case)
     yield from _interface_problems(case)
-    yield from _rigid_problems(case)
+    yield from rigid_problems(case)
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
@@ -221,36 +222,11 @@ def _melts(case: Case, body: Body) -> bool:
         return True  # refused elsewhere
 
 
-def _rigid_problems(case: Case) -> Iterator[Problem]:
-    rigid = {body.name for body in case.bodies if body.law == "rigid"}
-    if case.coupling.scheme == "thermal":
-        return
-    if rigid and len(rigid) == len(case.bodies):
-        yield Problem(("coupling", "scheme"), 'all bodies are rigid; use "thermal"')
-        return
-    for index, interface in enumerate(case.interfaces):
-        method, (secondary, primary) = interface.contact.method, interface.bodies
-        problem = body_problem(method, secondary, primary, rigid)
-        if problem and method != "none":
-            yield Problem(("interfaces", index, "contact", "method"), problem)
-    for index, boundary in enumerate(case.boundaries):
-        yield from load_problems(case, ("boundaries", index), boundary)
-
-
-def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
-    """Yield loads of a boundary that a rigid body does not feel."""
-    rigid = [body.name for body in case.bodies if body.law == "rigid"]
-    for key in ("pressure", "traction"):
-        if boundary.body in rigid and getattr(boundary, key):
-            text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
-            yield Problem((*place, key), text)
-
-
 def _boundary_problems(case: Case) -> Iterator[Problem]:
     counts: Counter[tuple[str, str]] = Counter()
     for index, boundary in enumerate(case.boundaries):
         place = ("boundaries", index)
-        yield from _surface_problems(case, index, boundary)
+        yield from surface_problems(case, (*place, "on"), boundary.body, boundary.surface)
         for key in ("heat", "displacement", "pressure", "traction"):
             if getattr(boundary, key):
                 counts[boundary.on, key] += 1
@@ -272,20 +248,6 @@ def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterat
             yield Problem((*place, "displacement", condition.direction), known)
     if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
         yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
-
-
-def _surface_problems(case: Case, index: int, boundary: Boundary) -> Iterator[Problem]:
-    place = ("boundaries", index, "on")
-    names = [body.name for body in case.bodies]
-    surfaces = case.geometry.surfaces
-    if boundary.body not in names:
-        yield Problem(place, f"unknown body {boundary.body!r}; {among(boundary.body, names)}")
-    elif surfaces is not None and boundary.body in surfaces:
-        known = [*surfaces[boundary.body], *(name for name in surfaces if name != boundary.body)]
-        if boundary.surface not in known:
-            what = f"surfaces of {boundary.body!r}"
-            nearest = among(boundary.surface, known, what=what)
-            yield Problem(place, f"no surface {boundary.surface!r}; {nearest}")
 
 
 def _gravity_problems(case: Case) -> Iterator[Problem]:

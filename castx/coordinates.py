@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
@@ -149,6 +150,23 @@ class Coordinates:
         """Return the number of nodes of a body that this rank owns."""
         part = self.layout.local_slice(b)
         return (part.stop - part.start) // self.layout.block_sizes[b]
+
+    def facing(self) -> npt.NDArray[np.bool_]:
+        """Return which owned unknowns belong to nodes of pairs; collective."""
+        marker = self.layout.create_vector()
+        for interface in self.interfaces:
+            pairs = interface.pairs
+            sides = ((pairs.secondary, pairs.secondary_nodes), (pairs.primary, pairs.primary_nodes))
+            for name, nodes in sides:
+                b = self._names.index(name) if name in self._names else -1
+                for k in range(self.layout.block_sizes[b] if b >= 0 else 0):
+                    numbers = self.layout.dofs(b, nodes, k)
+                    ones = np.ones(len(numbers))
+                    marker.setValues(numbers, ones, PETSc.InsertMode.ADD_VALUES)
+        marker.assemble()
+        found = marker.array_r > 0
+        marker.destroy()
+        return np.asarray(found)
 
     def _local(self, b: int, nodes: IntArray, slots: IntArray) -> IntArray:
         start, size = self.layout.local_slice(b).start, self.layout.block_sizes[b]

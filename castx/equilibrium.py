@@ -13,6 +13,7 @@ from castx.balance import Balance
 from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
 from castx.newton import EquilibriumReport
+from castx.support_forces import Resultant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -111,10 +112,14 @@ class Equilibrium:
         """Return the norm of the forces of the supports [N]."""
         return self.balance.support_force(self.x)
 
+    def supports(self) -> dict[str, Resultant]:
+        """Return what the supports exert on each body, by its name; collective."""
+        return self.balance.supports(self.x)
+
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""
         self.committed = self.x.array_r.copy()
-        self.balance.commit()
+        self.balance.commit(self.x)
         self._procedure.forget()
 
     def rewind(self) -> None:

@@ -26,6 +26,7 @@ from castx.contact.rows import InterfaceRows
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
 from castx.equilibrium import Equilibrium, Procedure
+from castx.gates import InGate
 from castx.layout import Layout
 from castx.linear import InnerSolver
 from castx.measures import nodal_volumes
@@ -61,12 +62,14 @@ class MechanicsSettings:
         tolerance: residual relative to the largest internal, contact or external force.
         support: whether motions that nothing holds get springs.
         options: PETSc options under `castx_mechanics_`.
+        in_gate: surfaces that hold a body while it has lost all contact, by name of the body.
     """
 
     linear: str = "automatic"
     tolerance: float = 1e-3
     support: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
+    in_gate: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,14 @@ def _build_equilibrium(
     contact = contact_system(method, contacts, coordinates, made.names, gaps, made.stiffness)
     springs = (WEAK if contacts else FIRM) * made.stiffness / made.length
     floating = _floating(made, coordinates, contact, springs) if settings.support else None
-    balance = Balance(made.assembly, coordinates, gaps, contact, floating, settings.tolerance)
+    gates = [
+        InGate(coordinates, gaps, b, body, settings.in_gate[body.name])
+        for b, body in enumerate(made.bodies)
+        if body.name in settings.in_gate
+    ]
+    balance = Balance(
+        made.assembly, coordinates, gaps, contact, floating, gates, settings.tolerance
+    )
     return Equilibrium(balance, _procedure(made, contacts, coordinates, balance, settings))
 
 
@@ -165,7 +175,7 @@ def _procedure(
         bodies = _body_blocks(made, coordinates, FACTORS if linear == "direct" else MULTIGRID)
         blocks = bodies
         if chosen.blocks == "interface":
-            blocks = arrow_blocks(bodies, made.layout, made.names, balance.gaps)
+            blocks = arrow_blocks(bodies, coordinates)
         if chosen.block_solver == "iteration":
             solvers = [
                 (_mask(made.layout, block), BlockSolver(comm, f"{prefix}{b}_", block))

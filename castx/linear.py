@@ -148,6 +148,11 @@ class SystemPreconditioner:
         changed = int(np.count_nonzero(state != self._set_up_for))
         return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether the inner solver inverts the matrix for which it has been set up."""
+        return self._inner.is_exact
+
     def renew(self) -> None:
         """Take note of a new matrix: an exact inverse of another one is worth little."""
         if self._inner.is_exact:

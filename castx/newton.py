@@ -29,6 +29,9 @@ BoolArray = npt.NDArray[np.bool_]
 PREFIX = "castx_mechanics_"
 LINEAR_SHARE = 1e-3
 """Part of the nonlinear tolerance to which the linear solves go."""
+EXACT_SHARE = 1e-9
+"""The same with factors, by which it costs little: a contact force such as the weight of a body may
+be a millionth of the thermal forces, to which the tolerance belongs."""
 LOOSEST = 1e-4
 """Part of the residual to which they go at least where bodies flow: those that hardly resist have a
 displacement from which no iteration returns behind a residual of 1e-2."""
@@ -212,7 +215,9 @@ class Newton:
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
         """
         balance = self.balance
-        share = LINEAR_SHARE * balance.smallest / norm if norm > 0 else 1e-2
+        exact = self._preconditioner.chosen.is_exact and balance.assembly.is_linear
+        wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * balance.smallest
+        share = wanted / norm if norm > 0 else 1e-2
         if not balance.assembly.is_linear and balance.force > 0:
             share = max(share, min(norm / balance.force, LOOSEST))
         return float(np.clip(share, 1e-12, 1e-2))

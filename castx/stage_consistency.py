@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from castx.consistency import direction_problems, load_problems
+from castx.consistency import direction_problems
+from castx.contact_consistency import load_problems
 from castx.refusal import KeyPath, Problem, among
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from castx.coupled_interface import InterfaceState
 from castx.coupling import CoupledProblem
 from castx.ejection import normal_force
 from castx.errors import CaseError
+from castx.mechanical_problem import MechanicalProblem
 from castx.mechanics import BodyMechanics
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs
@@ -144,7 +145,7 @@ class State:
             for name, body in self.problem.mechanics.bodies.items():
                 if body.pockets is not None:
                     totals[f"{name}.unfed_volume"] = body.pockets.volume
-            totals["support_force"] = self.problem.mechanics.equilibrium.support_force()
+            totals |= self._support_totals(self.problem.mechanics)
         for name, coefficient in self.friction.items():
             if name in self.mesh.bodies:
                 force = coefficient * normal_force(self.problem, name)
@@ -152,6 +153,19 @@ class State:
         if self.process.staged:
             totals |= {"cycle": self.process.cycle, "stage": self.process.stage}
         return {**self.left, **totals}
+
+    def _support_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
+        axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")
+        about = "xyz" if self.mesh.model == "3d" else "z"
+        found = {"support_force": mechanics.equilibrium.support_force()}
+        for name, (force, moment) in mechanics.equilibrium.supports().items():
+            for axis, value in zip(axes, force, strict=True):
+                # In an axisymmetric model nothing supports the radius.
+                if axis != " ":
+                    found[f"{name}.support_force.{axis}"] = float(value)
+            for axis, value in zip(about, moment, strict=False):
+                found[f"{name}.support_moment.{axis}"] = float(value)
+        return found
 
     def _solid_fraction(self, body: str) -> float:
         volumes = self.problem.volumes[body]

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
-from castx.contact.gaps import Gaps
+from castx.coordinates import Coordinates
 from castx.layout import Layout
 from castx.newton import EquilibriumReport, Newton
 from castx.solvers import FACTORS, Block
@@ -76,36 +76,15 @@ class BlockIteration:
         self._newton.destroy()
 
 
-def arrow_blocks(
-    bodies: Sequence[Block], layout: Layout, body_names: Sequence[str], gaps: Gaps
-) -> list[Block]:
+def arrow_blocks(bodies: Sequence[Block], coordinates: Coordinates) -> list[Block]:
     """Return the interiors of the bodies and the nodes of all interfaces as the last block.
 
     Args:
         bodies: the unknowns of each body.
-        layout: numbering of the unknowns of all bodies.
-        body_names: names of the bodies in the order of the layout.
-        gaps: the pairs of all interfaces.
+        coordinates: of all bodies.
     """
-    facing = _facing(layout, list(body_names), gaps)
-    return [*_interiors(bodies, layout, facing), _interface(bodies, layout, facing)]
-
-
-def _facing(layout: Layout, names: list[str], gaps: Gaps) -> BoolArray:
-    """Return which owned unknowns belong to nodes of pairs."""
-    marker = layout.create_vector()
-    for interface in gaps.interfaces:
-        pairs = interface.pairs
-        sides = ((pairs.secondary, pairs.secondary_nodes), (pairs.primary, pairs.primary_nodes))
-        for name, nodes in sides:
-            b = names.index(name) if name in names else -1
-            for k in range(layout.block_sizes[b] if b >= 0 else 0):
-                numbers = layout.dofs(b, nodes, k)
-                marker.setValues(numbers, np.ones(len(numbers)), PETSc.InsertMode.ADD_VALUES)
-    marker.assemble()
-    found = marker.array_r > 0
-    marker.destroy()
-    return np.asarray(found)
+    layout, facing = coordinates.layout, coordinates.facing()
+    return [*_interiors(bodies, layout, facing), _interface(layout, facing)]
 
 
 def _interiors(bodies: Sequence[Block], layout: Layout, facing: BoolArray) -> Iterator[Block]:
@@ -116,7 +95,7 @@ def _interiors(bodies: Sequence[Block], layout: Layout, facing: BoolArray) -> It
         yield Block(rows, body.modes[:, inside], body.options)
 
 
-def _interface(bodies: Sequence[Block], layout: Layout, facing: BoolArray) -> Block:
+def _interface(layout: Layout, facing: BoolArray) -> Block:
     numbers = np.flatnonzero(facing).astype(np.int32) + layout.first
     rows = PETSc.IS().createGeneral(numbers.astype(np.int32), comm=layout.comm)
     return Block(rows, np.zeros((0, len(numbers))), FACTORS)

@@ -91,7 +91,9 @@ class CondensedContact:
         held[local] = True
         violation[local] = x.array_r[local] + self._gaps.initial[closed]
 
-    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+    def augment(
+        self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
+    ) -> bool:
         """Return that nothing changed: the forces of closed pairs are exact."""
         return False
 

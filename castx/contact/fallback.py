@@ -17,6 +17,7 @@ from castx.diagnosis import MECHANICS
 from castx.equilibrium import Equilibrium
 from castx.errors import ConvergenceError
 from castx.newton import EquilibriumReport
+from castx.support_forces import Resultant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -106,6 +107,10 @@ class MethodsInTurn:
     def support_force(self) -> float:
         """Return the norm of the forces of the supports in the last solution [N]."""
         return self._shown.support_force()
+
+    def supports(self) -> dict[str, Resultant]:
+        """Return what the supports exert on each body in the last solution; collective."""
+        return self._shown.supports()
 
     def commit(self) -> None:
         """Make the present solution the one from which the next step starts."""

@@ -131,7 +131,9 @@ class MultiplierContact:
         held[open_pairs] = True
         violation[open_pairs] = x.array_r[open_pairs]
 
-    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+    def augment(
+        self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
+    ) -> bool:
         """Return that nothing changed: the multipliers are unknowns."""
         return False
 

@@ -182,11 +182,17 @@ class PenaltyContact:
         self._Gt.mult(self._pairs, self._work)
         rows -= self._work.array_r
 
-    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+    def augment(
+        self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
+    ) -> bool:
         """Let the multipliers take over the present pressures; return whether any changed."""
         areas = self._gaps.areas
         pressures = np.divide(forces, areas, out=np.zeros_like(forces), where=areas > 0)
-        return self.multipliers.augment(np.where(closed, pressures, 0.0), balanced)
+        pressures[~closed] = 0.0
+        self._pairs.array[:] = areas * (pressures - self.multipliers.pressures)
+        if balanced and self._pairs.norm() <= enough:
+            return False
+        return self.multipliers.augment(pressures, balanced)
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
         """Return the changes of the gaps of closed pairs by motions, shape (motions, closed)."""

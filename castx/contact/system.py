@@ -72,13 +72,16 @@ class ContactSystem(Protocol):
     ) -> None:
         """Let the pairs act: add forces to rows, or mark what they hold and how far off it is."""
 
-    def augment(self, forces: FloatArray, closed: BoolArray, balanced: bool) -> bool:
+    def augment(
+        self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
+    ) -> bool:
         """Improve multipliers that are no unknowns; return whether they changed, on any rank.
 
         Args:
             forces: trial forces.
             closed: the present set.
             balanced: whether the rows balance with the present multipliers.
+            enough: change of the forces that is not worth another solution [N].
         """
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray | None:

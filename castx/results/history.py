@@ -21,7 +21,7 @@ COUNTERS = (
     "unbalanced",
     "fallbacks",
 )
-BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "power")
+BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "power")
 INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
 RUN_TOTALS = ("energy_error", "support_force", "cycle", "stage")
 
