@@ -76,7 +76,7 @@ def test_the_estimate_converges(comm):
 def test_the_ring_springs_back(comm):
     """Without the core nothing is left but the thermal contraction."""
     after = final_state(comm, case(6))
-    assert after.cellwise("casting", "von_mises").max() < 1e-7 * PRESSURE
+    assert after.cellwise("casting", "von_mises").max(initial=0.0) < 1e-7 * PRESSURE
     x = places(after, "casting")
     u = after.nodal("casting", "displacement")[: len(x)]
     np.testing.assert_allclose(u, -RING["expansion"] * COOLING * x, atol=1e-10 * INNER)
