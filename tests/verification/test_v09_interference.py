@@ -32,14 +32,18 @@ HUB_COMPLIANCE = INNER / HUB[0] * (RATIO + HUB[1])
 PRESSURE = OVERLAP / (SHAFT_COMPLIANCE + HUB_COMPLIANCE)
 
 
-def fitted(comm, n: int, method: str = "condensed"):
+def fitted(comm, n: int, method: str = "condensed", rigid_shaft: bool = False, **numbers):
     """Return the problem with n elements on the radius of each body."""
     mesh = generated(
         comm, "plane-stress", "core_in_ring", ["core", "casting"],
         core_radius=INNER, outer_radius=OUTER, size=INNER / n,
     )  # fmt: skip
-    bodies = {"core": body(elastic(*SHAFT)), "casting": body(elastic(*HUB))}
-    overlap = Contact("casting", "core", method, lambda points: np.full(len(points), -OVERLAP))
+    bodies = {"casting": body(elastic(*HUB))}
+    if not rigid_shaft:
+        bodies["core"] = body(elastic(*SHAFT))
+    overlap = Contact(
+        "casting", "core", method, lambda points: np.full(len(points), -OVERLAP), **numbers
+    )
     made = problem(mesh, bodies, {}, [overlap])
     made.equilibrium.solve(0.0)
     return made
@@ -67,7 +71,7 @@ def test_reference_numbers():
     assert PRESSURE * RATIO == pytest.approx(71.600860e6, rel=1e-7)
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
 def test_pressure_hoop_stress_and_displacement(comm, method):
     made = fitted(comm, 32, method)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=0.01)
@@ -84,6 +88,24 @@ def test_pressure_hoop_stress_and_displacement(comm, method):
             PRESSURE * SHAFT_COMPLIANCE, rel=0.01
         )
     assert made.equilibrium.support_force() == 0.0
+
+
+@pytest.mark.parametrize(
+    "method, numbers", [("penalty", {}), ("block-iterative", {"block_iterations": 500})]
+)
+def test_a_penalty_is_a_third_compliance(comm, method, numbers):
+    """p (C1 + C2 + 1/ε) = δ: an ε that takes a quarter of the overlap."""
+    softness = (SHAFT_COMPLIANCE + HUB_COMPLIANCE) / 3
+    expected = OVERLAP / (SHAFT_COMPLIANCE + HUB_COMPLIANCE + softness)
+    made = fitted(comm, 32, method, penalty=1 / softness, **numbers)
+    np.testing.assert_allclose(pressures(comm, made), expected, rtol=0.01)
+    np.testing.assert_allclose(gaps(comm, made), -expected * softness, rtol=0.01)
+
+
+def test_a_rigid_shaft_leaves_all_to_the_hub(comm):
+    made = fitted(comm, 32, "rigid", rigid_shaft=True)
+    np.testing.assert_allclose(pressures(comm, made), OVERLAP / HUB_COMPLIANCE, rtol=0.01)
+    assert np.abs(gaps(comm, made)).max() < 1e-12
 
 
 @pytest.mark.serial  # a matter of the mesh; ranks agree in the other tests

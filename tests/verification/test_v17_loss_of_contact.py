@@ -95,6 +95,10 @@ def test_an_iterative_solution_has_to_be_tighter_than_the_thermal_forces(comm):
     check(final_state(comm, data))
 
 
+def test_the_method_of_rigid_moulds(comm):
+    check(final_state(comm, case(rigid=True, method="rigid")))
+
+
 def test_in_one_step(comm):
     state = final_state(comm, case(rigid=True, steps=1))
     check(state)

@@ -73,7 +73,7 @@ def cut_cube(comm, folder, law: dict, method: str):
     return problem(mesh, {"left": part, "right": part}, held, [contact])
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
 @pytest.mark.parametrize("law", [{}, {"stabilisation": "gls"}, {"formulation": "displacement"}])
 def test_uniform_pressure_then_release(comm, shared_tmp_path, law, method):
     made = cut_cube(comm, shared_tmp_path, law, method)
