@@ -94,7 +94,7 @@ def test_pressure_hoop_stress_and_displacement(comm, method):
     "method, numbers", [("penalty", {}), ("block-iterative", {"block_iterations": 500})]
 )
 def test_a_penalty_is_a_third_compliance(comm, method, numbers):
-    """p (C1 + C2 + 1/ε) = δ: an ε that takes a quarter of the overlap."""
+    """Then p (C1 + C2 + 1/ε) = δ, with an ε that takes a quarter of the overlap."""
     softness = (SHAFT_COMPLIANCE + HUB_COMPLIANCE) / 3
     expected = OVERLAP / (SHAFT_COMPLIANCE + HUB_COMPLIANCE + softness)
     made = fitted(comm, 32, method, penalty=1 / softness, **numbers)
