@@ -10,6 +10,8 @@ from mpi4py import MPI
 GRACE = 5.0
 """Time in which the other ranks have to come to an end after one has failed [s]."""
 PAUSE = 0.01
+BUG = 1
+"""Exit code of all ranks when one has failed that should not have."""
 
 
 def common_code(verdicts: MPI.Intracomm, code: int) -> int:
@@ -21,14 +23,33 @@ def common_code(verdicts: MPI.Intracomm, code: int) -> int:
         verdicts: the ranks, a communicator of its own.
         code: of this rank.
     """
+    _await(verdicts, code, GRACE if code else float("inf"))
+    return int(verdicts.allreduce(code, MPI.MAX))
+
+
+def end_unless_all_failed(verdicts: MPI.Intracomm, why: object) -> None:
+    """Wait for the others to fail too; collective for those that have failed.
+
+    What should be raised on all ranks or none could otherwise leave the others waiting for ever.
+    A rank that stays alone ends them all.
+
+    Args:
+        verdicts: the ranks, a communicator of its own.
+        why: what has failed here.
+    """
+    _await(verdicts, BUG, GRACE, f": {why}")
+
+
+def _await(verdicts: MPI.Intracomm, code: int, patience: float, why: str = "") -> None:
+    """Return when all ranks have come here; end them when that takes too long."""
     if verdicts.size == 1:
-        return code
+        return
     arrival = verdicts.Ibarrier()
-    give_up = time.monotonic() + (GRACE if code else float("inf"))
+    give_up = time.monotonic() + patience
     while not arrival.Test():
         time.sleep(PAUSE)
         if time.monotonic() > give_up:
-            sys.stderr.write(f"castx: rank {verdicts.rank} has failed alone and ends the others\n")
+            text = f"castx: rank {verdicts.rank} has failed alone and ends the others{why}\n"
+            sys.stderr.write(text)
             sys.stderr.flush()
             verdicts.Abort(code)
-    return int(verdicts.allreduce(code, MPI.MAX))

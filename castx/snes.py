@@ -10,6 +10,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
+from castx.ending import end_unless_all_failed
 from castx.errors import ConvergenceError
 
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
@@ -73,6 +74,7 @@ class NonlinearSolver:
         self.name = name
         self.prefix = prefix
         self.options = dict(options)
+        self._verdicts = vector.comm.tompi4py().Dup()
         self.snes = PETSc.SNES().create(vector.comm)
         self.snes.setOptionsPrefix(prefix)
         self.snes.setFunction(residual, vector)
@@ -107,14 +109,14 @@ class NonlinearSolver:
         """Solve from the first guess in `x` and leave the solution there.
 
         Raises:
-            ConvergenceError: with the reason and the history of the residual.
+            ConvergenceError: with the reason and the history of the residual; on all ranks.
+            Exception: what a callback raised.
         """
         try:
             with self._options_in_database():
                 self.snes.solve(None, x)
-        except PETSc.Error as error:  # a factorisation of what is not a number, too little memory
-            last = str(error).strip().splitlines()[-1]
-            raise ConvergenceError(f"{self.name} did not converge: PETSc failed: {last}") from error
+        except PETSc.Error as error:
+            raise self._failure(error) from error
         residuals = tuple(float(value) for value in self.snes.getConvergenceHistory()[0])
         reason = self.snes.getConvergedReason()
         iterations = self.snes.getIterationNumber()
@@ -131,6 +133,19 @@ class NonlinearSolver:
             )
         return SolveReport(iterations, linear_iterations, residuals)
 
+    def _failure(self, error: PETSc.Error) -> BaseException:
+        """Return what is to be raised for an error that stopped PETSc, maybe on this rank alone."""
+        cause: BaseException = error
+        while isinstance(cause, PETSc.Error) and cause.__cause__ is not None:
+            cause = cause.__cause__
+        if isinstance(cause, PETSc.Error):  # a factorisation of what is not a number, no memory
+            last = str(cause).strip().splitlines()[-1]
+            cause = ConvergenceError(f"{self.name} did not converge: PETSc failed: {last}")
+        if isinstance(cause, ConvergenceError):
+            # It leads to another try, for which all ranks are needed.
+            end_unless_all_failed(self._verdicts, cause)
+        return cause
+
     def _reason(self, reason: int) -> str:
         text = _reason_text(PETSc.SNES.ConvergedReason, reason)
         if reason != PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE:
@@ -141,6 +156,7 @@ class NonlinearSolver:
     def destroy(self) -> None:
         """Free the SNES; matrices and vectors stay their owner's."""
         self.snes.destroy()
+        self._verdicts.Free()
 
 
 def _as_text(value: Any) -> str | None:

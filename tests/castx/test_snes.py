@@ -156,3 +156,16 @@ def test_nest_of_blocks(comm):
     made.solve(x)
     assert x.array_r == pytest.approx(2.0)
     made.destroy()
+
+
+@pytest.mark.parametrize("raised", [ZeroDivisionError("a bug"), ConvergenceError("no state")])
+@pytest.mark.parametrize("where", ["setFunction", "setJacobian"])
+def test_what_a_callback_raises_comes_out_as_it_is(comm, where, raised):
+    def fail(*_: object) -> None:
+        raise raised
+
+    made, x = solver(comm)
+    getattr(made.snes, where)(fail, *([x.duplicate()] if where == "setFunction" else []))
+    with pytest.raises(type(raised), match=str(raised)):
+        made.solve(x)
+    made.destroy()
