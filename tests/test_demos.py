@@ -191,3 +191,48 @@ def test_the_die_becomes_periodic(tmp_path):
     assert 330.0 < np.nanmax(probes["die_inside.temperature"]) < 450.0
     assert read_series(folder / "history.csv")["energy_error"].max() < 1e-6
     assert "periodic since cycle" in write_report(folder).read_text()
+
+
+def test_the_notebook_compares_the_contact_methods():
+    text, pictures = executed("contact_notebook.py")
+
+    def numbers(start):
+        """Return the numbers that follow a text at the start of a line."""
+        found = re.search(rf"^ *{re.escape(start)}(.*)$", text, re.M)
+        assert found is not None, start
+        return [float(n) for n in re.findall(r"(?<![\w.])[\d.]+(?:e[-+]\d+)?", found[1])]
+
+    # The blocks: errors of the penalty and its springs in series, on both meshes.
+    for penalty in ("1e+11 ", "1e+13 ", "1e+16 "):
+        fine, formula, coarse = numbers(penalty)
+        assert fine == pytest.approx(formula, rel=0.03) and coarse == pytest.approx(fine, rel=0.02)
+    assert numbers("multipliers and condensed differ by")[0] < 1e-10
+    assert numbers("order of convergence before the end:")[0] > 1.8
+    for penalty in ("1e+11", "1e+12", "1e+13"):
+        measured, formula = numbers(f"{penalty} Pa/m: each sweep leaves")
+        assert 0.8 * formula < measured < formula
+    sweeps = {h: numbers(f"{h} mm  1e+11 Pa/m") for h in ("5.00", "2.50", "1.25")}
+    assert max(bodies for bodies, _ in sweeps.values()) <= 3
+    assert sweeps["1.25"][1] > 1.5 * sweeps["2.50"][1] > 2.2 * sweeps["5.00"][1]
+    assert numbers("5.00 mm  1e+13 Pa/m")[0] > 50
+    # Costs: the augmented Lagrangian method pays for a soft penalty, sweeps for a hard one.
+    dearest = {name: numbers(f"{name} costs")[1] for name in ("augmented Lagrangian", "penalty")}
+    assert dearest["augmented Lagrangian"] > 1.5 * dearest["penalty"]
+    assert numbers("block-iterative costs")[1] > 3.0 * dearest["penalty"]
+    *counts, given_up, still = numbers("iterations with a penalty:")
+    multipliers, condensed = numbers("iterations of multipliers and condensed:")
+    assert counts == sorted(counts) and given_up == still == 100
+    assert counts[-1] > 2.0 * condensed and condensed <= counts[0]
+    assert multipliers < 2.0 * condensed
+    # The casting: kelvins, micrometres, penetration of each method.
+    casting = {name: numbers(f"{name}  ")[:3] for name in (
+        "multipliers", "augmented Lagrangian", "penalty, automatic", "penalty, 1e11 Pa/m",
+        "the same as preconditioner",
+    )}  # fmt: skip
+    assert casting["multipliers"][2] == 0.0
+    for name in set(casting) - {"penalty, 1e11 Pa/m"}:
+        kelvin, micron, penetration = casting[name]
+        assert kelvin < 0.1 and micron < 0.05 and penetration < 0.01
+    kelvin, micron, penetration = casting["penalty, 1e11 Pa/m"]
+    assert kelvin > 1.0 and micron == pytest.approx(penetration, rel=0.2)
+    assert pictures == 4
