@@ -72,10 +72,10 @@ class ArchiveWriter:
                 self._finish()
         finally:
             self._new.unlink(missing_ok=True)
-            if error is not None:
-                with suppress(OSError, ValueError):  # it tries to write again
-                    self._zip.close()
-            self._file.close()
+            with suppress(OSError, ValueError):  # after an error it tries to write again
+                self._zip.close()
+            with suppress(OSError):
+                self._file.close()
 
     def _finish(self) -> None:
         self._zip.writestr(HEADER, json.dumps({**self._header, "arrays": self._names}, indent=1))

@@ -122,7 +122,8 @@ def require_near(place: Place, probe: str, owner: str) -> None:
     if place.distance >= place.size:
         raise CaseError(
             f"{probe} lies outside {owner}: it is {place.distance:.4g} m away, and only points "
-            f"nearer than one element ({place.size:.4g} m) are moved to the nearest point of it"
+            f"nearer than one element ({place.size:.4g} m) are moved to the nearest point of it; "
+            "choose a point inside"
         )
 
 

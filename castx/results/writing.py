@@ -130,7 +130,8 @@ class Results:
     def note_interruption(self) -> None:
         """Write down at once that the run was interrupted: it may be killed before it can stop."""
         if self._comm.rank == 0:
-            self._record.write(Reason.INTERRUPTED, "killed before the end of its step")
+            with suppress(OSError):  # of a full disk: called by a signal, it may not raise
+                self._record.write(Reason.INTERRUPTED, "killed before the end of its step")
 
     def __exit__(
         self,

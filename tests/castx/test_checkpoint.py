@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import shutil
+import sys
+import zipfile
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,7 +13,7 @@ import numpy as np
 import pytest
 
 from castx.checkpoint import Checkpoint
-from castx.errors import CaseError
+from castx.errors import CaseError, StorageError
 from tests.coupled_cases import (
     TIGHT,
     cylinder,
@@ -92,7 +95,7 @@ def boxed(model: str) -> dict[str, Any]:
         "size": 0.006,
     }  # fmt: skip
     data["boundaries"] = [{"on": "mould/base", "displacement": {"all": 0.0}}]
-    data["loads"] = {"gravity": [0.0, -9.81, 0.0]}
+    data["loads"] = {"gravity": [-50.0, -80.0, 0.0]}  # into a corner: nothing floats
     return data
 
 
@@ -100,7 +103,7 @@ def solid_sheet() -> dict[str, Any]:
     """Return a sheet that never melts and yields in plane stress."""
     data = boxed("plane-stress")
     del data["materials"]["aluminium"]["liquid"]
-    data["bodies"][0] |= {"formulation": "displacement", "temperature": 600.0}
+    data["bodies"][0] |= {"formulation": "displacement", "temperature": 400.0}
     return data
 
 
@@ -208,19 +211,26 @@ def run_on_part(comm, data: Mapping[str, Any], folder):
     return steps, found
 
 
-def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(comm, shared_tmp_path, monkeypatch):
+@pytest.mark.parametrize("full", [(np.lib.format, "write_array"), (zipfile.ZipFile, "writestr")])
+def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(
+    comm, shared_tmp_path, monkeypatch, full
+):
     run = simulation(comm, thermal())
     checkpoint = Checkpoint(shared_tmp_path, comm)
     checkpoint.write(run.saved(), {"which": "old"})
 
-    def no_space(file, array, **_):
+    def no_space(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(np.lib.format, "write_array", no_space)
-    with pytest.raises(Exception, match=r"No space left on device.*--restart"):
+    ignored = []
+    monkeypatch.setattr(sys, "unraisablehook", ignored.append)
+    monkeypatch.setattr(*full, no_space)
+    with pytest.raises(StorageError, match=r"No space left on device.*--restart"):
         checkpoint.write(run.saved(), {"which": "new"})
+    gc.collect()
     monkeypatch.undo()
     run.destroy()
+    assert not ignored
     header = checkpoint.read_header()
     assert header is not None and header["which"] == "old"
     comm.Barrier()

@@ -97,6 +97,28 @@ def test_a_bug_is_recorded_too(comm, shared_tmp_path):
     assert record(shared_tmp_path)["exit"]["reason"] == "failed"
 
 
+def test_a_signal_while_the_disk_is_full_raises_nothing(comm, shared_tmp_path, monkeypatch):
+    content = {**CONTENT, "output": {"folder": str(shared_tmp_path)}}
+    case = read_case(content, Path("case.toml"))
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    with Results(case, mesh, casting_pairs(mesh)) as results:
+        before = record(shared_tmp_path)
+        comm.Barrier()
+
+        def no_space(*_: object) -> None:
+            raise OSError(28, "No space left on device")
+
+        with monkeypatch.context() as full:
+            full.setattr("castx.results.record.write_whole", no_space)
+            results.note_interruption()
+        assert record(shared_tmp_path) == before
+        comm.Barrier()
+        results.note_interruption()
+        comm.Barrier()
+        assert record(shared_tmp_path)["exit"]["reason"] == "interrupted"
+        comm.Barrier()
+
+
 def test_a_thermal_run_writes_what_it_has_and_refuses_what_it_has_not(comm, shared_tmp_path):
     thermal = {**CONTENT, "coupling": {"scheme": "thermal"}}
     output = {"folder": str(shared_tmp_path)}
