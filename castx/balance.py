@@ -137,8 +137,8 @@ class Balance:
                 violation[gate.local] = x.array_r[gate.local] - self._place[gate.local]
         held[self.frozen], violation[self.frozen] = True, 0.0
         support = self._support(held)
-        follows = closed.copy() if self.contact.follows_set else closed[:0]
-        self.operator.hold(held, self._stiffness, support, follows)
+        state = self.contact.state(closed).copy()
+        self.operator.hold(held, self._stiffness, support, state)
         if support is not None:
             rows += support.force(x.array_r - self.anchor)
         f.array[:] = np.where(held, self._stiffness * violation, rows)
@@ -173,6 +173,9 @@ class Balance:
             self.residual(x, f)
         noise = min(NOISE_SHARE * self._forces_in_bodies.smallest, NOISE_FACTOR * f.norm())
         changed = self.active.update(self._forces, noise)
+        changed |= self.contact.slide(
+            x, self._evaluated[1], self._forces, self.active.closed, self._stiffness, noise
+        )
         gripped = [gate.update(self.active.closed, not changed) for gate in self._gates]
         if not changed and not any(gripped):
             return False
@@ -218,6 +221,10 @@ class Balance:
         tied = self.gaps.tied
         forces[tied] = rows[self.gaps.local[tied]]
         return gaps, forces
+
+    def along_surface(self, x: PETSc.Vec) -> FloatArray | None:
+        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
+        return self.contact.along_surface(x, self.rows(x), self.active.closed)
 
     def support_force(self, x: PETSc.Vec) -> float:
         """Return the norm of the forces of the supports at unknowns x [N], springs and gates."""
@@ -267,7 +274,7 @@ class Balance:
         self._place = x.array_r.copy()
         self.committed_time, self._committed_support = self._time, self.operator.support
         self.active.commit()
-        self.contact.commit()
+        self.contact.commit(x)
         for body in self.assembly.bodies:
             body.commit()
 
@@ -277,7 +284,7 @@ class Balance:
         self._time, self.operator.support = self.committed_time, self._committed_support
         self.gaps.set_time(self._time)
         self.active.rewind()
-        self.contact.rewind()
+        self.contact.rewind(x)
         for body in self.assembly.bodies:
             body.rewind()
         self.rows(x)

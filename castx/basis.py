@@ -103,9 +103,9 @@ class BasisMatrices:
         local: IntArray,
         directions: FloatArray,
         other: int,
-        others: npt.NDArray[np.int64],
+        partners: tuple[npt.NDArray[np.int64], FloatArray],
     ) -> None:
-        """Read rows of nodes of one body relative to nodes of another.
+        """Read rows of nodes of one body relative to points of another.
 
         Args:
             b: number of the body.
@@ -113,23 +113,25 @@ class BasisMatrices:
             local: local number of the row of each in v, shape (n,).
             directions: of the rows, shape (n, dimension).
             other: number of the other body.
-            others: global numbers of its nodes, of any owner, shape (n,).
+            partners: global numbers of its nodes, of any owner, and their weights, (n, corners).
         """
         components = np.arange(self._dimension)
+        nodes_there, weights = partners
         columns = np.stack(
-            [self._layout.dofs(other, others, k) for k in range(self._dimension)], axis=1
+            [self._layout.dofs(other, nodes_there, k) for k in range(self._dimension)], axis=2
         )
         starts = (self._first(b) + nodes * self._layout.block_sizes[b]).astype(np.int32)
         rows = (local + self._layout.first).astype(np.int32)
         slots = rows - starts
         for i, n in enumerate(directions):
             dual = self._duals[b][nodes[i]][:, slots[i]]
-            self._forward.setValues(rows[i], columns[i], -n)
             targets = (starts[i] + components).astype(np.int32)
-            # Several rows of one pair add up.
-            self._relative.setValues(
-                targets, columns[i], np.outer(dual, n), PETSc.InsertMode.ADD_VALUES
-            )
+            for numbers, weight in zip(columns[i], weights[i], strict=True):
+                self._forward.setValues(rows[i], numbers, -weight * n)
+                # Several rows of one pair add up.
+                self._relative.setValues(
+                    targets, numbers, weight * np.outer(dual, n), PETSc.InsertMode.ADD_VALUES
+                )
 
     def finish(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Return R and P; the caller destroys them."""

@@ -21,6 +21,7 @@ from castx.errors import CaseError, MeshError
 from castx.exchange import HeatExchange
 from castx.heat import HeatProblem
 from castx.heat_building import surface_heats
+from castx.interface_pairs import initial_gap
 from castx.interfaces import Interface
 from castx.law_building import heat_exchange
 from castx.materials import Material, find_material
@@ -98,7 +99,7 @@ def build_problem(
         CoupledInterface(
             interface.name,
             pairs[interface.name],
-            interface.contact.initial_gap.at(pairs[interface.name].points),
+            initial_gap(interface, pairs[interface.name]),
             contacts.index(interface) if mechanics is not None and interface in contacts else None,
         )
         for interface in case.interfaces
@@ -233,6 +234,7 @@ def _contact(interface: Interface) -> Contact:
         **{name: getattr(wanted, name) for name in COMMON_NUMBERS},
         fallback=wanted.fallback,
         pairing=wanted.pairing_rule,
+        friction=wanted.friction,
     )
 
 

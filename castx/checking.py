@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from mpi4py import MPI
 
+import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -15,11 +16,13 @@ from castx.case import Case
 from castx.consistency import starts_solid
 from castx.interface_heat import InterfaceHeat
 from castx.interface_pairs import paired
+from castx.interfaces import Interface
 from castx.law_building import heat_exchange
 from castx.materials import find_material
 from castx.mesh import build_mesh
 from castx.mesh_memory import refuse_too_large
 from castx.mesh_summary import InterfaceSummary, MeshSummary, mesh_summary
+from castx.pairs import NodePairs
 from castx.ranges import outside_used_range, ranges_text
 from castx.results.probes import readings_of
 from castx.stage_listing import cycle_text, stage_table
@@ -57,6 +60,9 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     console.print(size_text(case.geometry.model), markup=False)
     for interface in summary.interfaces:
         console.print(interface_text(case, interface), markup=False)
+    for described in case.interfaces:
+        if described.contact.pairing == "node-to-face":
+            console.print(faces_text(described, pairs[described.name], comm), markup=False)
     if len(stages) > 1:
         console.print(stage_table(case, stages))
     if case.stages and case.stages[-1].repeat is not None:
@@ -138,6 +144,16 @@ def interface_text(case: Case, summary: InterfaceSummary) -> str:
             laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
             return f"interface {interface.name}: {sizes}, {laws}"
     return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"
+
+
+def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> str:
+    """Return one line about an interface of meshes that do not match; collective."""
+    count, area = comm.allreduce(np.array([len(pairs.areas), pairs.areas.sum()]), op=MPI.SUM)
+    least = comm.allreduce(float(pairs.gap.min(initial=np.inf)), op=MPI.MIN)
+    most = comm.allreduce(float(pairs.gap.max(initial=-np.inf)), op=MPI.MAX)
+    sizes = f"{count:g} nodes face facets, {area:.4g} m², meshed gap {least:.3g} to {most:.3g} m"
+    laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
+    return f"interface {interface.name}: {sizes}, {laws}"
 
 
 def heat_text(heat: InterfaceHeat | None) -> str:

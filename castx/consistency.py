@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from castx.boundaries import FREE, Boundary
-from castx.contact_consistency import rigid_problems
+from castx.contact_consistency import face_problems, rigid_problems
 from castx.errors import CaseError
 from castx.flow import law_problems
 from castx.materials.description import MaterialDescription
@@ -193,6 +193,7 @@ def _interface_problems(case: Case) -> Iterator[Problem]:
             allowed = among("", coordinates, what="coordinates of this model")
             yield Problem((*place, "contact", "initial_gap", "along"), allowed)
         yield from _heat_problems(case, index, interface)
+        yield from face_problems(case, index, interface)
         if interface.heat is None and case.coupling.scheme != "mechanical":
             yield Problem((*place, "heat"), 'missing; law = "none" lets no heat through')
 

@@ -12,6 +12,22 @@ from castx.surface_consistency import surface_problems
 
 if TYPE_CHECKING:
     from castx.case import Case
+    from castx.interfaces import Interface
+
+
+def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:
+    """Yield what pairs of nodes and faces cannot have."""
+    contact, place = interface.contact, ("interfaces", index)
+    if contact.pairing != "node-to-face":
+        return
+    law = interface.heat
+    if law is not None and "perfect" in (law.law, *(law.on(patch).law for patch in law.patches)):
+        text = '"perfect" joins the nodes of matching meshes; from node to face use "constant"'
+        yield Problem((*place, "heat", "law"), text)
+    for side, body in enumerate(interface.bodies if contact.surfaces else ()):
+        assert contact.surfaces is not None
+        where = (*place, "contact", "surfaces", side)
+        yield from surface_problems(case, where, body, contact.surfaces[side])
 
 
 def rigid_problems(case: Case) -> Iterator[Problem]:

@@ -62,6 +62,10 @@ class PairCoordinates:
         local: local number in v of each row's gap, shape (rows,); -1 where no normal motion is
             free.
         treatment: what the coordinates make of the rows.
+        tangents: orthonormal directions along the surface that are free, zero where there are
+            fewer, shape (rows, dimension - 1, dimension); of tied pairs none.
+        tangent_local: local number in v of the motion along each, -1 where it is no coordinate,
+            shape (rows, dimension - 1).
     """
 
     pairs: NodePairs
@@ -70,6 +74,8 @@ class PairCoordinates:
     areas: FloatArray
     local: IntArray
     treatment: Treatment
+    tangents: FloatArray
+    tangent_local: IntArray
 
     @property
     def numbering(self) -> Numbering:
@@ -135,16 +141,30 @@ class Coordinates:
             self.prescribed.append(Prescribed(basis.tie_component(b, k), ZERO))
         for interface in self.interfaces:
             if interface.treatment is not Treatment.READ and interface.pairs.primary in self._names:
-                free, pairs = interface.free, interface.pairs
-                basis.make_relative(
-                    self._names.index(pairs.secondary),
-                    pairs.secondary_local[interface.index[free]],
-                    interface.local[free],
-                    interface.normals[free],
-                    self._names.index(pairs.primary),
-                    pairs.primary_nodes[interface.index[free]],
-                )
+                self._make_relative(basis, interface, interface.local, interface.normals)
+                for k in range(interface.tangents.shape[1]):
+                    along = interface.tangent_local[:, k]
+                    self._make_relative(basis, interface, along, interface.tangents[:, k])
         self.to_coordinates, self.to_displacements = basis.finish()
+
+    def _make_relative(
+        self,
+        basis: BasisMatrices,
+        interface: PairCoordinates,
+        local: IntArray,
+        directions: FloatArray,
+    ) -> None:
+        pairs, free = interface.pairs, local >= 0
+        nodes, weights = pairs.partners
+        chosen = interface.index[free]
+        basis.make_relative(
+            self._names.index(pairs.secondary),
+            pairs.secondary_local[chosen],
+            local[free],
+            directions[free],
+            self._names.index(pairs.primary),
+            (nodes[chosen], weights[chosen]),
+        )
 
     def owned_nodes(self, b: int) -> int:
         """Return the number of nodes of a body that this rank owns."""
@@ -156,8 +176,8 @@ class Coordinates:
         marker = self.layout.create_vector()
         for interface in self.interfaces:
             pairs = interface.pairs
-            sides = ((pairs.secondary, pairs.secondary_nodes), (pairs.primary, pairs.primary_nodes))
-            for name, nodes in sides:
+            facing = (pairs.primary, pairs.partners[0].ravel())
+            for name, nodes in ((pairs.secondary, pairs.secondary_nodes), facing):
                 b = self._names.index(name) if name in self._names else -1
                 for k in range(self.layout.block_sizes[b] if b >= 0 else 0):
                     numbers = self.layout.dofs(b, nodes, k)
@@ -201,8 +221,7 @@ class Coordinates:
             placed[id(interface)] = self._tie_pairs(interface)
         read = [rows.copy() for rows in self._rows]
         for interface in (i for i in interfaces if i.treatment is not Treatment.TIED):
-            condensed = interface.treatment is Treatment.CONDENSED
-            target = self._rows if condensed else read
+            target = read if interface.treatment is Treatment.READ else self._rows
             placed[id(interface)] = self._add_pairs(interface, fixed, target)
         return [placed[id(interface)] for interface in interfaces]
 
@@ -225,7 +244,17 @@ class Coordinates:
         for turn in rows.turns():
             slots[turn] = target[b].try_add(nodes[turn], normals[turn], GRAZING)
         local, index = self._local(b, nodes, slots), np.arange(len(nodes), dtype=np.int32)
-        return PairCoordinates(pairs, index, normals, areas, local, rows.treatment)
+        tangents = target[b].complement(nodes)[:, : self.dimension - 1]
+        tangents[slots < 0] = 0.0
+        along = np.full(tangents.shape[:2], -1, dtype=np.int32)
+        if rows.treatment is Treatment.SLIDING:
+            for k in range(self.dimension - 1):
+                there = np.flatnonzero(tangents[:, k].any(axis=1))
+                free = target[b].try_add(nodes[there], tangents[there, k], PARALLEL)
+                along[there, k] = self._local(b, nodes[there], free)
+        return PairCoordinates(
+            pairs, index, normals, areas, local, rows.treatment, tangents, along
+        )
 
     def _tie_pairs(self, rows: InterfaceRows) -> PairCoordinates:
         """Make the relative motions that conditions leave free coordinates, and hold them."""
@@ -243,9 +272,11 @@ class Coordinates:
         self.prescribed.append(Prescribed(held, ZERO))
         numbers = np.concatenate(index)
         areas = pairs.areas[numbers]
+        none = np.zeros((len(held), 0, self.dimension))
         return PairCoordinates(
-            pairs, numbers, np.concatenate(normals), areas, held, Treatment.TIED
-        )
+            pairs, numbers, np.concatenate(normals), areas, held, Treatment.TIED, none,
+            np.zeros((len(held), 0), dtype=np.int32),
+        )  # fmt: skip
 
     def _refuse_one_sided(self, interface: PairCoordinates, held: Sequence[NodeRows]) -> None:
         """Refuse pairs whose secondary node is held along the normal while the primary can move."""

@@ -108,6 +108,10 @@ class Equilibrium:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         return self.balance.pair_values(self.x)
 
+    def along_surface(self) -> FloatArray | None:
+        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
+        return self.balance.along_surface(self.x)
+
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
         return self.balance.support_force(self.x)

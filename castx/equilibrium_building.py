@@ -140,7 +140,7 @@ def _build_equilibrium(
         made.layout, made.names, made.bodies[0].dimension, made.fixed, rows,
         [body.axial for body in made.bodies],
     )  # fmt: skip
-    initial = [c.initial_gap(p.points) for c, p in zip(contacts, pairs, strict=True)]
+    initial = [p.gap + c.initial_gap(p.points) for c, p in zip(contacts, pairs, strict=True)]
     gaps = Gaps(made.layout, made.names, coordinates.interfaces, initial, made.rigid)
     contact = contact_system(method, contacts, coordinates, made.names, gaps, made.stiffness)
     springs = (WEAK if contacts else FIRM) * made.stiffness / made.length

@@ -81,8 +81,9 @@ class PairExchange:
         self.areas = pairs.areas
         self.local = layout.local_slice(secondary).start + pairs.secondary_local
         self.secondary_dofs = layout.dofs(secondary, pairs.secondary_nodes, 0)
-        self.primary_dofs = layout.dofs(primary, pairs.primary_nodes, 0)
-        self._primary = RemoteEntries(vector, self.primary_dofs)
+        partners, self._weights = pairs.partners
+        self.primary_dofs = layout.dofs(primary, partners, 0)
+        self._primary = RemoteEntries(vector, self.primary_dofs.ravel())
         count = len(self.areas)
         grey = np.zeros(count) if description.radiation is None else description.radiation
         self._radiating_areas = self.areas * grey
@@ -107,9 +108,14 @@ class PairExchange:
             solid_fraction: mean over the secondary body.
             time: [s].
         """
-        secondary, primary = temperature.array_r[self.local], self._primary.get(temperature)
+        secondary, primary = temperature.array_r[self.local], self._faced(temperature)
         self._faces = Faces.at_temperatures(secondary, primary, time, solid_fraction)
         self._conductance = self._present_conductance()
+
+    def _faced(self, nodal: PETSc.Vec) -> FloatArray:
+        """Return a nodal field where the secondary nodes face the primary body, shape (pairs,)."""
+        values = self._primary.get(nodal).reshape(self._weights.shape)
+        return np.asarray(np.sum(self._weights * values, axis=1))
 
     def _present_conductance(self) -> Conductance:
         end = self.law(self._end, self._faces)
@@ -138,7 +144,7 @@ class PairExchange:
     def add_heat(self, heat: FloatArray, balance: PETSc.Vec) -> None:
         """Add what leaves the nodes to their balance: `heat` at the secondary, −`heat` there."""
         np.add.at(balance.array, self.local, heat)
-        self._primary.add(-heat, balance)
+        self._primary.add(-(heat[:, None] * self._weights).ravel(), balance)
 
     def _slopes(self) -> FloatArray:
         """Return the derivatives of the heat of each pair over the variables of the law."""
@@ -154,17 +160,18 @@ class PairExchange:
         return self._slopes()[SOLID]
 
     def derivatives(self, temperature_slope: PETSc.Vec) -> FloatArray:
-        """Return the derivatives of the balance of both nodes over both unknowns.
+        """Return the derivatives of the balances of all nodes of a pair over their unknowns.
 
         Args:
             temperature_slope: of the nodes over their unknown.
 
         Returns:
-            For each pair the rows secondary, primary and in them the columns secondary,
-            primary, shape (pairs, 2, 2).
+            For each pair the rows secondary, primary, … and in them the columns secondary,
+            primary, …, shape (pairs, 1 + corners, 1 + corners).
         """
         slopes = self._slopes()
-        row = np.empty((len(self.areas), 2))
-        row[:, 0] = slopes[SECONDARY] * temperature_slope.array_r[self.local]
-        row[:, 1] = slopes[PRIMARY] * self._primary.get(temperature_slope)
-        return np.stack((row, -row), axis=1)
+        there = self._primary.get(temperature_slope).reshape(self._weights.shape)
+        here = slopes[SECONDARY] * temperature_slope.array_r[self.local]
+        row = np.column_stack((here, slopes[PRIMARY][:, None] * self._weights * there))
+        shares = np.column_stack((np.ones(len(here)), -self._weights))
+        return np.asarray(shares[:, :, None] * row[:, None, :])

@@ -63,10 +63,11 @@ class HeatJacobian:
         self, exchange: PairExchange
     ) -> tuple[PairExchange, IntArray, IntArray, IntArray]:
         """Return exchange, row pointers, columns, rows: secondary and primary of each pair."""
-        dofs = (exchange.secondary_dofs, exchange.primary_dofs)
-        rows = np.column_stack([self._unknowns(numbers) for numbers in dofs])
-        columns = np.repeat(rows[:, None, :], 2, axis=1).ravel()
-        pointers = np.arange(0, len(columns) + 1, 2, dtype=PETSc.IntType)
+        dofs = np.column_stack((exchange.secondary_dofs, exchange.primary_dofs))
+        rows = self._unknowns(dofs.ravel()).reshape(dofs.shape)
+        count = rows.shape[1]
+        columns = np.repeat(rows[:, None, :], count, axis=1).ravel()
+        pointers = np.arange(0, len(columns) + 1, count, dtype=PETSc.IntType)
         return exchange, pointers, columns, rows.ravel()
 
     def _unknowns(self, dofs: IntArray) -> IntArray:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from castx.contact.pairing import Pairing
+from castx.face_pairs import face_pairs
 from castx.interfaces import Interface
 from castx.mesh import CastingMesh
 from castx.pairs import NodePairs, node_pairs
 from castx.patches import pairs_by_patch
+from castx.tables import FloatArray
 
 
 def paired(mesh: CastingMesh, interface: Interface) -> NodePairs:
@@ -19,14 +23,23 @@ def paired(mesh: CastingMesh, interface: Interface) -> NodePairs:
     return interface_pairs(mesh, interface.secondary, interface.primary, rule)
 
 
+def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
+    """Return the gaps of pairs before anything moves [m]: as they are meshed, and as is said."""
+    return np.asarray(pairs.gap + interface.contact.initial_gap.at(pairs.points))
+
+
 def interface_pairs(
     mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
 ) -> NodePairs:
     """Return the pairs of two bodies; collective.
 
     Raises:
-        MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
+        MeshError: the bodies share no surface, its normals cancel at a node, or nothing faces the
+            other surface; on all ranks.
     """
+    if rule.kind == "node-to-face":
+        return face_pairs(mesh, secondary, primary, rule)
     if rule.normals == "patches":
         return pairs_by_patch(mesh, secondary, primary, rule.sharp_angle)
+    # Matching surfaces have the same facets on both sides, and so the same normals.
     return node_pairs(mesh, secondary, primary)

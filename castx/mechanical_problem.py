@@ -84,11 +84,14 @@ class MechanicalProblem:
     def contact_states(self) -> list[ContactState]:
         """Return what the pairs of each interface do; collective."""
         gaps, forces = self.equilibrium.pair_values()
-        closed = self.equilibrium.active.closed
+        closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
         return [
-            contact_state(interface, gaps[part], forces[part], closed[part])
+            contact_state(
+                interface, gaps[part], forces[part], closed[part],
+                None if friction is None else friction[part],
+            )
             for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
-        ]
+        ]  # fmt: skip
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

@@ -36,6 +36,11 @@ class NodePairs:
             [m²].
         area_vectors: (n, gdim) ∫φ n dS, n the outward normal of the primary [m²].
         normals: (n, gdim) unit vectors along the area vectors.
+        faces: (n, corners) global numbers of the primary nodes of the facet that each node faces;
+            None: it faces its primary node.
+        weights: (n, corners) of those nodes at the point that it faces.
+        distances: (n,) from that point along the normal [m]; None: both are at one place.
+        named_surface: of the secondary body; empty: the one shared with the primary body.
     """
 
     secondary: str
@@ -48,6 +53,27 @@ class NodePairs:
     areas: FloatArray
     area_vectors: FloatArray
     normals: FloatArray
+    faces: NDArray[np.int64] | None = None
+    weights: FloatArray | None = None
+    distances: FloatArray | None = None
+    named_surface: str = ""
+
+    @property
+    def partners(self) -> tuple[NDArray[np.int64], FloatArray]:
+        """The primary nodes that each secondary node faces and their weights, (n, corners)."""
+        if self.faces is None or self.weights is None:
+            return self.primary_nodes[:, None], np.ones((len(self.areas), 1))
+        return self.faces, self.weights
+
+    @property
+    def surface(self) -> str:
+        """Name of the surface of the secondary body that carries the pairs."""
+        return self.named_surface or self.primary
+
+    @property
+    def gap(self) -> FloatArray:
+        """Distance of the surfaces as they are meshed [m], shape (n,)."""
+        return np.zeros(len(self.areas)) if self.distances is None else self.distances
 
     @property
     def name(self) -> str:
@@ -70,7 +96,7 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
     check_shared(body, primary)
     local = body.surface_nodes(primary)
     local = local[local < body.nodes.dofmap.index_map.size_local]
-    areas, vectors = _nodal_areas(mesh, body, primary)
+    areas, vectors = nodal_areas(mesh, body, primary)
     return pairs_at(mesh, secondary, primary, local, areas[local], vectors[local])
 
 
@@ -142,7 +168,7 @@ def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> NDArray[np.int64]:
     return number.array - 1
 
 
-def _nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
+def nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
     """Area (nodes,) and outward area vector (nodes, gdim) of nodes on a surface."""
     gdim = mesh.parent.geometry.dim
     ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(

@@ -55,6 +55,7 @@ class Contact:
         block_iterations: sweeps of one solve, at most.
         fallback: methods that take over for a step in which the one before has failed.
         pairing: how nodes find partners and normals.
+        friction: Coulomb's coefficient μ.
     """
 
     secondary: str
@@ -69,6 +70,7 @@ class Contact:
     block_iterations: int = 50
     fallback: tuple[str, ...] = ()
     pairing: Pairing = BY_NODES
+    friction: float = 0.0
 
     @property
     def name(self) -> str:
@@ -78,7 +80,27 @@ class Contact:
     @property
     def treatment(self) -> Treatment:
         """What the coordinates make of the pairs."""
-        return TREATMENTS[self.method]
+        treatment = TREATMENTS[self.method]
+        slides = self.friction > 0 and treatment is Treatment.CONDENSED
+        return Treatment.SLIDING if slides else treatment
+
+
+WITH_FRICTION = ("condensed", "rigid", "penalty")
+"""Methods that know friction."""
+
+
+def friction_problem(
+    methods: Collection[str], pairing: Pairing, friction: float
+) -> str:
+    """Return what keeps an interface from having friction; or nothing."""
+    without = sorted(set(methods) - set(WITH_FRICTION))
+    if friction == 0:
+        return ""
+    if without:
+        return f"method {without[0]!r} has no friction; those that have: {', '.join(WITH_FRICTION)}"
+    if pairing.kind != "node-to-node" or pairing.normals == "patches":
+        return 'friction needs pairing = "node-to-node" and one normal for each node, "averaged"'
+    return ""
 
 
 def common_method(contacts: Sequence[Contact]) -> str:
@@ -144,5 +166,8 @@ def check_bodies(contacts: Sequence[Contact], deformable: Collection[str]) -> No
     for contact in contacts:
         rigid = {contact.secondary, contact.primary} - set(deformable)
         problem = body_problem(contact.method, contact.secondary, contact.primary, rigid)
+        problem = problem or friction_problem(
+            (contact.method, *contact.fallback), contact.pairing, contact.friction
+        )
         if problem:
             raise CaseError(f"interface {contact.name}: {problem}")

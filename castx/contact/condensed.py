@@ -14,6 +14,7 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
+from castx.contact.condensed_friction import CondensedFriction
 from castx.contact.gaps import Gaps
 from castx.coordinates import Coordinates
 from castx.layout import Layout
@@ -28,11 +29,14 @@ class CondensedContact:
     Args:
         coordinates: condensed coordinates of all bodies.
         gaps: the pairs of all interfaces.
+        friction: of the pairs that have any.
     """
 
-    follows_set = False
-
-    def __init__(self, coordinates: Coordinates, gaps: Gaps) -> None:
+    def __init__(
+        self, coordinates: Coordinates, gaps: Gaps, friction: CondensedFriction | None = None
+    ) -> None:
+        self.follows_set = friction is not None
+        self._friction = friction
         self.layout: Layout = coordinates.layout
         self._P = coordinates.to_displacements
         self._gaps = gaps
@@ -40,7 +44,9 @@ class CondensedContact:
         self._matrix: PETSc.Mat | None = None
 
     def prepare(self, A: PETSc.Mat) -> None:
-        """Do nothing: the method has no numbers of its own."""
+        """Begin a solve."""
+        if self._friction is not None:
+            self._friction.begin()
 
     def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
         """Set the displacements and pressures of all bodies from the unknowns."""
@@ -59,7 +65,9 @@ class CondensedContact:
             A.ptap(self._P, self._matrix)
 
     def matrix(self, closed: BoolArray) -> PETSc.Mat:
-        """Return PᵀAP, whichever pairs are closed: they hold unknowns."""
+        """Return PᵀAP, whichever pairs are closed: they hold unknowns; with friction its rows."""
+        if self._friction is not None:
+            return self._friction.matrix(self._matrix)
         return self._matrix
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
@@ -90,6 +98,8 @@ class CondensedContact:
         local = self._gaps.local[closed]
         held[local] = True
         violation[local] = x.array_r[local] + self._gaps.initial[closed]
+        if self._friction is not None:
+            self._friction.impose(x, forces, closed, rows, held, violation)
 
     def augment(
         self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
@@ -105,21 +115,48 @@ class CondensedContact:
         """Return the coordinates: they are the unknowns."""
         return coordinates
 
-    def commit(self) -> None:
-        """Do nothing: all that lasts is in the unknowns."""
+    def state(self, closed: BoolArray) -> BoolArray:
+        """Return which pairs close and stick if there is friction."""
+        if self._friction is None:
+            return closed[:0]
+        return np.concatenate((closed, self._friction.state()))
 
-    def rewind(self) -> None:
-        """Do nothing, see `commit`."""
+    def slide(
+        self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
+        stiffness: float, threshold: float,
+    ) -> bool:  # fmt: skip
+        """Let closed pairs begin to slip or to stick; return whether any did, on any rank."""
+        if self._friction is None:
+            return False
+        return self._friction.update(x, rows, forces, closed, stiffness, threshold)
+
+    def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:
+        """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""
+        return None if self._friction is None else self._friction.vectors(rows, closed)
+
+    def commit(self, x: PETSc.Vec) -> None:
+        """Let friction begin anew; all else that lasts is in the unknowns."""
+        if self._friction is not None:
+            self._friction.commit(x)
+
+    def rewind(self, x: PETSc.Vec) -> None:
+        """Return to the friction of the last accepted step."""
+        if self._friction is not None:
+            self._friction.rewind(x)
 
     def saved(self) -> dict[str, FloatArray]:
-        """Return nothing, see `commit`."""
-        return {}
+        """Return what friction remembers."""
+        return {} if self._friction is None else self._friction.saved()
 
     def restore(self, arrays: Mapping[str, FloatArray]) -> None:
-        """Do nothing, see `commit`."""
+        """Take back what friction remembers."""
+        if self._friction is not None:
+            self._friction.restore(arrays)
 
     def destroy(self) -> None:
         """Free the matrix and vectors."""
+        if self._friction is not None:
+            self._friction.destroy()
         for item in (self._matrix, self._residual):
             if item is not None:
                 item.destroy()

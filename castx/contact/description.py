@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import PlainValidator
 
+from castx.contact.choice import friction_problem
 from castx.contact.pairing import Pairing
-from castx.entries import Choice, Description, NotYet, PureNumber, Quantity, Tabulated, Whole
+from castx.entries import Choice, Description, NotYet, Quantity, Tabulated, Whole
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import FloatArray, Table
@@ -101,6 +102,13 @@ def _fallback(value: Any) -> tuple[str, ...]:
     return tuple(value)
 
 
+def _surfaces(value: Any) -> tuple[str, str] | None:
+    names = value if isinstance(value, list | tuple) else ()
+    if len(names) != 2 or not all(isinstance(n, str) and 0 < len(n) <= 100 for n in names):
+        raise CaseError("two names are needed: the surface of the first body and of the second")
+    return (names[0], names[1])
+
+
 class Contact(Description):
     """How two bodies touch, and the gap they start with.
 
@@ -114,6 +122,10 @@ class Contact(Description):
 
     `normals`: "averaged" over the facets of an interface round each node, or at edges and corners
     one for each of the smooth "patches", whose facets enclose more than the `sharp_angle` [°].
+    Meshes that do not match are paired "node-to-face" between two `surfaces`; there the normals are
+    the mean of both sides or that of the "primary" facet, which are one where meshes match. A gap
+    or overlap between them is one of the bodies, or with `meshed_gap` "ignored" only that of facets
+    that follow a common curved surface.
     """
 
     method: Annotated[
@@ -134,10 +146,12 @@ class Contact(Description):
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
         Table.constant(0.0)
     )
-    normals: Annotated[str, Choice(("averaged", "patches"), ("primary",))] = "averaged"
+    normals: Annotated[str, Choice(("averaged", "primary", "patches"))] = "averaged"
     sharp_angle: Annotated[float, Quantity(ANGLE, above=0.0, most=180.0)] = 40.0
-    pairing: Annotated[str, Choice(("node-to-node",), ("node-to-face",))] = "node-to-node"
-    friction: Annotated[PureNumber, NotYet(0.0)] = 0.0
+    pairing: Annotated[str, Choice(("node-to-node", "node-to-face"))] = "node-to-node"
+    surfaces: Annotated[tuple[str, str] | None, PlainValidator(_surfaces)] = None
+    meshed_gap: Annotated[str, Choice(("counts", "ignored"))] = "counts"
+    friction: Annotated[float | int, NotYet(0.0)] = 0.0
     penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
     augmentation: Annotated[str, Choice(("iteration", "loop"))] = "loop"
     augmentations: Annotated[int, Whole(0, 10_000)] = 30
@@ -146,17 +160,32 @@ class Contact(Description):
     block_iterations: Annotated[int, Whole(1, 100_000)] = 50
     fallback: Annotated[tuple[str, ...], PlainValidator(_fallback)] = ()
 
-    @property
-    def pairing_rule(self) -> Pairing:
-        """How nodes find partners and normals."""
-        return Pairing(self.normals, math.radians(self.sharp_angle))
-
-    def inconsistencies(self) -> Iterator[Problem]:
-        """Yield numbers that the method or the normals do not use."""
+    def _pairing_problems(self) -> Iterator[Problem]:
+        faces = self.pairing == "node-to-face"
         if self.normals != "averaged" and self.method == "tied":
             yield Problem(("normals",), "the method 'tied' has no normals; leave it out")
         if "sharp_angle" in self.model_fields_set and self.normals != "patches":
             yield Problem(("sharp_angle",), 'belongs to normals = "patches"')
+        if faces and self.normals == "patches":
+            yield Problem(("normals",), 'from node to face only "averaged" and "primary"')
+        if self.surfaces is not None and not faces:
+            yield Problem(("surfaces",), 'belongs to pairing = "node-to-face"')
+        if "meshed_gap" in self.model_fields_set and not faces:
+            yield Problem(("meshed_gap",), 'belongs to pairing = "node-to-face"')
+
+    @property
+    def pairing_rule(self) -> Pairing:
+        """How nodes find partners and normals."""
+        angle = math.radians(self.sharp_angle)
+        counts = self.meshed_gap == "counts"
+        return Pairing(self.normals, angle, self.pairing, self.surfaces, counts)
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield numbers that the method or the pairing do not use."""
+        yield from self._pairing_problems()
+        problem = friction_problem((self.method, *self.fallback), self.pairing_rule, self.friction)
+        if problem and self.method != "none":
+            yield Problem(("friction",), problem)
         used = {self.method, *self.fallback}
         for key, methods in _METHODS_WITH.items():
             if key in self.model_fields_set and not used.intersection(methods):

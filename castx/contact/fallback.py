@@ -104,6 +104,10 @@ class MethodsInTurn:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         return self._present.pair_values()
 
+    def along_surface(self) -> FloatArray | None:
+        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
+        return self._present.along_surface()
+
     def support_force(self) -> float:
         """Return the norm of the forces of the supports in the last solution [N]."""
         return self._shown.support_force()

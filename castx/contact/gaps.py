@@ -29,6 +29,7 @@ class Gaps:
         free: rows that may open and close, shape (rows,).
         areas: contact areas [m²], shape (rows,).
         slices: where the rows of each interface are.
+        led: present displacements of rigid primary bodies [m], shape (rows, dimension).
 
     Args:
         layout: numbering of the displacements of all bodies.
@@ -59,6 +60,8 @@ class Gaps:
         self.areas = _joined([i.areas for i in interfaces])
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        dimension = max((i.normals.shape[1] for i in interfaces), default=0)
+        self.led = np.zeros((len(self.local), dimension))
         self.initial = self.at_rest.copy()
         self.set_time(0.0)
         self.matrix = self._assemble(layout, list(body_names))
@@ -71,15 +74,16 @@ class Gaps:
         B.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
         first = B.getOwnershipRange()[0]
         for part, interface in zip(self.slices, self.interfaces, strict=True):
-            pairs, index, normals = interface.pairs, interface.index, interface.normals
             rows = first + np.arange(part.start, part.stop, dtype=np.int32)
-            sides = ((pairs.secondary, pairs.secondary_nodes, 1.0),
-                     (pairs.primary, pairs.primary_nodes, -1.0))
-            for name, nodes, sign in sides:
-                for k in range(normals.shape[1] if name in names else 0):
-                    columns = layout.dofs(names.index(name), nodes[index], k)
-                    for row, column, value in zip(rows, columns, normals[:, k], strict=True):
-                        B.setValue(row, np.int32(column), sign * value)
+            pairs, index = interface.pairs, interface.index
+            nodes, weights = pairs.partners
+            own = (pairs.secondary, pairs.secondary_nodes[:, None], np.ones((len(nodes), 1)))
+            for name, numbers, shares in (own, (pairs.primary, nodes, -weights)):
+                if name in names:
+                    b = names.index(name)
+                    fill_directions(
+                        B, layout, b, rows, numbers[index], shares[index], interface.normals
+                    )
         B.assemble()
         return B
 
@@ -89,7 +93,8 @@ class Gaps:
         for part, interface in zip(self.slices, self.interfaces, strict=True):
             led = self._rigid.get(interface.pairs.primary)
             if led is not None:
-                moved = interface.normals @ led.displacement(time)
+                self.led[part] = led.displacement(time)
+                moved = np.sum(interface.normals * self.led[part], axis=1)
                 self.initial[part] = self.at_rest[part] - moved
 
     def fit(self, u: PETSc.Vec, renewed: Collection[str]) -> None:
@@ -117,6 +122,33 @@ class Gaps:
                  for i in self.interfaces]
         sine = np.sin(_joined(place) * 1e3)
         return np.abs(sine * 43758.5453 % 1.0)
+
+
+def fill_directions(
+    B: PETSc.Mat,
+    layout: Layout,
+    b: int,
+    rows: npt.NDArray[np.int32],
+    nodes: npt.NDArray[np.int64],
+    weights: FloatArray,
+    directions: FloatArray,
+) -> None:
+    """Set in each row Σ_j w_j d · u_j of nodes of a body.
+
+    Args:
+        B: the matrix.
+        layout: numbering of its columns.
+        b: number of the body.
+        rows: global numbers of rows of this rank, shape (n,).
+        nodes: global node numbers, all different in a row, shape (n, corners).
+        weights: of the nodes, shape (n, corners).
+        directions: shape (n, dimension).
+    """
+    for k in range(directions.shape[1]):
+        columns = layout.dofs(b, nodes, k)
+        values = weights * directions[:, k, None]
+        for row, numbers, entries in zip(rows, columns, values, strict=True):
+            B.setValues(row, numbers, entries)
 
 
 def _joined(parts: Sequence[npt.NDArray], dtype: npt.DTypeLike = np.float64) -> npt.NDArray:

@@ -9,9 +9,12 @@ import numpy as np
 from castx.contact.augmented import AugmentedMultipliers
 from castx.contact.choice import Contact
 from castx.contact.condensed import CondensedContact
+from castx.contact.condensed_friction import CondensedFriction
+from castx.contact.friction import SlidingRows
 from castx.contact.gaps import FloatArray, Gaps
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.penalty import Multipliers, NoMultipliers, PenaltyContact
+from castx.contact.penalty_friction import PenaltyFriction
 from castx.contact.stiffness import SofterSide
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
@@ -35,8 +38,14 @@ def contact_system(
         gaps: the pairs of all interfaces.
         stiffness: G/L of the bodies [Pa/m].
     """
+    sliding = None
+    if any(c.friction > 0 for c in contacts):
+        sliding = SlidingRows(gaps, [c.friction for c in contacts])
     if method == "condensed":
-        return CondensedContact(coordinates, gaps)
+        friction = None
+        if sliding is not None:
+            friction = CondensedFriction(coordinates.layout, gaps, sliding)
+        return CondensedContact(coordinates, gaps, friction)
     if method == "multipliers":
         return MultiplierContact(coordinates, gaps, stiffness)
     rows, comm = len(gaps.local), coordinates.layout.comm
@@ -48,7 +57,10 @@ def contact_system(
     softer = SofterSide(
         coordinates.layout, body_names, coordinates.dimension, gaps, _given(contacts, gaps)
     )
-    return PenaltyContact(coordinates, gaps, softer.evaluate, multipliers)
+    tractions = None
+    if sliding is not None:
+        tractions = PenaltyFriction(coordinates, body_names, gaps, sliding)
+    return PenaltyContact(coordinates, gaps, softer.evaluate, multipliers, tractions)
 
 
 def _given(contacts: Sequence[Contact], gaps: Gaps) -> FloatArray:

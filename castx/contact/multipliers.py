@@ -155,10 +155,25 @@ class MultiplierContact:
         """Return the weights W whose penalty BᵀW⁻¹B is stiff beside the bodies, shape (pairs,)."""
         return np.asarray(self._scales / AUGMENTATION)
 
-    def commit(self) -> None:
+    def state(self, closed: BoolArray) -> BoolArray:
+        """Return nothing: the matrix is one for all sets."""
+        return closed[:0]
+
+    def slide(
+        self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
+        stiffness: float, threshold: float,
+    ) -> bool:  # fmt: skip
+        """Return that nothing slips: there is no friction."""
+        return False
+
+    def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> None:
+        """Return nothing: there is no friction."""
+        return None
+
+    def commit(self, x: PETSc.Vec) -> None:
         """Do nothing: all that lasts is in the unknowns."""
 
-    def rewind(self) -> None:
+    def rewind(self, x: PETSc.Vec) -> None:
         """Do nothing, see `commit`."""
 
     def saved(self) -> dict[str, FloatArray]:

@@ -23,7 +23,7 @@ class ContactState:
         force: that the primary body exerts along the normal [N], shape (pairs,).
         pressure: contact pressure [Pa], no tension, shape (pairs,).
         closed: whether the pair touches.
-        vectors: forces on the secondary nodes [N], shape (pairs, dimension).
+        vectors: forces on the secondary nodes, friction included [N], shape (pairs, dimension).
     """
 
     gap: FloatArray
@@ -34,7 +34,11 @@ class ContactState:
 
 
 def contact_state(
-    placed: PairCoordinates, gap: FloatArray, force: FloatArray, closed: BoolArray
+    placed: PairCoordinates,
+    gap: FloatArray,
+    force: FloatArray,
+    closed: BoolArray,
+    friction: FloatArray | None,
 ) -> ContactState:
     """Return the state of an interface.
 
@@ -43,10 +47,14 @@ def contact_state(
         gap: of the rows [m].
         force: of the rows [N].
         closed: rows that touch.
+        friction: on the secondary nodes of the rows [N], shape (rows, dimension); None: there is
+            none.
     """
     pairs = placed.pairs
     vectors = np.zeros_like(pairs.area_vectors)
     np.add.at(vectors, placed.index, force[:, None] * placed.normals)
+    if friction is not None:
+        np.add.at(vectors, placed.index, friction)
     areas = placed.areas
     if placed.treatment is Treatment.TIED:
         count = len(pairs.areas)

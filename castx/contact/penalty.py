@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.contact.gaps import Gaps
+from castx.contact.penalty_friction import PenaltyFriction
 from castx.coordinates import Coordinates
 from castx.layout import Layout
 
@@ -90,6 +91,7 @@ class PenaltyContact:
         gaps: the pairs of all interfaces.
         penalty: returns ε [Pa/m] of all rows for a matrix of the bodies; collective.
         multipliers: what the penalty adds to.
+        friction: of the pairs that have any.
     """
 
     follows_set = True
@@ -100,8 +102,10 @@ class PenaltyContact:
         gaps: Gaps,
         penalty: Callable[[PETSc.Mat], FloatArray],
         multipliers: Multipliers,
+        friction: PenaltyFriction | None = None,
     ) -> None:
         self.layout: Layout = coordinates.layout
+        self._friction = friction
         self._P, self._gaps = coordinates.to_displacements, gaps
         self._penalty, self.multipliers = penalty, multipliers
         self._G = gaps.matrix.matMult(self._P)
@@ -155,6 +159,8 @@ class PenaltyContact:
             self._matrix.zeroEntries()
             self._matrix.axpy(1.0, self._bodies, structure)
             self._matrix.axpy(1.0, self._contact, structure)
+        if self._friction is not None:
+            self._matrix.axpy(1.0, self._friction.matrix(self._G))
         return self._matrix
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
@@ -181,6 +187,8 @@ class PenaltyContact:
         self._pairs.array[:] = np.where(closed, forces, 0.0)
         self._Gt.mult(self._pairs, self._work)
         rows -= self._work.array_r
+        if self._friction is not None:
+            self._friction.impose(x, forces, closed, self._springs, rows)
 
     def augment(
         self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
@@ -207,24 +215,48 @@ class PenaltyContact:
         """Return the coordinates: they are the unknowns."""
         return coordinates
 
-    def commit(self) -> None:
-        """Make the present multipliers those from which the next step starts."""
-        self.multipliers.commit()
+    def state(self, closed: BoolArray) -> BoolArray:
+        """Return which pairs close and slip."""
+        slips = [] if self._friction is None else [self._friction.state()]
+        return np.concatenate([closed, *slips])
 
-    def rewind(self) -> None:
-        """Return to the committed multipliers."""
+    def slide(
+        self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
+        stiffness: float, threshold: float,
+    ) -> bool:  # fmt: skip
+        """Return that nothing changed: friction follows the unknowns themselves."""
+        return False
+
+    def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:
+        """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""
+        return None if self._friction is None else self._friction.vectors()
+
+    def commit(self, x: PETSc.Vec) -> None:
+        """Make the present multipliers and friction those from which the next step starts."""
+        self.multipliers.commit()
+        if self._friction is not None:
+            self._friction.commit(x)
+
+    def rewind(self, x: PETSc.Vec) -> None:
+        """Return to the committed multipliers and friction."""
         self.multipliers.rewind()
+        if self._friction is not None:
+            self._friction.rewind(x)
 
     def saved(self) -> dict[str, FloatArray]:
-        """Return the committed multipliers, if the method has any."""
-        return self.multipliers.saved()
+        """Return the committed multipliers and friction, if the method has any."""
+        return self.multipliers.saved() | ({} if self._friction is None else self._friction.saved())
 
     def restore(self, arrays: Mapping[str, FloatArray]) -> None:
-        """Take back committed multipliers."""
+        """Take back committed multipliers and friction."""
         self.multipliers.restore(arrays)
+        if self._friction is not None:
+            self._friction.restore(arrays)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""
+        if self._friction is not None:
+            self._friction.destroy()
         for item in (self._matrix, self._contact, self._scaled, self._bodies, self._G, self._Gt):
             if item is not None:
                 item.destroy()

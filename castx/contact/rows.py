@@ -21,12 +21,13 @@ IntArray = npt.NDArray[np.int32]
 class Treatment(Enum):
     """What the coordinates of the bodies make of the pairs of an interface.
 
-    READ leaves the bodies alone, CONDENSED makes every gap a coordinate, TIED makes all relative
-    motions coordinates and holds them.
+    READ leaves the bodies alone, CONDENSED makes every gap a coordinate, SLIDING the motions along
+    the surface too, TIED makes all relative motions coordinates and holds them.
     """
 
     READ = "read"
     CONDENSED = "condensed"
+    SLIDING = "sliding"
     TIED = "tied"
 
 

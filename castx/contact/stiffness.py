@@ -3,8 +3,9 @@
 The penalty must be large beside the stiffness of the nodes that it holds, or they give way, and not
 much larger, or it spoils the matrix. Nodes change by orders of magnitude while a casting freezes,
 so ε follows them from step to step (Jaouen and Bellet 1998). Their stiffness per area, about E/h,
-is the diagonal of the assembled matrix over the contact area, summed over the interface: a number
-of its own for each pair would spoil the patch test on uneven meshes.
+is the diagonal of the assembled matrix over the contact area, its mean over the pairs of the
+interface: a number of its own for each pair would spoil the patch test on uneven meshes, and a mean
+over the area would be that of the coarse elements far from a small contact.
 """
 
 from __future__ import annotations
@@ -69,8 +70,9 @@ class SofterSide:
         softest = np.full(len(self._given), np.inf)
         for part, entries in self._sides:
             stiffness = np.mean([entry.get(diagonal) for entry in entries], axis=0)
-            local = np.array([stiffness.sum(), self._gaps.areas[part].sum()])
-            total, area = self._comm.allreduce(local, op=MPI.SUM)
-            softest[part] = np.minimum(softest[part], total / area)
+            areas = self._gaps.areas[part]
+            local = np.array([np.sum(stiffness / areas), len(areas)])
+            total, count = self._comm.allreduce(local, op=MPI.SUM)
+            softest[part] = np.minimum(softest[part], total / count)
         diagonal.destroy()
         return np.where(np.isnan(self._given), FACTOR * softest, self._given)

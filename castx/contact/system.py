@@ -24,7 +24,7 @@ class ContactSystem(Protocol):
 
     Attributes:
         layout: numbering of the unknowns.
-        follows_set: whether the matrix depends on which pairs are closed.
+        follows_set: whether the matrix depends on the state of the pairs.
     """
 
     layout: Layout
@@ -90,11 +90,32 @@ class ContactSystem(Protocol):
     def to_unknowns(self, coordinates: FloatArray) -> FloatArray:
         """Return owned rows that hold coordinates v of the bodies and zeros, last axis owned."""
 
-    def commit(self) -> None:
-        """Make the present multipliers those from which the next step starts."""
+    def state(self, closed: BoolArray) -> BoolArray:
+        """Return what the matrix depends on besides the bodies: pairs that close, stick, slip."""
 
-    def rewind(self) -> None:
-        """Return to the committed multipliers."""
+    def slide(
+        self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
+        stiffness: float, threshold: float,
+    ) -> bool:  # fmt: skip
+        """Let closed pairs begin to slip or to stick; return whether any did, on any rank.
+
+        Args:
+            x: the unknowns.
+            rows: what `residual` returned for them.
+            forces: trial forces.
+            closed: the present set.
+            stiffness: force per motion against friction that counts as much [N/m].
+            threshold: force that is noise [N].
+        """
+
+    def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:
+        """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""
+
+    def commit(self, x: PETSc.Vec) -> None:
+        """Make what is present at unknowns x that from which the next step starts."""
+
+    def rewind(self, x: PETSc.Vec) -> None:
+        """Return to what was committed at unknowns x."""
 
     def saved(self) -> dict[str, FloatArray]:
         """Return committed numbers of the pairs that are no unknowns, each of shape (rows,)."""

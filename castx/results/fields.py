@@ -189,7 +189,7 @@ def interface_field(snapshot: Snapshot, body: str, name: str) -> FloatArray:
         if pairs.secondary != body:
             continue
         values = on_secondary_nodes(snapshot, interface, name)
-        here = snapshot.mesh.bodies[body].surface_nodes(pairs.primary)
+        here = snapshot.mesh.bodies[body].surface_nodes(pairs.surface)
         combined = np.where(seen[here], extreme(field_values[here], values[here]), values[here])
         field_values[here], seen[here] = combined, True
     return field_values

@@ -108,7 +108,7 @@ def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs])
         ]
     name = str(probe.interface)
     secondary = mesh.bodies[pairs[name].secondary]
-    place = place_on_surface(secondary, pairs[name].primary, probe.at)
+    place = place_on_surface(secondary, pairs[name].surface, probe.at)
     require_near(place, f"{where} at {point_text(probe.at)}", f"interface {name!r}")
     return [interface_reading(probe.name, name, quantity, place) for quantity in probe.quantities]
 

@@ -1,0 +1,134 @@
+"""V14: Hertz line contact of two cylinders on meshes that do not match.
+
+Two cylinders of radii R1, R2 pressed together by F per length: with 1/R = 1/R1 + 1/R2 and
+1/E* = (1 - ν²)/E1 + (1 - ν²)/E2 the half-width is a = √(4 F R/(π E*)) and the pressure
+p0 √(1 - (x/a)²) with p0 = 2 F/(π a). K. L. Johnson, Contact Mechanics, section 4.2(c).
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+
+from castx.contact.choice import Contact
+from castx.contact.pairing import Pairing
+from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, problem, pushed
+
+YOUNG, POISSON = {"upper": 7e9, "lower": 70e9}, 0.33
+RADIUS = {"upper": 0.05, "lower": 0.08}
+LOAD = 2e5
+DEPTH = 4.0  # of the slice in space, in elements
+MODULUS = 1 / ((1 - POISSON**2) * sum(1 / E for E in YOUNG.values()))
+CURVATURE = sum(1 / R for R in RADIUS.values())
+HALF_WIDTH = math.sqrt(4 * LOAD / (math.pi * CURVATURE * MODULUS))
+PEAK = 2 * LOAD / (math.pi * HALF_WIDTH)
+
+
+def draw(size: float, model: str) -> None:
+    """Draw a quarter of each cylinder, fine where they touch, the lower one a little coarser.
+
+    In space they are a slice.
+    """
+    geo, parts = gmsh.model.geo, []
+    for name, sign, factor in (("upper", 1.0, 1.0), ("lower", -1.0, 1.3)):
+        R, h = RADIUS[name], factor * size
+        # Apart by so much that gmsh takes no points for one; the load closes it.
+        y = 0.0 if name == "upper" else -1e-6
+        tip = geo.addPoint(0.0, y, 0.0, h)
+        middle = geo.addPoint(0.0, y + sign * R, 0.0, R / 8)
+        angle = (1.5 if model == "3d" else 3.0) * HALF_WIDTH / R
+        near = geo.addPoint(R * math.sin(angle), y + sign * R * (1 - math.cos(angle)), 0.0, h)
+        side = geo.addPoint(R, y + sign * R, 0.0, R / 8)
+        curves = [geo.addCircleArc(tip, middle, near), geo.addCircleArc(near, middle, side),
+                  geo.addLine(side, middle), geo.addLine(middle, tip)]  # fmt: skip
+        surface = geo.addPlaneSurface([geo.addCurveLoop(curves)])
+        if model == "3d":
+            made = geo.extrude([(2, surface)], 0, 0, DEPTH * size, numElements=[1])
+            parts.append((name, made[1][1], [tag for _, tag in made[2:]], [surface, made[0][1]]))
+        else:
+            parts.append((name, surface, curves, []))
+    geo.synchronize()
+    dimension = 3 if model == "3d" else 2
+    for name, inside, sides, ends in parts:
+        gmsh.model.addPhysicalGroup(dimension, [inside], name=name)
+        gmsh.model.addPhysicalGroup(dimension - 1, sides[:2], name=f"{name} skin")
+        gmsh.model.addPhysicalGroup(dimension - 1, [sides[2]], name=f"{name} end")
+        if ends:
+            gmsh.model.addPhysicalGroup(dimension - 1, ends, name=f"{name} slice")
+    axis = [sides[3] for _, _, sides, _ in parts]
+    gmsh.model.addPhysicalGroup(dimension - 1, axis, name="symmetry-x")
+    gmsh.model.mesh.generate(dimension)
+
+
+def touching(comm, folder: Path, method: str, elements: int, model: str = "plane-strain"):
+    """Return the solved problem with so many elements on the half-width."""
+    size = HALF_WIDTH / elements
+    names = list(YOUNG)
+    mesh = drawn(comm, model, names, folder / "hertz.msh", lambda: draw(size, model))
+    form = "displacement" if model == "3d" else "mixed"
+    end = pushed("upper end", 0.5 * LOAD / RADIUS["upper"])
+    loads = {"upper": (end,), "lower": ()}
+    bodies = {
+        name: body(elastic(E, POISSON), loads=loads[name], formulation=form)
+        for name, E in YOUNG.items()
+    }
+    rule = Pairing(kind="node-to-face", surfaces=("upper skin", "lower skin"))
+    held = {"upper": [], "lower": [fixed("lower end")]}
+    for name in names if model == "3d" else []:
+        held[name].append(fixed(f"{name} slice"))
+    made = problem(
+        mesh, bodies, held, [Contact("upper", "lower", method, pairing=rule)],
+        tolerance=1e-9,
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    return made
+
+
+def profile(comm, made):
+    """Return the distance from the axis, pressure and area of all lines of pairs, in order."""
+    x = everywhere(comm, made.pairs[0].points[:, 0])
+    areas = everywhere(comm, made.pairs[0].areas)
+    force = areas * everywhere(comm, made.contact_states()[0].pressure)
+    line = np.unique(np.round(x / HALF_WIDTH, 6), return_inverse=True)[1].ravel()
+    count = np.bincount(line)
+    area = np.bincount(line, areas)
+    return np.bincount(line, x) / count, np.bincount(line, force) / area, area
+
+
+def exact_pressure(x):
+    return PEAK * np.sqrt(np.maximum(1 - (x / HALF_WIDTH) ** 2, 0.0))
+
+
+def test_reference_numbers():
+    assert pytest.approx(1.047464e-3, rel=1e-6) == HALF_WIDTH
+    assert pytest.approx(121.5545e6, rel=1e-6) == PEAK
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+@pytest.mark.parametrize("method", ["condensed", "multipliers", "penalty"])
+def test_pressure_and_width(comm, shared_tmp_path, method, model):
+    made = touching(comm, shared_tmp_path, method, 10, model)
+    depth = DEPTH * HALF_WIDTH / 10 if model == "3d" else 1.0
+    total = comm.allreduce(made.contact_states()[0].vectors.sum(axis=0))
+    assert total[1] == pytest.approx(0.5 * LOAD * depth, rel=1e-3)
+    x, p, areas = profile(comm, made)
+    # The node on the axis carries half an element; its neighbour makes up for what it misses.
+    near = x < 1.5 * HALF_WIDTH / 10
+    assert p[near] @ areas[near] / areas[near].sum() == pytest.approx(PEAK, rel=0.03)
+    assert p.max() == pytest.approx(PEAK, rel=0.03)
+    assert x[p > 0].max() == pytest.approx(HALF_WIDTH, rel=0.1)
+    inside = x < 0.9 * HALF_WIDTH
+    error = p[inside] - exact_pressure(x[inside])
+    assert np.sqrt(np.mean(error**2)) < 0.03 * PEAK
+
+
+def test_the_error_falls_with_the_mesh(comm, shared_tmp_path):
+    errors = []
+    for elements in (5, 10, 20):
+        x, p, areas = profile(comm, touching(comm, shared_tmp_path, "condensed", elements))
+        errors.append(math.sqrt(areas @ (p - exact_pressure(x)) ** 2))
+    assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
