@@ -104,7 +104,7 @@ class Blocks:
 
     def __init__(self, comm: MPI.Intracomm, blocks: Sequence[Block]) -> None:
         self._comm, self._given = comm, list(blocks)
-        self._rows = [block.rows for block in blocks]
+        self._rows = [_listed(block.rows) for block in blocks]
         self._matrices: list[list[PETSc.Mat]] = []
         self._first, self._held = 0, list[BoolArray]()
         self.nest: PETSc.Mat | None = None
@@ -180,6 +180,13 @@ class Blocks:
             self.nest.destroy()
         for block in (block for matrices in self._matrices for block in matrices):
             block.destroy()
+
+
+def _listed(rows: PETSc.IS) -> PETSc.IS:
+    """Return the rows one by one: of a range of all rows PETSc makes no copy that it updates."""
+    listed = PETSc.IS().createGeneral(rows.getIndices(), comm=rows.getComm())
+    listed.setBlockSize(rows.getBlockSize())
+    return listed
 
 
 def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
