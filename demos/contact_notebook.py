@@ -280,7 +280,7 @@ for k, (name, settings) in enumerate(COSTS.items()):
     for penalty, ratio, (_, report) in zip(PENALTIES[::2], ratios[name], found, strict=True):
         axis.plot(penalty, ratio, f"C{k}o", mfc=f"C{k}" if report.balanced else "w")
 ratios["multipliers"] = [solve(FINEST, YIELDING, method="multipliers")[2] / unit]
-axis.axhline(ratios["multipliers"][0], color="C3", ls="--", label="multipliers")
+axis.axhline(ratios["multipliers"][0], color="C3", ls="--", zorder=3, label="multipliers")
 axis.axhline(1.0, color="C4", label="condensed")
 axis.set_yticks(ticks := (0.5, 1, 2, 5, 10, 20), ticks)
 axis.minorticks_off()
