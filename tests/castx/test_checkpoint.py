@@ -100,10 +100,11 @@ def boxed(model: str) -> dict[str, Any]:
 
 
 def solid_sheet() -> dict[str, Any]:
-    """Return a sheet that never melts and yields in plane stress."""
-    data = boxed("plane-stress")
-    del data["materials"]["aluminium"]["liquid"]
-    data["bodies"][0] |= {"formulation": "displacement", "temperature": 400.0}
+    """Return a ring that never melts and yields round a core in plane stress."""
+    data = ring({"time": SHORT["time"]}, model="plane-stress")
+    data["materials"]["aluminium"] = {**data["materials"]["aluminium"], **YIELDING}
+    data["bodies"][0] |= {"law": LAWS[1], "formulation": "displacement", "temperature": 400.0}
+    data["boundaries"] = data["boundaries"][2:]
     return data
 
 
