@@ -11,13 +11,16 @@ from typing import Any
 from petsc4py import PETSc
 
 from castx.ending import end_unless_all_failed
-from castx.errors import ConvergenceError
+from castx.errors import CaseError, ConvergenceError
 
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 Jacobian = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Mat, PETSc.Mat], None]
 ConvergenceTest = Callable[[PETSc.SNES, int, tuple[float, float, float]], Any]
 StepRule = Callable[[PETSc.Vec, PETSc.Vec, PETSc.SNES], bool]
 Options = Mapping[str, Any]
+
+UNKNOWN_TYPE = 86
+"""PETSc's number for the error that a solver of this name does not exist."""
 
 _log = logging.getLogger(__name__)
 
@@ -55,6 +58,9 @@ class NonlinearSolver:
         converged: convergence test of the iteration; by default that of PETSc.
         step_rule: may change the Newton step y, after which the line search tries x − y; says
             whether it did.
+
+    Raises:
+        CaseError: PETSc does not take an option.
     """
 
     def __init__(
@@ -79,8 +85,11 @@ class NonlinearSolver:
         self.snes.setOptionsPrefix(prefix)
         self.snes.setFunction(residual, vector)
         self.snes.setJacobian(jacobian, matrix, preconditioner or matrix)
-        with self._options_in_database():
-            self.snes.setFromOptions()
+        try:
+            with self._options_in_database():
+                self.snes.setFromOptions()
+        except PETSc.Error as error:
+            raise self._refusal(error) from error
         if converged is not None:
             self.snes.setConvergenceTest(converged)
         if step_rule is not None:
@@ -110,6 +119,7 @@ class NonlinearSolver:
 
         Raises:
             ConvergenceError: with the reason and the history of the residual; on all ranks.
+            CaseError: an inner solver does not exist.
             Exception: what a callback raised.
         """
         try:
@@ -138,13 +148,22 @@ class NonlinearSolver:
         cause: BaseException = error
         while isinstance(cause, PETSc.Error) and cause.__cause__ is not None:
             cause = cause.__cause__
+        if isinstance(cause, PETSc.Error) and cause.ierr == UNKNOWN_TYPE:
+            return self._refusal(cause)
         if isinstance(cause, PETSc.Error):  # a factorisation of what is not a number, no memory
-            last = str(cause).strip().splitlines()[-1]
-            cause = ConvergenceError(f"{self.name} did not converge: PETSc failed: {last}")
+            cause = ConvergenceError(f"{self.name} did not converge: PETSc failed: {_last(cause)}")
         if isinstance(cause, ConvergenceError):
             # It leads to another try, for which all ranks are needed.
             end_unless_all_failed(self._verdicts, cause)
         return cause
+
+    def _refusal(self, error: PETSc.Error) -> CaseError:
+        """Return what names an option that is wrong; inner solvers read theirs when they solve."""
+        given = ", ".join(f"{key} = {value!r}" for key, value in self.options.items())
+        return CaseError(
+            f"PETSc does not take an option of {self.name}: {_last(error)}; correct it or leave "
+            f"it out in solver.heat or solver.mechanics (in use: {given})"
+        )
 
     def _reason(self, reason: int) -> str:
         text = _reason_text(PETSc.SNES.ConvergedReason, reason)
@@ -157,6 +176,11 @@ class NonlinearSolver:
         """Free the SNES; matrices and vectors stay their owner's."""
         self.snes.destroy()
         self._verdicts.Free()
+
+
+def _last(error: PETSc.Error) -> str:
+    """Return the line in which PETSc says what is wrong."""
+    return str(error).strip().splitlines()[-1].removeprefix("[0] ")
 
 
 def _as_text(value: Any) -> str | None:

@@ -7,7 +7,7 @@ from petsc4py import PETSc
 import numpy as np
 import pytest
 
-from castx.errors import ConvergenceError
+from castx.errors import CaseError, ConvergenceError
 from castx.snes import NonlinearSolver
 
 
@@ -167,5 +167,21 @@ def test_what_a_callback_raises_comes_out_as_it_is(comm, where, raised):
     made, x = solver(comm)
     getattr(made.snes, where)(fail, *([x.duplicate()] if where == "setFunction" else []))
     with pytest.raises(type(raised), match=str(raised)):
+        made.solve(x)
+    made.destroy()
+
+
+@pytest.mark.parametrize(
+    "key, value, text", [("ksp_type", "foo", "KSP type foo"), ("snes_max_it", "abc", "abc")]
+)
+def test_options_that_petsc_does_not_take_are_refused(comm, key, value, text):
+    with pytest.raises(CaseError, match=rf"test problem.*{text}.*leave it out.*{key} = '{value}'"):
+        solver(comm, options={key: value})
+
+
+def test_an_inner_solver_that_does_not_exist_is_refused(comm):
+    options = {"ksp_type": "preonly", "pc_type": "bjacobi", "sub_pc_type": "foo"}
+    made, x = solver(comm, options=options)
+    with pytest.raises(CaseError, match=r"PC type foo.*sub_pc_type = 'foo'"):
         made.solve(x)
     made.destroy()
