@@ -30,6 +30,9 @@ NOISE_SHARE, NOISE_FACTOR = 1e-2, 100.0
 than a multiple of the residual, so that exact solutions see the weight of a body beside far larger
 thermal forces."""
 
+SETTLED = 1e-3
+"""Residual beside the forces in a body from which on pairs may begin to slip or to stick."""
+
 
 class Balance:
     """The nonlinear problem of one step, as a function of the unknowns of the contact method.
@@ -172,10 +175,13 @@ class Balance:
         if improved or not self._all(np.array_equal(self._evaluated[0], x.array_r)):
             self.residual(x, f)
         noise = min(NOISE_SHARE * self._forces_in_bodies.smallest, NOISE_FACTOR * f.norm())
+        settled = f.norm() <= SETTLED * max(self.force, self._forces_in_bodies.smallest)
         changed = self.active.update(self._forces, noise)
-        changed |= self.contact.slide(
-            x, self._evaluated[1], self._forces, self.active.closed, self._stiffness, noise
-        )
+        if self.contact.slide(
+            x, self._evaluated[1], self._forces, self.active.closed, self._stiffness, noise, settled
+        ):
+            changed = True
+            self.active.forget()
         gripped = [gate.update(self.active.closed, not changed) for gate in self._gates]
         if not changed and not any(gripped):
             return False
@@ -202,6 +208,11 @@ class Balance:
     def holds(self, f: PETSc.Vec) -> bool:
         """Return whether a residual is small enough."""
         return self._forces_in_bodies.holds(f)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the matrix depends on nothing but which pairs are closed."""
+        return self.assembly.is_linear and not self.contact.follows_motion
 
     @property
     def smallest(self) -> float:

@@ -175,7 +175,7 @@ class Newton:
         renewed = not self.balance.assembly.is_linear and snes.getIterationNumber() > 0
         self.balance.update_matrix(renewed)
         preconditioner = self._preconditioner.chosen
-        if renewed:
+        if renewed or self.balance.contact.follows_motion:
             preconditioner.renew()
         if self._always_fresh:
             preconditioner.discard()
@@ -215,10 +215,10 @@ class Newton:
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
         """
         balance = self.balance
-        exact = self._preconditioner.chosen.is_exact and balance.assembly.is_linear
+        exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * balance.smallest
         share = wanted / norm if norm > 0 else 1e-2
-        if not balance.assembly.is_linear and balance.force > 0:
+        if not balance.is_linear and balance.force > 0:
             share = max(share, min(norm / balance.force, LOOSEST))
         return float(np.clip(share, 1e-12, 1e-2))
 

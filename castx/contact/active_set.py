@@ -16,6 +16,9 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+MOST_FORGOTTEN = 20
+"""Times that what pairs depend on may change before they are kept from going round."""
+
 
 class ActiveSet:
     """The closed pairs of all interfaces on this rank.
@@ -46,8 +49,15 @@ class ActiveSet:
         """Forget the sets seen: a new problem starts from the present one."""
         self._seen = {self._signature(self.closed)}
         self._left: FloatArray = np.zeros(len(self.closed))
-        self.changes = 0
+        self.changes = self._forgotten = 0
         self.cycles = False
+
+    def forget(self) -> None:
+        """Let sets that were seen come back, a few times: what they depend on has changed."""
+        if self._forgotten < MOST_FORGOTTEN:
+            self._forgotten += 1
+            self._seen = {self._signature(self.closed)}
+            self.cycles = False
 
     def update(self, forces: FloatArray, threshold: float = 0.0) -> bool:
         """Change the pairs that violate their state; return whether any did, on any rank.
@@ -80,14 +90,15 @@ class ActiveSet:
                 return worst
             self.frozen = self.frozen | worst
             goes_back = worst & (violation > self._left)
-            if self._any(goes_back):
+            if self.any(goes_back):
                 return goes_back
 
     def _is_known(self, wrong: BoolArray) -> bool:
         """Return whether a change brings a set back."""
-        return self._any(wrong) and self._signature(self.closed ^ wrong) in self._seen
+        return self.any(wrong) and self._signature(self.closed ^ wrong) in self._seen
 
-    def _any(self, pairs: BoolArray) -> bool:
+    def any(self, pairs: BoolArray) -> bool:
+        """Return whether one of some pairs is marked, on any rank."""
         return bool(self._comm.allreduce(bool(pairs.any()), op=MPI.LOR))
 
     def _worst(self, violation: FloatArray) -> BoolArray:

@@ -89,15 +89,15 @@ WITH_FRICTION = ("condensed", "rigid", "penalty")
 """Methods that know friction."""
 
 
-def friction_problem(
-    methods: Collection[str], pairing: Pairing, friction: float
-) -> str:
+def friction_problem(methods: Collection[str], pairing: Pairing, friction: float) -> str:
     """Return what keeps an interface from having friction; or nothing."""
     without = sorted(set(methods) - set(WITH_FRICTION))
     if friction == 0:
         return ""
     if without:
         return f"method {without[0]!r} has no friction; those that have: {', '.join(WITH_FRICTION)}"
+    if len(methods) > 1:
+        return "what has slipped is known to one method alone; leave fallback out"
     if pairing.kind != "node-to-node" or pairing.normals == "patches":
         return 'friction needs pairing = "node-to-node" and one normal for each node, "averaged"'
     return ""

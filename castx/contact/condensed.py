@@ -35,7 +35,7 @@ class CondensedContact:
     def __init__(
         self, coordinates: Coordinates, gaps: Gaps, friction: CondensedFriction | None = None
     ) -> None:
-        self.follows_set = friction is not None
+        self.follows_set = self.follows_motion = friction is not None
         self._friction = friction
         self.layout: Layout = coordinates.layout
         self._P = coordinates.to_displacements
@@ -123,12 +123,12 @@ class CondensedContact:
 
     def slide(
         self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float,
+        stiffness: float, threshold: float, settled: bool,
     ) -> bool:  # fmt: skip
         """Let closed pairs begin to slip or to stick; return whether any did, on any rank."""
         if self._friction is None:
             return False
-        return self._friction.update(x, rows, forces, closed, stiffness, threshold)
+        return self._friction.update(x, rows, forces, closed, stiffness, threshold, settled)
 
     def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:
         """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.contact.active_set import ActiveSet
-from castx.contact.friction import SlidingRows
+from castx.contact.friction import SlidingRows, turned, unit
 from castx.contact.gaps import Gaps
 from castx.layout import Layout
 
@@ -45,6 +45,9 @@ class CondensedFriction:
         self._matrix: PETSc.Mat | None = None
         # As last imposed: what slips, by what force, which way, how far.
         self._slips: BoolArray = np.zeros(count, dtype=bool)
+        self._begins: BoolArray = np.zeros(count, dtype=bool)
+        self._touching: BoolArray = np.ones(count, dtype=bool)
+        self._stiffness = np.inf
         self._force: FloatArray = np.zeros(count)
         self._along: FloatArray = np.zeros((count, width))
         self._moved: FloatArray = np.zeros((count, width))
@@ -52,6 +55,7 @@ class CondensedFriction:
     def begin(self) -> None:
         """Start a solve from the pairs that stick now."""
         self._sticks.begin()
+        self._begins[:], self._slips = False, np.zeros_like(self._slips)
 
     @property
     def changes(self) -> int:
@@ -73,11 +77,10 @@ class CondensedFriction:
         return np.where(local >= 0, rows[np.maximum(local, 0)], 0.0)
 
     def _directions(self, motion: FloatArray) -> FloatArray:
-        """Return unit vectors along motions, the last ones where there is none."""
-        if self._direction.shape[1] == 1:
-            return self._direction.copy()
-        size = np.linalg.norm(motion, axis=1, keepdims=True)
-        return np.divide(motion, size, out=self._direction.copy(), where=size > 0)
+        """Return unit vectors along motions, the last ones where these vanish or turn back."""
+        # What has just begun to slip has not moved yet.
+        found = turned(motion, self._direction)
+        return np.where(self._begins[:, None], self._direction, found)
 
     def impose(
         self,
@@ -94,15 +97,16 @@ class CondensedFriction:
         stuck = (touching & self._sticks.closed)[:, None] & there
         held[local[stuck]] = True
         violation[local[stuck]] = self._moved[stuck]
+        self._touching = touching
         self._slips = touching & ~self._sticks.closed
-        most = self._sliding.coefficient * forces[self._sliding.rows]
+        most = self._sliding.coefficient * np.maximum(forces[self._sliding.rows], 0.0)
         self._force = np.where(self._slips, most, 0.0)
         self._along = self._directions(self._moved)
         rows[local[there]] += (self._force[:, None] * self._along)[there]
 
     def update(
         self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float,
+        stiffness: float, threshold: float, settled: bool,
     ) -> bool:  # fmt: skip
         """Let pairs slip or stick that violate their state; return whether any did, on any rank.
 
@@ -113,23 +117,32 @@ class CondensedFriction:
             closed: the present set of closed pairs.
             stiffness: force per motion by which a motion against the friction is measured [N/m].
             threshold: force that is noise [N].
+            settled: whether what sticks may begin to slip.
         """
         touching = closed[self._sliding.rows]
-        # What comes into contact sticks first.
-        self._sticks.closed |= ~touching
+        present = self._sticks.closed.copy()
+        known, before = touching & self._touching, self._sticks.closed | ~touching
         carried = self._forces(rows)
         size = np.linalg.norm(carried, axis=1)
         most = self._sliding.coefficient * np.maximum(forces[self._sliding.rows], 0.0)
         motion = self._motion(x)
         forward = np.sum(motion * self._direction, axis=1)
-        trial = np.where(self._sticks.closed, most - size, -stiffness * forward)
-        before = self._sticks.closed.copy()
         directions = self._directions(motion)
-        changed = self._sticks.update(np.where(touching, trial, 0.0), threshold)
-        begins = before & ~self._sticks.closed
-        against = -carried / np.where(size > 0, size, 1.0)[:, None]
-        self._direction = np.where(begins[:, None], against, directions)
-        return changed
+        if self._sticks.any(touching != self._touching):
+            # What comes into contact and has moved slips at once.
+            moved = stiffness * np.linalg.norm(motion, axis=1) > threshold
+            self._sticks.closed = before & (known | ~(touching & moved))
+            self._sticks.forget()
+        trial = np.where(self._sticks.closed, most - size, -stiffness * forward)
+        may = known & (settled | ~self._sticks.closed)
+        self._sticks.update(np.where(may, trial, 0.0), threshold)
+        # Of the two, slip never bears more than friction can.
+        self._sticks.closed &= ~self._sticks.frozen
+        self._stiffness = stiffness
+        self._begins = before & ~self._sticks.closed
+        along = np.where(known[:, None], -carried, motion)
+        self._direction = np.where(self._begins[:, None], unit(along, directions), directions)
+        return self._sticks.any(touching & (self._sticks.closed != present))
 
     def matrix(self, normal: PETSc.Mat) -> PETSc.Mat:
         """Return the derivative of the rows as last imposed; the next call overwrites it.
@@ -147,7 +160,8 @@ class CondensedFriction:
         rows.setDiagonal(mixing)
         mixing.destroy()
         first, gap = self._layout.first, self._gaps.local[self._sliding.rows]
-        shares = np.where(self._slips, self._sliding.coefficient, 0.0)[:, None] * self._along
+        pressed = self._slips & (self._force > 0)
+        shares = np.where(pressed, self._sliding.coefficient, 0.0)[:, None] * self._along
         for i, k in np.argwhere(self._sliding.local >= 0):
             place = first + int(self._sliding.local[i, k])
             rows.setValue(place, first + int(gap[i]), shares[i, k])
@@ -165,9 +179,12 @@ class CondensedFriction:
         """Add μ p S ∂d/∂v = μ p S (1 - d dᵀ)/|Δv|: friction turns with the motion."""
         first, size = self._layout.first, np.linalg.norm(self._moved, axis=1)
         product.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
-        for i in np.flatnonzero(self._slips & (size > 0)):
+        follows = np.sum(self._moved * self._along, axis=1) > 0.0
+        for i in np.flatnonzero(self._slips & follows & ~self._begins):
             there, d = self._sliding.local[i] >= 0, self._along[i]
-            block = self._force[i] / size[i] * (np.eye(len(d)) - np.outer(d, d))
+            # Steeper than the bodies it would only spoil the matrix.
+            slope = min(self._force[i] / size[i], 1e3 * self._stiffness)
+            block = slope * (np.eye(len(d)) - np.outer(d, d))
             numbers = (first + self._sliding.local[i][there]).astype(np.int32)
             product.setValues(
                 numbers, numbers, block[np.ix_(there, there)], PETSc.InsertMode.ADD_VALUES
@@ -177,10 +194,13 @@ class CondensedFriction:
     def vectors(self, rows: FloatArray, closed: BoolArray) -> FloatArray:
         """Return the friction on the secondary nodes of all rows [N], shape (rows, dimension).
 
-        Tractions along the surface are the residuals of its rows, whether they hold or slip.
+        What sticks bears the residuals of its rows; of what slips these hold supports as well.
         """
         touching = closed[self._sliding.rows]
-        return self._sliding.vectors(np.where(touching[:, None], self._forces(rows), 0.0))
+        normal = np.maximum(rows[self._gaps.local[self._sliding.rows]], 0.0)
+        slipping = -(self._sliding.coefficient * normal)[:, None] * self._along
+        borne = np.where(self._sticks.closed[:, None], self._forces(rows), slipping)
+        return self._sliding.vectors(np.where(touching[:, None], borne, 0.0))
 
     def commit(self, x: PETSc.Vec) -> None:
         """Let the next step begin where the pairs are now, at unknowns x."""

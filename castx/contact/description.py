@@ -13,11 +13,11 @@ from pydantic import PlainValidator
 
 from castx.contact.choice import friction_problem
 from castx.contact.pairing import Pairing
-from castx.entries import Choice, Description, NotYet, Quantity, Tabulated, Whole
+from castx.entries import Choice, Description, Quantity, Tabulated, Whole
 from castx.errors import CaseError
 from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import FloatArray, Table
-from castx.units import ANGLE, LENGTH, PENALTY
+from castx.units import ANGLE, LENGTH, PENALTY, PURE_NUMBER
 
 _LENGTHS = Quantity(LENGTH)
 _ALONG = ("x", "y", "z", "r")
@@ -125,7 +125,7 @@ class Contact(Description):
     Meshes that do not match are paired "node-to-face" between two `surfaces`; there the normals are
     the mean of both sides or that of the "primary" facet, which are one where meshes match. A gap
     or overlap between them is one of the bodies, or with `meshed_gap` "ignored" only that of facets
-    that follow a common curved surface.
+    that follow a common curved surface. `friction` is Coulomb's coefficient.
     """
 
     method: Annotated[
@@ -151,7 +151,7 @@ class Contact(Description):
     pairing: Annotated[str, Choice(("node-to-node", "node-to-face"))] = "node-to-node"
     surfaces: Annotated[tuple[str, str] | None, PlainValidator(_surfaces)] = None
     meshed_gap: Annotated[str, Choice(("counts", "ignored"))] = "counts"
-    friction: Annotated[float | int, NotYet(0.0)] = 0.0
+    friction: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=10.0)] = 0.0
     penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
     augmentation: Annotated[str, Choice(("iteration", "loop"))] = "loop"
     augmentations: Annotated[int, Whole(0, 10_000)] = 30

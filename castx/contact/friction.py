@@ -17,6 +17,19 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
+def unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
+    """Return vectors over their lengths, and others where they vanish, shape (n, dimension)."""
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, size, out=otherwise.copy(), where=size > 0)
+
+
+def turned(vectors: FloatArray, before: FloatArray) -> FloatArray:
+    """Return vectors over their lengths, those that have turned back as before."""
+    found = unit(vectors, before)
+    back = np.sum(found * before, axis=1, keepdims=True) < 0.0
+    return np.where(back, before, found)
+
+
 class SlidingRows:
     """The directions along the surface of the rows that have friction.
 

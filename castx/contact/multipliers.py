@@ -44,7 +44,7 @@ class MultiplierContact:
             rows are forces.
     """
 
-    follows_set = False
+    follows_set = follows_motion = False
 
     def __init__(self, coordinates: Coordinates, gaps: Gaps, stiffness: float) -> None:
         self._gaps, self._bodies = gaps, coordinates.layout
@@ -161,7 +161,7 @@ class MultiplierContact:
 
     def slide(
         self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float,
+        stiffness: float, threshold: float, settled: bool,
     ) -> bool:  # fmt: skip
         """Return that nothing slips: there is no friction."""
         return False

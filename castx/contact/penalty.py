@@ -105,7 +105,7 @@ class PenaltyContact:
         friction: PenaltyFriction | None = None,
     ) -> None:
         self.layout: Layout = coordinates.layout
-        self._friction = friction
+        self._friction, self.follows_motion = friction, friction is not None
         self._P, self._gaps = coordinates.to_displacements, gaps
         self._penalty, self.multipliers = penalty, multipliers
         self._G = gaps.matrix.matMult(self._P)
@@ -123,6 +123,8 @@ class PenaltyContact:
         penalty = self._penalty(A)
         self._springs = np.where(self._gaps.free, penalty * self._gaps.areas, 0.0)
         self.multipliers.begin()
+        if self._friction is not None:
+            self._friction.begin()
 
     def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
         """Set the displacements and pressures of all bodies from the unknowns."""
@@ -203,13 +205,15 @@ class PenaltyContact:
         return self.multipliers.augment(pressures, balanced)
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
-        """Return the changes of the gaps of closed pairs by motions, shape (motions, closed)."""
+        """Return what closed pairs hold of motions: gaps, and what sticks; (motions, rows)."""
         values = np.zeros((len(motions), int(np.count_nonzero(closed))))
         for row, motion in enumerate(motions):
             self._work.array[:] = motion
             self._G.mult(self._work, self._pairs)
             values[row] = self._pairs.array_r[closed]
-        return values
+        if self._friction is None:
+            return values
+        return np.concatenate((values, self._friction.held_motions(motions, closed)), axis=1)
 
     def to_unknowns(self, coordinates: FloatArray) -> FloatArray:
         """Return the coordinates: they are the unknowns."""
@@ -222,10 +226,10 @@ class PenaltyContact:
 
     def slide(
         self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float,
+        stiffness: float, threshold: float, settled: bool,
     ) -> bool:  # fmt: skip
-        """Return that nothing changed: friction follows the unknowns themselves."""
-        return False
+        """Let closed pairs begin to slip or to stick; return whether any did, on any rank."""
+        return self._friction is not None and self._friction.update(closed, threshold, settled)
 
     def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:
         """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""

@@ -2,6 +2,7 @@
 
 The trial traction of a closed pair is that of the last accepted step and ε times its motion since;
 where it exceeds μ p it is scaled back to it, and the pair slips (Wriggers 2006, section 10.5).
+Which pairs slip is decided once in an iteration, and at first all stick: the elastic predictor.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from petsc4py import PETSc
 import numpy as np
 import numpy.typing as npt
 
-from castx.contact.friction import SlidingRows
+from castx.contact.active_set import ActiveSet
+from castx.contact.friction import SlidingRows, turned, unit
 from castx.contact.gaps import Gaps, fill_directions
 from castx.coordinates import Coordinates
 
@@ -50,9 +52,13 @@ class PenaltyFriction:
         # As last imposed: springs, trial and actual forces, what slips.
         self._springs: FloatArray = np.zeros(shape[0])
         self._trial, self._force = np.zeros(shape), np.zeros(shape)
+        self._direction: FloatArray = np.zeros(shape)
         self._normal: FloatArray = np.zeros(shape[0])
         self._touching: BoolArray = np.zeros(shape[0], dtype=bool)
-        self._slips: BoolArray = np.zeros(shape[0], dtype=bool)
+        some: BoolArray = np.any(sliding.tangents != 0.0, axis=(1, 2))
+        # "Closed" are those that stick.
+        keys = gaps.keys()[sliding.rows]
+        self._sticks = ActiveSet(coordinates.layout.comm, np.zeros(shape[0]), some, keys)
         self._matrix: PETSc.Mat | None = None
 
     def _motion(self, x: PETSc.Vec) -> FloatArray:
@@ -61,9 +67,52 @@ class PenaltyFriction:
         moved = self._values.array_r.reshape(self._place.shape)
         return np.asarray(moved - self._sliding.led() - self._place)
 
+    def begin(self) -> None:
+        """Start a solve from pairs that stick."""
+        self._touching = np.zeros_like(self._touching)
+        self._sticks.closed[:] = True
+        self._sticks.begin()
+
     def state(self) -> BoolArray:
-        """Return which pairs slip, on which the matrix depends."""
-        return self._slips
+        """Return which pairs stick, on which the matrix depends."""
+        return self._sticks.closed
+
+    @property
+    def _slips(self) -> BoolArray:
+        return self._touching & ~self._sticks.closed
+
+    def update(self, closed: BoolArray, threshold: float, settled: bool) -> bool:
+        """Let pairs slip or stick that violate their state; return whether any did, on any rank.
+
+        Args:
+            closed: the present set of closed pairs.
+            threshold: force that is noise [N].
+            settled: whether what sticks may begin to slip.
+        """
+        touching = closed[self._sliding.rows]
+        most = self._sliding.coefficient * self._normal
+        size = np.linalg.norm(self._trial, axis=1)
+        forward = np.sum(self._trial * self._direction, axis=1)
+        present = self._sticks.closed.copy()
+        directions, before = self._directions(), self._sticks.closed | ~touching
+        known = touching & self._touching
+        if self._sticks.any(touching != self._touching):
+            # What comes into contact and has moved slips at once.
+            self._sticks.closed = before & (known | (size <= most + threshold))
+            self._sticks.forget()
+        # One that would slip the other way sticks before.
+        inside = most - np.where(self._sticks.closed, size, forward)
+        may = known & (settled | ~self._sticks.closed)
+        self._sticks.update(np.where(may, inside, 0.0), threshold)
+        # Of the two, slip never bears more than friction can.
+        self._sticks.closed &= ~self._sticks.frozen
+        begins = before & ~self._sticks.closed
+        self._direction = np.where(begins[:, None], unit(self._trial, directions), directions)
+        return self._sticks.any(touching & (self._sticks.closed != present))
+
+    def _directions(self) -> FloatArray:
+        """Return unit vectors along the trial forces, the last ones where they turned back."""
+        return turned(self._trial, self._direction)
 
     def impose(
         self, x: PETSc.Vec, forces: FloatArray, closed: BoolArray, springs: FloatArray,
@@ -83,10 +132,9 @@ class PenaltyFriction:
         self._normal = np.maximum(forces[chosen], 0.0)
         most = self._sliding.coefficient * self._normal
         self._trial = self._committed + self._springs[:, None] * self._motion(x)
-        size = np.linalg.norm(self._trial, axis=1)
-        self._slips = self._touching & (size > most)
-        share = np.divide(most, size, out=np.ones_like(size), where=self._slips)
-        self._force = np.where(self._touching, share, 0.0)[:, None] * self._trial
+        slipping = most[:, None] * self._directions()
+        self._force = np.where(self._slips[:, None], slipping, self._trial)
+        self._force[~self._touching] = 0.0
         self._values.array[:] = self._force.ravel()
         self._Gt.mult(self._values, self._work)
         rows += self._work.array_r
@@ -114,16 +162,15 @@ class PenaltyFriction:
         Where a pair slips, T = μ f d with d = T_trial/|T_trial| and f = -ε S g.
         """
         count, width = self._trial.shape
-        size = np.linalg.norm(self._trial, axis=1)
-        d = np.divide(
-            self._trial, size[:, None], out=np.zeros_like(self._trial), where=size[:, None] > 0
-        )
+        size, d = np.linalg.norm(self._trial, axis=1), self._directions()
         stick = np.where(self._touching & ~self._slips, self._springs, 0.0)
         most = self._sliding.coefficient * self._normal
-        turning = np.divide(most * self._springs, size, out=np.zeros(count), where=self._slips)
+        follows = self._slips & (np.sum(self._trial * d, axis=1) > 0.0)
+        turning = np.divide(most * self._springs, size, out=np.zeros(count), where=follows)
         blocks = stick[:, None, None] * np.eye(width)
         blocks += turning[:, None, None] * (np.eye(width) - d[:, :, None] * d[:, None, :])
-        pressing = np.where(self._slips, self._sliding.coefficient * self._springs, 0.0)
+        pressed = self._slips & (self._normal > 0)
+        pressing = np.where(pressed, self._sliding.coefficient * self._springs, 0.0)
         columns = -pressing[:, None] * d
         own = self._G.getOwnershipRange()[0] + np.arange(count * width).reshape(count, width)
         gaps = self._gaps.matrix.getOwnershipRange()[0] + self._sliding.rows
@@ -136,6 +183,16 @@ class PenaltyFriction:
         along.assemble()
         across.assemble()
         return along, across
+
+    def held_motions(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
+        """Return how motions move closed pairs that stick, shape (motions, rows); collective."""
+        holds = np.repeat(closed[self._sliding.rows] & self._sticks.closed, self._place.shape[1])
+        values = np.zeros((len(motions), int(np.count_nonzero(holds))))
+        for row, motion in enumerate(motions):
+            self._work.array[:] = motion
+            self._G.mult(self._work, self._values)
+            values[row] = self._values.array_r[holds]
+        return values
 
     def vectors(self) -> FloatArray:
         """Return the friction on the secondary nodes of all rows [N], shape (rows, dimension)."""

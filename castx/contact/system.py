@@ -25,10 +25,12 @@ class ContactSystem(Protocol):
     Attributes:
         layout: numbering of the unknowns.
         follows_set: whether the matrix depends on the state of the pairs.
+        follows_motion: whether it depends on how they move.
     """
 
     layout: Layout
     follows_set: bool
+    follows_motion: bool
 
     def prepare(self, A: PETSc.Mat) -> None:
         """Begin a solve that starts with the matrix A of the bodies; collective."""
@@ -95,7 +97,7 @@ class ContactSystem(Protocol):
 
     def slide(
         self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float,
+        stiffness: float, threshold: float, settled: bool,
     ) -> bool:  # fmt: skip
         """Let closed pairs begin to slip or to stick; return whether any did, on any rank.
 
@@ -106,6 +108,7 @@ class ContactSystem(Protocol):
             closed: the present set.
             stiffness: force per motion against friction that counts as much [N/m].
             threshold: force that is noise [N].
+            settled: whether the rows nearly balance for the present state of the pairs.
         """
 
     def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> FloatArray | None:

@@ -117,6 +117,16 @@ def solid_sheet() -> dict[str, Any]:
     return data
 
 
+def sticking(method: str) -> dict:
+    """Return a ring that shrinks onto a core and slides on it, with friction.
+
+    A first solve has no factors yet and iterates otherwise, so that both runs are solved tightly.
+    """
+    data = ring({"time": {"end": 4.0, "largest_step": 0.5}}, TIGHT)
+    data["interfaces"][0]["contact"] = {"method": method, "friction": 0.2}
+    return data
+
+
 METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "tied", "block-iterative")
 CASES = (
     {f"{method}, {law}": casting(law, method) for method in METHODS for law in LAWS}
@@ -138,6 +148,8 @@ CASES = (
         "quadrilaterals": flowing({"geometry": {"cells": "quadrilaterals"}}),
         "staggered": flowing({"coupling": {"scheme": "staggered"}}),
         "closing": ring({"time": {"end": 4.0, "largest_step": 0.5}}),
+        "friction": sticking("condensed"),
+        "friction by a penalty": sticking("penalty"),
         "plane stress": solid_sheet(),
         "plane strain": boxed("plane-strain"),
         "generalised plane strain": boxed("generalised-plane-strain"),
