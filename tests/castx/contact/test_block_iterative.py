@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from tests.coupled_cases import final_state
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -102,3 +103,33 @@ def test_each_block_ends_quadratically(comm):
     _, report = pressed(comm, penalty=1e12, tolerance=1e-8, block_iterations=3)
     first = report.residuals[report.sweeps[1] : report.sweeps[2]]
     assert min(first) < 1e-6 * first[0]
+
+
+def test_a_casting_that_floats_in_a_rigid_mould(comm):
+    """Its one body is solved as with the method "rigid", up to the penetration of the penalty."""
+    found = []
+    for method in ("block-iterative", "rigid"):
+        data = {
+            "geometry": {"generator": "box_in_mould", "model": "generalised-plane-strain",
+                         "box": [0.018, 0.009], "wall": 0.009, "size": 0.0015},
+            "bodies": [
+                {"name": "casting", "material": "AlSi7Mg", "temperature": 730.0},
+                {"name": "mould", "material": "sand-silica", "law": "rigid", "temperature": 86.0},
+            ],
+            "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": method},
+                            "heat": {"law": "constant", "closed": 2e4}}],
+            "boundaries": [{"on": "mould/outside", "heat": {
+                "type": "convection", "coefficient": 900.0, "ambient": 25.0}}],
+            "loads": {"gravity": [0.0, -9.81]},
+            "time": {"end": 200.0, "first_step": 2.0, "largest_step": 20.0,
+                     "temperature_change": 100.0},
+        }  # fmt: skip
+        found.append(final_state(comm, data).totals)
+    swept, exact = found
+    assert exact["casting/mould.closed_fraction"] < 0.5
+    gap = exact["casting/mould.mean_gap"]
+    assert gap > 1e-5
+    assert swept["casting/mould.mean_gap"] == pytest.approx(gap, rel=0.01)
+    weight = exact["casting/mould.force.y"]
+    assert weight > 1.0
+    assert swept["casting/mould.force.y"] == pytest.approx(weight, rel=1e-3)
