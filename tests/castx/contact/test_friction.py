@@ -11,7 +11,7 @@ from castx.constraints import SurfaceDisplacement
 from castx.contact.choice import Contact
 from castx.errors import CaseError
 from castx.tables import Table
-from tests.coupled_cases import final_state, ring
+from tests.coupled_cases import final_state, merged, ring
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -258,3 +258,26 @@ def test_the_key_of_a_case(comm):
     assert all(state.totals["casting/core.closed_fraction"] > 0.5 for state in results)
     axial = [abs(state.totals["casting/core.force.z"]) for state in results]
     assert axial[1] > axial[0] + 1.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_force_of_ejection_of_a_case(comm, method):
+    """A core that is drawn out by its top bears μ Σ p S."""
+    end = {"end": 2.0, "fixed_step": 1.0}
+    data = merged(ring({"coupling": {"scheme": "mechanical"}}), {})
+    for part in (*data["materials"].values(), *data["bodies"]):
+        part["stress_free" if "density" in part else "temperature"] = 20.0
+    data["interfaces"] = [{
+        "bodies": ["casting", "core"],
+        "contact": {"method": method, "friction": 0.15, "initial_gap": -2e-5},
+    }]  # fmt: skip
+    data["boundaries"] = [
+        {"on": "casting/outside", "displacement": {"z": 0.0}},
+        {"on": "core/top", "displacement": {"z": [[0.0, 0.0], [1.0, 0.0], [2.0, 1e-4]]}},
+    ]
+    data["time"] = end
+    state = final_state(comm, data)
+    pressure, pairs = state.paired("casting/core", "contact_pressure"), state.pairs["casting/core"]
+    normal = comm.allreduce(float(pressure @ pairs.areas))
+    assert normal > 1e4
+    assert state.totals["casting/core.force.z"] == pytest.approx(0.15 * normal, rel=1e-6)
