@@ -15,6 +15,7 @@ from castx.contact.active_set import ActiveSet
 from castx.contact.gaps import Gaps
 from castx.contact.system import ContactSystem
 from castx.coordinates import Coordinates
+from castx.falling import Falling
 from castx.force_balance import ForceBalance
 from castx.gates import InGate
 from castx.linear import SystemOperator
@@ -69,6 +70,7 @@ class Balance:
     ) -> None:
         self.assembly, self.gaps, self.contact = assembly, gaps, contact
         self.coordinates, self._floating, self._gates = coordinates, floating, list(gates)
+        self._falling = Falling(contact, assembly.unknowns)
         self._support_forces = SupportForces(coordinates, assembly.bodies)
         self._place: FloatArray = np.zeros(contact.layout.size_local)
         self._comm = assembly.layout.comm
@@ -187,6 +189,19 @@ class Balance:
             return False
         self._sum_up(x, self._evaluated[1].copy(), f)
         return True
+
+    def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
+        """End the rigid motion of what only springs hold, in a step to x − y, where it touches.
+
+        Returns:
+            Whether y has changed.
+        """
+        support = self.operator.support
+        if support is None:
+            return False
+        open_pairs = self.gaps.free & ~self.active.closed & ~self.active.frozen
+        force = 2 * NOISE_SHARE * self._forces_in_bodies.smallest
+        return self._falling.stop(support, x, y, open_pairs, force, self._stiffness)
 
     def augment(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
         """Improve the multipliers of the method, if it has any; return whether they changed.

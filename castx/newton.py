@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from petsc4py import PETSc
@@ -94,12 +93,11 @@ class Newton:
         for _, solver in inner:
             name = solver.prefix.removeprefix(PREFIX)
             defaults |= {f"{name}{key}": value for key, value in solver.defaults.items()}
-        linear = balance.assembly.is_linear
         self._solver = NonlinearSolver(
             MECHANICS, PREFIX, self._residual, self._jacobian,
             vector=self._vector, matrix=self._matrix,
             options={**defaults, **options}, converged=self._converged,
-            step_rule=None if linear else partial(shorten_step, self._residual),
+            step_rule=self._limit_step,
         )  # fmt: skip
         self._solver.snes.ksp.pc.setType("python")
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
@@ -182,6 +180,13 @@ class Newton:
         preconditioner.refresh(snes.ksp.getIterationNumber())
         self._was_fresh &= preconditioner.is_fresh
         J.assemble()
+
+    def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+        """Shorten a step that swings a body through another, or overshoots; say whether it did."""
+        stopped = self.balance.stop_at_contact(x, y)
+        if self.balance.assembly.is_linear:
+            return stopped
+        return shorten_step(self._residual, x, y, snes) or stopped
 
     def _converged(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
