@@ -20,13 +20,14 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.constitutive import Law
-from castx.constraints import SurfaceDisplacement
-from castx.geometry import Geometry
-from castx.materials import Material, MaterialDescription
-from castx.mechanical_body import MechanicalBody
-from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
-from castx.mesh import CastingMesh, build_mesh
+from castx.case.geometry import Geometry
+from castx.domain.mesh import CastingMesh, build_mesh
+from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.materials.description import MaterialDescription
+from castx.materials.material import Material
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody
+from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
 
 ELASTIC = {

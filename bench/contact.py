@@ -20,14 +20,15 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.constitutive import Law
-from castx.constraints import SurfaceDisplacement
+from castx.case.geometry import Geometry
 from castx.contact.choice import Contact
-from castx.geometry import Geometry
-from castx.materials import Material, MaterialDescription
-from castx.mechanical_body import MechanicalBody
-from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
-from castx.mesh import build_mesh
+from castx.domain.mesh import build_mesh
+from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.materials.description import MaterialDescription
+from castx.materials.material import Material
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody
+from castx.mechanics.fixed_directions import SurfaceDisplacement
 
 RADIUS, HEIGHT, WALL, FLOOR = 0.04, 0.1, 0.04, 0.02
 CASTING_COOLS, MOULD_COOLS = 40.0, 180.0

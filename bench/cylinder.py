@@ -16,8 +16,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case import load_case
-from castx.simulation import Simulation
+from castx.case.case import load_case
+from castx.process.simulation import Simulation
 
 CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
 SIZES = {1300: 0.0072, 5400: 0.0042, 20000: 0.00258}

@@ -70,7 +70,8 @@ checkpoint = {every}
 
 def measure(case: Path, folder: Path, steps: int) -> tuple[float, float]:
     """Run a case in this process; return the resident set [MB] after a tenth and at the end."""
-    from castx import progress, running
+    from castx.command import progress
+    from castx.command import run as running
 
     sizes: list[float] = []
 

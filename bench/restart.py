@@ -24,8 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-from castx.archive import read_array, read_header
-from castx.results import read_series
+from castx.checkpoint.archive import read_array, read_header
+from castx.results.files.series import read_series
 
 CASE = """
 [geometry]

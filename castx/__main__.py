@@ -1,5 +1,5 @@
 """`python -m castx` is the command `castx`."""
 
-from castx.cli import main
+from castx.command.cli import main
 
 main()

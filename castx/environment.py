@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-import castx
+from castx.version import __version__
 
 PACKAGES = (
     "fenics-dolfinx",
@@ -27,7 +27,7 @@ FEWEST_TIMES_FASTER = 2.5
 
 def versions() -> dict[str, str]:
     """Return the versions of castx, Python and the packages underneath, or "missing"."""
-    found = {"castx": castx.__version__, "python": platform.python_version()}
+    found = {"castx": __version__, "python": platform.python_version()}
     for package in PACKAGES:
         try:
             found[package] = version(package)

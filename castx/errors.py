@@ -18,7 +18,8 @@ class ConvergenceError(RuntimeError):
 
     Args:
         message: what happened, where and why.
-        problem: the problem that failed, by a name of `castx.diagnosis`; "" if it is none of them.
+        problem: the problem that failed, by a name of `castx.solvers.diagnosis`; "" if it is
+            none of them.
     """
 
     def __init__(self, message: str, problem: str = "") -> None:

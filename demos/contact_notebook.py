@@ -41,8 +41,8 @@ from mpi4py import MPI
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case import read_case
-from castx.simulation import Simulation
+from castx.case.case import read_case
+from castx.process.simulation import Simulation
 
 # %% [markdown]
 # ## Two blocks

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case import load_case
-from castx.results import Results
-from castx.simulation import Simulation
+from castx.case.case import load_case
+from castx.process.simulation import Simulation
+from castx.results.writing import Results
 
 comm = MPI.COMM_WORLD
 case = load_case(

@@ -34,10 +34,10 @@ from tempfile import mkdtemp
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.display import display
-from castx.plotting import FieldSeries, View, exaggeration, limits_of, picture
-from castx.results import read_series
-from castx.running import run
+from castx.command.run import run
+from castx.report.display import display
+from castx.report.pictures import FieldSeries, View, exaggeration, limits_of, picture
+from castx.results.files.series import read_series
 
 folder = Path(mkdtemp())
 coarse = ["geometry.size=5e-3", "time.end=70", "time.temperature_change=40"]

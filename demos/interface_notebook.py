@@ -32,11 +32,11 @@ from mpi4py import MPI
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case import read_case
-from castx.conductance import Faces, PairState
-from castx.interface_heat import InterfaceHeat
-from castx.law_building import conduction_law
-from castx.simulation import Simulation
+from castx.case.case import read_case
+from castx.case.heat_transfer import InterfaceHeat
+from castx.heat.law_building import conduction_law
+from castx.process.simulation import Simulation
+from castx.transfer.conductance import Faces, PairState
 
 # %% [markdown]
 # ## The laws

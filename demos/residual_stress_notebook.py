@@ -29,12 +29,12 @@ from matplotlib.colors import Normalize
 from scipy.optimize import brentq, fsolve
 from scipy.special import erf, erfc
 
-from castx.case import load_case
-from castx.display import display
-from castx.materials import find_material
-from castx.plotting import FieldSeries, View, exaggeration, picture
-from castx.results import read_series
-from castx.running import run
+from castx.case.case import load_case
+from castx.command.run import run
+from castx.materials.lookup import find_material
+from castx.report.display import display
+from castx.report.pictures import FieldSeries, View, exaggeration, picture
+from castx.results.files.series import read_series
 
 folder = Path(mkdtemp())
 

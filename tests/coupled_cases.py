@@ -11,10 +11,10 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.case import read_case
-from castx.simulation import Simulation
-from castx.state import State
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
+from castx.case.case import read_case
+from castx.process.simulation import Simulation
+from castx.process.state import State
 
 ALUMINIUM = {
     "density": 2700.0,

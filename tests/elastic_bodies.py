@@ -11,16 +11,18 @@ from mpi4py import MPI
 import gmsh
 import numpy as np
 
-from castx.constitutive import Law
-from castx.constraints import SurfaceDisplacement
+from castx.arrays import FloatArray
+from castx.case.geometry import Geometry
 from castx.contact.choice import Contact
-from castx.geometry import Geometry
-from castx.materials import Material, MaterialDescription
-from castx.mechanical_body import MechanicalBody, SurfaceLoad
-from castx.mechanical_problem import MechanicalProblem, MechanicsSettings
-from castx.mesh import CastingMesh, build_mesh
-from castx.mesh_source import gmsh_session
-from castx.tables import FloatArray, Table
+from castx.domain.mesh import CastingMesh, build_mesh
+from castx.domain.source import gmsh_session
+from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.materials.description import MaterialDescription
+from castx.materials.material import Material
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody, SurfaceLoad
+from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.tables import Table
 
 STRESS_FREE = 20.0
 

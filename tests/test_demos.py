@@ -12,10 +12,10 @@ import nbclient
 import numpy as np
 import pytest
 
-from castx.case import load_case
-from castx.report import write_report
-from castx.results import read_series
-from castx.running import run
+from castx.case.case import load_case
+from castx.command.run import run
+from castx.report.report import write_report
+from castx.results.files.series import read_series
 
 DEMOS = Path(__file__).parents[1] / "demos"
 pytestmark = pytest.mark.serial

@@ -1,1 +1,1 @@
-"""Contact between bodies: one file per method."""
+"""Contact methods, one file each."""

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from mpi4py import MPI
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from castx.arrays import FloatArray
 
 
 class AugmentedMultipliers:

@@ -6,13 +6,11 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from castx.contact.pairing import BY_NODES, Pairing
-from castx.contact.rows import Treatment
+from castx.arrays import FloatArray
+from castx.case.pairing import BY_NODES, Pairing
+from castx.contact.kinematics.rows import Treatment
 from castx.errors import CaseError
-
-FloatArray = npt.NDArray[np.float64]
 
 TREATMENTS = {
     "condensed": Treatment.CONDENSED,

@@ -12,15 +12,12 @@ from collections.abc import Mapping
 from petsc4py import PETSc
 
 import numpy as np
-import numpy.typing as npt
 
-from castx.contact.condensed_friction import CondensedFriction
-from castx.contact.gaps import Gaps
-from castx.coordinates import Coordinates
-from castx.layout import Layout
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from castx.arrays import BoolArray, FloatArray
+from castx.contact.friction.condensed import CondensedFriction
+from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.gaps import Gaps
+from castx.solvers.layout import Layout
 
 
 class CondensedContact:

@@ -6,18 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from castx.arrays import FloatArray
 from castx.contact.augmented import AugmentedMultipliers
 from castx.contact.choice import Contact
 from castx.contact.condensed import CondensedContact
-from castx.contact.condensed_friction import CondensedFriction
-from castx.contact.friction import SlidingRows
-from castx.contact.gaps import FloatArray, Gaps
+from castx.contact.friction.condensed import CondensedFriction
+from castx.contact.friction.coulomb import SlidingRows
+from castx.contact.friction.penalty import PenaltyFriction
+from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.gaps import Gaps
+from castx.contact.method import ContactSystem
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.penalty import Multipliers, NoMultipliers, PenaltyContact
-from castx.contact.penalty_friction import PenaltyFriction
-from castx.contact.stiffness import SofterSide
-from castx.contact.system import ContactSystem
-from castx.coordinates import Coordinates
+from castx.contact.penalty_stiffness import SofterSide
 
 
 def contact_system(

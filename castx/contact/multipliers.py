@@ -14,15 +14,11 @@ from typing import NamedTuple
 from petsc4py import PETSc
 
 import numpy as np
-import numpy.typing as npt
 
-from castx.contact.gaps import Gaps
-from castx.coordinates import Coordinates
-from castx.layout import Layout
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
-
+from castx.arrays import BoolArray, FloatArray
+from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.gaps import Gaps
+from castx.solvers.layout import Layout
 
 AUGMENTATION = 50.0
 """Penalty of the augmented block of the bodies, in units of G/L."""

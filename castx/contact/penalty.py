@@ -13,15 +13,12 @@ from typing import Protocol
 from petsc4py import PETSc
 
 import numpy as np
-import numpy.typing as npt
 
-from castx.contact.gaps import Gaps
-from castx.contact.penalty_friction import PenaltyFriction
-from castx.coordinates import Coordinates
-from castx.layout import Layout
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from castx.arrays import BoolArray, FloatArray
+from castx.contact.friction.penalty import PenaltyFriction
+from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.gaps import Gaps
+from castx.solvers.layout import Layout
 
 
 class Multipliers(Protocol):

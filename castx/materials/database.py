@@ -16,10 +16,10 @@ from importlib.resources import files
 from typing import Any
 
 from castx.errors import CaseError
+from castx.input.problems import KeyPath, Problem, Refusal, among, summary
+from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.description import MaterialDescription
 from castx.materials.sources import Source, unit_of
-from castx.refusal import KeyPath, Problem, Refusal, among, summary
-from castx.units import ABSOLUTE_ZERO
 
 UNKNOWN_SOURCE = "representative value, source not established"
 """What an entry says of numbers whose origin nobody can look up."""

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from castx.entries import (
+from castx.errors import CaseError
+from castx.input.entries import (
     Choice,
     Description,
     MaterialName,
@@ -18,7 +19,19 @@ from castx.entries import (
     Temperature,
     over_temperature,
 )
-from castx.errors import CaseError
+from castx.input.problems import Problem, Refusal, among, refuse
+from castx.input.units import (
+    ACTIVATION_ENERGY,
+    CONDUCTIVITY,
+    DENSITY,
+    EXPANSION,
+    HEAT_CAPACITY,
+    LATENT_HEAT,
+    PURE_NUMBER,
+    STRESS,
+    TEMPERATURE,
+    VISCOSITY,
+)
 from castx.materials.inelastic import (
     COEFFICIENT,
     EXPONENT,
@@ -32,20 +45,7 @@ from castx.materials.inelastic import (
 )
 from castx.materials.phased import Phased
 from castx.materials.solid_fraction import TabulatedLaw
-from castx.refusal import Problem, Refusal, among, refuse
 from castx.tables import Table
-from castx.units import (
-    ACTIVATION_ENERGY,
-    CONDUCTIVITY,
-    DENSITY,
-    EXPANSION,
-    HEAT_CAPACITY,
-    LATENT_HEAT,
-    PURE_NUMBER,
-    STRESS,
-    TEMPERATURE,
-    VISCOSITY,
-)
 
 ALLOY_LAWS = ("lever", "scheil")
 LAW_NAMES = ("linear", *ALLOY_LAWS)

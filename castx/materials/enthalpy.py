@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.phased import Phased
 from castx.materials.solid_fraction import Piece, SolidFractionLaw, linear_piece
-from castx.tables import FloatArray
 
 CURVE_TOLERANCE = 1e-5
 """Largest distance of the stored curve from the law [K]."""

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from castx.entries import Description, Quantity, Tabulated, over_temperature
 from castx.errors import CaseError
-from castx.refusal import Problem
+from castx.input.entries import Description, Quantity, Tabulated, over_temperature
+from castx.input.problems import Problem
+from castx.input.units import NORTON_COEFFICIENT, PURE_NUMBER, STRESS, VISCOSITY
 from castx.tables import Table
-from castx.units import NORTON_COEFFICIENT, PURE_NUMBER, STRESS, VISCOSITY
 
 if TYPE_CHECKING:
     from castx.materials.description import MaterialDescription

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.description import Liquid, MaterialDescription
 from castx.materials.enthalpy import EnthalpyCurve, enthalpy_curve
@@ -29,7 +30,7 @@ from castx.materials.sources import (
     properties,
     property_rows,
 )
-from castx.tables import FloatArray, Table
+from castx.tables import Table
 
 Value = TypeVar("Value")
 

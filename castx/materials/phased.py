@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from castx.tables import FloatArray, Table
+from castx.arrays import FloatArray
+from castx.tables import Table
 
 
 @dataclass(frozen=True, eq=False)

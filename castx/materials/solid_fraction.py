@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,17 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from castx.quantities import QUANTITIES, Solidification
-from castx.results.disk import Disk
-from castx.results.folder import write_whole
-from castx.results.names import CELLWISE, PAIRED
-from castx.results.pairs import on_secondary_nodes
-from castx.results.vtu import Piece, write_piece
-from castx.snapshot import Snapshot
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
+from castx.results.files.disk import Disk
+from castx.results.files.folder import write_whole
+from castx.results.files.vtu import Piece, write_piece
+from castx.results.pair_fields import on_secondary_nodes
+from castx.results.quantities import CELLWISE, PAIRED
+from castx.results.snapshot import Snapshot
+from castx.results.solidification import QUANTITIES, Solidification
 
 if TYPE_CHECKING:
-    from castx.mesh import CastingMesh
+    from castx.domain.mesh import CastingMesh
 
 COLLECTION = "castx.pvd"
 

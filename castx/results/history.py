@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from castx.results.series import Series, cut_back
-from castx.snapshot import Snapshot, StepCounters
+from castx.results.files.series import Series, cut_back
+from castx.results.snapshot import Snapshot, StepCounters
 
 COUNTERS = (
     "step",

@@ -9,19 +9,17 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 import numpy as np
-import numpy.typing as npt
 from dolfinx import geometry
 from dolfinx.mesh import entities_to_geometry
 
-from castx.cell_kinds import KINDS, CellKind
-from castx.tables import FloatArray
+from castx.arrays import FloatArray, IntArray
+from castx.domain.cell_kinds import KINDS, CellKind
 
 if TYPE_CHECKING:
     from dolfinx.mesh import Mesh
 
-    from castx.mesh import BodyMesh
+    from castx.domain.mesh import BodyMesh
 
-IntArray = npt.NDArray[np.int32]
 
 MOST_ITERATIONS = 30
 SMALLEST_CHANGE = 1e-13

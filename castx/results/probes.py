@@ -11,18 +11,18 @@ from mpi4py import MPI
 
 import numpy as np
 
+from castx.arrays import FloatArray
 from castx.errors import CaseError
+from castx.results.files.series import Series, cut_back
 from castx.results.locate import Place, place_in_body, place_on_surface
-from castx.results.names import CELLWISE, parts
-from castx.results.pairs import on_secondary_nodes
-from castx.results.series import Series, cut_back
-from castx.snapshot import Snapshot
-from castx.tables import FloatArray
+from castx.results.pair_fields import on_secondary_nodes
+from castx.results.quantities import CELLWISE, parts
+from castx.results.snapshot import Snapshot
 
 if TYPE_CHECKING:
-    from castx.mesh import CastingMesh
-    from castx.outputs import Probe
-    from castx.pairs import NodePairs
+    from castx.case.output import Probe
+    from castx.domain.mesh import CastingMesh
+    from castx.domain.pairs.node_pairs import NodePairs
 
 
 @dataclass(frozen=True)

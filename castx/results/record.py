@@ -17,8 +17,8 @@ from mpi4py import MPI
 
 from castx.environment import versions
 from castx.errors import ConvergenceError
-from castx.results.folder import write_whole
-from castx.snapshot import Snapshot
+from castx.results.files.folder import write_whole
+from castx.results.snapshot import Snapshot
 
 SUMMED = (
     "cutbacks",

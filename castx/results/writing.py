@@ -6,26 +6,26 @@ from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from castx.case.schedule import Schedule
 from castx.errors import CaseError
-from castx.materials import find_material
-from castx.quantities import QUANTITIES, Solidification, thresholds_of
-from castx.results.disk import Disk
+from castx.materials.lookup import find_material
 from castx.results.fields import Fields
-from castx.results.folder import FIELDS, RECORD, claim_folder, clear_results
+from castx.results.files.disk import Disk
+from castx.results.files.folder import FIELDS, RECORD, claim_folder, clear_results
 from castx.results.history import History
-from castx.results.names import MECHANICAL
 from castx.results.probes import Probes
+from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
-from castx.saved import Arrays, Saved, joined, part_of
-from castx.schedule import Schedule
-from castx.snapshot import Snapshot
+from castx.results.snapshot import Snapshot
+from castx.results.solidification import QUANTITIES, Solidification, thresholds_of
+from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from castx.case import Case
-    from castx.mesh import CastingMesh
-    from castx.pairs import NodePairs
+    from castx.case.case import Case
+    from castx.domain.mesh import CastingMesh
+    from castx.domain.pairs.node_pairs import NodePairs
 
 
 class Results:

@@ -11,11 +11,11 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.geometry import Geometry
-from castx.mesh import CastingMesh, build_mesh
-from castx.pairs import NodePairs, node_pairs
-from castx.snapshot import ProcessState, StepCounters
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
+from castx.case.geometry import Geometry
+from castx.domain.mesh import CastingMesh, build_mesh
+from castx.domain.pairs.node_pairs import NodePairs, node_pairs
+from castx.results.snapshot import ProcessState, StepCounters
 
 Formula = Callable[[FloatArray], FloatArray]
 

@@ -1,6 +1,7 @@
 """J2 viscoplasticity once more, in 3 × 3 tensors and rates: what the return mapping must tend to.
 
-Nothing here knows the return mapping or `castx.flow`; the laws are those of the case format.
+Nothing here knows the return mapping or `castx.materials.flow`; the laws are those of the case
+format.
 """
 
 from __future__ import annotations

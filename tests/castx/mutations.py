@@ -17,9 +17,9 @@ from mpi4py import MPI
 import gmsh
 from hypothesis import strategies as st
 
-from castx.cli import execute
-from castx.geometry import Geometry
-from castx.mesh_source import gmsh_session, write_mesh
+from castx.case.geometry import Geometry
+from castx.command.cli import execute
+from castx.domain.source import gmsh_session, write_mesh
 from tests.castx.case_data import cylinder
 
 BASE = cylinder(geometry__size="8 mm", probes__1__at=["30 mm", "50 mm"])

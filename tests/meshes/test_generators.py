@@ -4,8 +4,8 @@ import basix
 import numpy as np
 import pytest
 
-from castx.gmsh_import import read_model
-from castx.mesh_source import gmsh_session
+from castx.domain.gmsh_import import read_model
+from castx.domain.source import gmsh_session
 from castx.meshes import (
     GENERATORS,
     box_in_mould,

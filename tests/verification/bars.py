@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
 from tests import coupled_cases
 
 LENGTH = 0.04

@@ -7,8 +7,8 @@ from mpi4py import MPI
 import gmsh
 import numpy as np
 
-from castx.mechanical_problem import MechanicalProblem
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
+from castx.equilibrium.problem import MechanicalProblem
 from tests.elastic_bodies import everywhere, motion, places
 
 TIP = (48.0, 60.0)

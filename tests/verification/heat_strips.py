@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from castx.exchange import HeatExchange
-from castx.geometry import Geometry
-from castx.heat import HeatProblem
-from castx.heat_boundaries import SurfaceHeat
-from castx.materials import Material, MaterialDescription, find_material
-from castx.mesh import CastingMesh, build_mesh
-from castx.pairs import node_pairs
+from castx.case.geometry import Geometry
+from castx.domain.mesh import CastingMesh, build_mesh
+from castx.domain.pairs.node_pairs import node_pairs
+from castx.heat.body import HeatBody
+from castx.heat.boundaries import SurfaceHeat
+from castx.heat.interface import HeatExchange
+from castx.heat.problem import HeatProblem
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
 from castx.tables import Table
-from castx.thermal_body import HeatBody
 
 
 def material(**properties: Any) -> Material:

@@ -16,7 +16,7 @@ import gmsh
 import numpy as np
 from scipy.optimize import brentq
 
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from castx.constitutive import Law
 from castx.contact.choice import Contact
-from castx.mechanical_body import MechanicalBody
-from castx.mechanical_problem import MechanicalProblem
-from castx.newton import EquilibriumReport
+from castx.equilibrium.newton import EquilibriumReport
+from castx.equilibrium.problem import MechanicalProblem
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody
 from tests.elastic_bodies import STRESS_FREE, blocks, elastic, everywhere, fixed, problem
 
 SOFT, POISSON, PUSH = 1e9, 0.3, 2e-4

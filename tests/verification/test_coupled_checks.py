@@ -17,9 +17,9 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.mesh_source import gmsh_session
+from castx.domain.partition import partition
+from castx.domain.source import gmsh_session
 from castx.meshes.blocks import stacked_blocks
-from castx.partition import partition
 from tests import coupled_cases
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring
 
@@ -265,7 +265,7 @@ def test_a_rank_without_cells(comm, monkeypatch, name):
         return np.maximum(partition(*arguments), 1)
 
     alone = coupled_cases.fields(final_state(MPI.COMM_SELF, TIGHT_CASES[name]))
-    monkeypatch.setattr("castx.mesh.partition", away_from_first)
+    monkeypatch.setattr("castx.domain.mesh.partition", away_from_first)
     spread = final_state(comm, TIGHT_CASES[name])
     assert (len(spread.mesh.bodies["casting"].points) == 0) == (comm.rank == 0)
     difference, where = coupled_cases.largest_difference(coupled_cases.fields(spread), alone)

@@ -16,10 +16,10 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.case import read_case
-from castx.materials import find_material
-from castx.quantities import Solidification, thresholds_of
-from castx.simulation import Simulation
+from castx.case.case import read_case
+from castx.materials.lookup import find_material
+from castx.process.simulation import Simulation
+from castx.results.solidification import Solidification, thresholds_of
 
 NIYAMA, TIME = 2740.71, 8545.79
 END = 5.0

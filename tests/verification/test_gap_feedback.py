@@ -70,6 +70,6 @@ def test_passes(comm, data):
 
 @pytest.mark.serial
 def test_without_acceleration_it_fails(comm, monkeypatch):
-    monkeypatch.setattr("castx.relaxation.AITKEN_BOUNDS", (1.0, 1.0))
+    monkeypatch.setattr("castx.coupling.relaxation.AITKEN_BOUNDS", (1.0, 1.0))
     with pytest.raises(ConvergenceError, match="the interfaces did not agree in 40 passes"):
         list(simulation(comm, bars(FEEDBACK)))

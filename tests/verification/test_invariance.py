@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.mechanical_problem import MechanicalProblem
+from castx.equilibrium.newton import EquilibriumReport
+from castx.equilibrium.problem import MechanicalProblem
 from castx.meshes import GENERATORS
-from castx.newton import EquilibriumReport
 from tests.elastic_bodies import (
     body,
     drawn,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.measures import nodal_volumes
+from castx.domain.measures import nodal_volumes
 from tests.coupled_cases import ALUMINIUM, STEEL, cylinder, ring, simulation
 
 FLOWING = {

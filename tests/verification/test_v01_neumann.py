@@ -13,8 +13,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import erf, erfc
 
-from castx.heat import HeatProblem
-from castx.thermal_body import HeatBody
+from castx.heat.body import HeatBody
+from castx.heat.problem import HeatProblem
 from tests.verification.heat_strips import material, profile, run, solid_thickness, strip, wall_at
 
 KS, KL, CS, CL, LATENT, TM, TW, TI = 210.0, 95.0, 3.0e6, 2.58e6, 1.08048e9, 660.0, 580.0, 740.0

@@ -16,8 +16,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import erf, erfc
 
-from castx.conductance import PairState
-from castx.thermal_body import HeatBody
+from castx.heat.body import HeatBody
+from castx.transfer.conductance import PairState
 from tests.verification.heat_strips import (
     casting_on_mould,
     material,

@@ -18,8 +18,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from castx.heat import HeatProblem
-from castx.thermal_body import HeatBody
+from castx.heat.body import HeatBody
+from castx.heat.problem import HeatProblem
 from tests.verification.heat_strips import material, profile, run, strip, wall_at
 
 KS, KL, CS, CL, LATENT = 180.0, 85.0, 2.75e6, 2.70e6, 9.8e8

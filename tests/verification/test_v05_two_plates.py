@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.conductance import PairState
-from castx.heat_boundaries import SurfaceHeat
+from castx.heat.body import HeatBody
+from castx.heat.boundaries import SurfaceHeat
 from castx.tables import Table
-from castx.thermal_body import HeatBody
+from castx.transfer.conductance import PairState
 from tests.verification.heat_strips import casting_on_mould, material, profile, strip
 
 THICKNESS, CONDUCTIVITY, EXCHANGE, COLD, HOT = 0.495, 40.0, 80.0, 100.0, 300.0

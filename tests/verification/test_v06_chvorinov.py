@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.thermal_body import HeatBody
+from castx.heat.body import HeatBody
 from tests.verification.heat_strips import (
     casting_on_mould,
     material,

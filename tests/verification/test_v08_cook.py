@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from castx.mechanical_problem import MechanicalProblem
+from castx.equilibrium.problem import MechanicalProblem
 from tests.elastic_bodies import at, body, drawn, elastic, fixed, problem, pulled
 from tests.verification.cook import TIP, draw_membrane, inner_pressures
 

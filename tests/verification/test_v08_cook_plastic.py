@@ -17,12 +17,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from castx import constitutive
-from castx.constitutive import SMALLEST_SECANT, Law
-from castx.constraints import SurfaceDisplacement
-from castx.equilibrium import EquilibriumReport
-from castx.mechanical_body import MechanicalBody, SurfaceLoad
-from castx.tables import FloatArray, Table
+from castx.arrays import FloatArray
+from castx.equilibrium.equilibrium import EquilibriumReport
+from castx.mechanics.body.constitutive import law as constitutive
+from castx.mechanics.constitutive.law import SMALLEST_SECANT, Law
+from castx.mechanics.description import MechanicalBody, SurfaceLoad
+from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.tables import Table
 from tests.elastic_bodies import at, drawn, elastic, fixed, heat, problem
 from tests.verification.cook import TIP, draw_membrane, inner_pressures
 

@@ -16,12 +16,13 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.constitutive import Law
+from castx.arrays import FloatArray
+from castx.domain.source import gmsh_session
+from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
-from castx.mechanical_body import MechanicalBody, SurfaceLoad
-from castx.mechanical_problem import MechanicalProblem
-from castx.mesh_source import gmsh_session
-from castx.tables import FloatArray, Table
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody, SurfaceLoad
+from castx.tables import Table
 from tests import coupled_cases
 from tests.elastic_bodies import (
     at,

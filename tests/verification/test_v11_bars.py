@@ -19,7 +19,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from castx.tables import FloatArray
+from castx.arrays import FloatArray
 from tests.verification.bars import KINDS, Kind, bar, stresses
 
 VISCOPLASTIC = "thermo-elasto-viscoplastic"

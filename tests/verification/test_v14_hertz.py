@@ -14,8 +14,8 @@ import gmsh
 import numpy as np
 import pytest
 
+from castx.case.pairing import Pairing
 from castx.contact.choice import Contact
-from castx.contact.pairing import Pairing
 from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, problem, pushed
 
 YOUNG, POISSON = {"upper": 7e9, "lower": 70e9}, 0.33

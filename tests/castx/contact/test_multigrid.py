@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.mechanical_problem import MechanicalProblem
+from castx.equilibrium.problem import MechanicalProblem
 from tests.elastic_bodies import body, elastic, everywhere, fixed, gaps, generated, problem
 
 RADIUS, HEIGHT = 0.04, 0.1

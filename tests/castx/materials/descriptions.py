@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from castx.materials import Material, MaterialDescription
+from castx.materials.description import MaterialDescription
+from castx.materials.material import Material
 
 ALLOY: dict[str, Any] = {
     "density": 2500.0,

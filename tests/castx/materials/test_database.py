@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from castx.arrays import FloatArray
 from castx.errors import CaseError
-from castx.flow import PLASTIC, VISCOPLASTIC, law_problems
-from castx.materials import Material, database_entry, database_names, find_material
-from castx.materials.database import UNKNOWN_SOURCE, read_entry
+from castx.materials.database import UNKNOWN_SOURCE, database_entry, database_names, read_entry
+from castx.materials.flow import PLASTIC, VISCOPLASTIC, law_problems
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
 from castx.materials.phased import Phased
-from castx.tables import FloatArray, Table
+from castx.tables import Table
 
 pytestmark = pytest.mark.serial
 

@@ -8,17 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from castx.errors import CaseError
-from castx.materials import (
-    EnthalpyCurve,
+from castx.materials.enthalpy import CURVE_TOLERANCE, EnthalpyCurve, enthalpy_curve
+from castx.materials.phased import Phased
+from castx.materials.solid_fraction import (
     LeverLaw,
     LinearLaw,
-    Phased,
     ScheilLaw,
+    SolidFractionLaw,
     TabulatedLaw,
-    enthalpy_curve,
 )
-from castx.materials.enthalpy import CURVE_TOLERANCE
-from castx.materials.solid_fraction import SolidFractionLaw
 from castx.tables import Table
 
 pytestmark = pytest.mark.serial

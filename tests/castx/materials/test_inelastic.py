@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError
-from castx.materials import find_material
 from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
 from tests.castx.materials.descriptions import alloy, described
 
 pytestmark = pytest.mark.serial

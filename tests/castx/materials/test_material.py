@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError
-from castx.materials import Material, PropertyRow
+from castx.materials.material import Material
+from castx.materials.sources import PropertyRow
 from tests.castx.materials.descriptions import alloy, described
 
 pytestmark = pytest.mark.serial

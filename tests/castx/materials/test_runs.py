@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from castx.flow import VISCOPLASTIC
-from castx.materials import database_names, find_material
+from castx.materials.database import database_names
+from castx.materials.flow import VISCOPLASTIC
+from castx.materials.lookup import find_material
 from tests.coupled_cases import ring, simulation
 
 pytestmark = pytest.mark.serial

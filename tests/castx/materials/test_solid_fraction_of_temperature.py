@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.materials import find_material
+from castx.materials.lookup import find_material
 
 pytestmark = pytest.mark.serial
 

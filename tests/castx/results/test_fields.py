@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import pyvista
 
-from castx.quantities import Solidification
-from castx.results.disk import Disk
 from castx.results.fields import Fields
+from castx.results.files.disk import Disk
+from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
 NAMES = ("temperature", "displacement", "stress", "von_mises", "gap", "niyama")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from castx.results.files.series import Series, cut_back, read_series
 from castx.results.history import History, ordered_totals
-from castx.results.series import Series, cut_back, read_series
-from castx.snapshot import StepCounters
+from castx.results.snapshot import StepCounters
 from tests.castx.fakes import FakeSnapshot
 
 

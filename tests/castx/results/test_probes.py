@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from castx.cell_kinds import KINDS
+from castx.domain.cell_kinds import KINDS
 from castx.errors import CaseError
+from castx.results.files.series import read_series
 from castx.results.locate import interpolation_weights
 from castx.results.probes import Probes
-from castx.results.series import read_series
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh, fake_probe
 
 LINEAR = {

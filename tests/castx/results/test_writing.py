@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import pyvista
 
-from castx.case import read_case
+from castx.case.case import read_case
+from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
-from castx.mesh import build_mesh
-from castx.results import Results, read_series
-from castx.results.writing import wanted_fields
-from castx.snapshot import StepCounters
+from castx.results.files.series import read_series
+from castx.results.snapshot import StepCounters
+from castx.results.writing import Results, wanted_fields
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
 CONTENT = {

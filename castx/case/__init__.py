@@ -1,0 +1,1 @@
+"""What the user asks for: the case as frozen, validated descriptions."""

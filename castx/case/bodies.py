@@ -1,0 +1,59 @@
+"""Descriptions of the bodies of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, StrictStr
+
+from castx.case.initial_temperature import MISSING, InitialTemperature, read_initial_temperature
+from castx.input.entries import (
+    TEMPERATURES,
+    TIMES,
+    Choice,
+    Description,
+    EntryName,
+    Tabulated,
+    over_time,
+)
+from castx.input.problems import Problem
+from castx.input.units import HEAT_SOURCE
+from castx.tables import Table
+
+
+def _start_of_history(body: dict[str, Any]) -> InitialTemperature:
+    history = body.get("temperature_history")
+    if not isinstance(history, Table):
+        return MISSING
+    return InitialTemperature(Table.constant(float(history.values[0])))
+
+
+class Body(Description):
+    """One body: a named volume of the mesh, its material, initial temperature and law.
+
+    `temperature` [°C] is the initial one, uniform, along a coordinate or from a file, by default
+    the start of `temperature_history`; `heat_source` [W/m³] over time; `formulation` None: "mixed"
+    on simplices, else "q1p0".
+    """
+
+    name: EntryName
+    material: Annotated[StrictStr, Field(max_length=100)]
+    temperature_history: Annotated[Table | None, Tabulated(TEMPERATURES, TIMES)] = None
+    temperature: Annotated[InitialTemperature, PlainValidator(read_initial_temperature)] = Field(
+        default_factory=_start_of_history
+    )
+    heat_source: Annotated[Table | None, over_time(HEAT_SOURCE)] = None
+    law: Annotated[
+        str,
+        Choice(
+            ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic", "rigid")
+        ),
+    ] = "thermo-elastic"
+    formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None
+    stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield a missing initial temperature."""
+        if self.temperature.is_missing:
+            yield Problem(("temperature",), "missing; the initial temperature in °C is needed")

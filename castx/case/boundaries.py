@@ -1,0 +1,206 @@
+"""Descriptions of what acts on the outer surfaces of the bodies, and of gravity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, ValidationInfo, field_validator
+
+from castx.errors import CaseError
+from castx.input.entries import Choice, Description, Quantity, over_time
+from castx.input.problems import Problem, Refusal, among, refuse
+from castx.input.units import (
+    ACCELERATION,
+    HEAT_FLUX,
+    HEAT_TRANSFER,
+    LENGTH,
+    PURE_NUMBER,
+    STRESS,
+    TEMPERATURE,
+)
+from castx.input.variation import Variation, Varying
+from castx.tables import Table
+
+DIRECTIONS = ("x", "y", "z", "r", "normal", "all")
+
+_NEEDED: dict[str, tuple[str, ...]] = {
+    "insulated": (),
+    "temperature": ("value",),
+    "flux": ("value",),
+    "convection": ("coefficient", "ambient"),
+    "radiation": ("emissivity", "ambient"),
+}
+COEFFICIENT = Varying(
+    Quantity(HEAT_TRANSFER, least=0.0), ("temperature", "time"), ("film", "surface"), rows=True
+)
+_MOST_CONDITIONS = 20
+
+
+class HeatCondition(Description):
+    """Heat through a surface; every number may be a table over time.
+
+    `value` is a temperature [°C] or a flux into the body [W/m²], by type; `coefficient` [W/m²/K] of
+    convection may instead vary over the temperature of the film, (T + ambient)/2, or of the
+    surface; `ambient` [°C] belongs to convection and radiation, `emissivity` to radiation.
+    """
+
+    type: Annotated[str, Choice(tuple(_NEEDED))]
+    value: Table | None = None
+    coefficient: Annotated[Variation | None, COEFFICIENT] = None
+    ambient: Annotated[Table | None, over_time(TEMPERATURE)] = None
+    emissivity: Annotated[Table | None, over_time(PURE_NUMBER, above=0.0, most=1.0)] = None
+
+    @field_validator("value", mode="plain")
+    @classmethod
+    def _read_value(cls, value: Any, info: ValidationInfo) -> Table | None:
+        if "type" not in info.data:  # refused already
+            return None
+        dimension = HEAT_FLUX if info.data["type"] == "flux" else TEMPERATURE
+        return over_time(dimension).read(value)
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield numbers that the type lacks or cannot use."""
+        needed = _NEEDED[self.type]
+        for key in ("value", "coefficient", "ambient", "emissivity"):
+            if key in needed and getattr(self, key) is None:
+                yield Problem((key,), f"missing; heat of type {self.type!r} needs it")
+            if key not in needed and getattr(self, key) is not None:
+                used = ", ".join(needed) or "no numbers"
+                yield Problem((key,), f"heat of type {self.type!r} uses {used}")
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementCondition:
+    """Prescribed displacement of a surface in one direction.
+
+    Args:
+        direction: one of `DIRECTIONS`, or "free": a stage lifts what held the surface.
+        value: metres over time, along the direction; None when uniform.
+        uniform: all nodes of the surface move equally, with a free resultant.
+    """
+
+    direction: str
+    value: Table | None
+    uniform: bool
+
+
+FREE = DisplacementCondition("free", None, uniform=False)
+
+
+def _heat_conditions(value: Any) -> tuple[HeatCondition, ...]:
+    if not isinstance(value, list | tuple):
+        return (HeatCondition.read(value),)
+    if not 1 <= len(value) <= _MOST_CONDITIONS:
+        raise CaseError(f"a list of 1 to {_MOST_CONDITIONS} heat conditions is needed")
+    conditions = []
+    for index, entry in enumerate(value):
+        try:
+            conditions.append(HeatCondition.read(entry))
+        except Refusal as error:
+            raise error.inside(index) from None
+    return tuple(conditions)
+
+
+def _displacements(value: Any) -> tuple[DisplacementCondition, ...]:
+    if isinstance(value, tuple):
+        return value
+    if value == FREE.direction:
+        return (FREE,)
+    if not isinstance(value, dict) or not value:
+        raise CaseError("a table of directions is needed, such as { normal = 0 }")
+    if "all" in value and len(value) > 1:
+        raise refuse("leaves nothing for the other directions", "all")
+    return tuple(_displacement(direction, entry) for direction, entry in value.items())
+
+
+def _displacement(direction: str, value: Any) -> DisplacementCondition:
+    if direction not in DIRECTIONS:
+        raise refuse(f"unknown direction; {among(direction, DIRECTIONS)}", direction)
+    if value == "uniform":
+        return DisplacementCondition(direction, None, uniform=True)
+    try:
+        return DisplacementCondition(direction, over_time(LENGTH).read(value), uniform=False)
+    except Refusal as error:
+        raise error.inside(direction) from None
+    except CaseError as error:
+        raise refuse(f'{error}, or "uniform"', direction) from None
+
+
+class Boundary(Description):
+    """Conditions on one named surface, `on = "body/surface"`.
+
+    `pressure` [Pa] over time presses on the surface; `traction` [Pa] has one table per direction.
+    """
+
+    on: str
+    heat: Annotated[tuple[HeatCondition, ...], PlainValidator(_heat_conditions)] = ()
+    displacement: Annotated[tuple[DisplacementCondition, ...], PlainValidator(_displacements)] = ()
+    pressure: Annotated[Table | None, over_time(STRESS)] = None
+    traction: (
+        Annotated[tuple[Annotated[Table, over_time(STRESS)], ...], Field(max_length=3)] | None
+    ) = None
+
+    @field_validator("on", mode="plain")
+    @classmethod
+    def _read_on(cls, value: Any) -> str:
+        if not isinstance(value, str) or len(value) > 200 or not all(value.partition("/")):
+            raise CaseError('a surface is named "body/surface"')
+        return value
+
+    @property
+    def body(self) -> str:
+        """Name of the body that owns the surface."""
+        return self.on.partition("/")[0]
+
+    @property
+    def surface(self) -> str:
+        """Name of the surface on its body."""
+        return self.on.partition("/")[2]
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield heat conditions that exclude each other, and a boundary that says nothing."""
+        types = [condition.type for condition in self.heat]
+        for alone in ("insulated", "temperature"):
+            if alone in types and len(types) > 1:
+                yield Problem(("heat",), f"type {alone!r} excludes every other heat condition")
+        if not (self.heat or self.displacement or self.pressure or self.traction):
+            yield Problem((), "says nothing; give heat, displacement, pressure or traction")
+
+
+class Loads(Description):
+    """Forces on all bodies: gravity [m/s²], one number per direction of the model after loading."""
+
+    gravity: Annotated[
+        tuple[Annotated[float, Quantity(ACCELERATION)], ...], Field(max_length=3)
+    ] = ()
+
+
+def _surface_names(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or len(value) > _MOST_CONDITIONS:
+        raise CaseError('a list of surfaces "body/surface" is needed')
+    for index, name in enumerate(value):
+        if not isinstance(name, str) or len(name) > 200 or not all(name.partition("/")):
+            raise refuse('a surface is named "body/surface"', index)
+        if name in value[:index]:
+            raise refuse("is there already", index)
+    return tuple(value)
+
+
+class Support(Description):
+    """What holds bodies that nothing else holds.
+
+    `in_gate`: surfaces "body/surface" that hold a body only while it has lost all contact.
+    """
+
+    mode: Annotated[str, Choice(("automatic", "none"))] = "automatic"
+    in_gate: Annotated[tuple[str, ...], PlainValidator(_surface_names)] = ()
+
+    def by_body(self) -> dict[str, list[str]]:
+        """Return the names of the in-gate surfaces by body."""
+        found: dict[str, list[str]] = {}
+        for place in self.in_gate:
+            body, _, surface = place.partition("/")
+            found.setdefault(body, []).append(surface)
+        return found

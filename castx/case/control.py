@@ -1,0 +1,110 @@
+"""Descriptions of how a case is run: time steps, coupling of heat and mechanics, solvers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator
+
+from castx.errors import CaseError
+from castx.input.entries import Choice, Description, Quantity, Whole
+from castx.input.problems import Problem, refuse
+from castx.input.units import PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
+
+PetscOptions = dict[str, str | int | float | bool]
+
+_Duration = Annotated[float, Quantity(TIME, above=0.0)]
+_Tolerance = Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)]
+_MOST_STEPS = 10_000_000
+_MOST_OPTIONS = 200
+_LONGEST_OPTION = 200
+_OPTION = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_FILE_VIEWER = re.compile(r"\w*:[^:]")
+
+
+def _substeps(value: Any) -> str | int:
+    if value == "automatic":
+        return "automatic"
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
+        raise CaseError('"automatic" or a whole number from 1 to 1000 is needed')
+    return value
+
+
+def _options(value: Any) -> PetscOptions:
+    """Return a table of PETSc options that can set solvers but neither run code nor touch files."""
+    if not isinstance(value, dict) or len(value) > _MOST_OPTIONS:
+        raise CaseError('a table of PETSc options is needed: { ksp_rtol = 1e-8, pc_type = "gamg" }')
+    for name, setting in value.items():
+        if not isinstance(name, str) or not _OPTION.fullmatch(name):
+            raise refuse("a PETSc option is named without its leading dash and prefix", name)
+        if not isinstance(setting, str | int | float):
+            raise refuse("a PETSc option is a text, a number, true or false", name)
+        text = str(setting)
+        if len(text) > _LONGEST_OPTION or not text.isprintable():
+            raise refuse(f"at most {_LONGEST_OPTION} printable characters are allowed", name)
+        if "python" in name or text in ("python", "shell"):
+            raise refuse("options that run user code are not allowed in a case file", name)
+        if _FILE_VIEWER.match(text):
+            raise refuse("options that write files are not allowed in a case file", name)
+    return dict(value)
+
+
+def _thousandth_of_end(time: dict[str, Any]) -> float:
+    return float(min(time.get("end", 1.0) * 1e-3, time.get("largest_step", 1.0)))
+
+
+class Time(Description):
+    """Span and steps of a run; all times in s, `temperature_change` in K per step.
+
+    `fixed_step` switches the adaptive control off; `heat_substeps` are heat steps within one
+    mechanical step.
+    """
+
+    end: _Duration
+    largest_step: _Duration = Field(default_factory=lambda time: time.get("end", 1.0) / 20.0)
+    first_step: _Duration = Field(default_factory=_thousandth_of_end)
+    smallest_step: _Duration = Field(
+        default_factory=lambda time: time.get("first_step", 1.0) * 1e-3
+    )
+    temperature_change: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] = 20.0
+    fixed_step: _Duration | None = None
+    heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield steps out of order and step counts beyond all reason."""
+        if self.first_step > self.largest_step:
+            origin = "" if "largest_step" in self.model_fields_set else ", by default end/20"
+            text = f"must not exceed largest_step, {self.largest_step:g} s{origin}"
+            yield Problem(("first_step",), text)
+        if self.smallest_step > self.first_step:
+            yield Problem(("smallest_step",), f"must not exceed first_step, {self.first_step:g} s")
+        for key in ("largest_step", "fixed_step"):
+            step = getattr(self, key)
+            if step is not None and self.end / step > _MOST_STEPS:
+                yield Problem((key,), f"makes more than {_MOST_STEPS} steps up to {self.end:g} s")
+
+
+class Coupling(Description):
+    """How heat and mechanics act on each other within a step.
+
+    `tolerance`: relative change of every pair's thermal resistance between passes.
+    """
+
+    scheme: Annotated[
+        str, Choice(("thermal", "mechanical", "one-way", "staggered", "iterated"))
+    ] = "iterated"
+    tolerance: _Tolerance = 1e-3
+    passes: Annotated[int, Whole(1, 10_000)] = 40
+
+
+class Solver(Description):
+    """Linear solver, tolerances of the nonlinear solvers, and PETSc options by their own names."""
+
+    linear: Annotated[str, Choice(("automatic", "direct", "iterative"))] = "automatic"
+    heat: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
+    mechanics: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
+    contact: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
+    heat_tolerance: _Tolerance = 1e-8
+    mechanics_tolerance: _Tolerance = 1e-3

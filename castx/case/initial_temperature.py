@@ -1,0 +1,155 @@
+"""Description of the temperature of a body at the start; no dolfinx."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.arrays import FloatArray
+from castx.errors import CaseError
+from castx.input.coordinates import AXES, coordinate
+from castx.input.entries import TEMPERATURES, Choice, Quantity, Tabulated
+from castx.input.problems import Refusal, among, refuse
+from castx.input.units import LENGTH
+from castx.tables import Table
+
+SUFFIXES = (".vtu", ".xdmf")
+UNITS = ("degC", "K", "degF")
+_LONGEST_NAME = 200
+
+
+@dataclass(frozen=True)
+class FieldFile:
+    """A temperature field in a file of another program.
+
+    Args:
+        path: VTU, or XDMF, of which the last moment counts.
+        field: name of the field.
+        unit: of its numbers, one of `UNITS`.
+    """
+
+    path: Path
+    field: str
+    unit: str = "degC"
+
+
+@dataclass(frozen=True, eq=False)
+class InitialTemperature:
+    """Temperature of a body at the start: uniform, along a coordinate, or from a file [°C].
+
+    Args:
+        table: over the coordinate; constant where there is one number; None: from a file.
+        along: coordinate of the table, one of `AXES`.
+        file: the file.
+    """
+
+    table: Table | None
+    along: str = "x"
+    file: FieldFile | None = None
+
+    @property
+    def uniform(self) -> float | None:
+        """The one temperature of the body; None: it has several."""
+        if self.table is None or not self.table.is_constant:
+            return None
+        return float(self.table.values[0])
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Lowest and highest temperature; None before a file is read."""
+        if self.table is None:
+            return None
+        return float(self.table.values.min()), float(self.table.values.max())
+
+    @property
+    def hottest(self) -> float:
+        """Highest temperature; infinite before a file is read."""
+        return math.inf if self.bounds is None else self.bounds[1]
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether nothing was given."""
+        return self.table is None and self.file is None
+
+    @property
+    def text(self) -> str:
+        """The temperature in words."""
+        if self.file is not None:
+            return f"{self.file.field} of {self.file.path.name}"
+        low, high = self.bounds or (math.nan, math.nan)
+        return f"{low:g} °C" if low == high else f"{low:g} to {high:g} °C along {self.along}"
+
+    def beside(self, case: Path) -> InitialTemperature:
+        """Return the same with the path of the file, which is relative to that of the case."""
+        if self.file is None:
+            return self
+        path = case.resolve().parent / self.file.path
+        return replace(self, file=replace(self.file, path=path))
+
+    def at(self, points: npt.ArrayLike) -> FloatArray:
+        """Return the temperatures of a table at points (n, gdim) [°C]."""
+        assert self.table is not None
+        return np.asarray(self.table(coordinate(points, self.along)))
+
+
+MISSING = InitialTemperature(None)
+
+
+def read_initial_temperature(value: Any) -> InitialTemperature:
+    """Return the temperature that a number, { along, table } or { file, field, unit } describes.
+
+    Raises:
+        Refusal: with the offending key.
+    """
+    if isinstance(value, InitialTemperature):
+        return value
+    if not isinstance(value, dict):
+        return InitialTemperature(Table.constant(TEMPERATURES.read(value)))
+    if "file" in value:
+        return InitialTemperature(None, file=_field_file(value))
+    _check_keys(value, ("along", "table"), ("along", "table"))
+    along = _choice(value, "along", AXES)
+    try:
+        table = Tabulated(TEMPERATURES, Quantity(LENGTH)).read(value["table"])
+    except Refusal as error:
+        raise error.inside("table") from None
+    except CaseError as error:
+        raise refuse(str(error), "table") from None
+    return InitialTemperature(table, along)
+
+
+def _field_file(value: Mapping[str, Any]) -> FieldFile:
+    _check_keys(value, ("file", "field"), ("file", "field", "unit"))
+    for key in ("file", "field"):
+        text = value[key]
+        if not isinstance(text, str) or not 0 < len(text) <= _LONGEST_NAME or "\0" in text:
+            raise refuse(f"a text in quotes of 1 to {_LONGEST_NAME} characters is needed", key)
+    path = Path(value["file"])
+    if path.suffix.lower() not in SUFFIXES:
+        raise refuse(f"a file of type {' or '.join(SUFFIXES)} is needed", "file")
+    unit = _choice(value, "unit", UNITS) if "unit" in value else "degC"
+    return FieldFile(path, value["field"], unit)
+
+
+def _check_keys(
+    value: Mapping[str, Any], needed: tuple[str, ...], known: tuple[str, ...]
+) -> None:
+    for key in value:
+        if key not in known:
+            raise refuse(f"unknown key; {among(key, known, what='known keys')}", key)
+    for key in needed:
+        if key not in value:
+            raise refuse(f"missing; {' and '.join(needed)} are needed", key)
+
+
+def _choice(value: Mapping[str, Any], key: str, names: tuple[str, ...]) -> str:
+    try:
+        return Choice(names).read(value[key])
+    except CaseError as error:
+        raise refuse(str(error), key) from None

@@ -1,0 +1,277 @@
+"""What must fit together between the parts of a case."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from castx.case.boundaries import FREE, Boundary
+from castx.case.reading.contact import face_problems, rigid_problems
+from castx.case.reading.surfaces import surface_problems
+from castx.errors import CaseError
+from castx.input.problems import KeyPath, Problem, Refusal, among
+from castx.materials.description import MaterialDescription
+from castx.materials.flow import law_problems
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+
+if TYPE_CHECKING:
+    from castx.case.bodies import Body
+    from castx.case.case import Case
+    from castx.case.interfaces import Interface
+
+_DIRECTIONS = {
+    "3d": ("x", "y", "z", "normal", "all"),
+    "axisymmetric": ("r", "z", "normal", "all"),
+    "plane": ("x", "y", "normal", "all"),
+}
+_COORDINATES = {"3d": ("x", "y", "z", "r"), "axisymmetric": ("r", "z"), "plane": ("x", "y")}
+
+
+def case_problems(case: Case) -> Iterator[Problem]:
+    """Yield all contradictions between parts that are right in themselves."""
+    yield from _name_problems(case)
+    yield from _material_problems(case)
+    yield from _interface_problems(case)
+    yield from rigid_problems(case)
+    yield from _boundary_problems(case)
+    yield from _gravity_problems(case)
+    yield from _probe_problems(case)
+
+
+def gravity_along(gravity: Sequence[float], model: str) -> tuple[float, ...]:
+    """Return gravity with one number per direction of the model [m/s²].
+
+    Three numbers are (x, y, z) of space; those without a direction in the model are dropped.
+    """
+    if not gravity:
+        return (0.0,) * (3 if model == "3d" else 2)
+    if model == "axisymmetric" and len(gravity) == 3:
+        return (0.0, gravity[2])
+    return tuple(gravity if model == "3d" else gravity[:2])
+
+
+def starts_solid(body: Body, material: MaterialDescription) -> bool:
+    """Return whether a body lies below its solidus at the start, and later if that is prescribed.
+
+    Such a body, a mould or a chill, may do without the liquid of its material.
+    """
+    history = body.temperature_history
+    hottest = body.temperature.hottest if history is None else float(history.values.max())
+    freezing = material.freezing_range
+    return freezing is None or hottest < freezing[0]
+
+
+def _kind(model: str) -> str:
+    return model if model in _DIRECTIONS else "plane"
+
+
+def _name_problems(case: Case) -> Iterator[Problem]:
+    for key in ("bodies", "probes"):
+        seen: set[str] = set()
+        for index, item in enumerate(getattr(case, key)):
+            if item.name in seen:
+                yield Problem((key, index, "name"), "is there already; names must differ")
+            seen.add(item.name)
+    known = case.geometry.surfaces
+    for index, body in enumerate(case.bodies):
+        if known is not None and body.name not in known:
+            makes = among(body.name, list(known), what=f"{case.geometry.generator} makes")
+            yield Problem(("bodies", index, "name"), f"no such body; {makes}")
+
+
+def _material_problems(case: Case) -> Iterator[Problem]:
+    descriptions: dict[str, MaterialDescription] = {}
+    used = [body.material for body in case.bodies]
+    for name in dict.fromkeys([*used, *case.materials]):
+        try:
+            material = find_material(name, case.materials)
+            descriptions[name] = material.description
+            yield from _enthalpy_problems(material)
+        except Refusal as refusal:
+            yield from refusal.problems
+        except CaseError as error:
+            for index in (index for index, material in enumerate(used) if material == name):
+                yield Problem(("bodies", index, "material"), str(error))
+    for index, body in enumerate(case.bodies):
+        if body.material in descriptions:
+            yield from _body_problems(case, index, body, descriptions[body.material])
+
+
+def _enthalpy_problems(material: Material) -> Iterator[Problem]:
+    """Yield an enthalpy that cannot be inverted."""
+    if material.description.density is None or material.description.heat_capacity is None:
+        return
+    try:
+        _ = material.enthalpy
+    except CaseError as error:
+        yield Problem(("materials", material.name, "heat_capacity"), str(error))
+
+
+def _body_problems(
+    case: Case, index: int, body: Body, material: MaterialDescription
+) -> Iterator[Problem]:
+    yield from _temperature_problems(case, index, body, material)
+    scheme = case.coupling.scheme
+    for key, purpose in _needed_properties(case, body, material):
+        if getattr(material, key) is None:
+            stated = body.material in case.materials
+            path = ("materials", body.material, key) if stated else ("bodies", index, "material")
+            text = "missing" if stated else f"has no {key}"
+            yield Problem(path, f"{text}; body {body.name!r} needs it for {purpose}")
+    if body.temperature_history is not None and scheme != "mechanical":
+        text = f'prescribes the temperature, but coupling.scheme = "{scheme}" solves for it'
+        cure = 'use scheme = "mechanical" or leave it out'
+        yield Problem(("bodies", index, "temperature_history"), f"{text}; {cure}")
+    if scheme == "thermal":
+        return
+    for key, text in law_problems(material, body.law):
+        stated = body.material in case.materials
+        place = ("materials", body.material, key) if stated else ("bodies", index, "material")
+        yield Problem(place, f"{key} is {text}; body {body.name!r} needs it for its law")
+    if body.formulation == "displacement" and material.liquid is not None:
+        if not starts_solid(body, material):
+            text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
+            yield Problem(("bodies", index, "formulation"), f'{text}, or liquid = "none" there')
+
+
+def _needed_properties(
+    case: Case, body: Body, material: MaterialDescription
+) -> Iterator[tuple[str, str]]:
+    scheme = case.coupling.scheme
+    if scheme != "mechanical":
+        yield from ((key, "heat") for key in ("density", "heat_capacity", "conductivity"))
+    if scheme == "thermal":
+        return
+    if body.law == "rigid":
+        return
+    yield from ((key, "mechanics") for key in ("young_modulus", "poisson_ratio"))
+    if scheme == "mechanical" and any(case.loads.gravity):
+        yield "density", "gravity"
+    constant = body.temperature_history is None and material.stress_free is None
+    if scheme != "mechanical" or not constant or material.freezing_range is not None:
+        yield "expansion", "its thermal strain"
+
+
+def _temperature_problems(
+    case: Case, index: int, body: Body, material: MaterialDescription
+) -> Iterator[Problem]:
+    given, place = body.temperature, ("bodies", index, "temperature")
+    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    if given.table is not None and not given.table.is_constant and given.along not in coordinates:
+        allowed = among("", coordinates, what="coordinates of this model")
+        yield Problem((*place, "along"), allowed)
+    if given.uniform is not None or given.is_missing:
+        return
+    scheme = case.coupling.scheme
+    if scheme == "mechanical":
+        text = 'must be uniform with coupling.scheme = "mechanical", which solves no heat equation'
+        yield Problem(place, text)
+    elif scheme != "thermal" and material.stress_free is None and material.freezing_range is None:
+        text = f"is not uniform, so {body.material!r} needs stress_free, the temperature at which"
+        yield Problem(place, f"{text} {body.name!r} is free of stress")
+
+
+def _interface_problems(case: Case) -> Iterator[Problem]:
+    names = [body.name for body in case.bodies]
+    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    seen: set[frozenset[str]] = set()
+    for index, interface in enumerate(case.interfaces):
+        place = ("interfaces", index)
+        for side, name in enumerate(interface.bodies):
+            if name not in names:
+                yield Problem((*place, "bodies", side), f"unknown body; {among(name, names)}")
+        pair = frozenset(interface.bodies)
+        if len(pair) == 1:
+            yield Problem((*place, "bodies"), "an interface needs two different bodies")
+        elif pair in seen:
+            yield Problem((*place, "bodies"), "these bodies have an interface already")
+        seen.add(pair)
+        gap = interface.contact.initial_gap
+        if not gap.table.is_constant and gap.along not in coordinates:
+            allowed = among("", coordinates, what="coordinates of this model")
+            yield Problem((*place, "contact", "initial_gap", "along"), allowed)
+        yield from _heat_problems(case, index, interface)
+        yield from face_problems(case, index, interface)
+        if interface.heat is None and case.coupling.scheme != "mechanical":
+            yield Problem((*place, "heat"), 'missing; law = "none" lets no heat through')
+
+
+def _heat_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:
+    heat, place = interface.heat, ("interfaces", index, "heat")
+    if heat is None:
+        return
+    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    for number, patch in enumerate(heat.patches):
+        for axis in patch.within:
+            if axis not in coordinates:
+                allowed = among("", coordinates, what="coordinates of this model")
+                yield Problem((*place, "patches", number, "within", axis), allowed)
+    laws = [heat.law, *(heat.on(patch).law for patch in heat.patches)]
+    secondary = [body for body in case.bodies if body.name == interface.secondary]
+    if "solid-fraction" in laws and secondary and not _melts(case, secondary[0]):
+        text = f"the solid fraction of {interface.secondary!r} does not change: it never melts"
+        cure = "name the casting first in bodies, or take another law"
+        yield Problem((*place, "law"), f"{text}; {cure}")
+
+
+def _melts(case: Case, body: Body) -> bool:
+    try:
+        return find_material(body.material, case.materials).melts
+    except CaseError:
+        return True  # refused elsewhere
+
+
+def _boundary_problems(case: Case) -> Iterator[Problem]:
+    counts: Counter[tuple[str, str]] = Counter()
+    for index, boundary in enumerate(case.boundaries):
+        place = ("boundaries", index)
+        yield from surface_problems(case, (*place, "on"), boundary.body, boundary.surface)
+        for key in ("heat", "displacement", "pressure", "traction"):
+            if getattr(boundary, key):
+                counts[boundary.on, key] += 1
+            if counts[boundary.on, key] > 1 and getattr(boundary, key):
+                text = f"{boundary.on!r} has it already; put both in one entry"
+                yield Problem((*place, key), text)
+        if FREE in boundary.displacement:
+            text = "only a stage lifts what held a surface before; leave it out here"
+            yield Problem((*place, "displacement"), text)
+        yield from direction_problems(case, place, boundary)
+
+
+def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
+    """Yield directions of a boundary that the model does not have."""
+    allowed = _DIRECTIONS[_kind(case.geometry.model)]
+    for condition in boundary.displacement:
+        if condition is not FREE and condition.direction not in allowed:
+            known = among("", allowed, what=f"directions of the model {case.geometry.model!r}")
+            yield Problem((*place, "displacement", condition.direction), known)
+    if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
+        yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
+
+
+def _gravity_problems(case: Case) -> Iterator[Problem]:
+    gravity, model = case.loads.gravity, case.geometry.model
+    place = ("loads", "gravity")
+    if gravity and len(gravity) not in (3, case.geometry.gdim):
+        yield Problem(place, f"needs {case.geometry.gdim} components in the model {model!r}")
+    elif model == "axisymmetric" and any(gravity[:-1]):
+        yield Problem(place, "must point along the axis in an axisymmetric model: [0, -9.81]")
+    elif model not in ("3d", "axisymmetric") and any(gravity[2:]):
+        yield Problem(place, "must lie in the plane of a plane model: [0, -9.81]")
+
+
+def _probe_problems(case: Case) -> Iterator[Problem]:
+    known = {
+        "body": [body.name for body in case.bodies],
+        "interface": [interface.name for interface in case.interfaces],
+    }
+    for index, probe in enumerate(case.probes):
+        for key, names in known.items():
+            name = getattr(probe, key)
+            if name is not None and name not in names:
+                yield Problem(("probes", index, key), f"unknown {key}; {among(name, names)}")
+        if len(probe.at) != case.geometry.gdim:
+            text = f"needs {case.geometry.gdim} coordinates in the model {case.geometry.model!r}"
+            yield Problem(("probes", index, "at"), text)

@@ -1,0 +1,71 @@
+"""In what a case differs from the one of a checkpoint, and whether a run may go on with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from castx.errors import CaseError
+from castx.input.problems import KeyPath, dotted, show
+
+ALLOWED: tuple[KeyPath, ...] = (
+    ("name",),
+    ("time", "end"),
+    ("time", "smallest_step"),
+    ("coupling", "passes"),
+    ("output",),
+    ("probes",),
+    ("solver",),
+)
+"""What may change between two parts of a run: neither the model nor the steps that were taken."""
+
+ABSENT = object()
+
+
+def refuse_changes(before: Mapping[str, Any], now: Mapping[str, Any], source: str) -> None:
+    """Refuse to go on with a case that has become another one.
+
+    Args:
+        before: keys and values of the case of the checkpoint.
+        now: those of the case.
+        source: the checkpoint, for the message.
+
+    Raises:
+        CaseError: lists the keys that differ and may not.
+    """
+    changes = [
+        f"{dotted(path)} = {_shown(new)} (it was {_shown(old)})"
+        for path, old, new in differences(before, now)
+        if not any(path[: len(allowed)] == allowed for allowed in ALLOWED)
+    ]
+    if changes:
+        allowed = ", ".join(dotted(path) for path in ALLOWED)
+        raise CaseError(
+            f"the case is not the one of {source}; it differs in\n  "
+            + "\n  ".join(changes)
+            + f"\na run may go on with changes of {allowed} only; undo the others, or run the case "
+            "anew without --restart, in another folder (--output) to keep these results"
+        )
+
+
+def differences(old: Any, new: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Any]]:
+    """Yield path, old and new value of all that differs; lists of tables are entered."""
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        for key in [*old, *(key for key in new if key not in old)]:
+            yield from differences(old.get(key, ABSENT), new.get(key, ABSENT), (*path, key))
+    elif _are_tables(old) and _are_tables(new):
+        for index in range(max(len(old), len(new))):
+            before, now = (
+                values[index] if index < len(values) else ABSENT for values in (old, new)
+            )
+            yield from differences(before, now, (*path, index))
+    elif old is not new and old != new:
+        yield path, old, new
+
+
+def _are_tables(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
+
+
+def _shown(value: Any) -> str:
+    return "absent" if value is ABSENT else show(value)

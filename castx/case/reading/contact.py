@@ -1,0 +1,66 @@
+"""What must fit together between contact, bodies and supports of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING
+
+from castx.case.boundaries import Boundary
+from castx.case.reading.surfaces import surface_problems
+from castx.contact.choice import body_problem
+from castx.input.problems import KeyPath, Problem
+
+if TYPE_CHECKING:
+    from castx.case.case import Case
+    from castx.case.interfaces import Interface
+
+
+def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:
+    """Yield what pairs of nodes and faces cannot have."""
+    contact, place = interface.contact, ("interfaces", index)
+    if contact.pairing != "node-to-face":
+        return
+    law = interface.heat
+    if law is not None and "perfect" in (law.law, *(law.on(patch).law for patch in law.patches)):
+        text = '"perfect" joins the nodes of matching meshes; from node to face use "constant"'
+        yield Problem((*place, "heat", "law"), text)
+    for side, body in enumerate(interface.bodies if contact.surfaces else ()):
+        assert contact.surfaces is not None
+        where = (*place, "contact", "surfaces", side)
+        yield from surface_problems(case, where, body, contact.surfaces[side])
+
+
+def rigid_problems(case: Case) -> Iterator[Problem]:
+    """Yield what rigid bodies cannot have."""
+    rigid = {body.name for body in case.bodies if body.law == "rigid"}
+    if case.coupling.scheme == "thermal":
+        return
+    if rigid and len(rigid) == len(case.bodies):
+        yield Problem(("coupling", "scheme"), 'all bodies are rigid; use "thermal"')
+        return
+    for index, interface in enumerate(case.interfaces):
+        method, (secondary, primary) = interface.contact.method, interface.bodies
+        problem = body_problem(method, secondary, primary, rigid)
+        if problem and method != "none":
+            yield Problem(("interfaces", index, "contact", "method"), problem)
+    for index, boundary in enumerate(case.boundaries):
+        yield from load_problems(case, ("boundaries", index), boundary)
+    yield from _gate_problems(case, rigid)
+
+
+def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
+    """Yield loads of a boundary that a rigid body does not feel."""
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    for key in ("pressure", "traction"):
+        if boundary.body in rigid and getattr(boundary, key):
+            text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
+            yield Problem((*place, key), text)
+
+
+def _gate_problems(case: Case, rigid: Collection[str]) -> Iterator[Problem]:
+    for index, name in enumerate(case.support.in_gate):
+        body, _, surface = name.partition("/")
+        place = ("support", "in_gate", index)
+        yield from surface_problems(case, place, body, surface)
+        if body in rigid:
+            yield Problem(place, f"body {body!r} is rigid and cannot lose its place; leave it out")

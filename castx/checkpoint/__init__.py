@@ -1,0 +1,1 @@
+"""Saved states from which a run restarts on any number of ranks."""

@@ -1,0 +1,201 @@
+"""What `castx check` finds out before anything is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from mpi4py import MPI
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from castx.case.case import Case
+from castx.case.heat_transfer import InterfaceHeat
+from castx.case.interfaces import Interface
+from castx.case.reading.between_parts import starts_solid
+from castx.command.range_watch import outside_used_range, ranges_text
+from castx.coupling.building import formulation_of
+from castx.domain.memory import refuse_too_large
+from castx.domain.mesh import build_mesh
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.domain.pairs.pairing import paired
+from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
+from castx.heat.law_building import heat_exchange
+from castx.heat.starting import initial_temperatures
+from castx.materials.lookup import find_material
+from castx.process.building import stage_cases
+from castx.report.stages import cycle_text, stage_table
+from castx.results.probes import readings_of
+
+
+def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
+    """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
+
+    Raises:
+        CaseError: a probe lies outside its body, cells do not serve a formulation, an initial
+            temperature cannot be read, a patch of an interface holds no node, or a stage cannot be
+            run as described.
+        MeshError: the mesh does not hold what the case asks of it.
+    """
+    names = [body.name for body in case.bodies]
+    refuse_too_large(case.geometry, names, comm, solved=False)
+    mesh = build_mesh(case.geometry, names, comm)
+    pairs = {item.name: paired(mesh, item) for item in case.interfaces}
+    stages = stage_cases(case, mesh)
+    for probe in case.probes:
+        readings_of(probe, mesh, pairs)
+    for body in case.bodies:
+        if body.temperature.file is not None:
+            initial_temperatures(body.temperature, mesh.bodies[body.name], comm)
+    for described in case.interfaces:
+        heat_exchange(described, pairs[described.name], mesh)
+    formulations = [formulation_of(mesh, body) for body in case.bodies]
+    summary = mesh_summary(mesh)
+    box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
+    console.print(f"{case.name}: {case.geometry.model}, {box}", markup=False)
+    console.print(body_table(case, summary, formulations))
+    console.print(surface_table(case, summary))
+    console.print(size_text(case.geometry.model), markup=False)
+    for interface in summary.interfaces:
+        console.print(interface_text(case, interface), markup=False)
+    for described in case.interfaces:
+        if described.contact.pairing == "node-to-face":
+            console.print(faces_text(described, pairs[described.name], comm), markup=False)
+    if len(stages) > 1:
+        console.print(stage_table(case, stages))
+    if case.stages and case.stages[-1].repeat is not None:
+        console.print(cycle_text(case), markup=False)
+    for warning in material_warnings(case):
+        console.print(f"warning: {warning}", markup=False, style="yellow")
+    console.print("the case can be run", markup=False)
+
+
+def corner_text(corner: Sequence[float]) -> str:
+    """Return a point as people write it."""
+    return f"({', '.join(f'{value:g}' for value in corner)})"
+
+
+def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) -> Table:
+    """Return the bodies with their materials and sizes."""
+    headings = ("body", "material", "initially", "law", "nodes", "cells", "volume, m³")
+    table = Table(*headings, box=SIMPLE_HEAD)
+    rows = zip(case.bodies, summary.bodies, formulations, strict=True)
+    for body, sizes, formulation in rows:
+        table.add_row(
+            body.name,
+            body.material,
+            body.temperature.text,
+            f"{body.law}\n{formulation}",
+            str(sizes.nodes),
+            str(sizes.cells),
+            f"{sizes.volume:.4g}",
+        )
+    return table
+
+
+def size_text(model: str) -> str:
+    """Return what volumes and areas count for in a model."""
+    match model:
+        case "axisymmetric":
+            return "volumes and areas are those of the full turn"
+        case "3d":
+            return "volumes and areas are those of the meshed part"
+        case _:
+            return "volumes and areas are those of one metre of depth"
+
+
+def surface_table(case: Case, summary: MeshSummary) -> Table:
+    """Return the named surfaces with their areas and what the case asks of them."""
+    table = Table("surface", "area, m²", "conditions", box=SIMPLE_HEAD)
+    conditions = {
+        boundary.on: ", ".join(
+            [item.type for item in boundary.heat]
+            + [f"displacement {item.direction}" for item in boundary.displacement]
+            + (["pressure"] if boundary.pressure is not None else [])
+            + (["traction"] if boundary.traction is not None else [])
+        )
+        for boundary in case.boundaries
+    }
+    names = [body.name for body in case.bodies]
+    for body in summary.bodies:
+        for surface, area in body.surfaces.items():
+            if surface not in names:
+                on = f"{body.name}/{surface}"
+                table.add_row(on, f"{area:.4g}", conditions.get(on, free_text(surface)))
+        if body.unnamed > 0.0:
+            table.add_row(f"{body.name}, unnamed", f"{body.unnamed:.4g}", free_text(""))
+    return table
+
+
+def free_text(surface: str) -> str:
+    """Return what holds on a surface of which the case says nothing."""
+    if surface.startswith("symmetry-"):
+        return "insulated, displacement normal (symmetry)"
+    return "insulated, free"
+
+
+def interface_text(case: Case, summary: InterfaceSummary) -> str:
+    """Return one line about two bodies that touch."""
+    sizes = f"{summary.pairs} pairs, {summary.area:.4g} m²"
+    for interface in case.interfaces:
+        if set(interface.bodies) == set(summary.bodies):
+            laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
+            return f"interface {interface.name}: {sizes}, {laws}"
+    return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"
+
+
+def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> str:
+    """Return one line about an interface of meshes that do not match; collective."""
+    count, area = comm.allreduce(np.array([len(pairs.areas), pairs.areas.sum()]), op=MPI.SUM)
+    least = comm.allreduce(float(pairs.gap.min(initial=np.inf)), op=MPI.MIN)
+    most = comm.allreduce(float(pairs.gap.max(initial=-np.inf)), op=MPI.MAX)
+    sizes = f"{count:g} nodes face facets, {area:.4g} m², meshed gap {least:.3g} to {most:.3g} m"
+    laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
+    return f"interface {interface.name}: {sizes}, {laws}"
+
+
+def heat_text(heat: InterfaceHeat | None) -> str:
+    """Return in words how heat crosses an interface."""
+    if heat is None:
+        return "none"
+    radiation = " and radiation" if heat.radiation is not None else ""
+    patches = f", other on {len(heat.patches)} of its parts" if heat.patches else ""
+    return f"{heat.law}{radiation}{patches}"
+
+
+def material_warnings(case: Case) -> Iterator[str]:
+    """Yield what the temperatures of a case may ask of materials outside their ranges."""
+    low, high = temperature_range(case)
+    for body in case.bodies:
+        material = find_material(body.material, case.materials)
+        found = outside_used_range(case, body, material, low, high)
+        if found:
+            yield (
+                f"{body.material} ({body.name}) has data for less than the temperatures of the "
+                f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
+                "used"
+            )
+        assembled = material.stress_free is not None or case.coupling.scheme == "thermal"
+        if material.melts and not assembled and starts_solid(body, material.description):
+            yield (
+                f"{body.name} starts solid at {body.temperature.text}, but is free of stress at "
+                f"the solidus, {material.solidus:g} °C, as a casting is; for a mould or a chill "
+                f"set stress_free of {body.material}"
+            )
+
+
+def temperature_range(case: Case) -> tuple[float, float]:
+    """Return the lowest and the highest temperature that a case names [°C]."""
+    found = [bound for body in case.bodies for bound in body.temperature.bounds or ()]
+    tables = [body.temperature_history for body in case.bodies]
+    tables += [stage.spray.ambient for stage in case.stages if stage.spray is not None]
+    later = [boundary for stage in case.stages for boundary in stage.boundaries]
+    for boundary in (*case.boundaries, *later):
+        for heat in boundary.heat:
+            tables.append(heat.value if heat.type == "temperature" else heat.ambient)
+    for table in tables:
+        if table is not None:
+            found += [float(table.values.min()), float(table.values.max())]
+    return min(found, default=20.0), max(found, default=20.0)

@@ -1,0 +1,160 @@
+"""Tables for the terminal: the materials, all numbers of one of them, and the versions in use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from castx.environment import versions
+from castx.materials.database import database_entry, database_names
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.materials.sources import Property, numbers
+
+WIDTH = 52
+"""Characters that a line of a table may have beside the names, in a terminal of 80 columns."""
+
+PEOPLES_UNITS = {
+    "young_modulus": ("GPa", 1e-9),
+    "yield_stress": ("MPa", 1e-6),
+    "hardening.linear": ("MPa", 1e-6),
+    "hardening.saturation": ("MPa", 1e-6),
+    "kinematic_hardening": ("MPa", 1e-6),
+    "viscosity": ("MPa s^(1/n)", 1e-6),
+    "expansion": ("µm/m/K", 1e6),
+    "latent_heat": ("kJ/kg", 1e-3),
+    "activation_energy": ("kJ/mol", 1e-3),
+    "coefficient": ("1/(s Pa^n)", 1.0),
+    "liquid.activation_energy": ("kJ/mol", 1e-3),
+    "liquid.coefficient": ("1/(s Pa^n)", 1.0),
+}
+"""Units that people use for a property, with the factor from SI; n is its exponent."""
+
+DATA = {
+    "h": ("heat", ("density", "heat_capacity", "conductivity")),
+    "e": ("elastic", ("young_modulus", "poisson_ratio", "expansion")),
+    "p": ("plastic", ("yield_stress",)),
+    "c": ("creep", ("viscosity",)),
+    "l": ("liquid", ("liquid",)),
+}
+"""What a material may have data for, by the letter that stands for it, with the keys it needs."""
+
+
+def material_list(case_materials: Mapping[str, MaterialDescription]) -> Group:
+    """Return all materials with their class, where they freeze, what data they have and are.
+
+    Args:
+        case_materials: those of a case, listed first; empty for the database alone.
+    """
+    table = Table("material", "class", "freezes, °C", "data", box=SIMPLE_HEAD, pad_edge=False)
+    for column in table.columns:
+        column.no_wrap = True
+    table.add_column("is")
+    for name in [*case_materials, *(n for n in database_names() if n not in case_materials)]:
+        material = find_material(name, case_materials)
+        if name in case_materials:
+            group, what = "", origin_text(case_materials[name])
+        else:
+            group, what = database_entry(name).material_class, database_entry(name).summary
+        table.add_row(name, group, freezing_text(material), data_text(material), what)
+    legend = ", ".join(f"{letter} {kind}" for letter, (kind, _) in DATA.items())
+    return Group(table, Text(f"data: {legend}; all numbers of one: castx materials NAME"))
+
+
+def origin_text(description: MaterialDescription) -> str:
+    """Return where a material of a case comes from."""
+    parent = description.extends
+    return "of the case" + (f", extends {parent}" if parent else "")
+
+
+def freezing_text(material: Material) -> str:
+    """Return where a material freezes [°C]."""
+    if material.solidus is None or material.liquidus is None:
+        return "–"
+    if material.solidus == material.liquidus:
+        return f"{material.solidus:g}"
+    return f"{material.solidus:g} to {material.liquidus:g}"
+
+
+def data_text(material: Material) -> str:
+    """Return the letters of what a material has data for, with dots for what it has not."""
+    description = material.description
+    has = {
+        letter: all(getattr(description, key) is not None for key in keys)
+        for letter, (_, keys) in DATA.items()
+    }
+    has["c"] |= description.coefficient is not None
+    return "".join(letter if given else "·" for letter, given in has.items())
+
+
+def material_table(name: str, case_materials: Mapping[str, MaterialDescription]) -> Group:
+    """Return all numbers of a material, and their sources below.
+
+    Args:
+        name: of the case or the database.
+        case_materials: those of a case; empty for the database alone.
+
+    Raises:
+        CaseError: there is no such material.
+    """
+    properties = find_material(name, case_materials).properties()
+    sources = list(dict.fromkeys(item.source for item in properties))
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(no_wrap=True)
+    grid.add_column(no_wrap=True)
+    for item in properties:
+        heading = Text(item.name, style="bold")
+        heading.append(f" [{sources.index(item.source) + 1}]", style="not bold")
+        if item.valid is not None:
+            heading.append(f"\n  {item.valid[0]:g} to {item.valid[1]:g} °C", style="not bold dim")
+        grid.add_row(heading, value_text(item))
+    notes = [Text(f"[{number}] {source}") for number, source in enumerate(sources, start=1)]
+    parts: list[RenderableType] = [title_text(name, case_materials), Text(), grid, Text(), *notes]
+    return Group(*parts)
+
+
+def title_text(name: str, case_materials: Mapping[str, MaterialDescription]) -> Text:
+    """Return a heading: the name and what it is."""
+    own = name in case_materials
+    what = origin_text(case_materials[name]) if own else database_entry(name).summary
+    return Text.assemble((name, "bold"), f": {what}")
+
+
+def value_text(item: Property) -> Text:
+    """Return a number with its unit, or a table as lines of temperatures over lines of values."""
+    unit, factor = PEOPLES_UNITS.get(item.name, (item.unit, 1.0))
+    cells = [
+        ("" if at is None else f"{at:.5g}", value if isinstance(value, str) else number_text(
+            value * factor))
+        for at, value in numbers(item.value)
+    ]  # fmt: skip
+    if not cells[0][0]:
+        return Text(f"{cells[0][1]} {unit}")
+    label = max(len(unit), 2)
+    width = max(len(text) for cell in cells for text in cell) + 2
+    columns = max((WIDTH - label) // width, 1)
+    lines = []
+    for start in range(0, len(cells), columns):
+        part = cells[start : start + columns]
+        line = "°C".ljust(label) + "".join(at.rjust(width) for at, _ in part)
+        lines.append(Text(line, style="dim"))
+        lines.append(Text(unit.ljust(label) + "".join(v.rjust(width) for _, v in part)))
+    return Text("\n").join(lines)
+
+
+def number_text(value: float) -> str:
+    """Return a number with five digits, without the noise of a change of units."""
+    return f"{value:.5g}"
+
+
+def version_table() -> Table:
+    """Return the versions of castx and of what it runs on."""
+    table = Table("package", "version", box=SIMPLE_HEAD)
+    for package, version in versions().items():
+        table.add_row(package, version)
+    return table

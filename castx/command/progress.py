@@ -1,0 +1,118 @@
+"""Live progress of a run: a bar on a terminal, one plain line per step elsewhere; rank 0 only."""
+
+from __future__ import annotations
+
+from collections import deque
+from contextlib import suppress
+from datetime import timedelta
+from types import TracebackType
+from typing import Self
+
+from mpi4py import MPI
+
+from rich import progress
+from rich.console import Console
+
+from castx.command.terminal import console_of
+from castx.results.snapshot import Snapshot
+
+WIDE = 105
+"""Width of a terminal that has room for a bar beside the numbers."""
+
+REMEMBERED = 8
+"""Steps from which the remaining time is estimated."""
+
+
+class Progress:
+    """Shows every accepted step.
+
+    Args:
+        end: end of the run [s].
+        comm: ranks of the run.
+        console: where to; by default the standard output of rank 0.
+    """
+
+    def __init__(self, end: float, comm: MPI.Intracomm, console: Console | None = None) -> None:
+        self._end = end
+        self._shown = comm.rank == 0
+        self._console = console or console_of(comm)
+        self._recent: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
+        self._freezing: str | None = None
+        bar = [progress.BarColumn(bar_width=20)] if self._console.width >= WIDE else []
+        self._bar = progress.Progress(
+            *bar,
+            progress.TextColumn("{task.description}", markup=False),
+            console=self._console,
+            disable=not (self._shown and self._console.is_terminal),
+        )
+        self._task = self._bar.add_task("starting", total=end)
+
+    def __enter__(self) -> Self:
+        if not self._bar.disable:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if not self._bar.disable:
+            self._bar.stop()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the state after an accepted step."""
+        if not self._shown:
+            return
+        if snapshot.step == 0:
+            self._freezing = freezing_body(snapshot)
+        else:
+            self._recent.append((snapshot.counters.step, snapshot.counters.wall))
+        with suppress(OSError):  # of a terminal that was closed: the run goes on without it
+            self._print(snapshot)
+
+    def _print(self, snapshot: Snapshot) -> None:
+        line = describe(snapshot, self._freezing, self._remaining(snapshot.time))
+        if self._bar.disable:
+            self._console.print(line, markup=False, highlight=False)
+        else:
+            self._bar.update(self._task, completed=snapshot.time, description=line)
+
+    def _remaining(self, now: float) -> float | None:
+        """Return the wall clock time left at the pace of the last steps [s], None at first."""
+        passed = sum(step for step, _ in self._recent)
+        wall = sum(wall for _, wall in self._recent)
+        return wall / passed * max(self._end - now, 0.0) if passed > 0 else None
+
+
+def freezing_body(snapshot: Snapshot) -> str | None:
+    """Return the column of the solid fraction of the first body that is not all solid."""
+    for name, value in snapshot.totals.items():
+        if name.endswith(".solid_fraction") and value < 1.0 - 1e-9:
+            return name
+    return None
+
+
+def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) -> str:
+    """Return one step as a line."""
+    counters = snapshot.counters
+    parts = [f"t {snapshot.time:.4g} s", f"step {snapshot.step}"]
+    if snapshot.step > 0:
+        parts[-1] += f" ({counters.step:.3g} s)"
+    if freezing is not None:
+        parts.append(f"solid {100.0 * snapshot.totals[freezing]:.1f} %")
+    if snapshot.step > 0:
+        parts.append(f"iterations {counters.heat_iterations}+{counters.mechanics_iterations}")
+        parts.append(f"passes {counters.passes}")
+    if counters.cutbacks:
+        parts.append(f"cut {counters.cutbacks}×")
+    if counters.fallbacks:
+        parts.append(f"{counters.fallbacks} contact methods failed")
+    if counters.unbalanced:
+        parts.append(f"{counters.unbalanced} equilibria not balanced")
+    if counters.frozen_pairs:
+        parts.append(f"{counters.frozen_pairs} pairs frozen")
+    if remaining is not None:
+        parts.append(f"left {timedelta(seconds=round(remaining))}")
+    return "  ".join(parts)

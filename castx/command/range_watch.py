@@ -1,0 +1,123 @@
+"""Temperatures that leave the range for which the data of a material hold.
+
+A table goes on with its last value there. `castx check` says what the temperatures named in a case
+may leave, a run what they have left, once for each material.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.case.bodies import Body
+from castx.case.case import Case
+from castx.case.reading.between_parts import starts_solid
+from castx.materials.description import MaterialDescription
+from castx.materials.flow import PLASTIC, VISCOPLASTIC
+from castx.materials.inelastic import LAW_KEYS
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.materials.sources import OutsideRange
+from castx.results.snapshot import Snapshot
+
+_log = logging.getLogger(__name__)
+
+_HEAT = {"heat_capacity", "conductivity"}
+_ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
+_HARDENING = {"yield_stress", "hardening", "kinematic_hardening"}
+
+
+class RangeWatch:
+    """Warns when a run leaves the range of a property that it uses, once for each material.
+
+    Args:
+        case: what is run.
+        comm: ranks of the run; the first one warns.
+    """
+
+    def __init__(self, case: Case, comm: MPI.Intracomm) -> None:
+        self._case, self._comm = case, comm
+        self._materials = {
+            body.material: find_material(body.material, case.materials) for body in case.bodies
+        }
+        self._warned: set[str] = set()
+
+    def look(self, snapshot: Snapshot) -> None:
+        """Look at the temperatures after an accepted step; collective."""
+        if len(self._warned) == len(self._materials):
+            return
+        for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
+            if body.material in self._warned or body.name not in snapshot.mesh.bodies:
+                continue
+            found = outside_used_range(
+                self._case, body, self._materials[body.material], low, high
+            )
+            if found:
+                self._warned.add(body.material)
+                self._warn(f"at t = {snapshot.time:.4g} s", body, found, low, high)
+
+    def _extremes(self, snapshot: Snapshot) -> Iterator[tuple[float, float]]:
+        """Yield the lowest and the highest temperature of each body on all ranks [°C]."""
+        own = np.full((len(self._case.bodies), 2), -np.inf)
+        for row, body in zip(own, self._case.bodies, strict=True):
+            if body.name not in snapshot.mesh.bodies:
+                continue
+            temperature = snapshot.nodal(body.name, "temperature")
+            if temperature.size:
+                row[:] = -temperature.min(), temperature.max()
+        both = np.empty_like(own)
+        self._comm.Allreduce(own, both, MPI.MAX)
+        yield from ((-float(low), float(high)) for low, high in both)
+
+    def _warn(
+        self, when: str, body: Body, found: Sequence[OutsideRange], low: float, high: float
+    ) -> None:
+        if self._comm.rank == 0:
+            _log.warning(
+                "%s %s (%s) is at %.4g to %.4g °C, outside what its data hold for: %s; beyond, "
+                "the last value is used (said once for each material)",
+                when, body.material, body.name, low, high, ranges_text(found),
+            )  # fmt: skip
+
+
+def outside_used_range(
+    case: Case, body: Body, material: Material, low: float, high: float
+) -> list[OutsideRange]:
+    """Return the properties that a body uses and temperatures [°C] take out of their range."""
+    used = used_properties(case, body, material.description)
+    return [
+        item
+        for item in material.outside_range(low, high)
+        if item.property.partition(".")[0] in used
+    ]
+
+
+def ranges_text(found: Sequence[OutsideRange]) -> str:
+    """Return properties by the range for which they hold."""
+    groups: dict[tuple[float, float], list[str]] = {}
+    for item in found:
+        groups.setdefault(item.valid, []).append(item.property)
+    return ", ".join(
+        f"{', '.join(names)} ({low:g} to {high:g} °C)" for (low, high), names in groups.items()
+    )
+
+
+def used_properties(case: Case, body: Body, material: MaterialDescription) -> set[str]:
+    """Return the keys of its material that a body reads and that vary with temperature."""
+    scheme = case.coupling.scheme
+    used = set() if scheme == "mechanical" else set(_HEAT)
+    if scheme == "thermal":
+        return used
+    used |= _ELASTIC
+    if body.formulation != "displacement" or not starts_solid(body, material):
+        used.add("liquid")
+    viscous = body.law == VISCOPLASTIC
+    if viscous:
+        used |= set(LAW_KEYS[material.law])
+    if body.law == PLASTIC or (viscous and material.law != "norton"):
+        used |= _HARDENING
+    return used

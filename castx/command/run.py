@@ -1,0 +1,97 @@
+"""A case from its file to its results folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from castx.case.case import Case, load_case
+from castx.checkpoint.file import Checkpoint
+from castx.checkpoint.writing import Checkpoints, header_to_restart_from
+from castx.command.interruption import Interruption
+from castx.command.progress import Progress
+from castx.command.range_watch import RangeWatch
+from castx.process.simulation import Simulation
+from castx.results.files.folder import claimed_folder
+from castx.results.writing import Results
+
+
+def run(
+    path: str | Path,
+    overrides: Sequence[str] = (),
+    *,
+    output: str | Path | None = None,
+    comm: MPI.Intracomm | None = None,
+    restart: bool = False,
+    time_limit: float | None = None,
+) -> Path:
+    """Run a case file and return its results folder; collective.
+
+    Args:
+        path: the case file.
+        overrides: values in place of those of the file, such as "time.end=10".
+        output: results folder in place of that of the file.
+        comm: the ranks to run on; by default all.
+        restart: go on from the checkpoint in the results folder, on any number of ranks.
+        time_limit: wall clock time before which to stop [s].
+
+    Raises:
+        CaseError: the case, its output folder, its checkpoint or a probe cannot be accepted.
+        MeshError: the mesh does not hold what the case asks of it.
+        ConvergenceError: even the smallest step failed; the last accepted state is on disk.
+        StorageError: the disk does not take the results; the last checkpoint is on disk.
+        KeyboardInterrupt: a signal or the time limit asked to stop; the last accepted state is on
+            disk.
+    """
+    case = load_case(Path(path), overrides)
+    if output is not None:
+        case = with_output(case, Path(output))
+    return run_case(case, MPI.COMM_WORLD if comm is None else comm, restart, time_limit)
+
+
+def with_output(case: Case, folder: Path) -> Case:
+    """Return the case with another results folder."""
+    output = case.output.model_copy(update={"folder": Path.cwd() / folder})
+    return case.model_copy(update={"output": output})
+
+
+def run_case(
+    case: Case, comm: MPI.Intracomm, restart: bool = False, time_limit: float | None = None
+) -> Path:
+    """Run a case and return its results folder; collective. Arguments and errors as in `run`."""
+    with Interruption(comm, time_limit) as interruption, claimed_folder(case, comm) as folder:
+        checkpoint = Checkpoint(folder, comm)
+        header = header_to_restart_from(case, checkpoint) if restart else None
+        simulation = Simulation.from_case(case, comm)
+        results = Results(case, simulation.mesh, simulation.pairs)
+        checkpoints = Checkpoints(checkpoint, case, simulation, results)
+        if header is not None:
+            checkpoints.restore(header)
+        interruption.at_once = results.note_interruption
+        interruption.check()
+        if header is None or not simulation.is_finished:
+            _solve(case, simulation, results, checkpoints, interruption)
+    return folder
+
+
+def _solve(
+    case: Case,
+    simulation: Simulation,
+    results: Results,
+    checkpoints: Checkpoints,
+    interruption: Interruption,
+) -> None:
+    comm = simulation.mesh.comm
+    ranges = RangeWatch(case, comm)
+    with results, checkpoints, Progress(simulation.end, comm) as progress:
+        for snapshot in simulation.states(after_failed_try=interruption.after_try):
+            results.write(snapshot)
+            checkpoints.write_when_due()
+            progress.show(snapshot)
+            ranges.look(snapshot)
+            if snapshot.step == 0:
+                interruption.check()
+            elif not simulation.is_finished:
+                interruption.after_try()

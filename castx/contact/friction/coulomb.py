@@ -1,0 +1,78 @@
+"""Coulomb friction of node pairs: what its two forms, condensed and by a penalty, share.
+
+A closed pair sticks as long as |t| ≤ μ p, t the traction along the surface; one that slips bears
+t = μ p against its motion since the last accepted step (Wriggers 2006, chapter 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.arrays import FloatArray
+from castx.contact.kinematics.gaps import Gaps
+
+
+def unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
+    """Return vectors over their lengths, and others where they vanish, shape (n, dimension)."""
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, size, out=otherwise.copy(), where=size > 0)
+
+
+def turned(vectors: FloatArray, before: FloatArray) -> FloatArray:
+    """Return vectors over their lengths, those that have turned back as before."""
+    found = unit(vectors, before)
+    back = np.sum(found * before, axis=1, keepdims=True) < 0.0
+    return np.where(back, before, found)
+
+
+class SlidingRows:
+    """The directions along the surface of the rows that have friction.
+
+    Attributes:
+        rows: numbers of these rows among all, shape (n,).
+        coefficient: μ, shape (n,).
+        tangents: orthonormal, zero where a motion is not free, shape (n, dimension - 1, dimension).
+        local: local numbers of the motions in the coordinates, -1 where they are none, shape
+            (n, dimension - 1).
+
+    Args:
+        gaps: the pairs of all interfaces.
+        coefficients: μ of each interface.
+    """
+
+    def __init__(self, gaps: Gaps, coefficients: Sequence[float]) -> None:
+        self._gaps = gaps
+        count = len(gaps.local)
+        wanted = np.zeros(count)
+        for part, coefficient in zip(gaps.slices, coefficients, strict=True):
+            wanted[part] = coefficient
+        self.rows = np.flatnonzero((wanted > 0) & gaps.free)
+        self.coefficient = wanted[self.rows]
+        self.tangents = _of_all(gaps, "tangents")[self.rows]
+        self.local = _of_all(gaps, "tangent_local")[self.rows]
+
+    def led(self) -> FloatArray:
+        """Return how far rigid primary bodies have moved along the tangents [m]."""
+        return np.einsum("nkd,nd->nk", self.tangents, self._gaps.led[self.rows])
+
+    def vectors(self, tractions: FloatArray) -> FloatArray:
+        """Return forces along the tangents (n, dimension - 1) as vectors of all rows [N]."""
+        found = np.zeros((len(self._gaps.local), self.tangents.shape[2]))
+        found[self.rows] = np.einsum("nk,nkd->nd", tractions, self.tangents)
+        return found
+
+
+def _of_all(gaps: Gaps, name: str) -> npt.NDArray:
+    """Return an array of all rows; tied ones have no tangents and get zeros or -1."""
+    parts = []
+    width = max(getattr(i, name).shape[1] for i in gaps.interfaces)
+    for interface in gaps.interfaces:
+        values = getattr(interface, name)
+        shape = (len(values), width, *values.shape[2:])
+        filled = np.full(shape, -1 if name == "tangent_local" else 0, dtype=values.dtype)
+        filled[:, : values.shape[1]] = values
+        parts.append(filled)
+    return np.concatenate(parts)

@@ -1,0 +1,1 @@
+"""Gaps of node pairs as functions of the unknowns."""

@@ -1,0 +1,63 @@
+"""What the pairs of an interface do once the bodies are in equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray
+from castx.contact.kinematics.coordinates import PairCoordinates
+from castx.contact.kinematics.rows import Treatment
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """The pairs of an interface.
+
+    Attributes:
+        gap: [m], shape (pairs,).
+        force: that the primary body exerts along the normal [N], shape (pairs,).
+        pressure: contact pressure [Pa], no tension, shape (pairs,).
+        closed: whether the pair touches.
+        vectors: forces on the secondary nodes, friction included [N], shape (pairs, dimension).
+    """
+
+    gap: FloatArray
+    force: FloatArray
+    pressure: FloatArray
+    closed: BoolArray
+    vectors: FloatArray
+
+
+def contact_state(
+    placed: PairCoordinates,
+    gap: FloatArray,
+    force: FloatArray,
+    closed: BoolArray,
+    friction: FloatArray | None,
+) -> ContactState:
+    """Return the state of an interface.
+
+    Args:
+        placed: the pairs and their rows, one for each pair, several where they are tied.
+        gap: of the rows [m].
+        force: of the rows [N].
+        closed: rows that touch.
+        friction: on the secondary nodes of the rows [N], shape (rows, dimension); None: there is
+            none.
+    """
+    pairs = placed.pairs
+    vectors = np.zeros_like(pairs.area_vectors)
+    np.add.at(vectors, placed.index, force[:, None] * placed.normals)
+    if friction is not None:
+        np.add.at(vectors, placed.index, friction)
+    areas = placed.areas
+    if placed.treatment is Treatment.TIED:
+        count = len(pairs.areas)
+        gap, closed, areas = np.zeros(count), np.ones(count, dtype=bool), pairs.areas
+        force = np.sum(vectors * pairs.normals, axis=1)
+    # The last digits of a closed pair without pressure may pull.
+    pushes = np.maximum(force, 0.0)
+    pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
+    return ContactState(gap, force, pressure, closed.copy(), vectors)

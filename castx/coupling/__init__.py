@@ -1,0 +1,1 @@
+"""One time step: passes between heat and mechanics."""

@@ -1,0 +1,318 @@
+"""From the descriptions of a case to the problems that solve it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from castx.arrays import FloatArray
+from castx.case.bodies import Body
+from castx.case.boundaries import Boundary
+from castx.case.case import Case
+from castx.case.interfaces import Interface
+from castx.case.reading.between_parts import starts_solid
+from castx.case.schedule import Schedule
+from castx.contact.choice import COMMON_NUMBERS, Contact
+from castx.contact.kinematics.rigid import RigidBody, rigid_body
+from castx.coupling.interface import CoupledInterface
+from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
+from castx.coupling.step import CoupledProblem
+from castx.coupling.temperatures import Temperatures
+from castx.domain.measures import nodal_volumes
+from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.domain.pairs.pairing import initial_gap
+from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.errors import CaseError, MeshError
+from castx.heat.accounts import Accounts
+from castx.heat.body import HeatBody
+from castx.heat.building import surface_heats
+from castx.heat.interface import HeatExchange
+from castx.heat.law_building import heat_exchange
+from castx.heat.problem import HeatProblem
+from castx.heat.starting import initial_state
+from castx.input.problems import among, show
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.mechanics.constitutive.law import ELASTIC, Law
+from castx.mechanics.description import MechanicalBody, SurfaceLoad
+from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.process.step_control import StepSettings
+from castx.tables import Table
+from castx.transfer.conductance import ConductionLaw
+
+
+def step_settings(case: Case) -> StepSettings:
+    """Return what the case asks of the steps; they land on stages and output times."""
+    time, schedule = case.time, Schedule(case.stages, case.time.end)
+    return StepSettings(
+        schedule.end,
+        time.first_step,
+        time.largest_step,
+        time.smallest_step,
+        time.temperature_change,
+        time.fixed_step,
+        case.output.every,
+        schedule.stops,
+    )
+
+
+def build_problem(
+    case: Case,
+    mesh: CastingMesh,
+    pairs: dict[str, NodePairs],
+    laws: Mapping[str, ConductionLaw] | None = None,
+    accounts: Accounts | None = None,
+    temperatures: Mapping[str, FloatArray] | None = None,
+) -> CoupledProblem:
+    """Return the coupled problem of a case.
+
+    Args:
+        case: the case.
+        mesh: mesh of its bodies.
+        pairs: node pairs by the name of the interface.
+        laws: of the conduction through interfaces, in place of those of the case.
+        accounts: of the heat of the whole run, if it has other stages.
+        temperatures: initial ones of the owned nodes by body [°C], if they are known already.
+
+    Raises:
+        CaseError: the case cannot be solved as described.
+        MeshError: a surface is missing.
+    """
+    materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
+    scheme = case.coupling.scheme
+    contacts = [i for i in case.interfaces if i.contact.method != "none"]
+    mechanics = None
+    if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
+        mechanics = _mechanics(case, mesh, materials, contacts)
+    own = dict(laws or {})
+    _check_laws(case, own)
+    exchanges = [
+        heat_exchange(i, pairs[i.name], mesh, own.get(i.name)) for i in case.interfaces
+    ]
+    heat: Temperatures
+    if scheme == "mechanical":
+        given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
+        heat = PrescribedTemperatures(mesh, given, exchanges)
+    else:
+        known = initial_state(case.bodies, mesh) if temperatures is None else temperatures
+        heat = _heat(case, mesh, materials, exchanges, known, accounts)
+    interfaces = [
+        CoupledInterface(
+            interface.name,
+            pairs[interface.name],
+            initial_gap(interface, pairs[interface.name]),
+            contacts.index(interface) if mechanics is not None and interface in contacts else None,
+        )
+        for interface in case.interfaces
+    ]
+    volumes = {name: nodal_volumes(body, mesh.model) for name, body in mesh.bodies.items()}
+    coupling = case.coupling
+    return CoupledProblem(
+        mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance, coupling.passes
+    )
+
+
+def check_surfaces(case: Case, mesh: CastingMesh) -> None:
+    """Find the surfaces that boundary conditions name, those of later stages included.
+
+    Raises:
+        MeshError: one is missing; names the key.
+    """
+    for place, on in _named_surfaces(case):
+        body, _, surface = on.partition("/")
+        try:
+            mesh.bodies[body].surface_tag(surface)
+        except MeshError as error:
+            text = f"{place} = {show(on)}: {error}; use one of them, or name it in the mesh"
+            raise MeshError(text) from None
+
+
+def _named_surfaces(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield the keys that name surfaces, and their values."""
+    for index, boundary in enumerate(case.boundaries):
+        yield f"boundaries[{index}].on", boundary.on
+    for number, stage in enumerate(case.stages):
+        for index, boundary in enumerate(stage.boundaries):
+            yield f"stages[{number}].boundaries[{index}].on", boundary.on
+        for index, on in enumerate(stage.spray.on if stage.spray is not None else ()):
+            if "/" in on:
+                yield f"stages[{number}].spray.on[{index}]", on
+
+
+def _check_laws(case: Case, laws: Mapping[str, ConductionLaw]) -> None:
+    names = [interface.name for interface in case.interfaces]
+    for name in laws:
+        if name not in names:
+            raise CaseError(f"a law for the interface {name!r}; {among(name, names)}")
+
+
+def _history(body: Body) -> Table:
+    return body.temperature_history or Table.constant(_uniform(body))
+
+
+def _uniform(body: Body) -> float:
+    """Return the initial temperature of a body where only one number will do."""
+    uniform = body.temperature.uniform
+    return math.nan if uniform is None else uniform  # refused where nothing else is known
+
+
+def _heat(
+    case: Case,
+    mesh: CastingMesh,
+    materials: dict[str, Material],
+    exchanges: list[HeatExchange],
+    temperatures: Mapping[str, FloatArray],
+    accounts: Accounts | None,
+) -> HeatProblem:
+    bodies = [
+        HeatBody(b.name, materials[b.name], temperatures[b.name], b.heat_source)
+        for b in case.bodies
+    ]
+    solver = case.solver
+    everybody = accounts.bodies if accounts is not None else list(mesh.bodies)
+    return HeatProblem(
+        mesh, bodies, exchanges, surface_heats(case, everybody),
+        tolerance=solver.heat_tolerance, linear=solver.linear,  # type: ignore[arg-type]
+        options=solver.heat, accounts=accounts,
+    )  # fmt: skip
+
+
+def _mechanics(
+    case: Case,
+    mesh: CastingMesh,
+    materials: dict[str, Material],
+    contacts: list[Interface],
+) -> MechanicalProblem:
+    bodies = {
+        b.name: _mechanical_body(case, mesh, b, materials[b.name])
+        for b in case.bodies
+        if b.law != "rigid"
+    }
+    displacements = _displacements(case)
+    solver = case.solver
+    settings = MechanicsSettings(
+        solver.linear,
+        solver.mechanics_tolerance,
+        case.support.mode == "automatic",
+        {**solver.mechanics, **{f"bodies_{k}": v for k, v in solver.contact.items()}},
+        case.support.by_body(),
+    )
+    described = [_contact(i) for i in contacts]
+    return MechanicalProblem(mesh, bodies, displacements, described, settings)
+
+
+def _displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:
+    found: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
+    for boundary in case.boundaries:
+        for condition in boundary.displacement:
+            found[boundary.body].append(
+                SurfaceDisplacement(boundary.surface, condition.direction, condition.value)
+            )
+    return found
+
+
+def rigid_bodies(case: Case, mesh: CastingMesh) -> dict[str, RigidBody]:
+    """Return the rigid bodies of a case; none without mechanics.
+
+    Raises:
+        CaseError: displacement conditions that a rigid body cannot follow.
+    """
+    if case.coupling.scheme == "thermal":
+        return {}
+    given = _displacements(case)
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    return {name: rigid_body(name, mesh.model, given[name]) for name in rigid}
+
+
+def _contact(interface: Interface) -> Contact:
+    wanted = interface.contact
+    return Contact(
+        interface.secondary,
+        interface.primary,
+        wanted.method,
+        wanted.initial_gap.at,
+        wanted.penalty if isinstance(wanted.penalty, float) else None,
+        **{name: getattr(wanted, name) for name in COMMON_NUMBERS},
+        fallback=wanted.fallback,
+        pairing=wanted.pairing_rule,
+        friction=wanted.friction,
+    )
+
+
+def _mechanical_body(
+    case: Case, mesh: CastingMesh, body: Body, material: Material
+) -> MechanicalBody:
+    formulation = formulation_of(mesh, body)
+    if formulation == "displacement" and material.liquid is not None:
+        if not starts_solid(body, material.description):
+            raise CaseError(
+                f"body {body.name!r} has formulation 'displacement', but its material "
+                f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
+            )
+        material = material.without_liquid()
+    loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
+    return MechanicalBody(
+        Law(material, material.stress_free_temperature(_uniform(body)), body.law),
+        formulation,
+        body.stabilisation,
+        tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
+        tuple(loads),
+        material.liquid is not None,
+    )
+
+
+def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
+    """Return what the bodies that melt do mechanically while they are not solid, for people.
+
+    Raises:
+        CaseError: a body cannot be solved as described.
+    """
+    if case.coupling.scheme == "thermal":
+        return []
+    materials = {
+        body.name: _mechanical_body(
+            case, mesh, body, find_material(body.material, case.materials)
+        ).law.material
+        for body in case.bodies
+        if body.law != "rigid"
+    }
+    return [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+
+
+def law_above_solidus(body: str, material: Material) -> str:
+    """Return what a material that melts does mechanically while it is not solid, for people."""
+    liquid = material.liquid
+    if liquid is None:
+        return f"{body}: {material.name} keeps its solid's law at every temperature, without liquid"
+    flow = "flows with its viscosity" if liquid.model == "viscous" else "creeps by Norton's law"
+    return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
+
+
+def formulation_of(mesh: CastingMesh, body: Body) -> str:
+    """Return the formulation of a body, by default that of its cells.
+
+    Raises:
+        CaseError: cells or model have no such formulation.
+    """
+    kind = mesh.bodies[body.name].kind
+    own = "mixed" if kind.simplex else "q1p0"
+    if mesh.model == "plane-stress" and (not kind.simplex or body.law != ELASTIC):
+        # Nothing locks, since the volume is free; and a pressure of its own may be more than a
+        # yielding point can balance out of the plane.
+        own = "displacement"
+    formulation = body.formulation or own
+    if formulation not in (own, "displacement"):
+        raise CaseError(
+            f"body {body.name!r} has formulation {formulation!r}; with the law {body.law!r} "
+            f"{kind.plural} in the model {mesh.model!r} have "
+            f"{' or '.join(dict.fromkeys((repr(own), repr('displacement'))))}"
+        )
+    return formulation
+
+
+def _loads(boundary: Boundary) -> Iterator[SurfaceLoad]:
+    if boundary.pressure is not None:
+        yield SurfaceLoad(boundary.surface, pressure=boundary.pressure)
+    if boundary.traction is not None:
+        yield SurfaceLoad(boundary.surface, traction=boundary.traction)

@@ -1,0 +1,59 @@
+"""Acceleration of the passes between heat and mechanics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.transfer.conductance import PairState
+
+AITKEN_BOUNDS = (0.05, 1.5)
+LEAST_SHARE = 0.1
+"""An iterate is not relaxed below this share of the smaller of its two last values."""
+
+
+class Relaxation:
+    """Aitken's dynamic relaxation of a fixed-point iteration (Küttler and Wall 2008).
+
+    Args:
+        comm: ranks over which the iterates are spread.
+    """
+
+    def __init__(self, comm: MPI.Intracomm) -> None:
+        self._comm = comm
+        self._factor = 1.0
+        self._residual: FloatArray | None = None
+
+    def next(self, tried: FloatArray, found: FloatArray) -> FloatArray:
+        """Return the next positive iterate from the one tried and what it led to."""
+        finite = np.isfinite(tried) & np.isfinite(found)
+        residual = np.where(finite, found, 0.0) - np.where(finite, tried, 0.0)
+        if self._residual is not None:
+            difference = residual - self._residual
+            local = np.array([self._residual @ difference, difference @ difference])
+            product, square = self._comm.allreduce(local, op=MPI.SUM)
+            if square > 0:
+                self._factor = float(np.clip(-self._factor * product / square, *AITKEN_BOUNDS))
+        self._residual = residual
+        relaxed = tried + self._factor * residual
+        least = LEAST_SHARE * np.minimum(tried, found)
+        return np.where(finite, np.maximum(relaxed, least), found)
+
+
+def scaled(
+    pairs: Sequence[PairState], resistances: Sequence[FloatArray], wanted: FloatArray
+) -> list[PairState]:
+    """Return pairs with the factors that turn their resistances into the wanted ones."""
+    found, begin = [], 0
+    for state, own in zip(pairs, resistances, strict=True):
+        aim = wanted[begin : begin + len(own)]
+        begin += len(own)
+        finite = np.isfinite(own) & np.isfinite(aim) & (own > 0.0)
+        factor = np.divide(aim, own, out=np.ones(len(own)), where=finite)
+        found.append(replace(state, factor=factor))
+    return found

@@ -1,0 +1,55 @@
+"""What the coupling asks of temperatures, solved for or prescribed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from dolfinx import fem
+
+from castx.arrays import FloatArray
+from castx.heat.interface import PairState
+from castx.heat.problem import HeatReport
+from castx.stateful import Arrays, Saved
+
+
+class Temperatures(Protocol):
+    """The heat problem of all bodies, or what stands in its place."""
+
+    temperature: dict[str, fem.Function]
+    enthalpy: dict[str, fem.Function]
+    solid_fraction: dict[str, fem.Function]
+
+    def advance(
+        self,
+        time: float,
+        step: float,
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
+        substeps: int = 1,
+        dissipation: Mapping[str, FloatArray] | None = None,
+    ) -> HeatReport:
+        """Find the trial state at the end of a step."""
+
+    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return 1/h of the pairs of each interface at the trial temperatures."""
+
+    def begin_stage(self) -> None:
+        """Start a stage with the present temperatures, of which some may be those of new bodies."""
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+
+    def rewind(self) -> None:
+        """Return to the committed state."""
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state as arrays."""
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state."""
+
+    def totals(self) -> dict[str, float]:
+        """Return the committed totals of heat by name."""
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""

@@ -1,0 +1,1 @@
+"""The meshed bodies: mesh, submeshes, named surfaces, measures."""

@@ -1,0 +1,1 @@
+"""Facing nodes of two bodies."""

@@ -1,0 +1,201 @@
+"""Facing nodes of two bodies that share a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
+from castx.domain.mesh import BodyMesh, CastingMesh
+from castx.errors import MeshError
+from castx.forms.interface import nodal_area, nodal_area_vector
+from castx.forms.kinematics import weight as model_weight
+from castx.stateful import Numbering, numbered_at_nodes
+
+
+@dataclass(frozen=True)
+class NodePairs:
+    """Pairs of nodes, each kept by the rank that owns the secondary's node.
+
+    At an edge there may be several pairs of the same nodes, one for each smooth patch.
+
+    Args:
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body, whose normal counts.
+        secondary_nodes: (n,) global node numbers of the secondary body.
+        secondary_local: (n,) their local numbers.
+        primary_nodes: (n,) global node numbers of the primary body, of any owner.
+        original_nodes: (n,) numbers of the secondary nodes before the mesh was distributed.
+        points: (n, gdim) [m].
+        areas: (n,) ∫φ dS; of the full turn when axisymmetric, per metre of depth in plane models
+            [m²].
+        area_vectors: (n, gdim) ∫φ n dS, n the outward normal of the primary [m²].
+        normals: (n, gdim) unit vectors along the area vectors.
+        faces: (n, corners) global numbers of the primary nodes of the facet that each node faces;
+            None: it faces its primary node.
+        weights: (n, corners) of those nodes at the point that it faces.
+        distances: (n,) from that point along the normal [m]; None: both are at one place.
+        named_surface: of the secondary body; empty: the one shared with the primary body.
+    """
+
+    secondary: str
+    primary: str
+    secondary_nodes: LongArray
+    secondary_local: IntArray
+    primary_nodes: LongArray
+    original_nodes: LongArray
+    points: FloatArray
+    areas: FloatArray
+    area_vectors: FloatArray
+    normals: FloatArray
+    faces: LongArray | None = None
+    weights: FloatArray | None = None
+    distances: FloatArray | None = None
+    named_surface: str = ""
+
+    @property
+    def partners(self) -> tuple[LongArray, FloatArray]:
+        """The primary nodes that each secondary node faces and their weights, (n, corners)."""
+        if self.faces is None or self.weights is None:
+            return self.primary_nodes[:, None], np.ones((len(self.areas), 1))
+        return self.faces, self.weights
+
+    @property
+    def surface(self) -> str:
+        """Name of the surface of the secondary body that carries the pairs."""
+        return self.named_surface or self.primary
+
+    @property
+    def gap(self) -> FloatArray:
+        """Distance of the surfaces as they are meshed [m], shape (n,)."""
+        return np.zeros(len(self.areas)) if self.distances is None else self.distances
+
+    @property
+    def name(self) -> str:
+        """The name of the interface: "secondary/primary"."""
+        return f"{self.secondary}/{self.primary}"
+
+    @property
+    def numbering(self) -> Numbering:
+        """The pairs by the numbers of their secondary nodes and their turn at them."""
+        return numbered_at_nodes(f"pairs of {self.name}", self.original_nodes)
+
+
+def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
+    """Pair the nodes of the facets that two bodies share.
+
+    Raises:
+        MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
+    """
+    body = mesh.bodies[secondary]
+    check_shared(body, primary)
+    local = body.surface_nodes(primary)
+    local = local[local < body.nodes.dofmap.index_map.size_local]
+    areas, vectors = nodal_areas(mesh, body, primary)
+    return pairs_at(mesh, secondary, primary, local, areas[local], vectors[local])
+
+
+def check_shared(body: BodyMesh, other: str) -> None:
+    """Refuse a body that shares no surface with another one.
+
+    Raises:
+        MeshError: it does not.
+    """
+    if other not in body.surfaces:
+        raise MeshError(
+            f"the bodies {body.name!r} and {other!r} share no surface; an interface needs faces "
+            "whose nodes belong to both (a conforming mesh)"
+        )
+
+
+def pairs_at(
+    mesh: CastingMesh,
+    secondary: str,
+    primary: str,
+    local: IntArray,
+    areas: FloatArray,
+    vectors: FloatArray,
+) -> NodePairs:
+    """Return pairs at nodes of a shared surface; collective.
+
+    Args:
+        mesh: mesh of the bodies.
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        local: local numbers of owned nodes of the secondary body, shape (n,).
+        areas: of the pairs [m²], shape (n,).
+        vectors: their area vectors, outward from the secondary body [m²], shape (n, gdim).
+
+    Raises:
+        MeshError: an area vector vanishes; on all ranks.
+    """
+    body = mesh.bodies[secondary]
+    facing = _nodes_at_vertices(mesh, mesh.bodies[primary])
+    length = np.linalg.norm(vectors, axis=1)
+    _check_normals(mesh, body, local, length < 1e-9 * areas)
+    return NodePairs(
+        secondary,
+        primary,
+        body.nodes.dofmap.index_map.local_to_global(local),
+        local,
+        facing[body.parent_vertices[local]],
+        body.original_nodes[local],
+        body.points[local],
+        areas,
+        -vectors,
+        -vectors / length[:, None],
+    )
+
+
+def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> LongArray:
+    """Global node of the body at each local vertex of the parent, -1 elsewhere; collective.
+
+    The rank that owns the node tells every rank that knows the vertex: owners of nodes and of
+    vertices differ.
+    """
+    node_map = body.nodes.dofmap.index_map
+    owned = np.arange(node_map.size_local, dtype=np.int32)
+    number = la.vector(mesh.parent.topology.index_map(0), 1, dtype=np.int64)
+    number.array[:] = 0
+    number.array[body.parent_vertices[owned]] = node_map.local_to_global(owned) + 1
+    number.scatter_reverse(la.InsertMode.add)
+    number.scatter_forward()
+    return number.array - 1
+
+
+def nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
+    """Area (nodes,) and outward area vector (nodes, gdim) of nodes on a surface."""
+    gdim = mesh.parent.geometry.dim
+    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(
+        body.surface_tag(surface)
+    )
+    weight = model_weight(mesh.model, ufl.SpatialCoordinate(body.mesh))
+    vector_space = fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,)))
+    normal = ufl.FacetNormal(body.mesh)
+    area = _assembled(nodal_area(ufl.TestFunction(body.nodes), weight, ds))
+    vector = _assembled(nodal_area_vector(ufl.TestFunction(vector_space), normal, weight, ds))
+    return area, vector.reshape(-1, gdim)
+
+
+def _assembled(form: ufl.Form) -> FloatArray:
+    vector = fem.assemble_vector(fem.form(form))
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return vector.array
+
+
+def _check_normals(
+    mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: BoolArray
+) -> None:
+    points = mesh.comm.allgather(body.points[local[bad]])
+    found = np.concatenate(points)
+    if len(found):
+        place = ", ".join(f"{x:g}" for x in found[0])
+        raise MeshError(
+            f"body {body.name!r} is so thin at ({place}) m that the normals of its two sides "
+            "cancel there; refine the mesh"
+        )

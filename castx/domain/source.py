@@ -1,0 +1,130 @@
+"""Making or opening the gmsh mesh that a geometry describes, on one rank."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import gmsh
+import numpy as np
+
+from castx.case.geometry import Geometry
+from castx.domain.gmsh_import import NamedMesh, read_model
+from castx.errors import MeshError
+from castx.input.problems import among
+from castx.meshes import GENERATORS
+
+MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
+
+
+@contextmanager
+def gmsh_session() -> Iterator[None]:
+    """Open a silent gmsh with an empty model; what was there before is left as it was."""
+    started = not gmsh.isInitialized()
+    if started:
+        gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+    previous = gmsh.model.getCurrent()
+    gmsh.model.add("castx")
+    try:
+        yield
+    finally:
+        gmsh.model.remove()
+        if started:
+            gmsh.finalize()
+        else:
+            gmsh.model.setCurrent(previous)
+
+
+def source_of(geometry: Geometry) -> str:
+    """Return what the mesh comes from, for messages."""
+    if geometry.file is not None:
+        return str(geometry.file)
+    return f"generator {geometry.generator}"
+
+
+def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
+    """Make or read a mesh with gmsh and check it against the case.
+
+    Raises:
+        MeshError: gmsh fails, or names, elements or dimension do not fit.
+    """
+    source = source_of(geometry)
+    with gmsh_session():
+        _fill(geometry)
+        mesh = read_model(body_names, 3 if geometry.model == "3d" else 2, source)
+    inmost = mesh.points[:, 0].min()
+    if geometry.model == "axisymmetric" and inmost < -1e-9 * np.ptp(mesh.points[:, 0]):
+        raise MeshError(
+            f"an axisymmetric mesh lies in r >= 0, but {source} reaches r = {inmost:g} m; move it, "
+            "or choose another geometry.model"
+        )
+    return mesh
+
+
+def write_mesh(geometry: Geometry, file: Path) -> None:
+    """Write the mesh of a geometry as a gmsh file; call it on one rank only.
+
+    Raises:
+        MeshError: the mesh cannot be made or the file not be written.
+    """
+    with gmsh_session():
+        _fill(geometry)
+        try:
+            gmsh.write(str(file))
+        except Exception as error:  # gmsh raises nothing more special
+            raise MeshError(f"gmsh cannot write {file}: {error}") from error
+
+
+def _fill(geometry: Geometry) -> None:
+    if geometry.file is not None:
+        _open(geometry.file)
+    else:
+        _generate(geometry)
+
+
+def _open(file: Path) -> None:
+    """Read a mesh, and nothing but a mesh.
+
+    gmsh takes a file that does not begin like a mesh for a script and runs it, and reads options
+    beside the file that may run commands as well; so it gets a copy in a folder of its own.
+    """
+    if not file.is_file():
+        raise MeshError(f"there is no mesh file {file}")
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise MeshError(f"cannot read the mesh file {file}: {error.strerror}") from None
+    if not content.startswith(MESH_BEGINNINGS):
+        raise MeshError(
+            f"{file} is not a gmsh mesh: it must begin with $MeshFormat; "
+            "export it from gmsh as .msh, version 2 or 4"
+        )
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / "mesh.msh"
+        copy.write_bytes(content)
+        try:
+            gmsh.merge(str(copy))
+        except Exception as error:  # gmsh raises nothing more special
+            raise MeshError(f"gmsh cannot read {file}: {error}") from error
+
+
+def _generate(geometry: Geometry) -> None:
+    name = str(geometry.generator)
+    if name not in GENERATORS:
+        raise MeshError(f"there is no generator {name!r}; {among(name, list(GENERATORS))}")
+    generator = GENERATORS[name]
+    arguments = {"model": geometry.model, **geometry.arguments}
+    try:
+        inspect.signature(generator).bind(**arguments)
+    except TypeError as error:
+        known = [argument for argument in inspect.signature(generator).parameters]
+        raise MeshError(f"generator {name}: {error}; its arguments: {', '.join(known)}") from None
+    try:
+        generator(**arguments)
+    except ValueError as error:
+        raise MeshError(f"generator {name}: {error}") from error

@@ -1,0 +1,1 @@
+"""Equilibrium of all bodies in contact."""

@@ -1,0 +1,99 @@
+"""Block-iterative contact (Chiumenti, section 7.3): bodies solved in turn, coupled by a penalty.
+
+The unknowns are parted into blocks: the bodies, each with the springs of its closed pairs, or, as
+the arrow-shaped system of the paper is written, the interiors of the bodies and then the nodes of
+all interfaces. Each block is solved by Newton's method while the others stay where they are; the
+sweeps contract the faster, the softer the penalty. An iteration that is stopped early has moved all
+bodies closer to their balance, so that a simulation can go on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import BoolArray
+from castx.contact.kinematics.coordinates import Coordinates
+from castx.equilibrium.newton import EquilibriumReport, Newton
+from castx.solvers.blocks import FACTORS, Block
+from castx.solvers.layout import Layout
+
+
+class BlockIteration:
+    """Sweeps over blocks until the forces balance, or as often as is allowed.
+
+    Args:
+        newton: solves for one block, of which it knows as many as there are.
+        blocks: number of blocks.
+        most: sweeps after which the present state is taken as it is.
+    """
+
+    def __init__(self, newton: Newton, blocks: int, most: int) -> None:
+        self._newton, self._blocks, self._most = newton, blocks, most
+
+    def begin(self, x: PETSc.Vec, time: float) -> None:
+        """Take over the state of the bodies at a time [s]."""
+        self._newton.begin(x, time)
+
+    def solve(self, x: PETSc.Vec) -> EquilibriumReport:
+        """Sweep over the blocks of the unknowns x.
+
+        Raises:
+            ConvergenceError: a block of its own has no solution.
+        """
+        reports: list[EquilibriumReport] = []
+        residuals: list[float] = []
+        sweeps: list[int] = []
+        balanced = False
+        while not balanced and len(sweeps) < self._most:
+            sweeps.append(len(residuals))
+            for block in range(self._blocks):
+                reports.append(self._newton.solve(x, block))
+                residuals.extend(reports[-1].residuals)
+            norm, balanced = self._newton.imbalance(x)
+            residuals.append(norm)
+        return EquilibriumReport(
+            sum(report.iterations for report in reports),
+            sum(report.linear_iterations for report in reports),
+            sum(report.contact_changes for report in reports),
+            tuple(residuals),
+            sweeps=tuple(sweeps),
+            balanced=balanced,
+            linear_solves=tuple(count for report in reports for count in report.linear_solves),
+        )
+
+    def forget(self) -> None:
+        """Drop the factors of matrices."""
+        self._newton.forget()
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self._newton.destroy()
+
+
+def arrow_blocks(bodies: Sequence[Block], coordinates: Coordinates) -> list[Block]:
+    """Return the interiors of the bodies and the nodes of all interfaces as the last block.
+
+    Args:
+        bodies: the unknowns of each body.
+        coordinates: of all bodies.
+    """
+    layout, facing = coordinates.layout, coordinates.facing()
+    return [*_interiors(bodies, layout, facing), _interface(layout, facing)]
+
+
+def _interiors(bodies: Sequence[Block], layout: Layout, facing: BoolArray) -> Iterator[Block]:
+    for b, body in enumerate(bodies):
+        inside = ~facing[layout.local_slice(b)]
+        rows = PETSc.IS().createGeneral(body.rows.getIndices()[inside], comm=layout.comm)
+        rows.setBlockSize(layout.block_sizes[b])
+        yield Block(rows, body.modes[:, inside], body.options)
+
+
+def _interface(layout: Layout, facing: BoolArray) -> Block:
+    numbers = np.flatnonzero(facing).astype(np.int32) + layout.first
+    rows = PETSc.IS().createGeneral(numbers.astype(np.int32), comm=layout.comm)
+    return Block(rows, np.zeros((0, len(numbers))), FACTORS)

@@ -1,0 +1,75 @@
+"""When the forces of all bodies balance well enough."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.mechanics.assembly import BodyAssembly
+from castx.solvers.layout import Layout
+
+ROUNDING = 2e-14
+"""Part of the terms of a row that no iteration takes away from their sum."""
+
+BODY_SHARE = 1e-4
+"""Least part of the largest forces of any body to which those of another are resolved."""
+
+
+class ForceBalance:
+    """Residuals of the bodies against the forces that act in them.
+
+    Each body is measured by its own forces: a soft hot casting would have none of its own beside
+    those of a stiff mould.
+
+    Attributes:
+        weakest: forces in the body with the weakest ones [N].
+
+    Args:
+        assembly: the bodies.
+        layout: of the rows; those behind the bodies are measured by the weakest body.
+        tolerance: residual relative to the largest internal, contact or external force.
+    """
+
+    def __init__(self, assembly: BodyAssembly, layout: Layout, tolerance: float) -> None:
+        self._assembly, self._tolerance = assembly, tolerance
+        self._parts = [layout.local_slice(k) for k in range(len(layout.block_sizes))]
+        self._comm = layout.comm
+        self._targets: FloatArray = np.zeros(len(self._parts))
+        self._length = max(body.length for body in assembly.bodies)
+        self._at_start: float | None = None
+        self.weakest = 0.0
+
+    def begin(self) -> None:
+        """Start a new solution: what acts at its start counts to its end."""
+        self._at_start = None
+
+    def update(self, x: PETSc.Vec, diagonal: FloatArray) -> None:
+        """Measure the forces at the unknowns x, rows with this diagonal."""
+        forces = self._assembly.force_scales()
+        forces = np.maximum(forces, BODY_SHARE * forces.max())
+        self.weakest = float(forces.min())
+        rest = np.full(len(self._parts) - len(forces), self.weakest)
+        # Of all rows together: linear solves mix them. Unknowns, all of them lengths, beyond the
+        # size of the bodies are those of an iteration that ran away: its rows are mere rounding.
+        terms = diagonal * np.minimum(np.abs(x.array_r), self._length)
+        size = float(np.linalg.norm(self._norms(terms)))
+        # A body set free may end without stress, but with the rounding of what it had.
+        self._at_start = size if self._at_start is None else self._at_start
+        rounding = ROUNDING * max(size, self._at_start)
+        self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
+
+    def _norms(self, rows: FloatArray) -> FloatArray:
+        squares = np.array([float(rows[part] @ rows[part]) for part in self._parts])
+        return np.asarray(np.sqrt(self._comm.allreduce(squares, op=MPI.SUM)))
+
+    def holds(self, residual: PETSc.Vec) -> bool:
+        """Return whether the residual of each body is small enough."""
+        return bool(np.all(self._norms(residual.array_r) <= self._targets))
+
+    @property
+    def smallest(self) -> float:
+        """Residual that is small enough for every body [N]."""
+        return float(self._targets.min())

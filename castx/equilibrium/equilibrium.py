@@ -1,0 +1,135 @@
+"""Equilibrium of all bodies in contact: solved step by step, committed or rewound."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from petsc4py import PETSc
+
+from castx.arrays import FloatArray
+from castx.contact.kinematics.active_set import ActiveSet
+from castx.contact.kinematics.gaps import Gaps
+from castx.equilibrium.forces import Balance
+from castx.equilibrium.newton import EquilibriumReport
+from castx.equilibrium.supports.resultants import Resultant
+
+
+class Procedure(Protocol):
+    """Solves the balance of forces."""
+
+    def begin(self, x: PETSc.Vec, time: float) -> None:
+        """Take over the state of the bodies at a time [s]."""
+
+    def solve(self, x: PETSc.Vec) -> EquilibriumReport:
+        """Solve for the unknowns x from where they are.
+
+        Raises:
+            ConvergenceError: there is no solution to go on with.
+        """
+
+    def forget(self) -> None:
+        """Drop the factors of matrices: no checkpoint has them, so no later step may use them."""
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+
+
+class Equilibrium:
+    """Displacements, pressures and closed pairs of one step after the other.
+
+    Attributes:
+        balance: the nonlinear problem.
+        x: the unknowns of the contact method.
+        committed: the owned ones after the last accepted step.
+
+    Args:
+        balance: the nonlinear problem.
+        procedure: solves it.
+    """
+
+    def __init__(self, balance: Balance, procedure: Procedure) -> None:
+        self.balance, self._procedure = balance, procedure
+        self.x = balance.contact.layout.create_vector()
+        self.committed: FloatArray = self.x.array_r.copy()
+
+    @property
+    def first(self) -> Equilibrium:
+        """The equilibrium with which every step begins: this one."""
+        return self
+
+    @property
+    def gaps(self) -> Gaps:
+        """The pairs of all interfaces."""
+        return self.balance.gaps
+
+    @property
+    def active(self) -> ActiveSet:
+        """The closed pairs."""
+        return self.balance.active
+
+    def solve(self, time: float) -> EquilibriumReport:
+        """Solve for the present state of the bodies, from the present displacements.
+
+        Args:
+            time: time of the prescribed displacements and loads [s].
+
+        Raises:
+            ConvergenceError: the iteration did not converge.
+        """
+        self._procedure.begin(self.x, time)
+        return self._procedure.solve(self.x)
+
+    def adopt(self, other: Equilibrium) -> None:
+        """Take over the committed solution of another contact method for the same bodies."""
+        pairs = ((self.committed, other.committed), (self.balance.anchor, other.balance.anchor))
+        layout, coordinates = self.balance.assembly.layout, self.balance.coordinates
+        u, v = layout.create_vector(), layout.create_vector()
+        for own, given in pairs:
+            v.array[:] = given[: layout.size_local]
+            other.balance.coordinates.to_displacements.mult(v, u)
+            coordinates.to_coordinates.mult(u, v)
+            own[:] = 0.0
+            own[: layout.size_local] = v.array_r
+        u.destroy()
+        v.destroy()
+        self.balance.adopt(other.balance)
+        self.rewind()
+
+    @property
+    def fallbacks(self) -> int:
+        """Number of methods that have failed in this step: none before this one."""
+        return 0
+
+    def pair_values(self) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
+        return self.balance.pair_values(self.x)
+
+    def along_surface(self) -> FloatArray | None:
+        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
+        return self.balance.along_surface(self.x)
+
+    def support_force(self) -> float:
+        """Return the norm of the forces of the supports [N]."""
+        return self.balance.support_force(self.x)
+
+    def supports(self) -> dict[str, Resultant]:
+        """Return what the supports exert on each body, by its name; collective."""
+        return self.balance.supports(self.x)
+
+    def commit(self) -> None:
+        """Make the present solution the one from which the next step starts."""
+        self.committed = self.x.array_r.copy()
+        self.balance.commit(self.x)
+        self._procedure.forget()
+
+    def rewind(self) -> None:
+        """Return to the last committed solution, the displacements of the bodies included."""
+        self.x.array[:] = self.committed
+        self.balance.rewind(self.x)
+        self._procedure.forget()
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self._procedure.destroy()
+        self.balance.destroy()
+        self.x.destroy()

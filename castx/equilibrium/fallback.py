@@ -1,0 +1,134 @@
+"""Contact methods in turn: when one fails in a step, the next one takes over for this step."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+
+from petsc4py import PETSc
+
+from castx.arrays import FloatArray
+from castx.contact.kinematics.active_set import ActiveSet
+from castx.contact.kinematics.gaps import Gaps
+from castx.equilibrium.equilibrium import Equilibrium
+from castx.equilibrium.forces import Balance
+from castx.equilibrium.newton import EquilibriumReport
+from castx.equilibrium.supports.resultants import Resultant
+from castx.errors import ConvergenceError
+from castx.solvers.diagnosis import MECHANICS
+
+_log = logging.getLogger(__name__)
+
+
+class MethodsInTurn:
+    """Equilibria of the same bodies by several contact methods, of which one is at work.
+
+    Every step begins with the first method. What has taken over stays until the step is accepted
+    or rewound.
+
+    Args:
+        first: equilibrium of the first method.
+        others: makes the equilibria of the other methods, by their names; called when needed.
+    """
+
+    def __init__(
+        self, first: Equilibrium, others: Sequence[tuple[str, Callable[[], Equilibrium]]]
+    ) -> None:
+        self.first, self._others = first, list(others)
+        self._made: dict[str, Equilibrium] = {}
+        self._turn = 0
+        self._present = self._shown = first
+
+    @property
+    def balance(self) -> Balance:
+        """The nonlinear problem of the method at work."""
+        return self._present.balance
+
+    @property
+    def x(self) -> PETSc.Vec:
+        """The unknowns of the method at work."""
+        return self._present.x
+
+    @property
+    def gaps(self) -> Gaps:
+        """The pairs of the method at work."""
+        return self._present.gaps
+
+    @property
+    def active(self) -> ActiveSet:
+        """The closed pairs of the method at work."""
+        return self._present.active
+
+    def solve(self, time: float) -> EquilibriumReport:
+        """Solve for the present state of the bodies, by as many methods as it takes.
+
+        Args:
+            time: time of the prescribed displacements and loads [s].
+
+        Raises:
+            ConvergenceError: no method converged.
+        """
+        failures = []
+        while True:
+            try:
+                report = self._present.solve(time)
+            except ConvergenceError as error:
+                failures.append(str(error))
+                if self._turn == len(self._others):
+                    raise ConvergenceError("; then ".join(failures), MECHANICS) from None
+                self._take_over(error)
+            else:
+                self._shown = self._present
+                return report
+
+    def _take_over(self, error: ConvergenceError) -> None:
+        name, make = self._others[self._turn]
+        self._turn += 1
+        _log.warning("contact by %s takes over for this step: %s", name, error)
+        if name not in self._made:
+            self._made[name] = make()
+        self.first.rewind()
+        self._present = self._made[name]
+        self._present.adopt(self.first)
+
+    @property
+    def fallbacks(self) -> int:
+        """Number of methods that have failed in this step."""
+        return self._turn
+
+    def pair_values(self) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
+        return self._present.pair_values()
+
+    def along_surface(self) -> FloatArray | None:
+        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
+        return self._present.along_surface()
+
+    def support_force(self) -> float:
+        """Return the norm of the forces of the supports in the last solution [N]."""
+        return self._shown.support_force()
+
+    def supports(self) -> dict[str, Resultant]:
+        """Return what the supports exert on each body in the last solution; collective."""
+        return self._shown.supports()
+
+    def commit(self) -> None:
+        """Make the present solution the one from which the next step starts."""
+        self._present.commit()
+        if self._present is not self.first:
+            self.first.adopt(self._present)
+        self._start_anew()
+
+    def rewind(self) -> None:
+        """Return to the last committed solution, the displacements of the bodies included."""
+        self.first.rewind()
+        self._start_anew()
+        self._shown = self.first
+
+    def _start_anew(self) -> None:
+        self._present, self._turn = self.first, 0
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        for equilibrium in (self.first, *self._made.values()):
+            equilibrium.destroy()

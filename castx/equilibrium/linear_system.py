@@ -1,0 +1,236 @@
+"""Linear systems of the mechanics: held unknowns, floating motions, OSGS, direct and multigrid.
+
+The operator is matrix-free where a matrix would be dense or large: rows of held unknowns are those
+of the identity, OSGS adds its projection, supports their springs. The preconditioner eliminates the
+held unknowns and the floating motions exactly and leaves the assembled rest to an inner solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray
+from castx.equilibrium.supports.springs import Support
+from castx.solvers.layout import Layout
+
+Correction = Callable[[FloatArray, FloatArray], None]
+"""Adds to its second argument, owned rows, the image of its first."""
+
+OUTDATED, OUTDATED_BY = 1.5, 4
+"""Factor and number of iterations by which a set-up may fall behind."""
+
+
+class InnerSolver(Protocol):
+    """Approximate or exact inverse of an assembled matrix.
+
+    Attributes:
+        prefix: of its PETSc options.
+        defaults: PETSc options without the prefix.
+        most_changed: held unknowns and closed pairs by which a set-up may fall behind.
+        is_exact: whether it is worth a new set-up whenever the matrix is a new one.
+    """
+
+    prefix: str
+    defaults: Mapping[str, object]
+    most_changed: int
+    is_exact: bool
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Prepare for a matrix whose held rows and columns are those of a diagonal."""
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to about the solution for b."""
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+
+
+class SystemOperator:
+    """Jacobian of the mechanics as a matrix-free operator, the context of a python Mat.
+
+    Attributes:
+        matrix: the assembled part, contact included.
+        held: unknowns whose rows are `stiffness` times those of the identity.
+        closed: pairs on which the assembled part depends.
+        support: springs.
+
+    Args:
+        corrections: what the assembled matrix lacks.
+    """
+
+    def __init__(self, corrections: Sequence[Correction]) -> None:
+        self.matrix: PETSc.Mat | None = None
+        self.held: BoolArray = np.zeros(0, dtype=bool)
+        self.closed: BoolArray = np.zeros(0, dtype=bool)
+        self.stiffness = 1.0
+        self.support: Support | None = None
+        self._corrections = corrections
+
+    def hold(
+        self, held: BoolArray, stiffness: float, support: Support | None, closed: BoolArray
+    ) -> None:
+        """Set the unknowns whose rows are `stiffness` times those of the identity, and the rest."""
+        self.held, self.stiffness, self.support = held, stiffness, support
+        self.closed = closed
+
+    def free_product(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to the product without regard to held unknowns and supports."""
+        assert self.matrix is not None
+        self.matrix.mult(x, y)
+        values = y.array
+        for correction in self._corrections:
+            correction(x.array_r, values)
+
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to the product of the Jacobian and x."""
+        self.free_product(x, y)
+        values, given = y.array, x.array_r
+        if self.support is not None:
+            values += self.support.force(given)
+        values[self.held] = self.stiffness * given[self.held]
+
+
+class SystemPreconditioner:
+    """Eliminates held unknowns and floating motions exactly.
+
+    The inner solver is set up anew only when it has become too far from the matrix: when many more
+    unknowns are held or free, or when the last solve took many more iterations than the first.
+
+    Args:
+        operator: the operator to precondition.
+        inner: solver of the assembled rest.
+        comm: ranks.
+    """
+
+    def __init__(self, operator: SystemOperator, inner: InnerSolver, comm: MPI.Intracomm) -> None:
+        self._operator, self._inner, self._comm = operator, inner, comm
+        self._work: list[PETSc.Vec] = []
+        self._set_up_for: BoolArray | None = None
+        self._masked: PETSc.Mat | None = None
+        self._first_iterations = 0
+        self.is_fresh = False
+
+    def refresh(self, iterations: int) -> None:
+        """Prepare for the operator as it now is.
+
+        Args:
+            iterations: that the last linear solve took.
+        """
+        operator = self._operator
+        assert operator.matrix is not None
+        if not self._work:
+            self._work = [operator.matrix.createVecRight() for _ in range(3)]
+        held = operator.held.copy()
+        if operator.support is not None:
+            held[operator.support.pins] = True
+        state = np.concatenate((held, operator.closed))
+        if self.is_fresh:
+            self._first_iterations = iterations
+        self.is_fresh = self._is_outdated(state, iterations)
+        if self.is_fresh:
+            if self._masked is not None:
+                self._masked.destroy()
+            self._masked = masked(operator.matrix, held)
+            self._inner.set_up(self._masked, held)
+            self._set_up_for = state
+
+    def _is_outdated(self, state: BoolArray, iterations: int) -> bool:
+        if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
+            return True
+        changed = int(np.count_nonzero(state != self._set_up_for))
+        return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the inner solver inverts the matrix for which it has been set up."""
+        return self._inner.is_exact
+
+    def renew(self) -> None:
+        """Take note of a new matrix: an exact inverse of another one is worth little."""
+        if self._inner.is_exact:
+            self.discard()
+
+    def discard(self) -> None:
+        """Make the next `refresh` set the inner solver up anew."""
+        self._set_up_for = None
+
+    def apply(self, r: PETSc.Vec, z: PETSc.Vec) -> None:
+        """Set z to about the solution of the system for r."""
+        operator, (fixed, rest, image) = self._operator, self._work
+        held, support = operator.held, operator.support
+        fixed.array[:] = np.where(held, r.array_r / operator.stiffness, 0.0)
+        rest.array[:] = np.where(held, 0.0, r.array_r)
+        if fixed.norm(PETSc.NormType.NORM_INFINITY) > 0:
+            operator.free_product(fixed, image)
+            rest.array[:] -= np.where(held, 0.0, image.array_r)
+        if support is not None:
+            resultants = support.resultants(rest.array_r)
+            rest.array[:] -= resultants @ support.weights
+            rest.array[held] = 0.0
+            rest.array[support.pins] = 0.0
+        self._inner.solve(rest, z)
+        values = z.array
+        values[held] = fixed.array_r[held]
+        if support is not None:
+            values[support.pins] = 0.0
+            amplitudes = resultants / support.stiffness - support.amplitudes(values)
+            values += amplitudes @ support.motions
+
+    def destroy(self) -> None:
+        """Free matrices, vectors and the inner solver."""
+        for item in (self._masked, *self._work):
+            if item is not None:
+                item.destroy()
+        self._inner.destroy()
+
+
+class SelectedPreconditioner:
+    """One of several preconditioners, the context of a python PC.
+
+    Args:
+        preconditioners: among which `chosen` is, at first the first one.
+    """
+
+    def __init__(self, preconditioners: Sequence[SystemPreconditioner]) -> None:
+        self.all, self.chosen = list(preconditioners), preconditioners[0]
+
+    def apply(self, _: PETSc.PC, r: PETSc.Vec, z: PETSc.Vec) -> None:
+        """Set z to about the solution of the system for r."""
+        self.chosen.apply(r, z)
+
+    def destroy(self, _: PETSc.PC) -> None:
+        """Free all of them; PETSc calls this with its PC."""
+        for preconditioner in self.all:
+            preconditioner.destroy()
+
+
+def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
+    """Return the python Mat of an operator."""
+    sizes = ((layout.size_local, layout.size_global),) * 2
+    matrix = PETSc.Mat().createPython(sizes, context, comm=layout.comm)
+    matrix.setUp()
+    return matrix
+
+
+def masked(matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
+    """Return a copy in which held rows and columns are those of a diagonal of usual size."""
+    copy = matrix.copy()
+    keep = copy.createVecRight()
+    keep.array[:] = np.where(held, 0.0, 1.0)
+    diagonal = copy.getDiagonal()
+    comm = copy.getComm().tompi4py()
+    sizes = np.abs(diagonal.array_r[~held])
+    total = comm.allreduce(np.array([sizes.sum(), float(sizes.size)]), op=MPI.SUM)
+    copy.diagonalScale(keep, keep)
+    mean = total[0] / total[1] if total[1] else 1.0
+    diagonal.array[:] = np.where(held, mean, 0.0)
+    copy.setDiagonal(diagonal, addv=PETSc.InsertMode.ADD_VALUES)
+    keep.destroy()
+    diagonal.destroy()
+    return copy

@@ -1,0 +1,141 @@
+"""What the equilibrium remembers, as arrays of nodes, cells and pairs.
+
+Displacements are saved, not the unknowns: which coordinates those are depends on the ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from castx.arrays import FloatArray
+from castx.equilibrium.equilibrium import Equilibrium
+from castx.mechanics.body import BodyMechanics
+from castx.stateful import (
+    Array,
+    Arrays,
+    Saved,
+    Stateful,
+    joined,
+    number,
+    part_of,
+    restore_parts,
+    saved_parts,
+)
+
+
+class MechanicalMemory:
+    """The committed state of all bodies and of their contact.
+
+    Args:
+        bodies: by name, in the order of the layout.
+        equilibrium: holds the committed unknowns, the pairs and their contact method.
+    """
+
+    def __init__(
+        self,
+        bodies: Mapping[str, BodyMechanics],
+        equilibrium: Equilibrium,
+    ) -> None:
+        self._bodies, self._equilibrium = dict(bodies), equilibrium
+        self._balance = equilibrium.balance
+        self._coordinates = self._balance.coordinates
+        self._gaps, self._contact = self._balance.gaps, self._balance.contact
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state; collective."""
+        parts = {name: saved_parts(_lasting(body)) for name, body in self._bodies.items()}
+        motion = self._motions(self._equilibrium.committed)
+        anchor = self._motions(self._balance.anchor)
+        return {"time": number(self._balance.committed_time)} | joined(
+            {"motion": motion, "anchor": anchor, "bodies": joined(parts), "rows": self._rows()}
+        )
+
+    def _motions(self, unknowns: FloatArray) -> dict[str, Saved]:
+        """Return the unknowns of the nodes: displacement, scaled pressure, axial strain."""
+        layout = self._coordinates.layout
+        v, u = layout.create_vector(), layout.create_vector()
+        v.array[:] = unknowns[: layout.size_local]
+        self._coordinates.to_displacements.mult(v, u)
+        found = {
+            name: Saved(
+                u.array_r[layout.local_slice(b)].reshape(-1, body.block_size).copy(),
+                body.mesh.node_numbering,
+            )
+            for b, (name, body) in enumerate(self._bodies.items())
+        }
+        v.destroy()
+        u.destroy()
+        return found
+
+    def _rows(self) -> dict[str, Saved]:
+        """Return what belongs to pairs: closed or not, multipliers as far as the method has any."""
+        found: dict[str, Array] = {
+            "closed": self._balance.active.committed,
+            "at_rest": self._gaps.at_rest,
+        }
+        layout = self._coordinates.layout
+        if self._contact.layout.size_global > layout.size_global:
+            found["multipliers"] = self._equilibrium.committed[layout.size_local :]
+        found |= self._contact.saved()
+        return {
+            f"{interface.pairs.name}/{name}": Saved(values[part], interface.numbering)
+            for part, interface in zip(self._gaps.slices, self._gaps.interfaces, strict=True)
+            for name, values in found.items()
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state; the equilibrium has to be rewound to it; collective."""
+        for name, body in self._bodies.items():
+            restore_parts(_lasting(body), part_of(arrays, f"bodies/{name}"))
+        rows = part_of(arrays, "rows")
+        self._balance.committed_time = float(arrays["time"])
+        self._balance.active.restore(self._of_all("closed", rows).astype(bool))
+        self._contact.restore({name: self._of_all(name, rows) for name in self._contact.saved()})
+        self._gaps.at_rest[:] = self._of_all("at_rest", rows)
+        self._gaps.set_time(self._balance.committed_time)
+        self._restore_unknowns(self._balance.anchor, part_of(arrays, "anchor"))
+        committed, layout = self._equilibrium.committed, self._coordinates.layout
+        self._restore_unknowns(committed, part_of(arrays, "motion"))
+        if self._contact.layout.size_global > layout.size_global:
+            committed[layout.size_local :] = self._of_all("multipliers", rows)
+
+    def begin_stage(self, renewed: Collection[str]) -> None:
+        """Let new bodies fit to the others, and hold what floats where it is; collective.
+
+        The equilibrium has to be rewound to it.
+        """
+        unknowns, layout = self._equilibrium.committed, self._coordinates.layout
+        v, u = layout.create_vector(), layout.create_vector()
+        v.array[:] = unknowns[: layout.size_local]
+        self._coordinates.to_displacements.mult(v, u)
+        self._gaps.fit(u, renewed)
+        self._balance.anchor[: layout.size_local] = unknowns[: layout.size_local]
+        v.destroy()
+        u.destroy()
+
+    def _restore_unknowns(self, unknowns: FloatArray, motions: Arrays) -> None:
+        layout = self._coordinates.layout
+        u, v = layout.create_vector(), layout.create_vector()
+        for b, name in enumerate(self._bodies):
+            part = layout.local_slice(b)
+            u.array[part] = motions[name].ravel()[: part.stop - part.start]
+        self._coordinates.to_coordinates.mult(u, v)
+        unknowns[: layout.size_local] = v.array_r
+        v.destroy()
+        u.destroy()
+
+    def _of_all(self, name: str, rows: Arrays) -> Array:
+        values: FloatArray = self._gaps.initial.copy()
+        for part, interface in zip(self._gaps.slices, self._gaps.interfaces, strict=True):
+            values[part] = rows[f"{interface.pairs.name}/{name}"]
+        return values
+
+
+def _lasting(body: BodyMechanics) -> dict[str, Stateful]:
+    """Return the parts of a body that remember something."""
+    parts = {
+        "points": body.material,
+        "mean_dilatation": body.mean_dilatation,
+        "pockets": body.pockets,
+    }
+    return {name: part for name, part in parts.items() if part is not None}

@@ -1,0 +1,237 @@
+"""Newton's method for the balance of forces, with the closed pairs changing between iterations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import BoolArray
+from castx.equilibrium.forces import Balance
+from castx.equilibrium.linear_system import (
+    InnerSolver,
+    SelectedPreconditioner,
+    SystemPreconditioner,
+    operator_matrix,
+)
+from castx.errors import ConvergenceError
+from castx.solvers.diagnosis import MECHANICS
+from castx.solvers.line_search import shorten_step
+from castx.solvers.snes import NonlinearSolver
+
+PREFIX = "castx_mechanics_"
+LINEAR_SHARE = 1e-3
+"""Part of the nonlinear tolerance to which the linear solves go."""
+EXACT_SHARE = 1e-9
+"""The same with factors, by which it costs little: a contact force such as the weight of a body may
+be a millionth of the thermal forces, to which the tolerance belongs."""
+LOOSEST = 1e-4
+"""Part of the residual to which they go at least where bodies flow: those that hardly resist have a
+displacement from which no iteration returns behind a residual of 1e-2."""
+
+
+@dataclass(frozen=True)
+class EquilibriumReport:
+    """What one equilibrium took.
+
+    Attributes:
+        iterations: Newton iterations.
+        linear_iterations: iterations of all linear solves.
+        contact_changes: pairs that opened or closed, counted each time.
+        residuals: residual of the present set of pairs before each iteration and after the last;
+            after an update of multipliers once more.
+        augmentations: where in `residuals` updates of multipliers that are no unknowns stand.
+        sweeps: where in `residuals` the sweeps over blocks begin.
+        balanced: whether the forces balance; a block iteration may stop before they do.
+        linear_solves: iterations of each linear solve.
+    """
+
+    iterations: int
+    linear_iterations: int
+    contact_changes: int
+    residuals: tuple[float, ...]
+    augmentations: tuple[int, ...] = ()
+    sweeps: tuple[int, ...] = ()
+    balanced: bool = True
+    linear_solves: tuple[int, ...] = ()
+
+
+class Newton:
+    """Newton's method for all unknowns, or for some while the others stay where they are.
+
+    Args:
+        balance: the nonlinear problem.
+        inner: solvers of the assembled linear system, by the unknowns that move; of all if the
+            unknowns are None.
+        options: PETSc options under `castx_mechanics_`.
+    """
+
+    def __init__(
+        self,
+        balance: Balance,
+        inner: Sequence[tuple[BoolArray | None, InnerSolver]],
+        options: Mapping[str, Any],
+    ) -> None:
+        self.balance = balance
+        layout = balance.contact.layout
+        self._free = [free for free, _ in inner]
+        self._preconditioner = SelectedPreconditioner(
+            [SystemPreconditioner(balance.operator, solver, layout.comm) for _, solver in inner]
+        )
+        self._vector = layout.create_vector()
+        self._matrix = operator_matrix(layout, balance.operator)
+        defaults: dict[str, Any] = {
+            "ksp_type": "fgmres", "ksp_max_it": 100, "snes_linesearch_type": "basic",
+            "snes_max_it": 60, "ksp_gmres_restart": 60, "snes_max_linear_solve_fail": 5,
+        }  # fmt: skip
+        for _, solver in inner:
+            name = solver.prefix.removeprefix(PREFIX)
+            defaults |= {f"{name}{key}": value for key, value in solver.defaults.items()}
+        self._solver = NonlinearSolver(
+            MECHANICS, PREFIX, self._residual, self._jacobian,
+            vector=self._vector, matrix=self._matrix,
+            options={**defaults, **options}, converged=self._converged,
+            step_rule=self._limit_step,
+        )  # fmt: skip
+        self._solver.snes.ksp.pc.setType("python")
+        self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
+        self._linear_tolerance_given = "ksp_rtol" in options
+        self._failure = ""
+        self._always_fresh, self._was_fresh = False, True
+        self._residuals: list[float] = []
+        self._augmentations: list[int] = []
+        self._linear_solves: list[int] = []
+
+    def begin(self, x: PETSc.Vec, time: float) -> None:
+        """Take over the state of the bodies at a time [s]."""
+        self.balance.begin(x, time)
+        # Elastic constants change little in a step, but freezing multiplies them.
+        if not self.balance.assembly.is_elastic:
+            for preconditioner in self._preconditioner.all:
+                preconditioner.discard()
+
+    def solve(self, x: PETSc.Vec, part: int = 0) -> EquilibriumReport:
+        """Solve for all unknowns x, or for a part of them.
+
+        Raises:
+            ConvergenceError: the iteration did not converge.
+        """
+        free = self._free[part]
+        self.balance.frozen[:] = False if free is None else ~free
+        self._preconditioner.chosen = self._preconditioner.all[part]
+        start, closed = x.array_r.copy(), self.balance.active.closed.copy()
+        try:
+            return self._try(x, always_fresh=False)
+        except ConvergenceError:
+            if self._was_fresh:
+                raise
+            # An outdated preconditioner may be all that went wrong.
+            x.array[:], self.balance.active.closed = start, closed
+            return self._try(x, always_fresh=True)
+        finally:
+            self.balance.frozen[:] = False
+
+    def _try(self, x: PETSc.Vec, always_fresh: bool) -> EquilibriumReport:
+        self._failure, self._always_fresh, self._was_fresh = "", always_fresh, True
+        active = self.balance.active
+        active.begin()
+        self._residuals, self._augmentations, self._linear_solves = [], [], []
+        try:
+            report = self._solver.solve(x)
+        except ConvergenceError as error:
+            why = self._failure or self.balance.worst_place(self._vector)
+            raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
+        return EquilibriumReport(
+            report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),
+            tuple(self._augmentations), linear_solves=tuple(self._linear_solves),
+        )
+
+    def imbalance(self, x: PETSc.Vec) -> tuple[float, bool]:
+        """Return the residual of all unknowns, and whether it is small enough for a set of pairs.
+
+        Pairs close and open.
+        """
+        self.balance.residual(x, self._vector)
+        changed = self.balance.change_set(x, self._vector)
+        return self._vector.norm(), self.balance.holds(self._vector) and not changed
+
+    def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        try:
+            self.balance.residual(x, f)
+        except ConvergenceError as error:
+            # SNES stops at what is not a number; an exception cannot cross it.
+            self._failure = str(error)
+            f.set(np.nan)
+
+    def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, __: PETSc.Mat) -> None:
+        renewed = not self.balance.assembly.is_linear and snes.getIterationNumber() > 0
+        self.balance.update_matrix(renewed)
+        preconditioner = self._preconditioner.chosen
+        if renewed or self.balance.contact.follows_motion:
+            preconditioner.renew()
+        if self._always_fresh:
+            preconditioner.discard()
+        preconditioner.refresh(snes.ksp.getIterationNumber())
+        self._was_fresh &= preconditioner.is_fresh
+        J.assemble()
+
+    def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+        """Shorten a step that swings a body through another, or overshoots; say whether it did."""
+        stopped = self.balance.stop_at_contact(x, y)
+        if self.balance.assembly.is_linear:
+            return stopped
+        return shorten_step(self._residual, x, y, snes) or stopped
+
+    def _converged(
+        self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
+    ) -> Any:
+        reasons, balance = PETSc.SNES.ConvergedReason, self.balance
+        if not np.isfinite(norms[2]):
+            return reasons.DIVERGED_FNORM_NAN
+        x, f = snes.getSolution(), snes.getFunction()[0]
+        if iteration > 0:
+            self._linear_solves.append(snes.ksp.getIterationNumber())
+        changed = iteration > 0 and balance.change_set(x, f)
+        self._residuals.append(f.norm())
+        balanced = balance.holds(f)
+        if iteration > 0 and balance.augment(x, f, balanced and not changed):
+            self._augmentations.append(len(self._residuals))
+            self._residuals.append(f.norm())
+            balanced = balance.holds(f)
+        if balanced and not changed and iteration > 0:
+            return reasons.CONVERGED_FNORM_RELATIVE
+        if iteration >= snes.getTolerances()[3]:
+            return reasons.DIVERGED_MAX_IT
+        if not self._linear_tolerance_given:
+            tolerance = self._linear_tolerance(self._residuals[-1])
+            snes.ksp.setTolerances(rtol=tolerance, atol=0.0)
+        return reasons.CONVERGED_ITERATING
+
+    def _linear_tolerance(self, norm: float) -> float:
+        """Return to what part of a residual the next linear system is solved.
+
+        Where the next system is another one, what is solved beyond the square of the residual is
+        lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
+        """
+        balance = self.balance
+        exact = self._preconditioner.chosen.is_exact and balance.is_linear
+        wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * balance.smallest
+        share = wanted / norm if norm > 0 else 1e-2
+        if not balance.is_linear and balance.force > 0:
+            share = max(share, min(norm / balance.force, LOOSEST))
+        return float(np.clip(share, 1e-12, 1e-2))
+
+    def forget(self) -> None:
+        """Drop the factors of matrices, which are worth little beside another one."""
+        for preconditioner in self._preconditioner.all:
+            preconditioner.renew()
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self._solver.destroy()
+        self._matrix.destroy()
+        self._vector.destroy()

@@ -1,0 +1,108 @@
+"""Puts together the equilibrium of all bodies from descriptions of bodies, supports and contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from castx.contact.choice import Contact, check_bodies
+from castx.contact.kinematics.gaps import Gaps
+from castx.contact.kinematics.pair_state import ContactState, contact_state
+from castx.contact.kinematics.rigid import rigid_body
+from castx.domain.measures import extent
+from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.pairing import interface_pairs
+from castx.equilibrium.building import Assembled, MechanicsSettings, build_methods
+from castx.equilibrium.memory import MechanicalMemory
+from castx.mechanics.assembly import BodyAssembly
+from castx.mechanics.body import BodyMechanics
+from castx.mechanics.description import MechanicalBody
+from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.solvers.layout import Layout
+
+
+class MechanicalProblem:
+    """The bodies, their contact and the solver of their equilibrium.
+
+    Args:
+        mesh: mesh of all bodies.
+        bodies: mechanical description by name of the body; others are rigid.
+        displacements: displacement conditions by name of the body.
+        contacts: interfaces with contact.
+        settings: how to solve.
+
+    Raises:
+        CaseError: contact methods that cannot be combined.
+    """
+
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        bodies: Mapping[str, MechanicalBody],
+        displacements: Mapping[str, Sequence[SurfaceDisplacement]],
+        contacts: Sequence[Contact],
+        settings: MechanicsSettings,
+    ) -> None:
+        check_bodies(contacts, bodies)
+        names = list(bodies)
+        bodies = {
+            n: replace(body, closed=_closed_surfaces(mesh, n, displacements.get(n, ())))
+            for n, body in bodies.items()
+        }
+        fixed = [
+            fixed_directions(mesh.bodies[n], mesh.model, displacements.get(n, ())) for n in names
+        ]
+        planes = [[condition for condition in f if condition.symmetry] for f in fixed]
+        parts = [
+            BodyMechanics(mesh.bodies[n], mesh.model, bodies[n], planes[b])
+            for b, n in enumerate(names)
+        ]
+        self.bodies = dict(zip(names, parts, strict=True))
+        self.layout = Layout(
+            mesh.comm,
+            [body.space.dofmap.index_map for body in parts],
+            [body.block_size for body in parts],
+        )
+        self.pairs = [interface_pairs(mesh, c.secondary, c.primary, c.pairing) for c in contacts]
+        self.rigid = {
+            n: rigid_body(n, mesh.model, displacements.get(n, ()))
+            for n in mesh.bodies
+            if n not in bodies
+        }
+        length = extent(mesh.parent)
+        stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
+        self._assembly = BodyAssembly(self.layout, parts)
+        made = Assembled(names, self._assembly, fixed, self.rigid, length, stiffness)
+        self.equilibrium = build_methods(made, contacts, self.pairs, settings)
+        self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
+
+    @property
+    def gaps(self) -> Gaps:
+        """The pairs of all interfaces."""
+        return self.equilibrium.gaps
+
+    def contact_states(self) -> list[ContactState]:
+        """Return what the pairs of each interface do; collective."""
+        gaps, forces = self.equilibrium.pair_values()
+        closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
+        return [
+            contact_state(
+                interface, gaps[part], forces[part], closed[part],
+                None if friction is None else friction[part],
+            )
+            for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
+        ]  # fmt: skip
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self.equilibrium.destroy()
+        self._assembly.destroy()
+
+
+def _closed_surfaces(
+    mesh: CastingMesh, name: str, displacements: Sequence[SurfaceDisplacement]
+) -> set[str]:
+    """Return the surfaces of a body through which no liquid can follow."""
+    surfaces = mesh.bodies[name].surfaces
+    shut = {s for s in surfaces if s in mesh.bodies or s.startswith("symmetry-")}
+    return shut | {d.surface for d in displacements if d.value is not None}

@@ -1,0 +1,1 @@
+"""What holds bodies that contact does not."""

@@ -1,0 +1,90 @@
+"""How far a body that only springs hold may move in one Newton step: until it touches.
+
+Weak springs let a body that has lost its contact swing by metres before they balance its weight.
+Everything on its way would then close at once and be pressed together, which a law that flows
+cannot follow. So its rigid motion ends where the first open pair closes, and the next step finds
+what this pair bears: the ratio test of active-set methods (J. Nocedal and S. J. Wright, Numerical
+Optimization, 2nd ed., section 16.5).
+"""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray
+from castx.contact.method import ContactSystem
+from castx.equilibrium.supports.springs import Support
+
+
+class Falling:
+    """Ends rigid motions at the first contact.
+
+    Args:
+        contact: the contact method.
+        unknowns: a vector of the displacements and pressures of all bodies, to copy its layout.
+    """
+
+    def __init__(self, contact: ContactSystem, unknowns: PETSc.Vec) -> None:
+        self._contact, self._unknowns = contact, unknowns
+
+    def stop(
+        self, support: Support, x: PETSc.Vec, y: PETSc.Vec,
+        open_pairs: BoolArray, force: float, stiffness: float,
+    ) -> bool:  # fmt: skip
+        """Shorten the rigid part of a step to x − y; return whether it has changed; collective.
+
+        Args:
+            support: of the motions that nothing else holds.
+            x: unknowns at which the step starts.
+            y: the step.
+            open_pairs: those that close when they penetrate, shape (pairs,).
+            force: by which they do [N].
+            stiffness: of the contact method where it has none of its own [N/m].
+        """
+        rigid = support.amplitudes(y.array_r) @ support.motions
+        start, end = (self._gaps(x, step) for step in (y.array_r - rigid, y.array_r))
+        depth = self._depth(x, len(start), force, stiffness)
+        share = share_until_contact(support.comm, start, end, open_pairs, depth)
+        if share < 1.0:
+            y.array[:] -= (1.0 - share) * rigid
+        return share < 1.0
+
+    def _gaps(self, x: PETSc.Vec, step: FloatArray) -> FloatArray:
+        place, unknowns = x.duplicate(), self._unknowns.duplicate()
+        place.array[:] = x.array_r - step
+        self._contact.displacements(place, unknowns)
+        gaps = self._contact.gaps(place, unknowns)
+        for vector in (place, unknowns):
+            vector.destroy()
+        return gaps
+
+    def _depth(self, x: PETSc.Vec, pairs: int, force: float, stiffness: float) -> FloatArray:
+        """Return the penetrations that give open pairs a force [m]."""
+        rows, closed = np.zeros(x.getLocalSize()), np.zeros(pairs, dtype=bool)
+        apart, through = (
+            self._contact.trial_forces(x, rows, np.full(pairs, gap), closed, stiffness)
+            for gap in (0.0, -1.0)
+        )
+        resistance = through - apart
+        return np.divide(force, resistance, out=np.full(pairs, np.inf), where=resistance > 0)
+
+
+def share_until_contact(
+    comm: MPI.Intracomm, start: FloatArray, end: FloatArray, may_close: BoolArray, depth: FloatArray
+) -> float:
+    """Return which share of a rigid motion brings the first pair to its depth, at most all of it.
+
+    Args:
+        comm: ranks of the pairs.
+        start: gaps before the motion [m], shape (pairs,).
+        end: gaps behind all of it [m], shape (pairs,).
+        may_close: open pairs that close when they penetrate, shape (pairs,).
+        depth: penetration at which they do [m], shape (pairs,).
+    """
+    change = end - start
+    hits = may_close & (change < 0) & (end < -depth)
+    shares = (start + depth)[hits] / -change[hits]
+    return float(comm.allreduce(max(0.0, float(shares.min(initial=1.0))), op=MPI.MIN))

@@ -1,0 +1,130 @@
+"""Weak support of the rigid motions that neither displacement conditions nor closed pairs hold.
+
+The springs act on these motions only, so that a body which stands on a floor and can slide is held
+sideways and its weight still goes to the floor. In the linear solve they are exact: the resultant
+of the load is taken out (spread over the body like its volume), the rest solved with as many pinned
+entries as there are motions, which is statically determinate, and the springs put the motion back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray, LongArray
+
+HELD = 1e-8
+"""Sum of squares above which constraint rows hold a motion that moves nodes by about one."""
+
+TIE = 1e-6
+"""Relative difference below which two entries fix a motion equally well."""
+
+WEAK, FIRM = 1e-7, 1.0
+"""Stiffness of the springs per volume, in units of G/L²: where contact may still come to hold a
+body, and where nothing is left for it to fall onto."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """Springs on floating motions; all arrays hold the owned part of a vector of unknowns.
+
+    Attributes:
+        motions: rigid motions Z in the unknowns, shape (motions, owned).
+        weights: W with WᵀZ = 1: amplitudes of the motions are Wᵀx, shape (motions, owned).
+        pins: owned entries that fix the motions, no more.
+        stiffness: force per amplitude of each motion [N/m].
+        comm: communicator of the unknowns.
+    """
+
+    motions: FloatArray
+    weights: FloatArray
+    pins: LongArray
+    stiffness: float
+    comm: MPI.Intracomm
+
+    def amplitudes(self, x: FloatArray) -> FloatArray:
+        """Return the amplitudes Wᵀx of the motions in an owned part x."""
+        return np.asarray(self.comm.allreduce(self.weights @ x, op=MPI.SUM))
+
+    def resultants(self, r: FloatArray) -> FloatArray:
+        """Return the components Zᵀr of an owned part r of a force."""
+        return np.asarray(self.comm.allreduce(self.motions @ r, op=MPI.SUM))
+
+    def force(self, x: FloatArray) -> FloatArray:
+        """Return the owned part of the spring forces at x."""
+        return np.asarray(self.stiffness * self.amplitudes(x) @ self.weights)
+
+    def resultant(self, x: FloatArray) -> float:
+        """Return the norm of the spring forces on the motions at x [N]."""
+        return float(np.linalg.norm(self.stiffness * self.amplitudes(x)))
+
+
+class FloatingMotions:
+    """Finds the rigid motions of all bodies that a set of constraints leaves free.
+
+    Args:
+        motions: rigid motions of all bodies in the unknowns, shape (motions, owned).
+        weights: their images under the volume matrix: Mz for the motion z.
+        stiffness: of the springs per volume [Pa/m²].
+        comm: communicator of the unknowns.
+    """
+
+    def __init__(
+        self, motions: FloatArray, weights: FloatArray, stiffness: float, comm: MPI.Intracomm
+    ) -> None:
+        self.motions, self._comm = motions, comm
+        # Springs see the mean motion: a volume-weighted inner product that integrates to one.
+        volume = comm.allreduce(float(np.sum(motions[0] * weights[0])))
+        self._stiffness = stiffness * volume
+        self._weights = weights / volume
+
+    def find(self, held: BoolArray, constraint_values: FloatArray | None = None) -> Support | None:
+        """Return the support of what floats, None if nothing does.
+
+        Args:
+            held: owned unknowns that are prescribed.
+            constraint_values: values of further constraint rows of this rank for each motion,
+                shape (motions, rows).
+        """
+        rows = self.motions[:, held]
+        if constraint_values is not None:
+            rows = np.concatenate((rows, constraint_values), axis=1)
+        gram = self._comm.allreduce(rows @ rows.T, op=MPI.SUM)
+        values, vectors = np.linalg.eigh(gram)
+        free = vectors[:, values < HELD]
+        if free.shape[1] == 0:
+            return None
+        motions = free.T @ self.motions
+        motions[:, held] = 0.0
+        weights = free.T @ self._weights
+        inner = self._comm.allreduce(weights @ motions.T, op=MPI.SUM)
+        root = np.linalg.inv(np.linalg.cholesky(inner))
+        motions, weights = root @ motions, root @ weights
+        pins = self._pins(motions)
+        return Support(motions, weights, pins, self._stiffness, self._comm)
+
+    def _pins(self, motions: FloatArray) -> LongArray:
+        """Return owned entries that together fix all motions, by pivoting on the largest.
+
+        Of nearly equal ones the first is taken, so that neither round-off nor the basis of the
+        motions decides and the entries stay from solve to solve.
+        """
+        columns, pins = motions.copy(), []
+        for _ in range(len(motions)):
+            sizes = np.linalg.norm(columns, axis=0)
+            largest = self._comm.allreduce(float(sizes.max(initial=0.0)), op=MPI.MAX)
+            near = np.flatnonzero(sizes > (1 - TIE) * largest)
+            rank = self._comm.allreduce(
+                self._comm.rank if len(near) else self._comm.size, op=MPI.MIN
+            )
+            here = rank == self._comm.rank
+            direction = self._comm.bcast(
+                columns[:, near[0]] / sizes[near[0]] if here else None, root=rank
+            )
+            if here:
+                pins.append(near[0])
+            columns -= np.outer(direction, direction @ columns)
+        return np.array(pins, dtype=np.intp)

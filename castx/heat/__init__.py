@@ -1,0 +1,1 @@
+"""Energy balance of all bodies and their exchange."""

@@ -1,0 +1,148 @@
+"""One body in the heat problem: its fields, nodal volumes and conduction matrix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+
+from castx.arrays import FloatArray, IntArray
+from castx.domain.mesh import BodyMesh
+from castx.forms import heat as forms
+from castx.forms.kinematics import weight
+from castx.materials.conduction_potential import conduction_potential
+from castx.materials.material import Material
+from castx.tables import Table
+
+
+@dataclass(frozen=True)
+class HeatBody:
+    """What the heat problem must know of a body besides its mesh.
+
+    Attributes:
+        name: of the body in the mesh.
+        material: its material.
+        temperature: at the start [°C], one number or one for each owned node, shape (owned,); at a
+            melting point the body is liquid.
+        heat_source: heat per volume over time [W/m³].
+    """
+
+    name: str
+    material: Material
+    temperature: float | FloatArray
+    heat_source: Table | None = None
+
+
+class ThermalBody:
+    """Fields of one body at the trial state and the matrix of its conduction.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        description: material, initial temperature and source.
+    """
+
+    def __init__(self, body: BodyMesh, model: str, description: HeatBody) -> None:
+        self.name = body.name
+        self.mesh = body
+        self.description = description
+        self.curve = description.material.enthalpy
+        self.index_map = body.nodes.dofmap.index_map
+        self.owned = self.index_map.size_local
+        self._potential_law = conduction_potential(description.material)
+        self._circumference = weight(model, ufl.SpatialCoordinate(body.mesh))
+        self._surface_measure = ufl.Measure(
+            "ds", domain=body.mesh, subdomain_data=body.facet_tags
+        )
+        self._create_fields()
+        self._create_conduction()
+        self.volumes = self._nodal_weights(ufl.dx(domain=body.mesh))
+
+    def _create_fields(self) -> None:
+        nodes = self.mesh.nodes
+        self.enthalpy = fem.Function(nodes, name="enthalpy")
+        self.temperature = fem.Function(nodes, name="temperature")
+        self.solid_fraction = fem.Function(nodes, name="solid_fraction")
+        initial = np.broadcast_to(self.description.temperature, self.owned)
+        self.set_enthalpy(self.curve.enthalpy(initial))
+
+    def _create_conduction(self) -> None:
+        nodes = self.mesh.nodes
+        theta, v = ufl.TrialFunction(nodes), ufl.TestFunction(nodes)
+        form = fem.form(forms.conduction(theta, v, self._circumference, ufl.dx))
+        matrix = fem.assemble_matrix(form)
+        matrix.scatter_reverse()
+        self.conduction = matrix.to_scipy()
+        self.columns = matrix.index_map(1)
+        self.column_nodes = self.columns.local_to_global(
+            np.arange(self.columns.size_local + self.columns.num_ghosts, dtype=np.int32)
+        )
+        self._theta = la.vector(self.columns)
+        self._theta_slope = la.vector(self.columns)
+
+    def _nodal_weights(self, measure: ufl.Measure) -> FloatArray:
+        """Return the integrals of the owned shape functions, times 2πr when axisymmetric."""
+        v = ufl.TestFunction(self.mesh.nodes)
+        form = fem.form(forms.nodal_weight(v, self._circumference, measure))
+        vector = fem.assemble_vector(form)
+        vector.scatter_reverse(la.InsertMode.add)
+        return np.array(vector.array[: self.owned])
+
+    def surface_areas(self, surface: str) -> tuple[IntArray, FloatArray]:
+        """Return the owned nodes of a surface and the areas they stand for [m²]."""
+        areas = self._nodal_weights(self._surface_measure(self.mesh.surface_tag(surface)))
+        nodes = self.mesh.surface_nodes(surface)
+        nodes = nodes[nodes < self.owned].astype(np.int32)
+        return nodes, areas[nodes]
+
+    def set_enthalpy(self, enthalpy: FloatArray) -> None:
+        """Set the state of the owned nodes [J/m³], and from it that of the ghosts."""
+        H = self.enthalpy.x
+        H.array[: self.owned] = enthalpy
+        H.scatter_forward()
+        self.temperature.x.array[:] = self.curve.temperature(H.array)
+        self.solid_fraction.x.array[:] = self.curve.solid_fraction(H.array)
+
+    @property
+    def owned_temperature(self) -> FloatArray:
+        """Temperature of the owned nodes [°C]."""
+        return np.asarray(self.temperature.x.array[: self.owned])
+
+    def temperature_slope(self) -> FloatArray:
+        """Return dT/dH of the owned nodes [K m³/J]."""
+        return self.curve.temperature_slope(self.enthalpy.x.array[: self.owned])
+
+    def conducted_heat(self) -> FloatArray:
+        """Return the heat that leaves the owned nodes by conduction [W]."""
+        theta = self._theta
+        theta.array[: self.owned] = self._potential_law(self.owned_temperature)
+        theta.scatter_forward()
+        return np.asarray(self.conduction @ theta.array)
+
+    def conduction_slope(self, temperature_slope: FloatArray) -> FloatArray:
+        """Return the derivatives of `conducted_heat`, entry by entry of `conduction.data`.
+
+        Args:
+            temperature_slope: derivative of the temperature of the owned nodes over the unknown.
+        """
+        slope = self._theta_slope
+        conductivity = self._potential_law.derivative(self.owned_temperature)
+        slope.array[: self.owned] = conductivity * temperature_slope
+        slope.scatter_forward()
+        return np.asarray(self.conduction.data * slope.array[self.conduction.indices])
+
+    def rounding(self) -> FloatArray:
+        """Return the size of the terms that cancel in `conducted_heat`, owned nodes [W]."""
+        theta = np.abs(self._potential_law(self.owned_temperature))
+        return 2.0 * self.conduction.diagonal() * theta
+
+    def source(self, start: float, end: float) -> float:
+        """Return the mean heat source [W/m³] between two times [s]."""
+        table = self.description.heat_source
+        return 0.0 if table is None else table.mean(start, end)
+
+    def stored_heat(self) -> float:
+        """Return the enthalpy of the owned nodes [J], zero for the solid at 0 °C."""
+        return float(self.volumes @ self.enthalpy.x.array[: self.owned])

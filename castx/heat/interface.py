@@ -1,0 +1,175 @@
+"""Heat exchange between the facing nodes of two bodies (Chiumenti, section 9)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.solvers.layout import Layout
+from castx.solvers.remote_entries import RemoteEntries
+from castx.transfer.conductance import (
+    PRIMARY,
+    SECONDARY,
+    SOLID,
+    UNIT,
+    Conductance,
+    ConductionLaw,
+    Faces,
+    PairState,
+    law_resistance,
+)
+from castx.transfer.duals import Dual
+from castx.transfer.radiation import emission
+
+MECHANISMS = ("contact", "gas", "radiation")
+"""How heat crosses an interface: where surfaces touch, through the gas, as radiation."""
+
+
+@dataclass(frozen=True)
+class HeatExchange:
+    """How heat crosses one interface.
+
+    Attributes:
+        name: of the interface: "casting/mould".
+        pairs: facing nodes.
+        kind: "law": by the law and radiation below; "perfect": facing nodes have one temperature;
+            "none": no heat crosses.
+        law: conduction through contact and gas.
+        radiation: 1/(1/ε₁ + 1/ε₂ − 1) of each pair, shape (pairs,); None: nothing radiates.
+    """
+
+    name: str
+    pairs: NodePairs
+    kind: Literal["law", "perfect", "none"] = "law"
+    law: ConductionLaw = UNIT
+    radiation: FloatArray | None = None
+
+
+class PairExchange:
+    """Heat between the nodes of one interface: S (h (T_secondary − T_primary) + radiation).
+
+    Over a step 1/h goes straight from that of the state of the pairs at the start to that of their
+    state at the end, both at the present temperatures. Nothing is exchanged before `set_states` and
+    `face`.
+
+    Args:
+        layout: numbering of the nodes of all bodies.
+        vector: any vector of the layout.
+        secondary: number of the secondary body.
+        primary: number of the primary body.
+        description: pairs, law and radiation of the interface.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        vector: PETSc.Vec,
+        secondary: int,
+        primary: int,
+        description: HeatExchange,
+    ) -> None:
+        pairs = description.pairs
+        self.name, self.law, self.secondary = description.name, description.law, secondary
+        self.areas = pairs.areas
+        self.local = layout.local_slice(secondary).start + pairs.secondary_local
+        self.secondary_dofs = layout.dofs(secondary, pairs.secondary_nodes, 0)
+        partners, self._weights = pairs.partners
+        self.primary_dofs = layout.dofs(primary, partners, 0)
+        self._primary = RemoteEntries(vector, self.primary_dofs.ravel())
+        count = len(self.areas)
+        grey = np.zeros(count) if description.radiation is None else description.radiation
+        self._radiating_areas = self.areas * grey
+        self._start = self._end = PairState.of(np.zeros(count), np.zeros(count))
+        self._part = 1.0
+
+    def set_states(self, start: PairState, end: PairState, part: float) -> None:
+        """Set the states of the pairs between which the step goes.
+
+        Args:
+            start: at the start of the step.
+            end: at its end.
+            part: of the step that has passed, between 0 and 1.
+        """
+        self._start, self._end, self._part = start, end, part
+
+    def face(self, temperature: PETSc.Vec, solid_fraction: float, time: float) -> None:
+        """Take the surfaces as they are; collective.
+
+        Args:
+            temperature: of the nodes of all bodies [°C].
+            solid_fraction: mean over the secondary body.
+            time: [s].
+        """
+        secondary, primary = temperature.array_r[self.local], self._faced(temperature)
+        self._faces = Faces.at_temperatures(secondary, primary, time, solid_fraction)
+        self._conductance = self._present_conductance()
+
+    def _faced(self, nodal: PETSc.Vec) -> FloatArray:
+        """Return a nodal field where the secondary nodes face the primary body, shape (pairs,)."""
+        values = self._primary.get(nodal).reshape(self._weights.shape)
+        return np.asarray(np.sum(self._weights * values, axis=1))
+
+    def _present_conductance(self) -> Conductance:
+        end = self.law(self._end, self._faces)
+        h_end = end.coefficient / self._end.factor
+        if self._part >= 1.0:
+            return Conductance(h_end, end.contact)
+        start, part = self.law(self._start, self._faces), self._part
+        h_start = start.coefficient / self._start.factor
+        resisting = h_end * (1.0 - part) + h_start * part
+        passes = resisting.value > 0.0
+        h = (h_start * h_end / resisting.where(passes, 1.0)).where(passes, 0.0)
+        return Conductance(h, (1.0 - part) * start.contact + part * end.contact)
+
+    def resistance(self, state: PairState) -> FloatArray:
+        """Return R = 1/h that pairs of a state would have as the surfaces are now [m² K/W]."""
+        return law_resistance(self.law, state, self._faces)
+
+    def heat(self) -> FloatArray:
+        """Return the heat from secondary to primary nodes [W] by mechanism and pair."""
+        secondary, primary = self._faces.secondary.value, self._faces.primary.value
+        conducted = self.areas * self._conductance.coefficient.value * (secondary - primary)
+        radiated = self._radiating_areas * (emission(secondary)[0] - emission(primary)[0])
+        contact = self._conductance.contact * conducted
+        return np.stack((contact, conducted - contact, radiated))
+
+    def add_heat(self, heat: FloatArray, balance: PETSc.Vec) -> None:
+        """Add what leaves the nodes to their balance: `heat` at the secondary, −`heat` there."""
+        np.add.at(balance.array, self.local, heat)
+        self._primary.add(-(heat[:, None] * self._weights).ravel(), balance)
+
+    def _slopes(self) -> FloatArray:
+        """Return the derivatives of the heat of each pair over the variables of the law."""
+        h: Dual = self._conductance.coefficient
+        secondary, primary = self._faces.secondary.value, self._faces.primary.value
+        slopes = self.areas * (secondary - primary) * h.slopes
+        slopes[SECONDARY] += self.areas * h.value + self._radiating_areas * emission(secondary)[1]
+        slopes[PRIMARY] -= self.areas * h.value + self._radiating_areas * emission(primary)[1]
+        return slopes
+
+    def solid_slope(self) -> FloatArray:
+        """Return the derivative of the heat over the solid fraction, shape (pairs,) [W]."""
+        return self._slopes()[SOLID]
+
+    def derivatives(self, temperature_slope: PETSc.Vec) -> FloatArray:
+        """Return the derivatives of the balances of all nodes of a pair over their unknowns.
+
+        Args:
+            temperature_slope: of the nodes over their unknown.
+
+        Returns:
+            For each pair the rows secondary, primary, … and in them the columns secondary,
+            primary, …, shape (pairs, 1 + corners, 1 + corners).
+        """
+        slopes = self._slopes()
+        there = self._primary.get(temperature_slope).reshape(self._weights.shape)
+        here = slopes[SECONDARY] * temperature_slope.array_r[self.local]
+        row = np.column_stack((here, slopes[PRIMARY][:, None] * self._weights * there))
+        shares = np.column_stack((np.ones(len(here)), -self._weights))
+        return np.asarray(shares[:, :, None] * row[:, None, :])

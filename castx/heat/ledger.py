@@ -1,0 +1,128 @@
+"""Book-keeping of heat: what each body holds and what went through each surface and interface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.heat.accounts import Account, Accounts
+from castx.stateful import Arrays, Saved
+
+
+class Ledger:
+    """Heat by body and by mechanism since the start, full turn when axisymmetric [J].
+
+    Numbers are the sums over all ranks. Trial numbers count only after `commit`.
+
+    Args:
+        run: bodies and accounts of the whole run, which has a stage after the other.
+        bodies: the bodies of the present stage; what others hold does not change.
+        own: accounts of the present stage, in the order in which their heat is booked.
+        enthalpy: of the bodies of the stage at the start [J].
+    """
+
+    def __init__(
+        self, run: Accounts, bodies: Sequence[str], own: Sequence[Account], enthalpy: FloatArray
+    ) -> None:
+        self._bodies, self._accounts = run.bodies, run.entries
+        self._rows = np.array([run.bodies.index(name) for name in bodies])
+        self._columns = np.array([run.entries.index(account) for account in own], dtype=np.intp)
+        self._start = np.zeros(len(run.bodies))
+        self._start[self._rows] = enthalpy
+        # Rows of the state: enthalpies of the bodies, heat of the accounts, heat moved in all.
+        self._committed = np.concatenate((self._start, np.zeros(len(run.entries) + 1)))
+        self._trial = self._committed.copy()
+        self._duration = 0.0
+        self._power = np.zeros(len(run.entries))
+        self._shares = np.zeros((len(run.bodies), len(run.entries)))
+        for column, account in enumerate(run.entries):
+            self._shares[run.bodies.index(account.to), column] += 1.0
+            if account.origin is not None:
+                self._shares[run.bodies.index(account.origin), column] -= 1.0
+
+    @property
+    def ways(self) -> int:
+        """Number of accounts of the present stage."""
+        return len(self._columns)
+
+    def renew(self, enthalpy: FloatArray) -> None:
+        """Book what bodies hold more than they did as brought by new ones in their place.
+
+        Args:
+            enthalpy: of the bodies of the stage [J].
+        """
+        heat = self._trial[len(self._bodies) : -1]
+        for row, stored in zip(self._rows, enthalpy, strict=True):
+            account = Account.renewal(self._bodies[row])
+            if account in self._accounts:
+                heat[self._accounts.index(account)] += stored - self._trial[row]
+        self._trial[self._rows] = enthalpy
+
+    def book(self, enthalpy: FloatArray, heat: FloatArray, moved: float, duration: float) -> None:
+        """Add what a sub-step moved to the trial state.
+
+        Args:
+            enthalpy: of the bodies of the stage at its end [J].
+            heat: through its accounts [J].
+            moved: heat that changed place in all, the measure of errors [J].
+            duration: of the sub-step [s].
+        """
+        self._trial[self._rows] = enthalpy
+        np.add.at(self._trial[len(self._bodies) : -1], self._columns, heat)
+        self._trial[-1] += moved
+        self._duration += duration
+
+    def commit(self) -> None:
+        """Make the trial state the committed one."""
+        if self._duration > 0.0:
+            change = self._trial - self._committed
+            self._power[:] = change[len(self._bodies) : -1] / self._duration
+        self._committed[:] = self._trial
+        self._duration = 0.0
+
+    def rewind(self) -> None:
+        """Forget the trial state."""
+        self._trial[:] = self._committed
+        self._duration = 0.0
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed numbers."""
+        state = {"start": self._start, "state": self._committed, "power": self._power}
+        return {name: Saved(values.copy()) for name, values in state.items()}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back committed numbers."""
+        self._start[:], self._power[:] = arrays["start"], arrays["power"]
+        self._committed[:] = arrays["state"]
+        self.rewind()
+
+    def totals(self) -> dict[str, float]:
+        """Return the committed numbers by name.
+
+        "BODY.enthalpy" [J], zero for the solid at 0 °C; "BODY.heat_in" [J] and "BODY.power" [W],
+        through all mechanisms; the accounts by their names: heat [J], and power [W], the mean over
+        the last step; "energy_error", the largest error of the balance of a body or of all,
+        relative to the heat moved in all.
+        """
+        bodies = len(self._bodies)
+        enthalpy, heat, moved = (
+            self._committed[:bodies],
+            self._committed[bodies:-1],
+            self._committed[-1],
+        )
+        heat_in, power_in = self._shares @ heat, self._shares @ self._power
+        errors = enthalpy - self._start - heat_in
+        largest = max(np.abs(errors).max(), abs(errors.sum()))
+        totals: dict[str, float] = {}
+        for k, name in enumerate(self._bodies):
+            totals[f"{name}.enthalpy"] = float(enthalpy[k])
+            totals[f"{name}.heat_in"] = float(heat_in[k])
+            totals[f"{name}.power"] = float(power_in[k])
+        for account, energy, power in zip(self._accounts, heat, self._power, strict=True):
+            for names, value in ((account.energy, energy), (account.power, power)):
+                for name in names:
+                    totals[name] = totals.get(name, 0.0) + float(value)
+        totals["energy_error"] = float(largest / moved) if moved > 0.0 else 0.0
+        return totals

@@ -1,0 +1,310 @@
+"""The heat problem of all bodies: nodal enthalpy, implicit Euler, exchange through node pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.domain.mesh import CastingMesh
+from castx.errors import CaseError, ConvergenceError
+from castx.heat.accounts import Accounts, accounts_of, joined_accounts
+from castx.heat.balance import HeatSystem
+from castx.heat.body import HeatBody, ThermalBody
+from castx.heat.boundaries import FLUXES, SurfaceFlux, SurfaceHeat, SurfaceTemperature
+from castx.heat.interface import MECHANISMS, HeatExchange
+from castx.heat.ledger import Ledger
+from castx.heat.newton import adjust_step, converged, jacobian, residual
+from castx.heat.options import PREFIX, default_options
+from castx.solvers.diagnosis import HEAT
+from castx.solvers.layout import Layout
+from castx.solvers.snes import NonlinearSolver, SolveReport
+from castx.solvers.worst_place import Part, worst_place
+from castx.stateful import Arrays, Saved, joined, part_of
+from castx.transfer.conductance import PairState
+
+
+@dataclass(frozen=True)
+class HeatReport:
+    """What a trial step took and did.
+
+    Attributes:
+        iterations: Newton iterations of all sub-steps.
+        linear_iterations: iterations of their linear solves.
+        largest_temperature_change: since the start of the step [K], over all nodes whose
+            temperature is not prescribed.
+    """
+
+    iterations: int
+    linear_iterations: int
+    largest_temperature_change: float
+
+
+@dataclass(frozen=True)
+class Moment:
+    """State at the end of a sub-step.
+
+    Attributes:
+        time: [s].
+        enthalpy: of the owned nodes of each body [J/m³].
+    """
+
+    time: float
+    enthalpy: Mapping[str, FloatArray]
+
+
+class HeatProblem:
+    """Temperature and enthalpy of all bodies, committed and trial.
+
+    Args:
+        mesh: of all bodies.
+        bodies: one for each body of the mesh; their order numbers the unknowns.
+        exchanges: interfaces; the states of the pairs of each step come in this order.
+        surfaces: heat conditions; a surface without one is insulated. Where prescribed temperatures
+            meet, the first holds.
+        tolerance: of the balance, relative to the heat that changes place in the sub-step.
+        linear: "direct", "iterative" or "automatic", by size.
+        options: PETSc options without the prefix `castx_heat_`; they override the defaults, but the
+            iteration is stopped by `tolerance` alone.
+        accounts: of the whole run, if it has other stages; by default the own ones.
+
+    Raises:
+        CaseError: a body is missing or unknown.
+        MeshError: a body has no such surface.
+    """
+
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        bodies: Sequence[HeatBody],
+        exchanges: Sequence[HeatExchange] = (),
+        surfaces: Sequence[SurfaceHeat] = (),
+        *,
+        tolerance: float = 1e-8,
+        linear: Literal["direct", "iterative", "automatic"] = "automatic",
+        options: Mapping[str, Any] | None = None,
+        accounts: Accounts | None = None,
+    ) -> None:
+        self._comm = mesh.comm
+        self._bodies = _build_bodies(mesh, bodies, surfaces)
+        self.temperature = {body.name: body.temperature for body in self._bodies}
+        self.enthalpy = {body.name: body.enthalpy for body in self._bodies}
+        self.solid_fraction = {body.name: body.solid_fraction for body in self._bodies}
+        self._layout = Layout(
+            mesh.comm, [body.index_map for body in self._bodies], [1] * len(self._bodies)
+        )
+        named = dict(zip(self.temperature, self._bodies, strict=True))
+        self._system = HeatSystem(
+            self._layout,
+            self._bodies,
+            exchanges,
+            [SurfaceFlux(named[s.body], s) for s in surfaces if s.kind in FLUXES],
+            [SurfaceTemperature(named[s.body], s) for s in surfaces if s.kind == "temperature"],
+        )
+        self._solver = NonlinearSolver(
+            HEAT,
+            PREFIX,
+            partial(residual, self._system),
+            partial(jacobian, self._system),
+            vector=self._system.residual,
+            matrix=self._system.jacobian.matrix,
+            options=default_options(linear, self._layout.size_global, mesh.parent.topology.dim)
+            | dict(options or {}),
+            converged=partial(converged, self._system, tolerance),
+            step_rule=partial(adjust_step, self._system),
+        )
+        self._unknown = self._layout.create_vector()
+        self._ledger = self._open_ledger(exchanges, surfaces, accounts)
+        self.begin_stage()
+        self._trail: list[FloatArray] = []
+        self._tried: tuple[float, float, int] = (0.0, 0.0, 1)
+
+    def _open_ledger(
+        self,
+        exchanges: Sequence[HeatExchange],
+        surfaces: Sequence[SurfaceHeat],
+        run: Accounts | None,
+    ) -> Ledger:
+        names = list(self.temperature)
+        interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
+        own = accounts_of(names, surfaces, interfaces)
+        run = run or joined_accounts(names, [own])
+        return Ledger(run, names, own, self._sums(self._stored_heat()))
+
+    def begin_stage(self) -> None:
+        """Book what renewed bodies have brought, and even out nodes that are bonded now."""
+        self._ledger.renew(self._sums(self._stored_heat()))
+        bonded = self._system.mix_bonded()
+        through = np.zeros((len(bonded), len(MECHANISMS)))
+        through[:, 0] = bonded
+        heat = self._sums(np.append(np.zeros(self._ledger.ways - through.size), through))
+        self._ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()), 0.0)
+        self.commit()
+
+    def _stored_heat(self) -> FloatArray:
+        return np.array([body.stored_heat() for body in self._bodies])
+
+    def _sums(self, values: FloatArray) -> FloatArray:
+        """Return the sums over all ranks, the same bits on each."""
+        return np.asarray(sum(self._comm.allgather(values)))
+
+    def advance(
+        self,
+        time: float,
+        step: float,
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
+        substeps: int = 1,
+        dissipation: Mapping[str, FloatArray] | None = None,
+    ) -> HeatReport:
+        """Find the trial state at the end of a step that starts from the committed state.
+
+        A repeated call for the same step starts its iterations from the last result.
+
+        Args:
+            time: start of the step [s].
+            step: its size [s].
+            pairs: for each interface the states of its pairs at start and end of the step; None
+                where it has no law.
+            substeps: implicit Euler steps of equal size inside the step.
+            dissipation: heat of plastic work at the owned nodes of bodies [W].
+
+        Raises:
+            ConvergenceError: names body and place of the largest residual.
+        """
+        self._ledger.rewind()
+        self._system.set_dissipation(dissipation or {})
+        known = self._trail if self._tried == (time, step, substeps) else []
+        self._tried = (time, step, substeps)
+        self._trail = []
+        state, size = self._committed, step / substeps
+        iterations, linear_iterations = 0, 0
+        for k in range(1, substeps + 1):
+            self._system.exchanges.set_states(pairs, k / substeps)
+            guess = known[k - 1] if k <= len(known) else state
+            x = self._system.begin(state, guess, time + k * size, size)
+            report = self._solve(x)
+            state = self._system.enthalpy()
+            self._trail.append(state)
+            self._book(size)
+            iterations += report.iterations
+            linear_iterations += report.linear_iterations
+        return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
+
+    def _solve(self, x: FloatArray) -> SolveReport:
+        self._unknown.array[:] = x
+        try:
+            return self._solver.solve(self._unknown)
+        except ConvergenceError as error:
+            raise ConvergenceError(f"{error}; {self._worst_node()}", HEAT) from None
+
+    def _worst_node(self) -> str:
+        """Say where the residual is largest, the same text on all ranks."""
+        values = self._system.residual.array_r
+        parts = [
+            Part(
+                f"body {body.name!r}",
+                values[self._layout.local_slice(number)],
+                body.mesh.points[: body.owned],
+            )
+            for number, body in enumerate(self._bodies)
+        ]
+        return worst_place(self._comm, parts, "W")
+
+    def _book(self, size: float) -> None:
+        heat = size * self._sums(self._system.flows())
+        moved = size * self._system.balance().moved
+        self._ledger.book(self._sums(self._stored_heat()), heat, moved, size)
+
+    def _largest_temperature_change(self) -> float:
+        largest = 0.0
+        for number, body in enumerate(self._bodies):
+            part = self._layout.local_slice(number)
+            change = np.abs(body.owned_temperature - body.curve.temperature(self._committed[part]))
+            largest = max(largest, change[~self._system.driven[part]].max(initial=0.0))
+        return max(self._comm.allgather(float(largest)))
+
+    @property
+    def trail(self) -> tuple[Moment, ...]:
+        """States at the ends of the sub-steps of the last trial step."""
+        time, step, substeps = self._tried
+        return tuple(
+            Moment(
+                time + step * k / substeps,
+                {
+                    name: enthalpy[self._layout.local_slice(number)]
+                    for number, name in enumerate(self.temperature)
+                },
+            )
+            for k, enthalpy in enumerate(self._trail, start=1)
+        )
+
+    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return R = 1/h of pairs in these states at the trial temperatures [m² K/W].
+
+        It is zero where bodies are bonded and infinite where no heat crosses.
+
+        Args:
+            pairs: state of the pairs of each interface.
+        """
+        return self._system.resistances(pairs)
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+        self._committed = self._system.enthalpy()
+        self._ledger.commit()
+
+    def rewind(self) -> None:
+        """Return to the committed state."""
+        self._system.set_enthalpy(self._committed)
+        self._ledger.rewind()
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed enthalpies and the ledger."""
+        enthalpies = {
+            body.name: Saved(
+                self._committed[self._layout.local_slice(number)].copy(), body.mesh.node_numbering
+            )
+            for number, body in enumerate(self._bodies)
+        }
+        return joined({"enthalpy": enthalpies, "ledger": self._ledger.saved()})
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a state as the committed one."""
+        for number, body in enumerate(self._bodies):
+            enthalpy = arrays[f"enthalpy/{body.name}"]
+            self._committed[self._layout.local_slice(number)] = enthalpy[: body.owned]
+        self._ledger.restore(part_of(arrays, "ledger"))
+        self.rewind()
+
+    def totals(self) -> dict[str, float]:
+        """Return the committed totals of heat by name [J], see `Ledger.totals`."""
+        return self._ledger.totals()
+
+    def destroy(self) -> None:
+        """Free the PETSc objects."""
+        self._solver.destroy()
+        self._system.destroy()
+        self._unknown.destroy()
+
+
+def _build_bodies(
+    mesh: CastingMesh, bodies: Sequence[HeatBody], surfaces: Sequence[SurfaceHeat]
+) -> list[ThermalBody]:
+    names = [body.name for body in bodies]
+    if sorted(names) != sorted(mesh.bodies):
+        raise CaseError(
+            f"the heat problem needs each of the bodies {', '.join(mesh.bodies)} once, "
+            f"got {', '.join(names)}"
+        )
+    for surface in surfaces:
+        if surface.body not in names:
+            raise CaseError(
+                f"heat condition on {surface.name}: no body {surface.body!r}; "
+                f"there are {', '.join(names)}"
+            )
+        mesh.bodies[surface.body].surface_tag(surface.surface)
+    return [ThermalBody(mesh.bodies[body.name], mesh.model, body) for body in bodies]

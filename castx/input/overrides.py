@@ -1,0 +1,67 @@
+"""Values given on the command line in place of those in the case file: `time.end=10`."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from copy import deepcopy
+from typing import Any
+
+from castx.errors import CaseError
+from castx.input.problems import among, dotted
+
+_INDEX = re.compile(r"\[(\d+)\]")
+
+
+def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
+    """Return a copy of a case file's content with some values replaced or added.
+
+    A list is entered by its index: `bodies.0.temperature=680` or `bodies[0].temperature=680`. The
+    value is written as in the file; the quotes of a text may be left out: `time.end=5 min`.
+
+    Raises:
+        CaseError: not KEY=VALUE, or a path that leads nowhere.
+    """
+    result = deepcopy(data)
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        keys = [key.strip() for key in _INDEX.sub(r".\1", path).split(".")]
+        if not equals or not all(keys):
+            raise CaseError(f"--set {override}: KEY.PATH=VALUE is needed, such as time.end=10")
+        try:
+            _replace(result, keys, _value(text.strip()))
+        except CaseError as error:
+            raise CaseError(f"--set {override}: {error}") from None
+    return result
+
+
+def _value(text: str) -> Any:
+    """Return a TOML value, or the text itself where it is none."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return parsed["value"] if len(parsed) == 1 else text
+
+
+def _replace(data: Any, keys: Sequence[str], value: Any) -> None:
+    for depth, key in enumerate(keys[:-1]):
+        place = _place(data, key, keys[:depth])
+        if isinstance(data, dict):
+            data.setdefault(place, {})
+        data = data[place]
+    data[_place(data, keys[-1], keys[:-1])] = value
+
+
+def _place(data: Any, key: str, above: Sequence[str]) -> str | int:
+    """Return the key or index at which `key` is found in `data`."""
+    where = dotted(tuple(above)) or "the case"
+    if isinstance(data, dict):
+        return key
+    if not isinstance(data, list):
+        raise CaseError(f"{where} is a single value and has no {key!r}")
+    if key.isdecimal() and int(key) < len(data):
+        return int(key)
+    known = [str(index) for index in range(len(data))]
+    raise CaseError(f"{where} is a list and has no {key!r}; {among(key, known, what='indices')}")

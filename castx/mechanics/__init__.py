@@ -1,0 +1,1 @@
+"""Momentum balance of one body."""

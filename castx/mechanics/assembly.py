@@ -1,0 +1,132 @@
+"""Residual and matrix of all bodies without contact, in the layout of their unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.equilibrium.linear_system import Correction
+from castx.errors import ConvergenceError
+from castx.mechanics.body import BodyMechanics
+from castx.solvers.layout import Layout
+
+
+class BodyAssembly:
+    """Residual and matrix of all bodies without contact, in the layout of their unknowns.
+
+    Args:
+        layout: numbering of the unknowns of all bodies.
+        bodies: the bodies in the order of the layout.
+    """
+
+    def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
+        self.layout, self.bodies = layout, list(bodies)
+        self.unknowns = layout.create_vector()
+        self.residual_vector = layout.create_vector()
+        self._blocks = [body.create_jacobian() for body in bodies]
+        count = range(len(bodies))
+        diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
+        self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
+        self._matrix: PETSc.Mat | None = None
+
+    def residual(self) -> PETSc.Vec:
+        """Return internal minus external forces at `unknowns`.
+
+        Raises:
+            ConvergenceError: the law of a body cannot be solved; on all ranks.
+        """
+        self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
+        self._update_points()
+        values = self.residual_vector.array
+        for b, body in enumerate(self.bodies):
+            values[self.layout.local_slice(b)] = body.present_residual()
+        return self.residual_vector
+
+    def _update_points(self) -> None:
+        failure = ""
+        for body in self.bodies:
+            try:
+                body.update_points()
+            except ConvergenceError as error:
+                failure = f"body {body.name!r}: {error}"
+        # Collective on every residual: one number.
+        if self.layout.comm.allreduce(int(bool(failure)), op=MPI.SUM):
+            raise ConvergenceError(next(filter(None, self.layout.comm.allgather(failure))))
+
+    def matrix(self) -> PETSc.Mat:
+        """Return the assembled Jacobian; the next call overwrites it."""
+        for body, block in zip(self.bodies, self._blocks, strict=True):
+            body.assemble_jacobian(block)
+        self._nest.assemble()
+        if self._matrix is None:
+            self._matrix = self._nest.convert("aij", PETSc.Mat())
+        else:
+            self._nest.convert("aij", self._matrix)
+        return self._matrix
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the matrix is the same for all unknowns of a step."""
+        return all(body.is_linear for body in self.bodies)
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether all bodies are elastic at every temperature."""
+        return self.is_linear and all(body.is_compressible for body in self.bodies)
+
+    def force_scales(self) -> FloatArray:
+        """Return the forces that act in the bodies [N], shape (bodies,).
+
+        Each is the norm of what the cells exert on the nodes or of the loads, the larger. Forces
+        that cancel each other count, so that it has a size where no load acts.
+        """
+        squares = np.array([body.force_scale() for body in self.bodies])
+        total = self.layout.comm.allreduce(squares, op=MPI.SUM)
+        return np.asarray(np.sqrt(total.max(axis=1)))
+
+    def improve_pressures(self) -> bool:
+        """Take over the pressures of incompressible Q1/P0 cells; return whether there are any."""
+        parts = [b.mean_dilatation for b in self.bodies if b.mean_dilatation is not None]
+        mine = any(part.iterates for part in parts)
+        if not self.layout.comm.allreduce(mine, op=MPI.LOR):
+            return False
+        for part in parts:
+            part.improve()
+        return True
+
+    def displacement_rows(self) -> FloatArray:
+        """Return 1 at the owned unknowns that are displacements, else 0."""
+        rows = np.zeros(self.layout.size_local)
+        for b, body in enumerate(self.bodies):
+            part = rows[self.layout.local_slice(b)].reshape(-1, body.block_size)
+            part[:, : body.dimension] = 1.0
+            if body.axial is not None:
+                part[:, body.axial] = 1.0
+        return rows
+
+    def corrections(self) -> list[Correction]:
+        """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
+        found: list[Correction] = []
+        for b, body in enumerate(self.bodies):
+            if body.projection is not None:
+                part = self.layout.local_slice(b)
+                rows = slice(part.start + body.dimension, part.stop, body.block_size)
+                found.append(partial(_add_projection, body, rows))
+        return found
+
+    def destroy(self) -> None:
+        """Free matrices and vectors."""
+        for item in (self._matrix, self._nest, *self._blocks, self.unknowns, self.residual_vector):
+            if item is not None:
+                item.destroy()
+
+
+def _add_projection(body: BodyMechanics, rows: slice, x: FloatArray, y: FloatArray) -> None:
+    assert body.projection is not None
+    y[rows] += body.projection.correction(x[rows])

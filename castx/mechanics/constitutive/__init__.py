@@ -1,0 +1,1 @@
+"""Stress at a point: law, return mapping and history."""

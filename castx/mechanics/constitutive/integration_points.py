@@ -1,0 +1,128 @@
+"""Integration points of one body: their functions, weights, and what nodes have there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem
+
+from castx.arrays import FloatArray
+from castx.domain.mesh import BodyMesh
+from castx.forms import kinematics
+
+
+def quadrature_degree(body: BodyMesh, model: str, formulation: str) -> int:
+    """Return the degree to which the terms with the deviatoric stress are integrated.
+
+    Strains of linear simplices are constant. In plane stress the pressure enters the strain, so
+    that both must be integrated alike.
+    """
+    if body.mesh.ufl_cell().cellname() not in ("triangle", "tetrahedron"):
+        return 2
+    return 2 if model == "plane-stress" and formulation == "mixed" else 1
+
+
+class IntegrationPoints:
+    """The points of all local cells, one cell after the other.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        degree: of the quadrature rule.
+    """
+
+    def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
+        self._mesh, self.model = body.mesh, model
+        self.numbering = body.cell_numbering
+        self.cell_nodes = body.nodes.dofmap.list
+        self.cells = len(self.cell_nodes)
+        self._all_cells = np.arange(self.cells, dtype=np.int32)
+        self.degree = degree
+        self.places = self._space(()).element.interpolation_points()
+        self.per_cell = len(self.places)
+        self.components = 6 if model == "3d" else 4
+        self._shapes = self._tabulate()
+        rule = np.asarray(basix.make_quadrature(self._cell_type(), degree)[1])
+        scale = abs(ufl.JacobianDeterminant(body.mesh))
+        volumes = rule * self._by_points(self.evaluate(self.expression(scale)))
+        weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+        weighted = self._by_points(self.evaluate(self.expression(scale * weight)))
+        self.weights: FloatArray = rule * weighted
+        """What the points weigh [m³], shape (cells, points per cell)."""
+        self.sizes: FloatArray = volumes.sum(axis=1) ** (1.0 / body.mesh.geometry.dim)
+        """Sizes of the cells [m], shape (cells,)."""
+
+    @property
+    def count(self) -> int:
+        """Number of local points."""
+        return self.cells * self.per_cell
+
+    def _cell_type(self) -> basix.CellType:
+        return getattr(basix.CellType, self._mesh.ufl_cell().cellname())
+
+    def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
+        element = basix.ufl.quadrature_element(
+            self._mesh.basix_cell(), value_shape=shape, degree=self.degree
+        )
+        return fem.functionspace(self._mesh, element)
+
+    def _tabulate(self) -> FloatArray:
+        """Return the linear shape functions at the points, shape (points per cell, corners)."""
+        element = basix.create_element(basix.ElementFamily.P, self._cell_type(), 1)
+        table: FloatArray = np.asarray(element.tabulate(0, self.places), dtype=np.float64)
+        return table[0, :, :, 0]
+
+    def scalar(self) -> fem.Function:
+        """Return a function with a number at each point."""
+        return fem.Function(self._space(()))
+
+    def tensor(self) -> fem.Function:
+        """Return a function with the components of a symmetric tensor at each point."""
+        return fem.Function(self._space((self.components,)))
+
+    def expression(self, expression: Any) -> fem.Expression:
+        """Return a UFL expression compiled for the points."""
+        return fem.Expression(expression, self.places)
+
+    def evaluate(self, expression: fem.Expression) -> FloatArray:
+        """Return an expression at all points, shape (points, components)."""
+        values = expression.eval(self._mesh, self._all_cells)
+        return np.asarray(values).reshape(self.count, expression.value_size)
+
+    def from_nodes(self, values: FloatArray) -> FloatArray:
+        """Return nodal values interpolated to the points, shape (points,)."""
+        return np.asarray(values[self.cell_nodes] @ self._shapes.T).ravel()
+
+    def from_cells(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return cell values at the points, shape (points,)."""
+        return np.repeat(values, self.per_cell)
+
+    def by_cell(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return what points or cells have as one row for each cell."""
+        return values.reshape(self.cells, values.size // max(self.cells, 1))
+
+    def _by_points(self, values: FloatArray) -> FloatArray:
+        """Return numbers at the points as rows of the cells, of which a rank may have none."""
+        return values.reshape(self.cells, self.per_cell)
+
+    def cell_means(self, values: FloatArray) -> FloatArray:
+        """Return means over the cells by weight, shape (cells,) or (cells, components)."""
+        if self.per_cell == 1:
+            return values
+        parts = values.reshape(self.cells, self.per_cell, *values.shape[1:])
+        shares = self.weights / self.weights.sum(axis=1, keepdims=True)
+        return np.asarray(np.einsum("cp,cp...->c...", shares, parts))
+
+    def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
+        """Return ∫ N v over the owned cells, shape (nodes,)."""
+        owned = self._mesh.topology.index_map(self._mesh.topology.dim).size_local
+        weighted = (self._by_points(values) * self.weights)[:owned] @ self._shapes
+        sums = np.bincount(
+            self.cell_nodes[:owned].ravel(), weights=weighted.ravel(), minlength=nodes
+        )
+        return np.asarray(sums[:nodes])

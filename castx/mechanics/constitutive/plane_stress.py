@@ -1,0 +1,73 @@
+"""The strain ε_zz of plane stress, from σ_zz = 0 at every integration point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.errors import ConvergenceError
+from castx.mechanics.constitutive.law import Response
+
+MOST_ITERATIONS = 50
+ROUNDING = 1e-13
+
+
+def normal_strain(
+    in_plane: FloatArray,
+    guess: FloatArray,
+    respond: Callable[[FloatArray], Response],
+    mean_stress: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+) -> FloatArray:
+    """Return ε_zz with s_zz(ε_zz) + p(ε_zz) = 0 by Newton's method between bounds, shape (points,).
+
+    Args:
+        in_plane: strain with ε_zz = 0, shape (points, components).
+        guess: ε_zz to start from, shape (points,).
+        respond: the law, a function of the deviatoric strain.
+        mean_stress: p and dp/dε_zz as a function of ε_zz.
+
+    Raises:
+        ConvergenceError: the iteration did not converge.
+    """
+    normal = guess.copy()
+    lower, upper = np.full_like(normal, -np.inf), np.full_like(normal, np.inf)
+    change = np.full_like(normal, np.inf)
+    found = np.zeros(len(normal), dtype=bool)
+    for _ in range(MOST_ITERATIONS):
+        response = respond(deviatoric(with_normal(in_plane, normal)))
+        mean, slope = mean_stress(normal)
+        n = response.direction[:, 2]
+        stiffness = 2 / 3 * response.isotropic + response.radial * n**2 + slope
+        stress = response.stress[:, 2] + mean
+        found |= np.abs(stress) <= ROUNDING * (np.abs(mean) + np.abs(response.stress[:, 2]))
+        # σ_zz grows with ε_zz. Where a point yields both ways, Newton's steps go to and fro.
+        np.copyto(upper, normal, where=stress > 0)
+        np.copyto(lower, normal, where=stress < 0)
+        step = -stress / stiffness
+        halved = np.isfinite(upper - lower) & (np.abs(step) > 0.5 * np.abs(change))
+        step[halved] = 0.5 * (lower[halved] + upper[halved]) - normal[halved]
+        change = np.where(found, 0.0, step)
+        normal += change
+        found |= np.abs(change) <= ROUNDING * (np.abs(in_plane).max(axis=1) + np.abs(normal))
+        if found.all():
+            return normal
+    worst = int(np.argmax(np.abs(change)))
+    raise ConvergenceError(
+        f"plane stress was not found in {MOST_ITERATIONS} iterations: σ_zz = {stress[worst]:.3g} Pa"
+    )
+
+
+def with_normal(in_plane: FloatArray, normal: FloatArray) -> FloatArray:
+    """Return strains with ε_zz, shape (points, components)."""
+    strain = in_plane.copy()
+    strain[:, 2] = normal
+    return strain
+
+
+def deviatoric(strain: FloatArray) -> FloatArray:
+    """Return the deviatoric part of strains by components, shape (points, components)."""
+    result = strain.copy()
+    result[:, :3] -= strain[:, :3].mean(axis=1, keepdims=True)
+    return result

@@ -1,0 +1,196 @@
+"""The law of one body as functions for the forms: state, history and what both give in a step."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from dolfinx import fem
+
+from castx.arrays import FloatArray
+from castx.forms import kinematics
+from castx.forms.momentum import PointState
+from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.law import (
+    Conditions,
+    History,
+    Law,
+    Response,
+    respond,
+    secant_softening,
+)
+from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
+from castx.stateful import Arrays, Saved
+
+
+class MaterialPoints:
+    """Stress, tangent and history of all integration points of a body.
+
+    Args:
+        points: the integration points.
+        law: law of the body.
+        cells: functions constant in each cell.
+        starts_liquid: whether nothing is solid at the start.
+    """
+
+    def __init__(
+        self,
+        points: IntegrationPoints,
+        law: Law,
+        cells: fem.FunctionSpace,
+        starts_liquid: bool,
+    ) -> None:
+        self.points, self.law = points, law
+        self.stress, self.direction = points.tensor(), points.tensor()
+        self.isotropic, self.radial = points.scalar(), points.scalar()
+        self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
+        self.secant_modulus = fem.Function(cells)
+        self.out_of_plane = points.scalar() if points.model == "plane-stress" else None
+        self.history = History.initial(points, starts_liquid)
+        self._start = self.history
+        self._conditions: Conditions | None = None
+        self._response: Response | None = None
+        self._strain: FloatArray = np.zeros((points.count, points.components))
+        self._step = 1.0
+        self._free_volume: FloatArray = np.zeros(points.cells)
+        self._committed: tuple[History, Conditions, float, FloatArray] | None = None
+
+    @property
+    def conditions(self) -> Conditions:
+        """What the law is in the present trial step."""
+        assert self._conditions is not None
+        return self._conditions
+
+    @property
+    def response(self) -> Response:
+        """What the law answered to the last strain."""
+        assert self._response is not None
+        return self._response
+
+    def state(self) -> PointState:
+        """Return the functions for the forms."""
+        flows = not self.law.is_linear
+        model = self.points.model
+        return PointState(
+            kinematics.symmetric_tensor(self.stress, model),
+            self.isotropic,
+            self.radial if flows else None,
+            kinematics.symmetric_tensor(self.direction, model) if flows else None,
+            self.compressibility,
+            self.thermal_strain,
+            self.out_of_plane,
+        )
+
+    def begin(
+        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+    ) -> Conditions:
+        """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
+        c = self.law.conditions(self.points, temperature, solid_fraction, step)
+        self._use(self.history.start(c.coherent, self.points), c, step)
+        return c
+
+    def add_free_volume(self, strain: FloatArray) -> Conditions:
+        """Add a volumetric strain of the cells, shape (cells,), to the thermal one of the step."""
+        c, self._free_volume = self.conditions, strain
+        self._conditions = c._replace(thermal_strain=c.thermal_strain + strain)
+        self.thermal_strain.x.array[:] = self._conditions.thermal_strain
+        return self._conditions
+
+    @property
+    def thermal_change(self) -> FloatArray:
+        """Volumetric thermal strain of the cells alone, shape (cells,)."""
+        return self.conditions.thermal_strain - self._free_volume
+
+    def _use(self, start: History, conditions: Conditions, step: float) -> None:
+        self._start, self._conditions, self._step = start, conditions, step
+        self.compressibility.x.array[:] = conditions.compressibility
+        self.thermal_strain.x.array[:] = conditions.thermal_strain
+        self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
+
+    def _secant(self, c: Conditions) -> FloatArray:
+        """Return the shear modulus by which the step is stabilised, known at its start."""
+        solid = self._start.softening * c.shear_modulus
+        liquid = solid if c.liquid_modulus is None else c.liquid_modulus
+        return c.solid_share * solid + (1 - c.solid_share) * liquid
+
+    def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
+        """Find stress and tangent for a total strain at the end of the step.
+
+        Args:
+            strain: shape (points, components); in plane stress ε_zz is found here.
+            pressure: mean stress at the points [Pa], where it is an unknown.
+
+        Raises:
+            ConvergenceError: the law cannot be solved at some point.
+        """
+        law = partial(respond, self.conditions, self._start)
+        if self.out_of_plane is not None:
+            normal = normal_strain(
+                strain, self.out_of_plane.x.array, law, partial(self._mean_stress, strain, pressure)
+            )
+            self.out_of_plane.x.array[:] = normal
+            strain = with_normal(strain, normal)
+        self._strain = strain
+        self._response = law(deviatoric(strain))
+        self.stress.x.array[:] = self.response.stress.ravel()
+        self.isotropic.x.array[:] = self.response.isotropic
+        if not self.law.is_linear:
+            self.radial.x.array[:] = self.response.radial
+            self.direction.x.array[:] = self.response.direction.ravel()
+
+    def _mean_stress(
+        self, strain: FloatArray, pressure: FloatArray | None, normal: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        if pressure is not None:
+            return pressure, np.zeros_like(pressure)
+        stiffness = 1 / self.points.from_cells(self.conditions.compressibility)
+        free = self.points.from_cells(self.conditions.thermal_strain)
+        dilatation = strain[:, 0] + strain[:, 1] + normal
+        return stiffness * (dilatation - free), stiffness
+
+    @property
+    def dilatation(self) -> FloatArray:
+        """Volumetric strain of the cells, shape (cells,)."""
+        return self.points.cell_means(self._strain[:, :3].sum(axis=1))
+
+    def plastic_power(self) -> FloatArray:
+        """Return s:ε̇_vp [W/m³], shape (points,)."""
+        return np.asarray(self.response.work / self._step)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the history, and in plane stress the strain ε_zz."""
+        found = self.history.saved(self.points)
+        if self.out_of_plane is not None:
+            normal = self.points.by_cell(self.out_of_plane.x.array).copy()
+            found["out_of_plane"] = Saved(normal, self.points.numbering)
+        return found
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back the history with which the next step starts."""
+        self.history, self._committed = self.history.restored(arrays), None
+        if self.out_of_plane is not None:
+            self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+        strain, response = deviatoric(self._strain), self.response
+        self.history = History(
+            self._start.birth,
+            response.plastic,
+            response.equivalent,
+            strain,
+            secant_softening(response, self.conditions, self._start, strain),
+            self.conditions.coherent,
+        )
+        compressibility = self.compressibility.x.array.copy()
+        self._committed = self._start, self.conditions, self._step, compressibility
+
+    def rewind(self) -> None:
+        """Answer again as at the end of the last accepted step.
+
+        Its own start is needed for that: what is viscous would go on flowing from its end.
+        """
+        if self._committed is not None:
+            start, conditions, step, compressibility = self._committed
+            self._use(start, conditions, step)
+            self.compressibility.x.array[:] = compressibility  # trapped liquid has its own

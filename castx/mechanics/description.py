@@ -1,0 +1,49 @@
+"""What the mechanics must know of a body besides its mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from castx.mechanics.constitutive.law import Law
+from castx.tables import Table
+
+
+@dataclass(frozen=True)
+class SurfaceLoad:
+    """A load on a named surface: a pressure that pushes on it, or a traction.
+
+    Attributes:
+        surface: name of the surface.
+        pressure: over time [Pa], positive against the outward normal.
+        traction: components over time [Pa].
+    """
+
+    surface: str
+    pressure: Table | None = None
+    traction: tuple[Table, ...] | None = None
+
+
+@dataclass(frozen=True)
+class MechanicalBody:
+    """Law, formulation and loads of a body.
+
+    Attributes:
+        law: constitutive law with its material.
+        formulation: "mixed", "displacement" or "q1p0".
+        stabilisation: "osgs" or "gls"; acts in the mixed formulation.
+        body_force: force per volume [N/m³], one number for each direction, or a UFL vector as a
+            function of the position.
+        loads: loads on surfaces.
+        starts_liquid: whether the body has no solid at the start.
+        closed: names of the surfaces through which no liquid can follow.
+    """
+
+    law: Law
+    formulation: str = "mixed"
+    stabilisation: str = "osgs"
+    body_force: Sequence[float] | Callable[[Any], Any] = ()
+    loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
+    starts_liquid: bool = False
+    closed: Collection[str] = ()

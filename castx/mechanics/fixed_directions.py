@@ -1,0 +1,177 @@
+"""Directions in which nodes of a body have a prescribed or a common displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+
+from castx.arrays import FloatArray, IntArray
+from castx.domain.measures import surface_measure
+from castx.domain.mesh import BodyMesh
+from castx.errors import CaseError
+from castx.tables import Table
+
+ZERO = Table.constant(0.0)
+
+PARALLEL = 1e-6
+"""Sine below which two directions are the same."""
+
+
+@dataclass(frozen=True)
+class FixedDirections:
+    """One direction at each of several nodes of a body.
+
+    Attributes:
+        name: the surface and direction, for messages.
+        nodes: local numbers of owned nodes, shape (n,).
+        directions: unit vectors, shape (n, dimension).
+        value: displacement over time [m]; None: all nodes move equally, their resultant is free.
+        symmetry: whether the body goes on as its mirror image behind the surface.
+    """
+
+    name: str
+    nodes: IntArray
+    directions: FloatArray
+    value: Table | None = ZERO
+    symmetry: bool = False
+
+    def cancel(self, vectors: FloatArray, nodes: IntArray, owned: int) -> None:
+        """Remove from sums over a surface what the mirror image behind this one cancels.
+
+        Args:
+            vectors: at nodes, changed in place, shape (n, dimension).
+            nodes: local numbers of owned nodes, shape (n,).
+            owned: number of owned nodes of the body.
+        """
+        position = np.full(owned, -1)
+        position[self.nodes] = np.arange(len(self.nodes))
+        found = position[nodes]
+        here = found >= 0
+        e = self.directions[found[here]]
+        vectors[here] -= np.sum(vectors[here] * e, axis=1, keepdims=True) * e
+
+
+@dataclass(frozen=True)
+class SurfaceDisplacement:
+    """A displacement condition on a named surface of a body.
+
+    Attributes:
+        surface: name of the surface.
+        direction: "x", "y", "z", "r", "normal" or "all".
+        value: displacement over time [m]; None: uniform, the resultant is free.
+    """
+
+    surface: str
+    direction: str
+    value: Table | None = ZERO
+
+    @property
+    def symmetry(self) -> bool:
+        """Whether the body goes on as its mirror image behind the surface."""
+        return self.surface.startswith("symmetry-") and self.direction == "normal"
+
+
+def fixed_directions(
+    body: BodyMesh, model: str, conditions: Sequence[SurfaceDisplacement]
+) -> list[FixedDirections]:
+    """Return the fixed directions of a body: its conditions, symmetry planes and the axis.
+
+    Surfaces named `symmetry-…` have normal displacement 0 unless a condition names them.
+
+    Raises:
+        CaseError: a direction that the model does not have.
+    """
+    named = {condition.surface for condition in conditions}
+    planes = [
+        SurfaceDisplacement(surface, "normal")
+        for surface in sorted(body.surfaces)
+        if surface.startswith("symmetry-") and surface not in named
+    ]
+    found = [_axis(body)] if model == "axisymmetric" else []
+    for condition in sorted([*planes, *conditions], key=lambda c: not c.symmetry):
+        mirrors = [directions for directions in found if directions.symmetry]
+        found.extend(_directions_on_surface(body, model, condition, mirrors))
+    return found
+
+
+def _directions_on_surface(
+    body: BodyMesh,
+    model: str,
+    condition: SurfaceDisplacement,
+    mirrors: Sequence[FixedDirections],
+) -> list[FixedDirections]:
+    nodes = body.surface_nodes(condition.surface)
+    owned = nodes[nodes < body.nodes.dofmap.index_map.size_local]
+    dimension = body.mesh.geometry.dim
+    if condition.direction == "normal":
+        vectors = [_unit_normals(body, model, condition.surface, owned, mirrors)]
+    else:
+        axes = axes_of(model)
+        wanted = list(axes) if condition.direction == "all" else [condition.direction]
+        unknown = [axis for axis in wanted if axis not in axes]
+        if unknown:
+            raise CaseError(
+                f"displacement {unknown[0]!r} on {body.name}/{condition.surface}: the model "
+                f"{model!r} has the directions {', '.join(axes)}, normal and all"
+            )
+        vectors = [np.tile(np.eye(dimension)[axes[a]], (len(owned), 1)) for a in wanted]
+    name = f"{body.name}/{condition.surface} {condition.direction}"
+    return [
+        FixedDirections(name, owned, v, condition.value, condition.symmetry) for v in vectors
+    ]
+
+
+def axes_of(model: str) -> dict[str, int]:
+    """Return the numbers of the directions of a model by name."""
+    if model == "3d":
+        return {"x": 0, "y": 1, "z": 2}
+    return {"r": 0, "z": 1} if model == "axisymmetric" else {"x": 0, "y": 1}
+
+
+def _axis(body: BodyMesh) -> FixedDirections:
+    radius = body.nodes.tabulate_dof_coordinates()[:, 0]
+    owned = body.nodes.dofmap.index_map.size_local
+    largest = body.mesh.comm.allreduce(float(radius.max(initial=0.0)), op=MPI.MAX)
+    nodes = np.flatnonzero(radius[:owned] < 1e-9 * largest).astype(np.int32)
+    directions = np.tile(np.array([1.0, 0.0]), (len(nodes), 1))
+    return FixedDirections(f"{body.name} axis", nodes, directions, symmetry=True)
+
+
+def _unit_normals(
+    body: BodyMesh,
+    model: str,
+    surface: str,
+    nodes: IntArray,
+    mirrors: Sequence[FixedDirections],
+) -> FloatArray:
+    """Return outward normals averaged by area at owned nodes, as if the mirror images were there.
+
+    Zero where the mirror images cancel them.
+    """
+    vectors = _area_vectors(body, model, surface)[nodes]
+    smallest = PARALLEL * np.linalg.norm(vectors, axis=1, keepdims=True)
+    for mirror in mirrors:
+        mirror.cancel(vectors, nodes, body.nodes.dofmap.index_map.size_local)
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    none = np.zeros_like(vectors)
+    return np.asarray(np.divide(vectors, lengths, out=none, where=lengths > smallest))
+
+
+def _area_vectors(body: BodyMesh, model: str, surface: str) -> FloatArray:
+    """Return ∫ φ n dS of the local nodes, n outward, shape (nodes, dimension)."""
+    mesh, dimension = body.mesh, body.mesh.geometry.dim
+    vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
+    ds = surface_measure(body, model, 2)(body.surfaces[surface])
+    form = fem.form(ufl.inner(ufl.FacetNormal(mesh), ufl.TestFunction(vectors)) * ds)
+    b = la.vector(vectors.dofmap.index_map, dimension)
+    b.array[:] = 0
+    fem.assemble_vector(b.array, form)
+    b.scatter_reverse(la.InsertMode.add)
+    b.scatter_forward()
+    return np.asarray(b.array.reshape(-1, dimension))

@@ -1,0 +1,62 @@
+"""External forces on one body: body force, pressures and tractions on its surfaces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from castx.domain.measures import cell_measure, surface_measure
+from castx.domain.mesh import BodyMesh
+from castx.forms import momentum
+from castx.mechanics.description import MechanicalBody
+from castx.tables import Table
+
+
+class BodyLoads:
+    """The loads of a body as constants in a form, changed by value.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        description: loads of the body.
+    """
+
+    def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
+        self._body, self._model, self._loads = body, model, tuple(description.loads)
+        dimension = body.mesh.geometry.dim
+        force = description.body_force
+        if callable(force):
+            self.body_force = force(ufl.SpatialCoordinate(body.mesh))
+        else:
+            components = np.zeros(dimension)
+            components[: len(force)] = force[:dimension]
+            self.body_force = fem.Constant(body.mesh, components)
+        self._values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
+        for load in self._loads:
+            tables = load.traction if load.pressure is None else (load.pressure,)
+            assert tables is not None
+            none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
+            self._values.append((fem.Constant(body.mesh, none), tables))
+
+    def set_time(self, time: float) -> None:
+        """Set the loads to those at a time [s]."""
+        for constant, tables in self._values:
+            values = np.array([float(table(time)) for table in tables])
+            constant.value = values if constant.value.ndim else values[0]
+
+    def virtual_work(self, eta: Any) -> Any:
+        """Return the work of all loads on a variation of the displacement."""
+        dx = cell_measure(self._body, self._model, 2)
+        ds = surface_measure(self._body, self._model, 2)
+        normal = ufl.FacetNormal(self._body.mesh)
+        work = momentum.body_force_work(eta, self.body_force, dx)
+        for load, (value, _) in zip(self._loads, self._values, strict=True):
+            measure = ds(self._body.surfaces[load.surface])
+            if load.pressure is not None:
+                work += momentum.pressure_work(eta, value, normal, measure)
+            else:
+                work += momentum.traction_work(eta, value, measure)
+        return work

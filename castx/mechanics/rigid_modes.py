@@ -1,0 +1,53 @@
+"""Rigid motions of bodies: what floats without supports, and the near-null space of multigrid."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.domain.measures import bounding_box
+from castx.mechanics.body import BodyMechanics
+
+
+def rigid_modes(body: BodyMechanics) -> FloatArray:
+    """Return the rigid motions of a body as owned unknowns, shape (modes, owned unknowns).
+
+    Each moves no node by more than about one: rotations are taken about the middle of the body and
+    scaled by its size. Axisymmetric bodies have only the axial translation.
+    """
+    d, size = body.dimension, body.block_size
+    owned = body.space.dofmap.index_map.size_local
+    points = body.mesh.nodes.tabulate_dof_coordinates()[:owned, :d]
+    if body.model == "axisymmetric":
+        motions = [np.tile([0.0, 1.0], (owned, 1))]
+    else:
+        motions = [np.tile(e, (owned, 1)) for e in np.eye(d)]
+        motions += _rotations(points, body.mesh.mesh.comm)
+    modes = np.zeros((len(motions), owned, size))
+    for mode, motion in zip(modes, motions, strict=True):
+        mode[:, :d] = motion
+    return modes.reshape(len(motions), owned * size)
+
+
+def near_null_modes(body: BodyMechanics) -> FloatArray:
+    """Return rigid motions, the radial translation and the constant pressure as owned unknowns."""
+    modes = [*rigid_modes(body)]
+    owned = body.space.dofmap.index_map.size_local
+    extra = [0] if body.model == "axisymmetric" else []
+    if body.mixed:
+        extra.append(body.dimension)
+    for component in extra:
+        mode = np.zeros((owned, body.block_size))
+        mode[:, component] = 1.0
+        modes.append(mode.ravel())
+    return np.array(modes)
+
+
+def _rotations(points: FloatArray, comm: MPI.Intracomm) -> list[FloatArray]:
+    low, high = bounding_box(points, comm)
+    arms = (points - (low + high) / 2) / (np.linalg.norm(high - low) / 2)
+    if points.shape[1] == 2:
+        return [np.stack((-arms[:, 1], arms[:, 0]), axis=1)]
+    return [np.cross(axis, arms) for axis in np.eye(3)]

@@ -1,0 +1,1 @@
+"""Steps, stages and cycles of a casting process."""

@@ -1,0 +1,111 @@
+"""From a case with stages to the process that goes through them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
+
+from castx.case.case import Case
+from castx.case.schedule import Schedule
+from castx.coupling.building import (
+    build_problem,
+    check_surfaces,
+    laws_above_solidus,
+    rigid_bodies,
+)
+from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.errors import CaseError
+from castx.heat.building import run_accounts
+from castx.heat.starting import initial_state
+from castx.input.problems import among
+from castx.process.cycles import CycleEnds
+from castx.process.process import Cycling, Process, StageProblem
+from castx.process.stage_case import stage_case
+from castx.transfer.conductance import ConductionLaw
+
+_log = logging.getLogger(__name__)
+
+
+class StageBuilder:
+    """Builds what is solved during the stages of a case, on one mesh.
+
+    Args:
+        case: the case.
+        mesh: of all its bodies.
+        pairs: of all its interfaces, by name.
+        laws: of the conduction through interfaces, in place of those of the case.
+
+    Raises:
+        CaseError: a stage cannot be run as described, or a law has no interface.
+        MeshError: a surface is missing.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        mesh: CastingMesh,
+        pairs: Mapping[str, NodePairs],
+        laws: Mapping[str, ConductionLaw],
+    ) -> None:
+        for name in laws:
+            if name not in pairs:
+                raise CaseError(f"a law for the interface {name!r}; {among(name, list(pairs))}")
+        self._mesh, self._pairs, self._laws = mesh, pairs, laws
+        self._cases = stage_cases(case, mesh)
+        self._accounts = run_accounts(case, self._cases)
+        # A file of temperatures is read once: it may be gone when a casting is renewed.
+        self._temperatures = (
+            None if case.coupling.scheme == "mechanical" else initial_state(case.bodies, mesh)
+        )
+
+    def __call__(self, number: int) -> StageProblem:
+        """Return what is solved during a stage, as if the run began with it; collective."""
+        case = self._cases[number]
+        there = {body.name: self._mesh.bodies[body.name] for body in case.bodies}
+        mesh = replace(self._mesh, bodies=there)
+        pairs = {interface.name: self._pairs[interface.name] for interface in case.interfaces}
+        laws = {name: law for name, law in self._laws.items() if name in pairs}
+        problem = build_problem(case, mesh, pairs, laws, self._accounts, self._temperatures)
+        return StageProblem(mesh, pairs, problem, rigid_bodies(case, mesh))
+
+
+def stage_cases(case: Case, mesh: CastingMesh) -> list[Case]:
+    """Return what a case asks for during each of its stages, the start first.
+
+    Args:
+        case: the case.
+        mesh: of all its bodies.
+
+    Raises:
+        CaseError: a stage cannot be run as described.
+        MeshError: a surface is missing.
+    """
+    check_surfaces(case, mesh)
+    surfaces = {name: tuple(body.surfaces) for name, body in mesh.bodies.items()}
+    numbers = range(Schedule(case.stages, case.time.end).stages)
+    found = [stage_case(case, number, surfaces) for number in numbers]
+    for stage in found:
+        rigid_bodies(stage, mesh)
+    return found
+
+
+def process_of(
+    case: Case,
+    mesh: CastingMesh,
+    pairs: Mapping[str, NodePairs],
+    laws: Mapping[str, ConductionLaw] | None = None,
+) -> Process:
+    """Return the process of a case at its start. Arguments and errors as in `StageBuilder`."""
+    schedule = Schedule(case.stages, case.time.end)
+    for line in laws_above_solidus(case, mesh):
+        _log.info("%s", line)
+    builder = StageBuilder(case, mesh, pairs, laws or {})
+    ejected = [{}, *(stage.friction for stage in case.stages)]
+    if schedule.cycles == 1:
+        return Process(schedule, builder, ejected)
+    last = case.stages[-1]
+    kept = [body.name for body in case.bodies if body.name not in last.renew]
+    cycling = Cycling(CycleEnds(mesh, kept), last.renew, last.periodic)
+    return Process(schedule, builder, ejected, cycling)

@@ -1,0 +1,280 @@
+"""The process of a case: the problem of its present stage, and what goes from one to the next."""
+
+from __future__ import annotations
+
+import gc
+import logging
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from castx.case.schedule import SLACK, Phase, Schedule
+from castx.contact.kinematics.rigid import RigidBody
+from castx.coupling.step import CoupledProblem
+from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.errors import CaseError
+from castx.process.cycles import CycleEnds, distance_from_periodic
+from castx.process.ejection import normal_force
+from castx.process.handover import left_total, without
+from castx.results.snapshot import ProcessState
+from castx.stateful import Arrays, Saved, joined, part_of
+
+_log = logging.getLogger(__name__)
+
+SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
+
+
+@dataclass(frozen=True)
+class StageProblem:
+    """What is solved during one stage.
+
+    Attributes:
+        mesh: the bodies that are there.
+        pairs: their node pairs by the name of the interface.
+        problem: heat and mechanics.
+        rigid: the rigid bodies by name.
+    """
+
+    mesh: CastingMesh
+    pairs: Mapping[str, NodePairs]
+    problem: CoupledProblem
+    rigid: Mapping[str, RigidBody] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Cycling:
+    """What cycles are.
+
+    Attributes:
+        ends: compares their ends.
+        renewed: names of the bodies with which each of them begins anew.
+        periodic: distance from the periodic state below which cycles are called periodic [K].
+    """
+
+    ends: CycleEnds
+    renewed: Collection[str]
+    periodic: float
+
+
+class Process:
+    """Goes through the stages of a case, cycle after cycle.
+
+    Attributes:
+        schedule: when stages begin.
+        now: what is solved in the present one.
+        left: totals of bodies and interfaces that are gone, by name.
+
+    Args:
+        schedule: when stages begin.
+        build: returns what is solved during a stage, as if the run began with it; collective.
+        ejected: for each stage the coefficients of friction of bodies that are drawn as it begins.
+        cycling: None: there is one cycle.
+    """
+
+    def __init__(
+        self,
+        schedule: Schedule,
+        build: Callable[[int], StageProblem],
+        ejected: Sequence[Mapping[str, float]] = ({},),
+        cycling: Cycling | None = None,
+    ) -> None:
+        self.schedule, self._build, self._cycling = schedule, build, cycling
+        self._ejected = tuple(ejected)
+        self.now = build(0)
+        self.left: dict[str, float] = {}
+        self._number = 0
+        self._aside: dict[str, Saved] = {}
+        self._renewed: frozenset[str] = frozenset()
+        self._events: list[dict[str, Any]] = []
+
+    @property
+    def phase(self) -> Phase:
+        """The present stage of the present cycle."""
+        return self.schedule.phases[self._number]
+
+    @property
+    def friction(self) -> dict[str, float]:
+        """Coefficients of friction of all bodies that are drawn, by their first stage."""
+        found: dict[str, float] = {}
+        for stage in self._ejected:
+            found = {**stage, **found}
+        return found
+
+    def state(self) -> ProcessState:
+        """Return where in the process the run is, for those who read results."""
+        phase = self.phase
+        return ProcessState(
+            stage=phase.stage,
+            cycle=phase.cycle,
+            cycle_start=phase.cycle_start,
+            renewed=self._renewed,
+            events=tuple(self._events),
+            staged=len(self.schedule.phases) > 1,
+        )
+
+    def proceed(self, time: float, totals: Callable[[], Mapping[str, float]]) -> bool:
+        """Go on to the stage of the step that begins at a time; return whether it is another one.
+
+        Args:
+            time: committed time [s].
+            totals: returns those of the committed state.
+        """
+        number = self.schedule.number_at(time)
+        self._renewed = frozenset()
+        if number == self._number:
+            return False
+        last, before = totals(), list(self.now.mesh.bodies)
+        self.left = {name: left_total(name, value) for name, value in last.items()}
+        known = {**self._aside, **self.now.problem.saved()}
+        if self._cycling is not None and self.schedule.phases[number].cycle != self.phase.cycle:
+            self._renewed = frozenset(self._cycling.renewed)
+            known = without(known, self._renewed)
+        forces = self._ejection_forces(self.schedule.phases[number].stage)
+        self._begin(number)
+        self._take_over(known)
+        removed = [name for name in before if name not in self.now.mesh.bodies]
+        solid = {name: last.get(f"{name}.solid_fraction", 1.0) for name in removed}
+        self._announce(time, solid, forces)
+        return True
+
+    def _begin(self, number: int) -> None:
+        self._number = number
+        self.now.problem.destroy()
+        self.now = self._build(self.phase.stage)
+        gc.collect()  # on all ranks at once: what is freed may be collective
+
+    def _take_over(self, known: Mapping[str, Saved]) -> None:
+        """Go on from a saved state as far as it is known; keep aside what is not needed now."""
+        fresh, problem = self.now.problem.saved(), self.now.problem
+        problem.restore({name: known.get(name, saved).values for name, saved in fresh.items()})
+        problem.begin_stage(self._renewed)
+        self._aside = {name: saved for name, saved in known.items() if name not in fresh}
+
+    def _ejection_forces(self, stage: int) -> dict[str, dict[str, float]]:
+        """Return what draws bodies out of the present state as a stage begins [N]."""
+        forces = {}
+        for body, friction in self._ejected[stage].items():
+            normal = normal_force(self.now.problem, body)
+            forces[body] = {"friction": friction, "normal": normal, "force": friction * normal}
+        return forces
+
+    def _announce(
+        self,
+        time: float,
+        removed: Mapping[str, float],
+        forces: Mapping[str, Mapping[str, float]],
+    ) -> None:
+        """Note a stage that has begun.
+
+        Args:
+            time: when [s].
+            removed: solid fractions of the bodies that it removes.
+            forces: that draw bodies.
+        """
+        there = list(self.now.mesh.bodies)
+        event = {
+            "time": time,
+            "cycle": self.phase.cycle,
+            "stage": self.phase.stage,
+            "bodies": there,
+            "removed": dict(removed),
+            "renewed": sorted(self._renewed),
+            "ejection": forces,
+        }
+        self._events.append(event)
+        _log.info(
+            "t = %g s: cycle %d, stage %d with %s",
+            time, self.phase.cycle, self.phase.stage, ", ".join(there),
+        )  # fmt: skip
+        for body, fraction in removed.items():
+            if fraction < SOLID:
+                text = "%s is removed at t = %g s though only %.1f %% of it is solid"
+                _log.warning(text, body, time, 100.0 * fraction)
+        for body, found in forces.items():
+            _log.info(
+                "%s: about %.3g N to draw it, friction %g times normal forces of %.3g N (without "
+                "draught and adhesion)",
+                body, found["force"], found["friction"], found["normal"],
+            )  # fmt: skip
+
+    def end_step(self, time: float) -> None:
+        """Look at the cycle if a stage ends with a step that has just been accepted; collective."""
+        following = self.schedule.phases[self._number + 1 : self._number + 2]
+        end = following[0].start if following else self.schedule.end
+        if self._cycling is None or abs(time - end) > SLACK * self.schedule.end:
+            return
+        self._cycling.ends.look(self.now.problem.heat.temperature)
+        if following and following[0].cycle == self.phase.cycle:
+            return
+        if end < (self.phase.cycle_start + self.schedule.cycle_length) * (1 - SLACK):
+            return  # the run ends in the middle of a cycle
+        self._note_cycle(time, self._cycling.ends.change(), self._cycling.periodic)
+
+    def _note_cycle(self, time: float, change: float | None, periodic: float) -> None:
+        """Note the end of a cycle, which differs so much from the one before."""
+        earlier = [event["change"] for event in self._events if event.get("change") is not None]
+        distance = distance_from_periodic([*earlier, change])
+        event = {"time": time, "cycle": self.phase.cycle, "change": change, "distance": distance}
+        event["periodic"] = distance is not None and max(distance, change or 0.0) <= periodic
+        self._events.append(event)
+        if change is not None:
+            _log.info(
+                "cycle %d ends within %.3g K of the one before%s: %s (%g K)",
+                self.phase.cycle,
+                change,
+                "" if distance is None else f", about {distance:.3g} K from the periodic state",
+                "periodic" if event["periodic"] else "not periodic yet",
+                periodic,
+            )
+
+    def notes(self) -> dict[str, Any]:
+        """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
+        return {
+            "phase": self._number,
+            "start": self.phase.start,
+            "left": self.left,
+            "aside": sorted(self._aside),
+            "events": self._events,
+        }
+
+    def prepare(self, notes: Mapping[str, Any]) -> None:
+        """Go to the stage of `notes`, whose state `restore` takes back then; collective.
+
+        Raises:
+            CaseError: the stages are at other times now.
+        """
+        number = int(notes["phase"])
+        starts = [phase.start for phase in self.schedule.phases]
+        if number >= len(starts) or starts[number] != notes["start"]:
+            raise CaseError(
+                f"the stages are not those of the checkpoint, which is in one that began at "
+                f"{notes['start']:g} s; take back the change of time.end, which ends the cycles, "
+                "or run the case anew without --restart"
+            )
+        whole = self.now.problem.saved()
+        self._number, self.left = number, dict(notes["left"])
+        self._events = list(notes["events"])
+        self._aside = {name: whole[name] for name in notes["aside"]}
+        if self.phase.stage > 0:
+            self._begin(self._number)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed state, that of bodies that come back included; collective."""
+        parts = {"problem": self.now.problem.saved(), "aside": self._aside}
+        if self._cycling is not None:
+            parts["cycle"] = self._cycling.ends.saved()
+        return joined(parts)
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back a committed state; collective."""
+        self.now.problem.restore(part_of(arrays, "problem"))
+        aside = part_of(arrays, "aside")
+        self._aside = {n: Saved(aside[n], s.numbering) for n, s in self._aside.items()}
+        if self._cycling is not None:
+            self._cycling.ends.restore(part_of(arrays, "cycle"))
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self.now.problem.destroy()

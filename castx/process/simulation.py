@@ -1,0 +1,248 @@
+"""The loop over time, as an iterator over accepted steps."""
+
+from __future__ import annotations
+
+import logging
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import ceil
+from typing import Any, Self
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.case.case import Case
+from castx.coupling.building import step_settings
+from castx.coupling.report import CoupledReport
+from castx.coupling.step import CoupledProblem
+from castx.domain.memory import refuse_too_large
+from castx.domain.mesh import build_mesh
+from castx.domain.pairs.pairing import paired
+from castx.errors import ConvergenceError
+from castx.process.building import process_of
+from castx.process.process import Process
+from castx.process.state import State
+from castx.process.step_control import StepControl, StepSettings
+from castx.results.snapshot import StepCounters
+from castx.solvers.diagnosis import FailedTry, diagnosis
+from castx.stateful import (
+    Arrays,
+    Saved,
+    Stateful,
+    joined,
+    number,
+    part_of,
+    restore_parts,
+    saved_parts,
+)
+from castx.transfer.conductance import ConductionLaw
+
+EASY_PASSES = 10
+"""Passes of a step above which the next one does not grow."""
+
+CHANGE_PER_SUBSTEP = 0.25
+"""Share of the wanted temperature change that one heat sub-step aims at."""
+
+SOLID_PER_SUBSTEP = 0.1
+"""Solid fraction that a heat sub-step aims to add to the fastest node: a front passes no more of an
+element, while temperatures hardly change on either side of it."""
+
+MOST_SUBSTEPS = 10
+
+NO_COUNTERS = StepCounters()
+
+_log = logging.getLogger(__name__)
+
+
+class Simulation:
+    """A case on its mesh, stepped from the end of filling to the end of the run.
+
+    Attributes:
+        mesh: all bodies.
+        pairs: all node pairs by the name of the interface.
+        process: stages and what is solved during the present one.
+
+    Args:
+        process: the process at its start.
+        settings: what the case asks of the steps.
+        substeps: heat steps inside one mechanical step; None: by the temperature change.
+    """
+
+    def __init__(
+        self, process: Process, settings: StepSettings, substeps: int | None = None
+    ) -> None:
+        self.process = process
+        self.mesh, self.pairs = process.now.mesh, process.now.pairs
+        self.control = StepControl(settings)
+        self._wanted, self._substeps = settings.temperature_change, substeps
+        self._substep_rate = np.inf
+        self._begun = False
+        self.time = 0.0
+        self.step = 0
+
+    @classmethod
+    def from_case(
+        cls, case: Case, comm: MPI.Intracomm, laws: Mapping[str, ConductionLaw] | None = None
+    ) -> Self:
+        """Build the mesh and the problems of a case.
+
+        Args:
+            case: the case.
+            comm: the ranks to run on.
+            laws: heat transfer of interfaces by their names, in place of what the case says, such
+                as `castx.transfer.user_law.UserLaw`; radiation stays as the case has it.
+
+        Raises:
+            CaseError: the case cannot be solved as described.
+            MeshError: the mesh does not hold what the case asks of it.
+        """
+        names = [body.name for body in case.bodies]
+        refuse_too_large(case.geometry, names, comm, solved=True)
+        mesh = build_mesh(case.geometry, names, comm)
+        pairs = {i.name: paired(mesh, i) for i in case.interfaces}
+        process = process_of(case, mesh, pairs, laws)
+        given = case.time.heat_substeps
+        substeps = None if isinstance(given, str) else given
+        return cls(process, step_settings(case), substeps)
+
+    @property
+    def problem(self) -> CoupledProblem:
+        """Heat and mechanics of the present stage."""
+        return self.process.now.problem
+
+    def __iter__(self) -> Iterator[State]:
+        """Yield the states, see `states`."""
+        return self.states()
+
+    def states(self, after_failed_try: Callable[[], None] = lambda: None) -> Iterator[State]:
+        """Yield the initial state unless that is done, then the state after each accepted step.
+
+        Args:
+            after_failed_try: called when a try has failed and is rewound.
+
+        Raises:
+            ConvergenceError: even the smallest step fails; the last state yielded is the last one
+                accepted.
+        """
+        if not self._begun:
+            self._begun = True
+            yield self.state()
+        while not self.is_finished:
+            if self.process.proceed(self.time, lambda: self.state().totals):
+                self.control.restart()
+                self._substep_rate = np.inf
+            yield self.state(self._advance(after_failed_try))
+
+    @property
+    def end(self) -> float:
+        """End of the run, all cycles included [s]."""
+        return self.process.schedule.end
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the end of the run is reached."""
+        return self.control.finished(self.time)
+
+    def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
+        """Take one step, cutting it as long as it fails."""
+        begin = clock.perf_counter()
+        failed: list[FailedTry] = []
+        within = self.time - self.process.phase.cycle_start
+        while True:
+            step = self.control.propose(self.time)
+            _log.debug("step of %g s from %g s", step, self.time)
+            try:
+                report = self.problem.advance(within, step, self._heat_substeps(step))
+            except ConvergenceError as error:
+                _log.debug("the step failed: %s", error)
+                self.problem.rewind()
+                failed.append(FailedTry(step, error))
+                self._cut(failed)
+                after_failed_try()
+                continue
+            break
+        self.problem.commit()
+        self.control.accept(step, report.temperature_change, report.passes <= EASY_PASSES)
+        self._substep_rate = self._wanted_substeps(report) / step
+        self.time = self.control.landed(self.time + step)
+        self.step += 1
+        self.process.end_step(self.time)
+        return _counters(report, step, clock.perf_counter() - begin, len(failed))
+
+    def _cut(self, failed: Sequence[FailedTry]) -> None:
+        """Make the next try smaller than the last one, or give up and say why."""
+        last = failed[-1]
+        try:
+            self.control.reject(last.step, last.error)
+        except ConvergenceError as error:
+            text = f"{error}\n{diagnosis(self.time, failed)}"
+            raise ConvergenceError(text, last.error.problem) from last.error
+
+    def _wanted_substeps(self, report: CoupledReport) -> float:
+        by_temperature = report.temperature_change / (CHANGE_PER_SUBSTEP * self._wanted)
+        return max(by_temperature, report.solid_fraction_change / SOLID_PER_SUBSTEP)
+
+    def _heat_substeps(self, step: float) -> int:
+        """Return the heat steps inside a step: the faster the state changes, the more."""
+        if self._substeps is not None:
+            return self._substeps
+        expected = min(self._substep_rate * step, MOST_SUBSTEPS)
+        return max(ceil(expected), 1)
+
+    def state(self, counters: StepCounters = NO_COUNTERS) -> State:
+        """Return the state after the last accepted step."""
+        process = self.process
+        return State(
+            process.now, self.time, self.step, counters, process.state(), process.left,
+            process.friction,
+        )  # fmt: skip
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the state after the last accepted step as arrays; collective."""
+        clock = {
+            "time": number(self.time),
+            "step": number(self.step),
+            "substep_rate": number(self._substep_rate),
+        }
+        return joined({"clock": clock}) | saved_parts(self._parts())
+
+    def _parts(self) -> dict[str, Stateful]:
+        return {"process": self.process, "control": self.control}
+
+    def notes(self) -> dict[str, Any]:
+        """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
+        return self.process.notes()
+
+    def prepare(self, notes: Mapping[str, Any]) -> None:
+        """Go to the stage of `notes`, so that `restore` finds what it asks for; collective."""
+        self.process.prepare(notes)
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from a saved state: the next state to come is that of the step after it."""
+        clock = part_of(arrays, "clock")
+        self.time, self.step = float(clock["time"]), int(clock["step"])
+        self._substep_rate = float(clock["substep_rate"])
+        restore_parts(self._parts(), arrays)
+        self._begun = True
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self.process.destroy()
+
+
+def _counters(
+    report: CoupledReport, step: float, wall: float, cutbacks: int
+) -> StepCounters:
+    return StepCounters(
+        step=step,
+        wall=wall,
+        heat_iterations=report.heat_iterations,
+        mechanics_iterations=report.mechanics_iterations,
+        contact_changes=report.contact_changes,
+        passes=report.passes,
+        cutbacks=cutbacks,
+        frozen_pairs=report.frozen_pairs,
+        unbalanced=report.unbalanced,
+        fallbacks=report.fallbacks,
+    )

@@ -1,0 +1,197 @@
+"""The state after an accepted step, as results read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.coupling.interface import InterfaceState
+from castx.coupling.step import CoupledProblem
+from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.equilibrium.problem import MechanicalProblem
+from castx.errors import CaseError
+from castx.mechanics.body import BodyMechanics
+from castx.process.ejection import normal_force
+from castx.process.process import StageProblem
+from castx.results.snapshot import ProcessState, StepCounters
+
+START, NONE = ProcessState(), MappingProxyType[str, float]({})
+
+
+@dataclass(frozen=True)
+class State:
+    """Fields of a coupled problem at its committed state, see `Snapshot`.
+
+    Args:
+        now: what is solved during the present stage.
+        time: [s].
+        step: number of the step.
+        counters: what it took.
+        process: where in the process the run is.
+        left: totals of bodies and interfaces that are gone.
+        friction: coefficients of friction of the bodies whose ejection is estimated.
+    """
+
+    now: StageProblem
+    time: float
+    step: int
+    counters: StepCounters
+    process: ProcessState = START
+    left: Mapping[str, float] = NONE
+    friction: Mapping[str, float] = NONE
+
+    @property
+    def mesh(self) -> CastingMesh:
+        """The bodies that are there."""
+        return self.now.mesh
+
+    @property
+    def pairs(self) -> Mapping[str, NodePairs]:
+        """Their node pairs by the name of the interface."""
+        return self.now.pairs
+
+    @property
+    def problem(self) -> CoupledProblem:
+        """Heat and mechanics."""
+        return self.now.problem
+
+    def nodal(self, body: str, name: str) -> FloatArray:
+        """Return a nodal field with ghosts, shape (nodes,), displacement (nodes, gdim).
+
+        Raises:
+            CaseError: the field does not exist in this run.
+        """
+        heat = self.problem.heat
+        fields = {
+            "temperature": heat.temperature,
+            "enthalpy": heat.enthalpy,
+            "solid_fraction": heat.solid_fraction,
+        }
+        if name in fields:
+            if body not in fields[name]:
+                raise CaseError(f"no {name} in a run without the heat equation (coupling.scheme)")
+            return np.asarray(fields[name][body].x.array)
+        if body in self.now.rigid:
+            return self._rigid_field(body, name)
+        mechanics = self._mechanics(body, name)
+        if name == "displacement":
+            values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
+            return np.asarray(values[:, : mechanics.dimension])
+        if name == "pressure":
+            return mechanics.nodal_pressure()
+        raise CaseError(f"no nodal field {name!r} on body {body!r}")
+
+    def cellwise(self, body: str, name: str) -> FloatArray:
+        """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
+        if name not in ("stress", "von_mises", "plastic_strain"):
+            raise CaseError(f"no cell field {name!r} on body {body!r}")
+        if body in self.now.rigid:
+            cells = len(self.mesh.bodies[body].nodes.dofmap.list)
+            return np.zeros((cells, 6) if name == "stress" else cells)
+        mechanics = self._mechanics(body, name)
+        if name == "plastic_strain":
+            return mechanics.plastic_strain()
+        return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())
+
+    def _rigid_field(self, body: str, name: str) -> FloatArray:
+        """Return the displacement of a rigid body; it has no pressure."""
+        nodes = len(self.mesh.bodies[body].parent_vertices)
+        if name == "displacement":
+            within = self.time - self.process.cycle_start
+            moved = self.now.rigid[body].displacement(within)
+            return np.tile(moved, (nodes, 1))
+        if name == "pressure":
+            return np.zeros(nodes)
+        raise CaseError(f"no nodal field {name!r} on body {body!r}")
+
+    def _mechanics(self, body: str, name: str) -> BodyMechanics:
+        if self.problem.mechanics is None:
+            raise CaseError(f"{name} of {body!r}: this run has no mechanics (coupling.scheme)")
+        return self.problem.mechanics.bodies[body]
+
+    def paired(self, interface: str, name: str) -> FloatArray:
+        """Return a field of the owned pairs of an interface, shape (pairs,)."""
+        state = self._interface(interface)
+        if name == "gap":
+            return state.gap
+        if name == "contact_pressure":
+            return state.pressure
+        if name == "heat_transfer_coefficient":
+            with np.errstate(divide="ignore"):
+                return np.asarray(1.0 / state.resistance)
+        raise CaseError(f"no field {name!r} on interface {interface!r}")
+
+    def _interface(self, name: str) -> InterfaceState:
+        names = [interface.name for interface in self.problem.interfaces]
+        return self.problem.states[names.index(name)]
+
+    @cached_property
+    def totals(self) -> dict[str, float]:
+        """Totals of bodies and interfaces by the name of their column, equal on all ranks."""
+        totals = self.problem.heat.totals()
+        for name in self.problem.heat.solid_fraction:
+            totals[f"{name}.solid_fraction"] = self._solid_fraction(name)
+        for interface in self.problem.interfaces:
+            totals |= self._interface_totals(interface.name)
+        if self.problem.mechanics is not None:
+            for name, body in self.problem.mechanics.bodies.items():
+                if body.pockets is not None:
+                    totals[f"{name}.unfed_volume"] = body.pockets.volume
+            totals |= self._support_totals(self.problem.mechanics)
+        for name, coefficient in self.friction.items():
+            if name in self.mesh.bodies:
+                force = coefficient * normal_force(self.problem, name)
+                totals[f"{name}.ejection_force"] = force
+        if self.process.staged:
+            totals |= {"cycle": self.process.cycle, "stage": self.process.stage}
+        return {**self.left, **totals}
+
+    def _support_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
+        axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")
+        about = "xyz" if self.mesh.model == "3d" else "z"
+        found = {"support_force": mechanics.equilibrium.support_force()}
+        for name, (force, moment) in mechanics.equilibrium.supports().items():
+            for axis, value in zip(axes, force, strict=True):
+                # In an axisymmetric model nothing supports the radius.
+                if axis != " ":
+                    found[f"{name}.support_force.{axis}"] = float(value)
+            for axis, value in zip(about, moment, strict=False):
+                found[f"{name}.support_moment.{axis}"] = float(value)
+        return found
+
+    def _solid_fraction(self, body: str) -> float:
+        volumes = self.problem.volumes[body]
+        values = self.problem.heat.solid_fraction[body].x.array[: len(volumes)]
+        sums = self.mesh.comm.allreduce(np.array([values @ volumes, volumes.sum()]), op=MPI.SUM)
+        return float(sums[0] / sums[1])
+
+    def _interface_totals(self, name: str) -> dict[str, float]:
+        comm, state, pairs = self.mesh.comm, self._interface(name), self.pairs[name]
+        closed = state.closed | (state.gap <= 0)
+        forces = self.problem.contact_force_vectors(name)
+        local = np.array([pairs.areas @ state.gap, pairs.areas @ closed, pairs.areas.sum()])
+        gap, touching, area = comm.allreduce(local, op=MPI.SUM)
+        total = comm.allreduce(forces.sum(axis=0), op=MPI.SUM)
+        axes = {"axisymmetric": "rz", "3d": "xyz"}.get(self.mesh.model, "xy")
+        found = {
+            f"{name}.mean_gap": float(gap / area),
+            f"{name}.max_gap": float(comm.allreduce(state.gap.max(initial=-np.inf), op=MPI.MAX)),
+            f"{name}.closed_fraction": float(touching / area),
+        }
+        return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """Return √(3/2)‖s‖ [Pa] of stresses (n, 6) in the order xx, yy, zz, xy, xz, yz."""
+    mean = stress[:, :3].mean(axis=1, keepdims=True)
+    normal = np.sum((stress[:, :3] - mean) ** 2, axis=1)
+    shear = np.sum(stress[:, 3:] ** 2, axis=1)
+    return np.asarray(np.sqrt(1.5 * (normal + 2 * shear)))

@@ -1,0 +1,146 @@
+"""Step control: pure numbers, no solver.
+
+A step that changes some node by more than the wanted temperature makes the next one smaller, by
+less larger, within bounds on growth and size; many passes or iterations forbid growth. A rejected
+step is halved. Steps land on the end, on stops and on milestones such as output times without
+leaving a sliver: the rest up to the next of them is divided evenly once it is shorter than two
+steps.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from castx.errors import ConvergenceError
+from castx.stateful import Arrays, Saved, number
+
+GROWTH, SHRINKAGE, CUT = 1.5, 0.5, 0.5
+"""Bounds of the ratio of consecutive steps, and what is left of a rejected one."""
+
+SAFETY = 0.9
+"""Share of the wanted change at which the next step aims."""
+
+
+@dataclass(frozen=True)
+class StepSettings:
+    """What the user asks of the steps; times in s.
+
+    Attributes:
+        end: end of the run.
+        first: first step.
+        largest: largest step.
+        smallest: a step that fails at this size ends the run.
+        temperature_change: wanted change of the fastest node in a step [K].
+        fixed: constant step, without adaptivity.
+        milestone: steps land on the multiples of this time, unless they are fixed.
+        stops: all steps land on these times, ascending.
+    """
+
+    end: float
+    first: float
+    largest: float
+    smallest: float
+    temperature_change: float
+    fixed: float | None = None
+    milestone: float | None = None
+    stops: tuple[float, ...] = ()
+
+
+class StepControl:
+    """Proposes steps and learns from their fate.
+
+    Args:
+        settings: what the user asks for.
+    """
+
+    def __init__(self, settings: StepSettings) -> None:
+        self._settings = settings
+        self._size = settings.first if settings.fixed is None else settings.fixed
+        self._tolerance = 1e-9 * settings.end
+        self._cutbacks = 0
+
+    def finished(self, time: float) -> bool:
+        """Return whether a time is the end."""
+        return time >= self._settings.end - self._tolerance
+
+    def propose(self, time: float) -> float:
+        """Return the step to try from a time [s]."""
+        rest = self._next_stop(time) - time
+        parts = math.ceil(rest / self._size - 1e-6)
+        if self._settings.fixed is not None and self._cutbacks == 0:
+            return min(self._size, rest)
+        return rest if parts <= 1 else rest / 2 if parts == 2 else self._size
+
+    def landed(self, time: float) -> float:
+        """Return the end, stop or milestone that a time [s] is but for round-off, else the time."""
+        near, milestone = self._following(time - 2 * self._tolerance), self._settings.milestone
+        if milestone is not None and abs(near - time) > self._tolerance:
+            near = round(time / milestone) * milestone
+        return near if abs(near - time) <= self._tolerance else time
+
+    def restart(self) -> None:
+        """Begin again with the first step: something has changed at once."""
+        if self._settings.fixed is None:
+            self._size = min(self._size, self._settings.first)
+
+    def _following(self, time: float) -> float:
+        """Return the stop or the end after a time."""
+        stops = self._settings.stops
+        number = bisect_right(stops, time + self._tolerance)
+        return stops[number] if number < len(stops) else self._settings.end
+
+    def _next_stop(self, time: float) -> float:
+        stop, milestone = self._following(time), self._settings.milestone
+        if milestone is None or self._settings.fixed is not None:
+            return stop
+        following = (math.floor((time + self._tolerance) / milestone) + 1) * milestone
+        return following if following < stop - self._tolerance else stop
+
+    def accept(self, step: float, temperature_change: float, easy: bool) -> None:
+        """Learn from an accepted step.
+
+        Args:
+            step: its size [s].
+            temperature_change: of the fastest node [K].
+            easy: whether it took few passes and iterations.
+        """
+        settings, recovering = self._settings, self._cutbacks > 0
+        self._cutbacks = 0
+        if settings.fixed is not None:
+            self._size = min(GROWTH * self._size, settings.fixed) if recovering else settings.fixed
+            return
+        wanted = SAFETY * settings.temperature_change
+        ratio = wanted / temperature_change if temperature_change > 0 else GROWTH
+        ratio = min(max(ratio, SHRINKAGE), GROWTH if easy and not recovering else 1.0)
+        # A step cut short by a milestone says nothing against the size it was cut from.
+        size = max(step * ratio, self._size) if step < self._size and ratio >= 1 else step * ratio
+        self._size = min(max(size, settings.smallest), settings.largest)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the size of the next step and the cuts since the last accepted one."""
+        return {"size": number(self._size), "cutbacks": number(self._cutbacks)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take back what was learnt; new bounds of the settings hold at once."""
+        settings = self._settings
+        size = float(arrays["size"])
+        if settings.fixed is None:
+            size = min(max(size, settings.smallest), settings.largest)
+        self._size, self._cutbacks = size, int(arrays["cutbacks"])
+
+    def reject(self, step: float, cause: ConvergenceError) -> None:
+        """Cut the step after a failed try.
+
+        Raises:
+            ConvergenceError: the step is the smallest one already; chained to its cause.
+        """
+        smallest = self._settings.smallest
+        if step <= smallest * (1 + 1e-9):
+            raise ConvergenceError(
+                f"no solution with the smallest step of {smallest:g} s (time.smallest_step); "
+                f"last reason: {cause}"
+            ) from cause
+        self._size = max(CUT * step, smallest)
+        self._cutbacks += 1

@@ -1,0 +1,151 @@
+"""Curves over time and rows of pictures as PNG, drawn with matplotlib without a display."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import matplotlib as mpl
+import numpy as np
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from castx.arrays import FloatArray
+from castx.report.pictures import Image
+
+DOTS_PER_INCH = 150
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b", "#8c6d31")
+"""Distinguishable with any kind of colour vision (M. Okabe and K. Ito, 2008), greys added."""
+
+STYLE = {
+    "font.size": 10,
+    "axes.edgecolor": "#8a8f98",
+    "axes.labelcolor": "#30343a",
+    "axes.grid": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.prop_cycle": cycler(linestyle=("-", "--")) * cycler(color=COLOURS),
+    "grid.color": "#e3e5e8",
+    "grid.linewidth": 0.8,
+    "xtick.color": "#30343a",
+    "ytick.color": "#30343a",
+    "lines.linewidth": 1.8,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+}
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One diagram.
+
+    Args:
+        label: of the ordinate, with its unit.
+        lines: ordinates by the name of the curve.
+        levels: thin horizontal lines, by name.
+        logarithmic: whether the ordinate is.
+        steps: whether values hold for the whole step before.
+        least: height that the ordinate has at least, so that round-off is drawn as zero.
+    """
+
+    label: str
+    lines: Mapping[str, FloatArray]
+    levels: Mapping[str, float] = field(default_factory=dict)
+    logarithmic: bool = False
+    steps: bool = False
+    least: float = 0.0
+
+
+def curves(time: FloatArray, panels: Sequence[Panel]) -> bytes:
+    """Return diagrams over the same time [s], one below the other, as PNG."""
+    with figure(8.0, 0.5 + 2.6 * len(panels)) as (canvas, stream):
+        axes = canvas.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, panel in zip(axes, panels, strict=True):
+            draw(axis, time, panel)
+        axes[-1].set_xlabel("time [s]")
+        canvas.align_ylabels(axes)
+        canvas.savefig(stream, dpi=DOTS_PER_INCH)
+        return stream.getvalue()
+
+
+@contextmanager
+def figure(width: float, height: float) -> Iterator[tuple[Figure, io.BytesIO]]:
+    """Provide a figure in our style [inch] and somewhere to save it."""
+    with mpl.rc_context(STYLE):
+        yield Figure(figsize=(width, height), layout="constrained"), io.BytesIO()
+
+
+def draw(axis: Axes, time: FloatArray, panel: Panel) -> None:
+    """Draw one diagram."""
+    for name, values in panel.lines.items():
+        axis.plot(time, values, label=name, drawstyle="steps-pre" if panel.steps else "default")
+    for name, level in panel.levels.items():
+        axis.axhline(level, color="#8a8f98", linewidth=0.9, linestyle=(0, (6, 4)), zorder=1)
+        axis.annotate(
+            name,
+            (1.0, level),
+            xycoords=("axes fraction", "data"),
+            xytext=(-2, 3),
+            textcoords="offset points",
+            ha="right",
+            fontsize=8,
+            color="#5b5f66",
+        )
+    low, high = axis.get_ylim()
+    if high - low < panel.least:
+        axis.set_ylim(-0.05 * panel.least, panel.least)
+    if panel.logarithmic:
+        axis.set_yscale("log", nonpositive="mask")
+    axis.set_ylabel(panel.label)
+    axis.margins(x=0.01)
+    if len(panel.lines) > 1 or not panel.label.startswith(tuple(panel.lines)):
+        axis.legend(loc="best", ncols=2 if len(panel.lines) > 4 else 1)
+
+
+def row(
+    images: Sequence[Image],
+    titles: Sequence[str],
+    label: str,
+    limits: tuple[float, float],
+    colours: str,
+) -> bytes:
+    """Return pictures side by side with one colour bar as PNG.
+
+    Args:
+        images: all of one size.
+        titles: above them.
+        label: of the colour bar, with its unit.
+        limits: values at its ends.
+        colours: name of the colour map.
+    """
+    images = trimmed(images)
+    height, width = images[0].shape[:2]
+    tall = min(3.4 * height / width, 4.2)
+    wide = tall * width / height
+    with figure(len(images) * (wide + 0.15) + 1.1, tall + 0.35) as (canvas, stream):
+        axes = canvas.subplots(1, len(images), squeeze=False)[0]
+        for axis, image, title in zip(axes, images, titles, strict=True):
+            axis.imshow(image, interpolation="antialiased")
+            axis.set_title(title, fontsize=10)
+            axis.axis("off")
+        scale = ScalarMappable(Normalize(*limits), colours)
+        bar = canvas.colorbar(scale, ax=list(axes), shrink=0.9, pad=0.02, aspect=25)
+        bar.set_label(label)
+        bar.ax.spines["outline"].set_visible(False)
+        canvas.savefig(stream, dpi=DOTS_PER_INCH)
+        return stream.getvalue()
+
+
+def trimmed(images: Sequence[Image]) -> list[Image]:
+    """Return pictures of one size without the white rim that all of them have."""
+    drawn = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
+    rows, columns = (np.flatnonzero(drawn.any(axis=axis)) for axis in (1, 0))
+    if rows.size == 0:
+        return list(images)
+    top, left = max(rows[0] - 8, 0), max(columns[0] - 8, 0)
+    return [image[top : rows[-1] + 9, left : columns[-1] + 9] for image in images]

@@ -1,0 +1,243 @@
+"""The figures of the report: curves of probes and history, pictures of the fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyvista
+
+from castx.arrays import FloatArray
+from castx.report.curves import Panel, curves, row
+from castx.report.display import display
+from castx.report.pictures import (
+    FieldSeries,
+    View,
+    chosen_times,
+    deformed,
+    exaggeration,
+    limits_of,
+    picture,
+)
+from castx.report.report import Figure, Run
+
+State = Mapping[str, pyvista.UnstructuredGrid]
+SMALLEST_RANGE = 1e-6
+"""Range of values, in the unit shown, below which a picture would show round-off."""
+
+
+def curve_figures(run: Run) -> list[Figure]:
+    """Return the curves over time that a run has data for."""
+    found = []
+    for title, caption, panels, series in (
+        ("Cooling curves", "Temperatures at the probes.", cooling(run), run.probes),
+        (
+            "Solidification and heat",
+            "Solid fraction of the bodies, and the heat that has passed the interfaces.",
+            solidification(run),
+            run.history,
+        ),
+        (
+            "Gap and contact",
+            "Air gap, contact pressure and the heat transfer coefficient that follows from them.",
+            contact(run),
+            run.probes,
+        ),
+        ("Displacements", "Displacements at the probes.", displacements(run), run.probes),
+        (
+            "How the solution went",
+            "Step size, iterations of each step with all passes and tries, and the energy balance.",
+            numerics(run),
+            run.history,
+        ),
+    ):
+        if panels:
+            found.append(Figure(title, caption, curves(series["time"], panels)))
+    return found
+
+
+def columns(
+    series: Mapping[str, FloatArray], ending: str, factor: float = 1.0
+) -> dict[str, FloatArray]:
+    """Return the columns NAME.ending of a series by NAME, times a factor."""
+    suffix = f".{ending}"
+    return {
+        name.removesuffix(suffix): factor * values
+        for name, values in series.items()
+        if name.endswith(suffix)
+    }
+
+
+def filled(panels: Sequence[Panel]) -> list[Panel]:
+    """Return the panels that have lines."""
+    return [panel for panel in panels if panel.lines]
+
+
+def cooling(run: Run) -> list[Panel]:
+    """Return the cooling curves, with the freezing ranges as levels."""
+    levels: dict[str, float] = {}
+    for name, body in run.record["bodies"].items():
+        if name in run.freezing:
+            solidus, liquidus = body["freezes"]
+            ends = {"solidus": solidus, "liquidus": liquidus}
+            levels |= ends if solidus < liquidus else {"melting point": solidus}
+    return filled([Panel("temperature [°C]", columns(run.probes, "temperature"), levels)])
+
+
+def solidification(run: Run) -> list[Panel]:
+    """Return solid fractions, and the heat that has passed each interface."""
+    fractions = columns(run.history, "solid_fraction", 100.0)
+    heat = {
+        name: values
+        for name, values in columns(run.history, "heat", 1e-3).items()
+        if name in run.record["interfaces"]
+    }
+    per = "" if run.record["model"] in ("axisymmetric", "3d") else "/m"
+    freezing = {name: fractions[name] for name in run.freezing}
+    return filled([Panel("solid [%]", freezing), Panel(f"heat passed [kJ{per}]", heat)])
+
+
+def contact(run: Run) -> list[Panel]:
+    """Return gap, contact pressure and heat transfer coefficient at the probes."""
+    return filled(
+        [
+            Panel("gap [µm]", columns(run.probes, "gap", 1e6), least=1.0),
+            Panel(
+                "contact pressure [MPa]",
+                columns(run.probes, "contact_pressure", 1e-6),
+                least=0.1,
+            ),
+            Panel("h [W/m²/K]", columns(run.probes, "heat_transfer_coefficient")),
+        ]
+    )
+
+
+def displacements(run: Run) -> list[Panel]:
+    """Return the displacements at the probes by direction."""
+    named = [name for name in run.probes if ".displacement." in name]
+    directions = sorted({name.rpartition(".")[2] for name in named})
+    return filled(
+        [
+            Panel(
+                f"displacement {axis} [µm]",
+                columns(run.probes, f"displacement.{axis}", 1e6),
+                least=1.0,
+            )
+            for axis in directions
+        ]
+    )
+
+
+def numerics(run: Run) -> list[Panel]:
+    """Return step size, iterations and energy error."""
+    history = run.history
+    panels = [
+        Panel("step [s]", {"step": history["step"]}, steps=True),
+        Panel("heat iterations", {"heat": history["heat_iterations"]}, steps=True),
+        Panel(
+            "iterations, passes",
+            {"mechanics": history["mechanics_iterations"], "passes": history["passes"]},
+            steps=True,
+        ),
+    ]
+    if "energy_error" in history and np.any(history["energy_error"] != 0.0):
+        error = {"energy error": np.abs(history["energy_error"])}
+        panels.append(Panel("energy error", error, logarithmic=True))
+    return panels
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A field that the report shows.
+
+    Args:
+        field: its name.
+        title: heading.
+        caption: what is seen.
+        label: of the colour bar.
+        colours: name of the colour map.
+        factor: from SI to the unit of the label.
+        melting: whether only the bodies that freeze show it.
+        final: whether it is shown at the end only.
+        front: whether the line f_s = 0.5 is drawn.
+        share: of the values inside the colours.
+        moved: whether bodies are drawn deformed.
+        outside: whether it lives on the outside: shown in 3-D, without the bodies around.
+    """
+
+    field: str
+    title: str
+    caption: str
+    label: str
+    colours: str
+    factor: float = 1.0
+    melting: bool = False
+    final: bool = False
+    front: bool = False
+    share: float = 1.0
+    moved: bool = False
+    outside: bool = False
+
+
+TOPICS = (
+    Topic("temperature", "Temperature", "The blue line is f_s = 0.5.", "temperature [°C]",
+          "inferno", front=True),
+    Topic("solid_fraction", "Solid fraction", "", "solid fraction", "Blues", melting=True),
+    Topic("von_mises", "Distortion and stress", "", "von Mises stress [MPa]", "viridis", 1e-6,
+          share=0.99, moved=True),
+    Topic("gap", "Gap", "The castings seen from outside, without their moulds.", "gap [µm]",
+          "YlGnBu", 1e6, melting=True, outside=True),
+    Topic("contact_pressure", "Contact pressure", "", "contact pressure [MPa]", "YlOrRd", 1e-6,
+          melting=True, share=0.99, outside=True),
+    Topic("solidification_time", "Local solidification time",
+          "Time between liquidus and solidus.", "time [s]", "cividis", melting=True, final=True),
+    Topic("niyama", "Niyama criterion",
+          "G/√Ṫ at f_s = 0.9. Shrinkage porosity is likely where it is low; the limit depends on "
+          "the alloy, for steel castings it is near 1 K^½ s^½/mm.",
+          "Niyama [K$^{1/2}$ s$^{1/2}$/mm]", "RdYlGn", 1e-3, melting=True, final=True, share=0.9),
+)  # fmt: skip
+
+
+def field_figures(run: Run) -> list[Figure]:
+    """Return the pictures of the fields that a run has written."""
+    series = FieldSeries(run.folder, run.record["model"])
+    times = chosen_times(series.times)
+    states = [series.read(time) for time in times]
+    with display():
+        return [figure for topic in TOPICS for figure in topic_figures(run, topic, times, states)]
+
+
+def topic_figures(
+    run: Run, topic: Topic, times: Sequence[float], states: Sequence[State]
+) -> Iterator[Figure]:
+    """Yield the figure of a field, if it was written."""
+    bodies = run.freezing if topic.melting else list(states[0])
+    model = run.record["model"]
+    if topic.final:
+        times, states = times[-1:], states[-1:]
+    if topic.outside:
+        states = [{name: state[name] for name in bodies if name in state} for state in states]
+    limits = limits_of(states, topic.field, bodies, topic.share)
+    if limits is None or (topic.outside and model != "3d"):
+        return
+    if topic.factor * (limits[1] - limits[0]) < SMALLEST_RANGE:
+        return
+    view = View.of(model, states[-1].values(), topic.outside)
+    factor = exaggeration(view, states[-1]) if topic.moved else 0.0
+    if factor:
+        moved = [deformed(grid, factor) for grid in states[-1].values()]
+        view = View.of(model, [*states[0].values(), *moved])
+    if topic.field == "solid_fraction":
+        limits = (0.0, 1.0)
+    images = [
+        picture(view, state, topic.field, limits, colours=topic.colours, coloured=bodies,
+                front=topic.front, exaggeration=factor)
+        for state in states
+    ]  # fmt: skip
+    titles = [f"{time:.4g} s" for time in times]
+    scaled = (limits[0] * topic.factor, limits[1] * topic.factor)
+    caption = topic.caption
+    if factor:
+        caption = f"Displacements drawn {factor:g} times as large as they are. {caption}".strip()
+    yield Figure(topic.title, caption, row(images, titles, topic.label, scaled, topic.colours))

@@ -1,0 +1,160 @@
+"""report.html: one file with the numbers, curves and pictures of a run."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.errors import CaseError
+from castx.report.stages import process_rows
+from castx.results.files.folder import RECORD, REPORT, write_whole
+from castx.results.files.series import read_series
+
+SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
+
+ROUNDING = 1e-15
+"""Gap that is none [m]."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a results folder holds beside its fields.
+
+    Args:
+        folder: the results folder.
+        record: run.json.
+        history: columns of history.csv.
+        probes: columns of probes.csv.
+    """
+
+    folder: Path
+    record: Mapping[str, Any]
+    history: Mapping[str, FloatArray]
+    probes: Mapping[str, FloatArray]
+
+    @classmethod
+    def read(cls, folder: Path) -> Run:
+        """Read a results folder.
+
+        Raises:
+            CaseError: it is none, or a file is missing or broken.
+        """
+        try:
+            record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+            history = read_series(folder / "history.csv")
+            probes = read_series(folder / "probes.csv")
+        except (OSError, ValueError) as error:
+            raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
+        if not isinstance(record, dict) or "bodies" not in record or history["time"].size == 0:
+            raise CaseError(f"{folder} holds no accepted step of a run of castx")
+        return cls(folder, record, history, probes)
+
+    @property
+    def freezing(self) -> list[str]:
+        """The bodies that were not all solid at the start."""
+        return [
+            body
+            for body in self.record["bodies"]
+            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
+        ]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture with its heading and what it shows."""
+
+    title: str
+    caption: str
+    png: bytes
+
+    @property
+    def source(self) -> str:
+        """The picture as a data URI."""
+        return "data:image/png;base64," + b64encode(self.png).decode("ascii")
+
+
+def write_report(folder: Path) -> Path:
+    """Write report.html into a results folder and return its path.
+
+    Raises:
+        CaseError: the folder holds no results, or pictures cannot be drawn.
+    """
+    from castx.report.figures import curve_figures, field_figures
+
+    run = Run.read(folder)
+    loader = jinja2.PackageLoader("castx.report", "templates")
+    template = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
+    ).get_template("report.html.j2")
+    text = template.render(
+        record=run.record,
+        ended=run.record["exit"],
+        summary=summary(run),
+        curves=curve_figures(run),
+        pictures=field_figures(run),
+    )
+    target = folder / REPORT
+    write_whole(target, text)
+    return target
+
+
+def summary(run: Run) -> list[tuple[str, str]]:
+    """Return the numbers that matter, as pairs of name and text."""
+    record, history = run.record, run.history
+    rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
+    for body in run.freezing:
+        rows.append((f"{body} all solid", solid_text(history, body)))
+    for name in record["interfaces"]:
+        largest = history.get(f"{name}.max_gap")
+        if largest is not None:
+            rows.append((f"largest gap {name}", gap_text(largest)))
+            rows.append((f"{name} begins to open", opening_text(history["time"], largest)))
+    rows += process_rows(record.get("process", []))
+    if "energy_error" in history:
+        rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
+    counts, memory = record["totals"], record["peak_memory"]
+    wall = timedelta(seconds=round(record["wall"]))
+    rows += [
+        ("steps", f"{counts['steps']}, {counts['cutbacks']} of them cut"),
+        (
+            "iterations",
+            f"{counts['heat_iterations']} heat, {counts['mechanics_iterations']} mechanics, "
+            f"in {counts['passes']} passes",
+        ),
+        ("wall clock time", f"{wall} on {record['ranks']} rank{'s' * (record['ranks'] > 1)}"),
+        ("peak memory", f"{memory.get('all_ranks', 0) / 2**20:.0f} MiB, all ranks"),
+    ]
+    return rows
+
+
+def gap_text(largest: FloatArray) -> str:
+    """Return the last largest gap; a removed body has none."""
+    known = largest[np.isfinite(largest)]
+    when = "at the end" if np.isfinite(largest[-1]) else "before a body was removed"
+    gap = known[-1] if known[-1] > ROUNDING else 0.0
+    return f"{1e6 * gap:.4g} µm {when}"
+
+
+def solid_text(history: Mapping[str, FloatArray], body: str) -> str:
+    """Return when a body was all solid, interpolated in its step."""
+    time, fraction = history["time"], history[f"{body}.solid_fraction"]
+    solid = np.flatnonzero(fraction >= SOLID)
+    if solid.size == 0:
+        return f"not yet, {100.0 * fraction[-1]:.1f} % solid at the end"
+    return f"between {time[max(solid[0] - 1, 0)]:.4g} and {time[solid[0]]:.4g} s"
+
+
+def opening_text(time: FloatArray, gap: FloatArray) -> str:
+    """Return when the largest gap of an interface first exceeded a micrometre."""
+    opened = np.flatnonzero(gap > 1e-6)
+    return f"at {time[opened[0]]:.4g} s (1 µm)" if opened.size else "never (1 µm)"

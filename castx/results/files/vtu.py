@@ -1,0 +1,123 @@
+"""The part of a body that lies on this rank as a VTK file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx.plot import vtk_mesh
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataSetAttributes, vtkUnstructuredGrid
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+from castx.arrays import FloatArray, IntArray, LongArray
+
+if TYPE_CHECKING:
+    from castx.domain.mesh import BodyMesh
+
+Int64Array = LongArray
+VTK_TENSOR = [0, 1, 2, 3, 5, 4]
+"""From xx yy zz xy xz yz to VTK's order of a symmetric tensor, xx yy zz xy yz xz."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """The cells of a body that this rank owns, with the nodes they need.
+
+    Args:
+        cells: number of cells.
+        nodes: local node behind each point of the piece, (points,).
+        points: positions, (points, 3).
+        connectivity: points of all cells one after the other, as VTK orders them.
+        kind: VTK's number of the cell type.
+    """
+
+    cells: int
+    nodes: Int64Array
+    points: FloatArray
+    connectivity: Int64Array
+    kind: int
+
+    @classmethod
+    def of(cls, body: BodyMesh) -> Piece:
+        """Return the piece of a body."""
+        topology = body.nodes.mesh.topology
+        owned = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        if owned.size == 0:
+            none = np.empty(0, dtype=np.int64)
+            return cls(0, none, np.empty((0, 3)), none, 0)
+        rows, kinds, _ = vtk_mesh(body.nodes, entities=owned)
+        corners = rows.reshape(owned.size, -1)[:, 1:]
+        nodes, connectivity = np.unique(corners, return_inverse=True)
+        # Interpolated coordinates differ by round-off between ranks: readers could not join pieces.
+        points = np.zeros((nodes.size, 3))
+        points[:, : body.mesh.geometry.dim] = body.points[nodes]
+        return cls(
+            cells=owned.size,
+            nodes=nodes.astype(np.int64),
+            points=points,
+            connectivity=connectivity.ravel().astype(np.int64),
+            kind=int(kinds[0]),
+        )
+
+
+def write_piece(
+    path: Path,
+    piece: Piece,
+    number: int,
+    nodal: Mapping[str, FloatArray],
+    cellwise: Mapping[str, FloatArray],
+) -> None:
+    """Write a piece as VTU: binary, appended, compressed.
+
+    Args:
+        path: the file.
+        piece: the mesh.
+        number: of the body; a cell array `body` holds it, so that bodies can be told apart.
+        nodal: fields at the points, (points,) or (points, gdim); vectors get three components.
+        cellwise: fields of the cells, (cells,), a symmetric tensor (cells, 6) as in `Snapshot`.
+    """
+    grid = vtkUnstructuredGrid()
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(piece.points, deep=True))
+    grid.SetPoints(points)
+    size = piece.connectivity.size // piece.cells
+    offsets = np.arange(0, piece.connectivity.size + 1, size, dtype=np.int64)
+    cells = vtkCellArray()
+    cells.SetData(
+        numpy_to_vtkIdTypeArray(offsets, deep=True),
+        numpy_to_vtkIdTypeArray(piece.connectivity, deep=True),
+    )
+    grid.SetCells(piece.kind, cells)
+    add_arrays(grid.GetPointData(), nodal)
+    add_arrays(grid.GetCellData(), cellwise)
+    bodies = np.full(piece.cells, number, dtype=np.int32)
+    add_arrays(grid.GetCellData(), {"body": bodies})
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(grid)
+    writer.SetDataModeToAppended()
+    writer.EncodeAppendedDataOff()
+    writer.SetCompressorTypeToZLib()
+    if writer.Write() != 1:
+        raise OSError(f"cannot write {path}")
+
+
+def add_arrays(
+    target: vtkDataSetAttributes, arrays: Mapping[str, FloatArray | IntArray]
+) -> None:
+    """Add named arrays to the point or cell data of a grid."""
+    for name, values in arrays.items():
+        columns: npt.NDArray[Any] = values
+        if values.ndim == 2 and values.shape[1] == 2:
+            columns = np.column_stack([values, np.zeros(len(values))])
+        if values.ndim == 2 and values.shape[1] == 6:
+            columns = values[:, VTK_TENSOR]
+        array = numpy_to_vtk(np.ascontiguousarray(columns), deep=True)
+        array.SetName(name)
+        target.AddArray(array)

@@ -1,0 +1,118 @@
+"""What a simulation hands out after every accepted step, and all that shows results reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from castx.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from castx.domain.mesh import CastingMesh
+    from castx.domain.pairs.node_pairs import NodePairs
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepCounters:
+    """What one accepted step took, its rejected tries included.
+
+    Args:
+        step: size of the step [s], 0 for the initial state.
+        wall: wall clock time spent on it [s].
+        heat_iterations: Newton iterations of the heat problem, all passes and tries.
+        mechanics_iterations: the same of the mechanical problem.
+        contact_changes: pairs that changed between open and closed, all tries.
+        passes: thermo-mechanical passes of the accepted try.
+        cutbacks: tries that were rewound before this one.
+        frozen_pairs: pairs that chattered between open and closed and were frozen for the step.
+        unbalanced: equilibria of the accepted try that a block iteration left before they balanced.
+        fallbacks: contact methods that failed in the accepted try before the one that served.
+    """
+
+    step: float = 0.0
+    wall: float = 0.0
+    heat_iterations: int = 0
+    mechanics_iterations: int = 0
+    contact_changes: int = 0
+    passes: int = 0
+    cutbacks: int = 0
+    frozen_pairs: int = 0
+    unbalanced: int = 0
+    fallbacks: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProcessState:
+    """Where in the process a snapshot is.
+
+    Args:
+        stage: number of the stage; 0 is the start.
+        cycle: number of the cycle, from 1.
+        cycle_start: time at which it has begun [s].
+        renewed: bodies that were new when the last step began.
+        events: stages that have begun and cycles that have ended so far, as JSON knows them.
+        staged: whether there are several stages at all.
+    """
+
+    stage: int = 0
+    cycle: int = 1
+    cycle_start: float = 0.0
+    renewed: frozenset[str] = frozenset()
+    events: tuple[Mapping[str, Any], ...] = ()
+    staged: bool = False
+
+
+class Snapshot(Protocol):
+    """The state after an accepted step; the first one is the initial state, with step number 0.
+
+    Arrays are valid until the next step is tried; who keeps them longer copies them.
+    `totals` are reduced over the ranks already: the columns of history.csv after the counters.
+    """
+
+    @property
+    def time(self) -> float:
+        """End of the step [s]."""
+
+    @property
+    def step(self) -> int:
+        """Number of the step; 0 is the initial state."""
+
+    @property
+    def mesh(self) -> CastingMesh:
+        """The bodies that are there and their meshes."""
+
+    @property
+    def pairs(self) -> Mapping[str, NodePairs]:
+        """The node pairs of these bodies by the name of their interface."""
+
+    @property
+    def counters(self) -> StepCounters:
+        """What the step took."""
+
+    @property
+    def process(self) -> ProcessState:
+        """Where in the process the run is."""
+
+    @property
+    def totals(self) -> Mapping[str, float]:
+        """Totals of bodies and interfaces by the name of their column, equal on all ranks."""
+
+    def nodal(self, body: str, name: str) -> FloatArray:
+        """Return a nodal field with ghosts: (nodes,), the displacement (nodes, gdim).
+
+        Names: temperature [°C], enthalpy [J/m³], solid_fraction, displacement [m], pressure [Pa].
+        """
+
+    def cellwise(self, body: str, name: str) -> FloatArray:
+        """Return a field constant in each cell, with ghosts: (cells,), the stress (cells, 6).
+
+        Names: stress [Pa] as xx yy zz xy xz yz (axisymmetric: rr zz θθ rz 0 0), von_mises [Pa],
+        plastic_strain.
+        """
+
+    def paired(self, interface: str, name: str) -> FloatArray:
+        """Return a field of the owned pairs: (pairs,).
+
+        Names: gap [m], contact_pressure [Pa], heat_transfer_coefficient [W/m²/K].
+        """

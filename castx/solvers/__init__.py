@@ -1,0 +1,1 @@
+"""PETSc: numbering, nonlinear and linear solvers, diagnosis."""

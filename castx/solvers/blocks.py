@@ -1,0 +1,304 @@
+"""Inner solvers of the mechanics: LU for small systems, sweeps over blocks for large ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray
+
+MULTIGRID: Mapping[str, object] = {
+    "ksp_type": "preonly",
+    "pc_type": "gamg",
+    "pc_gamg_threshold": 0.0,
+    "pc_gamg_coarse_eq_limit": 1000,
+    "pc_gamg_reuse_interpolation": True,
+    "mg_levels_ksp_type": "richardson",
+    "mg_levels_pc_type": "sor",
+}
+"""Multigrid of one body, symmetric indefinite where its pressure is an unknown."""
+
+
+FACTORS: Mapping[str, object] = {
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_14": 60,
+}
+"""Sparse LU factorisation (MUMPS) with room for fill-in."""
+
+MOST_CHANGED = 8
+"""Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
+
+MOST_CHANGED_IN_SWEEP = 4
+"""The same for multigrid: a gap costs some four iterations, a new set-up about a dozen."""
+
+
+class DirectSolver:
+    """Sparse LU factorisation (MUMPS).
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        most_changed: held unknowns by which a factorisation may fall behind.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
+        self.most_changed, self.is_exact = most_changed, True
+        self.defaults: Mapping[str, object] = FACTORS
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
+        self._ready = False
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Factorise the matrix."""
+        self._ksp.setOperators(matrix)
+        if not self._ready:
+            self._ksp.setFromOptions()
+            self._ready = True
+        self._ksp.setUp()
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the solution for b."""
+        self._ksp.solve(b, x)
+
+    def destroy(self) -> None:
+        """Free the factors."""
+        self._ksp.destroy()
+
+
+class Block(NamedTuple):
+    """Unknowns that are solved for together, such as those of one body.
+
+    Attributes:
+        rows: owned global indices, with the block size that all nodes share, if any.
+        modes: near-null vectors, shape (vectors, owned unknowns of the block).
+        options: of its solver.
+    """
+
+    rows: PETSc.IS
+    modes: FloatArray
+    options: Mapping[str, object]
+
+
+class Blocks:
+    """The blocks of a matrix as a MatNest, with near-null vectors on its diagonal.
+
+    Each rank holds its part of the first block, then of the second one, and so on.
+
+    Attributes:
+        nest: the MatNest; None for one block.
+
+    Args:
+        comm: communicator of the matrix.
+        blocks: the unknowns of the nest, each in one of them.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, blocks: Sequence[Block]) -> None:
+        self._comm, self._given = comm, list(blocks)
+        self._rows = [_listed(block.rows) for block in blocks]
+        self._matrices: list[list[PETSc.Mat]] = []
+        self._first, self._held = 0, list[BoolArray]()
+        self.nest: PETSc.Mat | None = None
+
+    def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
+        """Take over the entries of a matrix; return the nest, or the matrix of the only block."""
+        if not self._matrices:
+            self._matrices = [
+                [matrix.createSubMatrix(row, column) for column in self._rows]
+                for row in self._rows
+            ]
+            self._first = matrix.getOwnershipRange()[0]
+            self._held = self._parts(held)
+            for b in range(len(self._rows)):
+                self._attach_modes(b)
+            if len(self._rows) == 1:
+                return self._matrices[0][0]
+            self.nest = PETSc.Mat().createNest(self._matrices, comm=self._comm)
+        else:
+            for row, matrices in zip(self._rows, self._matrices, strict=True):
+                for column, block in zip(self._rows, matrices, strict=True):
+                    matrix.createSubMatrix(row, column, block)
+            if self.nest is None:
+                return self._matrices[0][0]
+            self.nest.assemble()
+        return self.nest
+
+    @property
+    def ready(self) -> bool:
+        """Whether the matrices exist."""
+        return bool(self._matrices)
+
+    def renew_modes(self, held: BoolArray) -> list[int]:
+        """Fit the near-null vectors to what is held now; return blocks whose hierarchy is not.
+
+        Coarse spaces made when a gap was held do not have its motion.
+        """
+        parts = self._parts(held)
+        pairs = zip(parts, self._held, strict=True)
+        changed = np.array([np.count_nonzero(now != then) for now, then in pairs])
+        most = self._comm.allreduce(changed, op=MPI.SUM)
+        outdated = [b for b, count in enumerate(most) if count > MOST_CHANGED_IN_SWEEP]
+        for b in outdated:
+            self._held[b] = parts[b]
+            self._attach_modes(b)
+        return outdated
+
+    def _parts(self, held: BoolArray) -> list[BoolArray]:
+        """Return what is held in each block."""
+        return [held[rows.getIndices() - self._first] for rows in self._rows]
+
+    def _attach_modes(self, b: int) -> None:
+        block, vectors = self._matrices[b][b], []
+        for mode in self._given[b].modes:
+            vector = block.createVecRight()
+            vector.array[:] = np.where(self._held[b], 0.0, mode)
+            vectors.append(vector)
+        if vectors:
+            kept = orthonormal(vectors)
+            block.setNearNullSpace(PETSc.NullSpace().create(vectors=kept, comm=self._comm))
+
+    def split(self, pc: PETSc.PC) -> None:
+        """Make a PC sweep over the blocks one after the other, if there are several."""
+        if self.nest is None:
+            return
+        pc.setType("fieldsplit")
+        pc.setFieldSplitType(PETSc.PC.CompositeType.MULTIPLICATIVE)
+        pc.setFieldSplitIS(*((str(b), rows) for b, rows in enumerate(self.nest.getNestISs()[0])))
+
+    def destroy(self) -> None:
+        """Free the matrices."""
+        if self.nest is not None:
+            self.nest.destroy()
+        for block in (block for matrices in self._matrices for block in matrices):
+            block.destroy()
+
+
+def _listed(rows: PETSc.IS) -> PETSc.IS:
+    """Return the rows one by one: of a range of all rows PETSc makes no copy that it updates."""
+    listed = PETSc.IS().createGeneral(rows.getIndices(), comm=rows.getComm())
+    listed.setBlockSize(rows.getBlockSize())
+    return listed
+
+
+def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
+    """Return the options of one multiplicative sweep over blocks, or of the only block."""
+    if len(blocks) == 1:
+        return dict(blocks[0].options)
+    options: dict[str, object] = {"ksp_type": "preonly", "pc_type": "fieldsplit"}
+    for b, block in enumerate(blocks):
+        options |= {f"fieldsplit_{b}_{name}": value for name, value in block.options.items()}
+    return options
+
+
+class BlockSweep:
+    """One multiplicative sweep over blocks, each with a solver of its own, on a MatNest.
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        blocks: all unknowns, each in one of them.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, prefix: str, blocks: Sequence[Block]) -> None:
+        self.defaults: Mapping[str, object] = sweep_options(blocks)
+        self.most_changed, self.is_exact = MOST_CHANGED_IN_SWEEP, False
+        self._blocks = Blocks(comm, blocks)
+        self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
+        self._work: list[PETSc.Vec] = []
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Split the matrix into its blocks and set up their solvers."""
+        first = not self._blocks.ready
+        assembled = self._blocks.update(matrix, held)
+        if not first:
+            for b in self._blocks.renew_modes(held):
+                self._solver_of(b).reset()
+        self._ksp.setOperators(assembled)
+        if first:
+            self._work = [matrix.createVecRight() for _ in range(2)]
+            self._blocks.split(self._ksp.pc)
+            self._ksp.setFromOptions()
+        self._ksp.setUp()
+
+    def _solver_of(self, b: int) -> PETSc.KSP:
+        several = self._blocks.nest is not None
+        return self._ksp.pc.getFieldSplitSubKSP()[b] if several else self._ksp
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the result of one sweep for b."""
+        right, solution = self._work
+        own = self._numbers - b.getOwnershipRange()[0]
+        right.array[:] = b.array_r[own]
+        self._ksp.solve(right, solution)
+        x.array[own] = solution.array_r
+
+    def destroy(self) -> None:
+        """Free the solvers and blocks."""
+        self._ksp.destroy()
+        self._blocks.destroy()
+        for vector in self._work:
+            vector.destroy()
+
+
+class BlockSolver:
+    """Solves for one block of a system, where all other unknowns are held.
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        block: the unknowns that are not held.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, prefix: str, block: Block) -> None:
+        self.defaults: Mapping[str, object] = block.options
+        self.most_changed = MOST_CHANGED
+        self.is_exact = block.options is FACTORS
+        self._rows, self._blocks = block.rows, Blocks(comm, [block])
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
+
+    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+        """Take the block out of the matrix and set up its solver."""
+        first = not self._blocks.ready
+        self._ksp.setOperators(self._blocks.update(matrix, held))
+        if first:
+            self._ksp.setFromOptions()
+        self._ksp.setUp()
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to about the solution of the block for b, zero elsewhere."""
+        x.set(0.0)
+        right, solution = b.getSubVector(self._rows), x.getSubVector(self._rows)
+        self._ksp.solve(right, solution)
+        b.restoreSubVector(self._rows, right)
+        x.restoreSubVector(self._rows, solution)
+
+    def destroy(self) -> None:
+        """Free the solver and the block."""
+        self._ksp.destroy()
+        self._blocks.destroy()
+
+
+def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Orthonormalise vectors in place (Gram-Schmidt, twice); return those that are independent."""
+    kept: list[PETSc.Vec] = []
+    for vector in vectors:
+        size = vector.norm()
+        for _ in range(2):
+            for other in kept:
+                vector.axpy(-vector.dot(other), other)
+        if vector.norm() > 1e-8 * size:
+            vector.normalize()
+            kept.append(vector)
+    return kept

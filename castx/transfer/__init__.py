@@ -1,0 +1,1 @@
+"""Heat-transfer coefficient of a node pair as a function of gap, pressure and temperature."""

@@ -1,0 +1,155 @@
+"""What the conduction through facing surfaces depends on, and what a law makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from castx.arrays import FloatArray
+from castx.transfer.duals import Dual
+
+Points = npt.NDArray[np.intp]
+SECONDARY, PRIMARY, SOLID = range(3)
+"""Variables over which laws are differentiated: both face temperatures, the solid fraction."""
+VARIABLES = 3
+
+
+@dataclass(frozen=True)
+class PairState:
+    """What heat feels of the mechanics of node pairs.
+
+    Attributes:
+        gap: opening [m], shape (pairs,), not negative.
+        pressure: contact pressure [Pa], not negative.
+        factor: multiplies the resistance 1/h of the law; other than one while passes between heat
+            and mechanics approach each other.
+    """
+
+    gap: FloatArray
+    pressure: FloatArray
+    factor: FloatArray
+
+    @classmethod
+    def of(cls, gap: FloatArray, pressure: FloatArray) -> Self:
+        """Return the state of pairs with gaps [m] and pressures [Pa]; negative ones are zero."""
+        opening = np.maximum(gap, 0.0, dtype=np.float64)
+        return cls(opening, np.maximum(pressure, 0.0, dtype=np.float64), np.ones(len(opening)))
+
+    @classmethod
+    def of_resistance(cls, resistance: FloatArray) -> Self:
+        """Return closed pairs of a resistance [m² K/W] where the law is the constant 1 W/m²/K."""
+        zeros = np.zeros(len(resistance))
+        return cls(zeros, zeros, np.asarray(resistance, dtype=np.float64))
+
+    def at(self, points: Points) -> PairState:
+        """Return the state of some of the pairs."""
+        return PairState(self.gap[points], self.pressure[points], self.factor[points])
+
+
+@dataclass(frozen=True)
+class Faces:
+    """The facing surfaces of node pairs at one moment.
+
+    Attributes:
+        secondary: temperature of the secondary nodes [°C], shape (pairs,).
+        primary: of the primary nodes.
+        solid_fraction: mean over the volume of the secondary body.
+        time: [s].
+    """
+
+    secondary: Dual
+    primary: Dual
+    solid_fraction: Dual
+    time: float
+
+    @classmethod
+    def at_temperatures(
+        cls, secondary: FloatArray, primary: FloatArray, time: float, solid_fraction: float
+    ) -> Self:
+        """Return faces whose temperatures and solid fraction are the variables."""
+        solid = np.full(len(secondary), solid_fraction)
+        return cls(
+            Dual.variable(secondary, SECONDARY, VARIABLES),
+            Dual.variable(primary, PRIMARY, VARIABLES),
+            Dual.variable(solid, SOLID, VARIABLES),
+            time,
+        )
+
+    def temperature(self, of: str) -> Dual:
+        """Return a temperature of the pairs: that of "secondary", "primary" or their "mean"."""
+        match of:
+            case "secondary":
+                return self.secondary
+            case "primary":
+                return self.primary
+            case _:
+                return (self.secondary + self.primary) * 0.5
+
+    def at(self, points: Points) -> Faces:
+        """Return the surfaces of some of the pairs."""
+        return Faces(
+            self.secondary.at(points),
+            self.primary.at(points),
+            self.solid_fraction.at(points),
+            self.time,
+        )
+
+
+@dataclass(frozen=True)
+class Conductance:
+    """Heat-transfer coefficient of node pairs without radiation.
+
+    Attributes:
+        coefficient: h [W/m²/K], shape (pairs,).
+        contact: share of it that passes where surfaces touch; the rest passes through the gas.
+    """
+
+    coefficient: Dual
+    contact: FloatArray
+
+
+class ConductionLaw(Protocol):
+    """Conduction between facing surfaces."""
+
+    @property
+    def needs_solid_fraction(self) -> bool:
+        """Whether the coefficient depends on the solid fraction of the secondary body."""
+
+    def __call__(self, state: PairState, faces: Faces) -> Conductance:
+        """Return the conductance of pairs, without the factor of their state."""
+
+
+@dataclass(frozen=True)
+class ConstantConductance:
+    """One coefficient throughout; none by default.
+
+    Attributes:
+        coefficient: h [W/m²/K].
+        needs_solid_fraction: never.
+    """
+
+    coefficient: float = 0.0
+    needs_solid_fraction: Literal[False] = False
+
+    def __call__(self, state: PairState, faces: Faces) -> Conductance:
+        """Return the coefficient; of open pairs it passes through the gas."""
+        h = np.full(len(state.gap), self.coefficient)
+        return Conductance(Dual.constant(h, VARIABLES), touching(state))
+
+
+UNIT = ConstantConductance(1.0)
+"""Under this law the factor of a state is the resistance itself."""
+
+
+def touching(state: PairState) -> FloatArray:
+    """Return 1 where pairs are closed and 0 where they are open."""
+    return np.asarray(state.gap <= 0.0, dtype=np.float64)
+
+
+def law_resistance(law: ConductionLaw, state: PairState, faces: Faces) -> FloatArray:
+    """Return R = 1/h of pairs under a law [m² K/W]; infinite where nothing passes."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(state.factor / law(state, faces).coefficient.value)

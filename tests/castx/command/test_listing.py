@@ -1,0 +1,78 @@
+"""Materials as people read them in a terminal."""
+
+from __future__ import annotations
+
+import pytest
+from rich.console import Console
+
+from castx.command.listing import data_text, material_list, material_table
+from castx.materials.database import database_names
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+
+pytestmark = pytest.mark.serial
+
+
+def shown(what) -> list[str]:
+    console = Console(width=80, file=None, force_terminal=False, soft_wrap=True)
+    with console.capture() as capture:
+        console.print(what)
+    return [line.rstrip() for line in capture.get().splitlines()]
+
+
+def test_the_list_says_what_data_there_is() -> None:
+    lines = shown(material_list({}))
+    rows = {line.split()[0]: line for line in lines if line.strip()}
+    assert set(database_names()) <= set(rows)
+    assert "aluminium" in rows["AlSi9Cu3"] and "500 to 590" in rows["AlSi9Cu3"]
+    assert "hepcl" in rows["AlSi9Cu3"] and "1084.62" in rows["Cu-pure"]
+    assert "hep··" in rows["steel-H13"] and "h····" in rows["sand-silica"]
+    assert all(len(line) <= 80 for line in lines[:-1])
+
+
+@pytest.mark.parametrize(
+    ("keys", "letters"),
+    [
+        ({"density": 1.0}, "·····"),
+        ({"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0}, "h····"),
+        ({"law": "norton", "coefficient": 1e-9, "exponent": 2}, "···c·"),
+        ({"yield_stress": 1e6, "viscosity": 1e9}, "··pc·"),
+    ],
+)
+def test_letters_of_the_data(keys, letters) -> None:
+    case = {"own": MaterialDescription.read(keys)}
+    assert data_text(find_material("own", case)) == letters
+
+
+@pytest.mark.parametrize("name", database_names())
+def test_all_numbers_fit_a_terminal(name) -> None:
+    lines = shown(material_table(name, {}))
+    sources = next(index for index, line in enumerate(lines) if line.startswith("[1] "))
+    assert all(len(line) <= 80 and "…" not in line for line in lines[1:sources])
+    assert lines[0].startswith(f"{name}: ")
+
+
+def test_tables_carry_units_ranges_and_sources() -> None:
+    lines = shown(material_table("AlSi7Mg", {}))
+    at = lines.index("conductivity.solid [2]    °C      25  200  400  557")
+    assert lines[at + 1] == "  20 to 557 °C            W/m/K  160  163  155  145"
+    assert "density [1]               2680 kg/m³" in lines
+    assert any(line.startswith("young_modulus") for line in lines)
+    assert "  20 to 557 °C            GPa   72   67   58   48" in lines
+    assert "[2] representative value, source not established" in lines
+
+
+def test_a_material_of_a_case_shows_what_it_changes() -> None:
+    case = {"shop": MaterialDescription.read({"extends": "AlSi7Mg", "density": 2650})}
+    lines = shown(material_table("shop", case))
+    assert lines[0] == "shop: of the case, extends AlSi7Mg"
+    assert "density [1]               2650 kg/m³" in lines and "[1] case file" in lines
+    assert "shop" in " ".join(shown(material_list(case)))
+
+
+def test_no_source_is_made_up_for_what_is_not_given() -> None:
+    """An isothermal change has no law of the solid fraction; a range without one, the default."""
+    assert not any("solid_fraction" in line for line in shown(material_table("Al-pure", {})))
+    alloy = {"solidus": 500, "liquidus": 600, "latent_heat": 4e5}
+    text = shown(material_table("own", {"own": MaterialDescription.read(alloy)}))
+    assert any("default of castx" in line for line in text)

@@ -1,0 +1,130 @@
+"""The active set alone: pairs given by formulas, distributed over all ranks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.kinematics.active_set import ActiveSet
+from tests.elastic_bodies import everywhere
+
+
+class Complementarity:
+    """The problem λ ≥ 0, g = M λ + q ≥ 0, λ g = 0, of which every rank holds some rows."""
+
+    def __init__(self, comm, M, q, closed):
+        self.comm, self.M, self.q = comm, np.array(M, dtype=float), np.array(q, dtype=float)
+        self.mine = np.arange(len(q))[comm.rank :: comm.size]
+        initial = np.where(closed, 0.0, 1.0)[self.mine]
+        keys = np.abs(np.sin(1.0 + self.mine))
+        self.active = ActiveSet(comm, initial, np.ones(len(self.mine), dtype=bool), keys)
+
+    def solution(self):
+        """Return forces and gaps of all pairs for the present set."""
+        closed = np.zeros(len(self.q), dtype=bool)
+        closed[everywhere(self.comm, self.mine[self.active.closed])] = True
+        force = np.zeros(len(self.q))
+        force[closed] = np.linalg.solve(self.M[np.ix_(closed, closed)], -self.q[closed])
+        return force, self.M @ force + self.q
+
+    def step(self):
+        force, gap = self.solution()
+        trial = np.where(self.active.closed, force[self.mine], -gap[self.mine])
+        return self.active.update(trial)
+
+    def solve(self, most):
+        for count in range(most):
+            if not self.step():
+                return count
+        raise AssertionError(f"still changes after {most} steps")
+
+
+def chain(n: int) -> np.ndarray:
+    """Return an M-matrix, for which the iteration is monotone."""
+    return 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+
+
+@pytest.mark.parametrize("start", ["all closed", "all open"])
+def test_finds_the_closed_pairs(comm, start):
+    n = 20
+    load = np.cos(0.7 * np.arange(n)) + 0.3
+    problem = Complementarity(comm, chain(n), load, np.full(n, start == "all closed"))
+    problem.solve(n + 1)
+    force, gap = problem.solution()
+    assert force.min() >= 0.0
+    assert gap.min() >= -1e-14
+    assert np.abs(force * gap).max() < 1e-12
+    assert 0 < np.count_nonzero(force) < n
+    assert not problem.active.cycles
+    assert problem.active.changes > 0
+
+
+def test_ends_where_the_plain_iteration_goes_round(comm):
+    """I. Ben Gharbia and J. C. Gilbert (2012), Math. Program. 134: a P-matrix with a cycle of 3."""
+    t = 2.0
+    M = [[1, 0, t], [t, 1, 0], [0, t, 1]]
+    problem = Complementarity(comm, M, [-1.0, -1.0, -1.0], [True, False, False])
+    problem.solve(20)
+    assert problem.active.cycles
+    np.testing.assert_allclose(problem.solution()[0], 1 / (1 + t))
+    problem.active.begin()
+    assert not problem.active.cycles
+    assert problem.active.changes == 0
+
+
+def test_pairs_without_a_constraint_never_close(comm):
+    n = 4
+    free = np.arange(n) % 2 == 0
+    active = ActiveSet(comm, np.full(n, -1.0), free, np.linspace(0.1, 0.9, n))
+    np.testing.assert_array_equal(active.closed, free)
+    active.update(np.full(n, 1.0))
+    np.testing.assert_array_equal(active.closed, free)
+
+
+def test_noise_beside_the_largest_force_changes_nothing(comm):
+    active = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
+    assert not active.update(np.array([1e9, -1e-5, 1e-5]))
+    assert not active.update(np.array([1e9, -1.0, 1e-5]), 2.0)
+    assert active.update(np.array([1e9, -1.0, 1e-5]))
+
+
+def test_rewind_returns_to_the_committed_set(comm):
+    active = ActiveSet(comm, np.array([0.0, 1.0]), np.ones(2, dtype=bool), np.array([0.2, 0.7]))
+    active.update(np.array([-1.0, 1.0]))
+    np.testing.assert_array_equal(active.closed, [False, True])
+    active.rewind()
+    np.testing.assert_array_equal(active.closed, [True, False])
+    active.begin()
+    active.update(np.array([-1.0, 1.0]))
+    active.commit()
+    active.rewind()
+    np.testing.assert_array_equal(active.closed, [False, True])
+
+
+def test_a_pair_that_opens_on_one_rank_is_a_change_on_all(comm):
+    last = comm.rank == comm.size - 1
+    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
+    assert active.update(np.array([-1.0 if last else 1.0]))
+    assert active.changes == 1
+    assert active.closed[0] == (not last)
+
+
+def test_a_pair_without_force_that_chatters_is_frozen_where_it_violates_less(comm):
+    """Noise pulls a pair that alone holds a body: opened, the body falls and others close."""
+    here = slice(0, 2 if comm.rank == comm.size - 1 else 0)
+    active = ActiveSet(
+        comm, np.array([0.0, 1.0])[here], np.ones(2, dtype=bool)[here], np.array([0.3, 0.6])[here]
+    )
+    for _ in range(6):
+        first, second = everywhere(comm, active.closed)
+        forces = np.array([-1e-6 if first and not second else 10.0, -1.0 if second else 0.0])
+        if not active.update(forces[here]):
+            break
+    else:
+        raise AssertionError("still changes")
+    np.testing.assert_array_equal(everywhere(comm, active.closed), [True, False])
+    np.testing.assert_array_equal(everywhere(comm, active.frozen), [True, False])
+    active.begin()
+    assert active.frozen_pairs() == 1
+    active.commit()
+    assert active.frozen_pairs() == 0

@@ -1,0 +1,75 @@
+"""A body that has lost its balance falls until it touches, and no farther."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.equilibrium.supports.first_contact import share_until_contact
+from tests.coupled_cases import final_state
+
+WIDTH, HEIGHT, DENSITY, GRAVITY = 0.035, 0.02, 7000.0, 9.81
+WEIGHT = DENSITY * GRAVITY * WIDTH * HEIGHT
+NODES = np.linspace(-WIDTH / 2, WIDTH / 2, 9)
+FOOT = NODES[6]
+"""Where the block stands at first, far from below its middle."""
+
+
+def rocker(method: str) -> dict:
+    """Return a block that yields, on a floor that bends away from it on both sides of its foot."""
+    data = {"density": DENSITY, "poisson_ratio": 0.3, "expansion": 0.0, "stress_free": 20.0}
+    return {
+        "geometry": {
+            "generator": "stacked_blocks", "model": "plane-strain", "symmetry": False,
+            "upper": [WIDTH, HEIGHT], "base": [3 * WIDTH, HEIGHT], "size": 0.005,
+        },
+        "materials": {
+            "soft": data | {"young_modulus": 7e9, "yield_stress": 2e5, "hardening": 1e8},
+            "stiff": data | {"young_modulus": 210e9},
+        },
+        "bodies": [
+            {"name": "upper", "material": "soft", "temperature": 20.0,
+             "law": "thermo-elasto-plastic"},
+            {"name": "base", "material": "stiff", "temperature": 20.0},
+        ],
+        "interfaces": [
+            {"bodies": ["upper", "base"],
+             "contact": {"method": method, "initial_gap": {
+                 "along": "x", "table": [[float(x), float((x - FOOT) ** 2)] for x in NODES]}}},
+        ],
+        "boundaries": [{"on": "base/bottom", "displacement": {"all": 0.0}}],
+        "loads": {"gravity": [0.0, -GRAVITY]},
+        "coupling": {"scheme": "mechanical"},
+        "time": {"end": 1.0, "fixed_step": 1.0},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers", "penalty"])
+def test_a_block_rocks_from_node_to_node_until_it_stands(comm, method):
+    """It ends on the node below its middle, which bears its weight; none pulls."""
+    state = final_state(comm, rocker(method))
+    pairs, force = state.pairs["upper/base"], state.problem.mechanics.contact_states()[0].force
+    places = np.concatenate(comm.allgather(pairs.points[:, 0]))
+    forces = np.concatenate(comm.allgather(force))
+    expected = np.where(np.abs(places) < 1e-9, WEIGHT, 0.0)
+    np.testing.assert_allclose(forces, expected, atol=1e-5 * WEIGHT)
+    assert state.counters.cutbacks == 0
+    assert state.counters.contact_changes <= 12
+
+
+def test_the_first_of_all_ranks_ends_the_fall(comm):
+    """Gaps of 2 fall to −2 on rank 0; on others the pair needs half as far, or may not close."""
+    start, end = np.array([2.0, 2.0, 2.0]), np.array([-2.0, -6.0, 1.0])
+    nowhere = np.zeros(3)
+    may_close = np.array([True, comm.rank == 1, True])
+    share = share_until_contact(comm, start, end, may_close, nowhere)
+    assert share == pytest.approx(0.25 if comm.size > 1 else 0.5)
+    assert share_until_contact(comm, start, end, may_close, nowhere + 8.0) == 1.0
+    deeper = share_until_contact(comm, start, end, may_close, nowhere + 0.5)
+    assert deeper == pytest.approx(0.3125 if comm.size > 1 else 0.625)
+    assert share_until_contact(comm, start - 2.0, end - 2.0, may_close, nowhere) == 0.0
+
+
+def test_ranks_without_pairs_fall_with_the_others(comm):
+    none = np.zeros(0)
+    assert share_until_contact(comm, none, none, none.astype(bool), none) == 1.0

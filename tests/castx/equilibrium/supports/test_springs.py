@@ -1,0 +1,155 @@
+"""Floating motions and their springs, found with the constraints that real problems have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.choice import Contact
+from castx.equilibrium.supports.springs import FloatingMotions
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    generated,
+    motion,
+    places,
+    problem,
+    pulled,
+    pushed,
+)
+
+SOLID = (70e9, 0.33)
+METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
+
+
+def found(made):
+    """Return the support of a problem after its solution."""
+    return made.equilibrium.balance.operator.support
+
+
+def free_block(comm, model="plane-strain", **load):
+    mesh = generated(
+        comm, model, "slab", ["casting"], length=0.04, width=0.02, size=0.005,
+        **({"depth": 0.01} if model == "3d" else {}),
+    )  # fmt: skip
+    return problem(mesh, {"casting": body(elastic(*SOLID), **load)}, {})
+
+
+@pytest.mark.parametrize(("model", "motions"), [("plane-strain", 3), ("3d", 6)])
+def test_a_free_body_has_all_rigid_motions(comm, model, motions):
+    """Stretched by equal and opposite tractions it moves about its middle, without spring force."""
+    zeros = (0.0,) * (1 if model == "plane-strain" else 2)
+    loads = (pulled("far", 70e6, *zeros), pulled("wall", -70e6, *zeros))
+    made = free_block(comm, model, loads=loads)
+    made.equilibrium.solve(0.0)
+    assert len(found(made).motions) == motions
+    assert comm.allreduce(found(made).pins.size) == motions
+    x, u = places(made, "casting")[:, 0], motion(made, "casting")[:, 0]
+    strain = 70e6 / SOLID[0] * ((1 - SOLID[1] ** 2) if model == "plane-strain" else 1)
+    np.testing.assert_allclose(
+        everywhere(comm, u), everywhere(comm, strain * (x - 0.02)), atol=1e-9 * strain
+    )
+    assert made.equilibrium.support_force() < 1e-8 * 70e6 * 0.02
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_block_on_a_floor_slides_only(comm, method):
+    """Its weight goes to the floor; the spring holds what gravity does not."""
+    weight = 7e4
+    mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
+    upper = body(elastic(*SOLID), body_force=(0.0, -weight))
+    made = problem(
+        mesh, {"upper": upper, "base": body(elastic(*SOLID))}, {"base": [fixed("bottom", "all")]},
+        [Contact("upper", "base", method)],
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    assert len(found(made).motions) == 1
+    total = comm.allreduce(made.equilibrium.pair_values()[1].sum())
+    assert total == pytest.approx(weight * 0.02 * 0.03, rel=1e-10)
+    assert made.equilibrium.support_force() < 1e-8 * total
+    assert abs(everywhere(comm, motion(made, "upper"))[:, 0].sum()) < 1e-10
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_pushed_block_is_held_by_the_spring_alone(comm, method):
+    """Sideways nothing else can carry the push: the spring's force is the push."""
+    mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
+    loads = (pushed("top", 1e6), pulled("top", 1e3, 0.0))
+    made = problem(
+        mesh, {"upper": body(elastic(*SOLID), loads=loads), "base": body(elastic(*SOLID))},
+        {"base": [fixed("bottom", "all")]}, [Contact("upper", "base", method)], tolerance=1e-8,
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    support = found(made)
+    amplitude = abs(support.amplitudes(made.equilibrium.x.array_r)[0])
+    assert amplitude * support.stiffness == pytest.approx(made.equilibrium.support_force())
+    moved = everywhere(comm, motion(made, "upper"))[:, 0].mean()
+    per_motion = np.abs(everywhere(comm, support.motions.T)).max()
+    assert amplitude * support.stiffness * per_motion == pytest.approx(1e3 * 0.02, rel=1e-6)
+    assert moved > 0.0
+
+
+def test_symmetry_plane_and_floor_hold_a_block(comm):
+    made = problem(
+        blocks(comm), {n: body(elastic(*SOLID)) for n in ("upper", "base")},
+        {"base": [fixed("bottom")]}, [Contact("upper", "base")],
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    assert found(made) is None
+    assert made.equilibrium.support_force() == 0.0
+
+
+def test_without_support_nothing_is_looked_for(comm):
+    mesh = generated(comm, "plane-strain", "slab", ["casting"], length=0.04, width=0.02, size=0.01)
+    held = {"casting": [fixed("wall", "all")]}
+    made = problem(mesh, {"casting": body(elastic(*SOLID))}, held, support=False)
+    made.equilibrium.solve(0.0)
+    assert found(made) is None
+
+
+class Springs:
+    """A free chain of three masses on a line in the plane, the whole of it on every rank's own."""
+
+    def __init__(self, comm):
+        self.K = np.kron(np.array([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]]), np.diag([1.0, 0.0]))
+        self.motions = np.array([[1.0, 0, 1, 0, 1, 0], [0, 1.0, 0, 1, 0, 1]])
+        self.volumes = np.repeat([1.0, 2.0, 3.0], 2)
+
+
+def test_motions_amplitudes_and_weights_fit_together(comm):
+    """WᵀZ = 1, held motions drop out, and the springs see the mean motion."""
+    springs = Springs(comm)
+    mine = np.arange(6)[comm.rank :: comm.size]
+    floating = FloatingMotions(
+        springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm
+    )
+    none = np.zeros(len(mine), dtype=bool)
+    both = floating.find(none)
+    identity = comm.allreduce(both.weights @ both.motions.T)
+    np.testing.assert_allclose(identity, np.eye(2), atol=1e-14)
+    along = floating.find(mine == 1)
+    assert len(along.motions) == 1
+    lengthwise = everywhere(comm, along.motions[:, mine % 2 == 0].ravel())
+    np.testing.assert_allclose(np.abs(lengthwise), np.abs(lengthwise[0]))
+    assert np.abs(along.motions[:, mine % 2 == 1]).max(initial=0.0) < 1e-14
+    assert floating.find((mine == 1) | (mine == 2)) is None
+    # A row u_1x - u_2x = 0 does not hold the translation, u_1x = 0 does.
+    assert len(floating.find(mine == 1, np.zeros((2, 1))).motions) == 1
+    row = np.array([[1.0], [0.0]]) if comm.rank == 0 else np.zeros((2, 0))
+    assert floating.find(mine == 1, row) is None
+
+
+def test_springs_carry_a_resultant_of_any_motion(comm):
+    """The spring on the mean motion of volume V has the stiffness k V."""
+    springs = Springs(comm)
+    mine = np.arange(6)[comm.rank :: comm.size]
+    floating = FloatingMotions(
+        springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm
+    )
+    support = floating.find(np.zeros(len(mine), dtype=bool))
+    shift = 5.0 * springs.motions[0, mine]
+    total = comm.allreduce(float(springs.motions[0, mine] @ support.force(shift)))
+    assert total == pytest.approx(2.0 * 6.0 * 5.0, rel=1e-12)

@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.heat.accounts import Account, Accounts
+from castx.heat.ledger import Ledger
+
+pytestmark = pytest.mark.serial
+
+ACCOUNTS = (
+    Account.through("mould/outside", "convection", "mould"),
+    Account.through("casting/mould", "contact", "mould", "casting"),
+)
+
+
+def of(bodies: tuple[str, ...], accounts: tuple[Account, ...], *enthalpy: float) -> Ledger:
+    return Ledger(Accounts(bodies, accounts), bodies, accounts, np.array(enthalpy))
+
+
+def ledger() -> Ledger:
+    return of(("casting", "mould"), ACCOUNTS, 100.0, 10.0)
+
+
+def test_heat_of_an_interface_leaves_one_body_and_enters_the_other():
+    book = ledger()
+    book.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
+    book.commit()
+    totals = book.totals()
+    assert totals["casting.heat_in"] == -20.0
+    assert totals["mould.heat_in"] == 15.0
+    assert totals["casting/mould.heat"] == 20.0
+    assert totals["mould.enthalpy"] == 25.0
+    assert totals["energy_error"] == 0.0
+
+
+def test_errors_of_two_bodies_do_not_hide_each_other():
+    book = ledger()
+    book.book(np.array([81.0, 24.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
+    book.commit()
+    assert book.totals()["energy_error"] == pytest.approx(1 / 40)
+
+
+def test_only_what_is_committed_counts():
+    book = ledger()
+    book.book(np.array([0.0, 0.0]), np.array([1.0, 2.0]), 3.0, 2.0)
+    assert book.totals()["casting.enthalpy"] == 100.0
+    book.rewind()
+    book.book(np.array([90.0, 20.0]), np.array([0.0, 10.0]), 10.0, 2.0)
+    book.commit()
+    assert book.totals()["casting/mould.heat"] == 10.0
+    assert book.totals()["energy_error"] == 0.0
+
+
+def test_conditions_of_one_surface_add_up():
+    accounts = (
+        Account.through("mould/outside", "convection", "mould"),
+        Account.through("mould/outside", "radiation", "mould"),
+    )
+    book = of(("mould",), accounts, 0.0)
+    book.book(np.array([3.0]), np.array([1.0, 2.0]), 3.0, 2.0)
+    book.commit()
+    totals = book.totals()
+    assert totals["mould/outside.heat"] == 3.0
+    assert totals["mould/outside.heat.convection"] == 1.0
+    assert totals["mould/outside.heat.radiation"] == 2.0
+    assert totals["mould/outside.power"] == 1.5
+    assert totals["mould/outside.power.radiation"] == 1.0
+
+
+def test_power_is_the_mean_over_the_last_step():
+    book = ledger()
+    book.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 25.0, 1.0)
+    book.commit()
+    for heat in (6.0, 10.0):  # two sub-steps
+        book.book(np.array([80.0, 25.0]), np.array([0.0, heat]), heat, 2.0)
+    assert book.totals()["casting/mould.power"] == 20.0  # nothing is committed yet
+    book.commit()
+    totals = book.totals()
+    assert totals["casting/mould.power.contact"] == totals["casting/mould.power"] == 4.0
+    assert (totals["casting.power"], totals["mould.power"]) == (-4.0, 4.0)
+    assert totals["mould/outside.power"] == 0.0
+    book.book(np.array([0.0, 0.0]), np.array([1.0, 1.0]), 1.0, 5.0)
+    book.rewind()
+    book.book(np.array([80.0, 25.0]), np.array([0.0, 3.0]), 3.0, 1.0)
+    book.commit()
+    assert book.totals()["casting/mould.power"] == 3.0
+
+
+def test_sources_have_their_own_names():
+    book = of(("feeder",), (Account.source("feeder"),), 0.0)
+    book.book(np.array([8.0]), np.array([8.0]), 8.0, 2.0)
+    book.commit()
+    totals = book.totals()
+    assert (totals["feeder.source"], totals["feeder.power.source"]) == (8.0, 4.0)
+    assert totals["feeder.heat_in"] == 8.0
+
+
+def test_nothing_happened():
+    assert ledger().totals()["energy_error"] == 0.0
+
+
+RUN = Accounts(("casting", "mould"), (*ACCOUNTS, Account.renewal("casting")))
+
+
+def test_what_is_gone_keeps_its_heat_and_another_stage_goes_on():
+    first = Ledger(RUN, RUN.bodies, ACCOUNTS, np.array([100.0, 10.0]))
+    first.book(np.array([80.0, 25.0]), np.array([-5.0, 20.0]), 40.0, 2.0)
+    first.commit()
+    second = Ledger(RUN, ["mould"], ACCOUNTS[:1], np.array([-1.0]))
+    second.restore({name: saved.values for name, saved in first.saved().items()})
+    second.book(np.array([19.0]), np.array([-6.0]), 6.0, 3.0)
+    second.commit()
+    totals = second.totals()
+    assert totals["casting.enthalpy"] == 80.0
+    assert totals["mould/outside.heat"] == -11.0
+    assert totals["casting/mould.heat"] == 20.0
+    assert totals["casting/mould.power"] == totals["casting.power"] == 0.0
+    assert totals["mould.power"] == -2.0
+    assert totals["energy_error"] == 0.0
+
+
+def test_a_new_casting_brings_heat():
+    book = Ledger(RUN, RUN.bodies, ACCOUNTS, np.array([100.0, 10.0]))
+    book.book(np.array([80.0, 30.0]), np.array([0.0, 20.0]), 20.0, 2.0)
+    book.commit()
+    book.renew(np.array([100.0, 30.0]))
+    book.commit()
+    totals = book.totals()
+    assert totals["casting.renewal"] == 20.0
+    assert totals["casting.enthalpy"] == 100.0
+    assert totals["energy_error"] == 0.0
+    assert totals["casting/mould.power"] == 10.0

@@ -1,0 +1,489 @@
+from __future__ import annotations
+
+from functools import partial
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.case.geometry import Geometry
+from castx.domain.mesh import build_mesh
+from castx.domain.pairs.node_pairs import node_pairs
+from castx.errors import CaseError, ConvergenceError, MeshError
+from castx.heat.body import HeatBody
+from castx.heat.boundaries import SurfaceHeat
+from castx.heat.interface import HeatExchange
+from castx.heat.newton import jacobian, residual
+from castx.heat.problem import HeatProblem
+from castx.input.variation import Variation
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from castx.tables import Table
+from castx.transfer.conductance import PairState
+
+ALUMINIUM = {
+    "density": 2700.0,
+    "heat_capacity": {"solid": [[20, 900], [660, 1180]], "liquid": 1050},
+    "conductivity": {"solid": [[20, 237], [660, 210]], "liquid": 95},
+    "latent_heat": 397e3,
+    "solidus": 660,
+    "liquidus": 660,
+}
+STEEL = {"density": 7800.0, "heat_capacity": 460.0, "conductivity": [[20, 28], [600, 32]]}
+SURROUNDINGS = {"coefficient": Variation.constant(50.0), "ambient": Table.constant(25.0)}
+
+
+def material(properties):
+    return find_material("m", {"m": MaterialDescription.read(properties)})
+
+
+def cylinder(comm, *, size=6e-3, length=1.0, model="axisymmetric", cells="simplices"):
+    arguments = {"radius": 0.03, "height": 0.06, "wall": 0.02, "size": size}
+    arguments = {name: value * length for name, value in arguments.items()}
+    if model == "3d":
+        arguments["sector"] = "quarter"
+    description = {"model": model, "generator": "cylinder_in_mould", "cells": cells, **arguments}
+    return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
+
+
+def outside(kind="convection", **numbers) -> SurfaceHeat:
+    return SurfaceHeat(body="mould", surface="outside", kind=kind, **(numbers or SURROUNDINGS))
+
+
+def problem(mesh, kind="law", surfaces=None, sources=None, **settings) -> HeatProblem:
+    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind)
+    source = Table.constant(sources) if sources else None
+    bodies = [
+        HeatBody("casting", material(ALUMINIUM), 670.0, source),
+        HeatBody("mould", material(STEEL), 200.0),
+    ]
+    surfaces = [outside()] if surfaces is None else surfaces
+    return HeatProblem(mesh, bodies, [exchange], surfaces, **settings)
+
+
+def resistances(mesh, coefficient=2300.0):
+    count = len(node_pairs(mesh, "casting", "mould").areas)
+    return [given(np.full(count, 1 / coefficient))]
+
+
+def given(start, end=None) -> tuple[PairState, PairState]:
+    """Return the states of pairs at start and end of a step, of given resistances."""
+    return PairState.of_resistance(start), PairState.of_resistance(start if end is None else end)
+
+
+def run(heat, mesh, steps, substeps=1, coefficient=2300.0) -> float:
+    time = 0.0
+    for step in steps:
+        heat.advance(time, step, resistances(mesh, coefficient), substeps)
+        heat.commit()
+        time += step
+    return time
+
+
+def state(heat, mesh) -> np.ndarray:
+    """Return the owned temperatures of both bodies on this rank."""
+    owned = {name: body.nodes.dofmap.index_map.size_local for name, body in mesh.bodies.items()}
+    return np.concatenate([heat.temperature[name].x.array[: owned[name]] for name in owned])
+
+
+def largest(comm, values) -> float:
+    return max(comm.allgather(float(np.abs(values).max(initial=0.0))))
+
+
+@pytest.mark.parametrize("kind", ["law", "perfect"])
+@pytest.mark.parametrize("surface", ["convection", "temperature"])
+def test_jacobian_is_the_derivative_of_the_residual(comm, kind, surface):
+    mesh = cylinder(comm)
+    condition = outside(surface, value=Table.constant(90.0)) if surface == "temperature" else None
+    heat = problem(mesh, kind, [condition] if condition else None, sources=1e6)
+    run(heat, mesh, [0.5, 0.5])
+    system = heat._system
+    system.exchanges.set_states(resistances(mesh), 1.0)
+    start = system.begin(system.enthalpy(), system.enthalpy(), 2.0, 1.0)
+    x = system.residual.duplicate()
+    x.array[:] = start
+    plus, minus, direction = x.duplicate(), x.duplicate(), x.duplicate()
+    direction.array[:] = 1e3 * np.cos(np.arange(len(start)) + comm.rank)
+    direction.array[system.fixed] = 0.0
+    x.axpy(1e3, direction)
+    jacobian(system, None, x, None, None)
+    product = x.duplicate()
+    system.jacobian.matrix.mult(direction, product)
+    for sign, result in ((1.0, plus), (-1.0, minus)):
+        moved = x.copy()
+        moved.axpy(sign, direction)
+        residual(system, None, moved, result)
+    plus.axpy(-1.0, minus)
+    plus.scale(0.5)
+    assert product.norm() > 0.0
+    plus.axpy(-1.0, product)
+    # Nodes that pass a kink of the curves between the two states would spoil the difference.
+    assert plus.norm() < 1e-5 * product.norm()
+
+
+@pytest.mark.parametrize("kind", ["law", "perfect"])
+@pytest.mark.parametrize("model", ["axisymmetric", "3d"])
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_heat_is_neither_lost_nor_made(comm, kind, model, cells):
+    mesh = cylinder(comm, model=model, size=1e-2, cells=cells)
+    heat = problem(mesh, kind, sources=2e6)
+    before = heat.totals()
+    time = run(heat, mesh, [0.1, 1.0, 10.0], substeps=2)
+    totals = heat.totals()
+    assert totals["energy_error"] < 1e-9
+    turn = 1.0 if model == "axisymmetric" else 0.25
+    volume = turn * np.pi * 0.03**2 * 0.06
+    assert totals["casting.source"] == pytest.approx(2e6 * volume * time, rel=0.05)
+    gained = totals["mould.enthalpy"] + totals["casting.enthalpy"]
+    gained -= before["mould.enthalpy"] + before["casting.enthalpy"]
+    received = totals["casting.source"] + totals["mould/outside.heat"]
+    assert gained == pytest.approx(received, rel=1e-6)
+    assert totals["casting.heat_in"] == pytest.approx(
+        totals["casting.source"] - totals["casting/mould.heat"], rel=1e-12
+    )
+    assert totals["casting/mould.heat"] > 0.0 > totals["mould/outside.heat"]
+
+
+def test_both_sides_of_an_interface_book_the_same_heat(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh)
+    run(heat, mesh, [0.5])
+    system = heat._system
+    exchange = system.exchanges.under_law[0]
+    balance = system.residual.duplicate()
+    passed = exchange.heat().sum(axis=0)
+    exchange.add_heat(passed, balance)
+    sides = [
+        comm.allreduce(balance.array_r[system.layout.local_slice(body)].sum()) for body in (0, 1)
+    ]
+    assert sides[0] == pytest.approx(comm.allreduce(passed.sum()), rel=1e-12)
+    assert sides[1] == pytest.approx(-sides[0], rel=1e-12)
+
+
+def test_trial_state_can_be_taken_back_and_found_again(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh)
+    run(heat, mesh, [0.5])
+    totals, old = heat.totals(), state(heat, mesh).copy()
+    heat.advance(0.5, 3.0, resistances(mesh))
+    tried = state(heat, mesh).copy()
+    assert heat.totals() == totals
+    assert largest(comm, tried - old) > 1.0
+    heat.rewind()
+    assert (state(heat, mesh) == old).all()
+    heat.advance(0.5, 1.0, resistances(mesh))
+    assert heat.advance(0.5, 3.0, resistances(mesh)).iterations > 0
+    assert largest(comm, state(heat, mesh) - tried) < 1e-6
+    assert heat.advance(0.5, 3.0, resistances(mesh)).iterations == 0
+    heat.commit()
+    assert heat.totals() != totals
+
+
+def test_substeps_are_steps(comm):
+    mesh = cylinder(comm)
+    one, other = problem(mesh), problem(mesh)
+    run(one, mesh, [4.0], substeps=4)
+    run(other, mesh, [1.0] * 4)
+    assert largest(comm, state(one, mesh) - state(other, mesh)) < 1e-9
+    assert [moment.time for moment in one.trail] == [1.0, 2.0, 3.0, 4.0]
+    last = one.trail[-1].enthalpy["mould"]
+    assert (last == one.enthalpy["mould"].x.array[: len(last)]).all()
+
+
+def test_resistances_run_straight_over_the_substeps(comm):
+    mesh = cylinder(comm)
+    one, other = problem(mesh), problem(mesh)
+    count = len(node_pairs(mesh, "casting", "mould").areas)
+    ends = [np.full(count, value) for value in (1e-4, 2e-4, 3e-4)]
+    one.advance(0.0, 2.0, [given(ends[0], ends[2])], substeps=2)
+    other.advance(0.0, 1.0, [given(ends[0], ends[1])])
+    other.commit()
+    other.advance(1.0, 1.0, [given(ends[0], ends[2])])
+    assert largest(comm, state(one, mesh) - state(other, mesh)) < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["law", "none"])
+def test_nothing_passes_an_infinite_resistance_or_no_exchange(comm, kind):
+    mesh = cylinder(comm)
+    heat = problem(mesh, kind)
+    infinite = np.full(len(node_pairs(mesh, "casting", "mould").areas), np.inf)
+    heat.advance(0.0, 5.0, [given(infinite)], substeps=2)
+    heat.commit()
+    assert heat.totals()["casting/mould.heat"] == 0.0
+    assert heat.totals()["casting.heat_in"] == 0.0
+
+
+def test_perfect_contact_is_the_limit_of_small_resistance(comm):
+    mesh = cylinder(comm)
+    perfect, close = problem(mesh, "perfect"), problem(mesh)
+    run(perfect, mesh, [0.5] * 4)
+    run(close, mesh, [0.5] * 4, coefficient=1e9)
+    assert largest(comm, state(perfect, mesh) - state(close, mesh)) < 0.05
+    heats = [heat.totals()["casting/mould.heat"] for heat in (perfect, close)]
+    assert heats[0] == pytest.approx(heats[1], rel=1e-3)
+
+
+def test_perfect_contact_gives_facing_nodes_one_temperature(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh, "perfect")
+    run(heat, mesh, [0.01, 0.1, 1.0])
+    pairs = node_pairs(mesh, "casting", "mould")
+    bonds = heat._system.bonds
+    temperature = bonds._remote.get(heat._system._temperature)
+    first = temperature[bonds._starts][bonds._groups]
+    assert largest(comm, temperature - first) < 1e-9
+    assert comm.allreduce(len(bonds.masters)) == comm.allreduce(len(pairs.areas))
+
+
+def test_prescribed_temperature_of_bonded_nodes_and_where_two_meet(comm):
+    mesh = cylinder(comm)
+    values = {"top": 150.0, "outside": 100.0}
+    surfaces = [
+        SurfaceHeat(body="mould", surface=name, kind="temperature", value=Table.constant(value))
+        for name, value in values.items()
+    ]
+    heat = problem(mesh, "perfect", surfaces)
+    run(heat, mesh, [0.1, 1.0])
+    totals = heat.totals()
+    assert totals["energy_error"] < 1e-9
+    mould = mesh.bodies["mould"]
+    assert (heat.temperature["mould"].x.array[mould.surface_nodes("top")] == 150.0).all()
+    received = totals["mould/top.heat"] + totals["mould/outside.heat"]
+    received += totals["casting/mould.heat"]
+    assert totals["mould.heat_in"] == pytest.approx(received, rel=1e-12)
+
+
+def test_given_flux_and_table_over_time(comm):
+    mesh = cylinder(comm)
+    flux = Table.from_points([[0.0, 0.0], [10.0, 1e4]])
+    heat = problem(mesh, "none", [outside("flux", value=flux), outside("insulated", value=flux)])
+    run(heat, mesh, [5.0, 5.0])
+    area = 2 * np.pi * 0.05 * 0.06
+    totals = heat.totals()
+    assert totals["mould/outside.heat"] == pytest.approx(area * 0.5 * 10.0 * 1e4, rel=1e-9)
+    assert totals["mould.heat_in"] == pytest.approx(totals["mould/outside.heat"], rel=1e-12)
+    assert totals["energy_error"] < 1e-9
+
+
+def test_conditions_on_one_surface_add_up(comm):
+    mesh = cylinder(comm)
+    both = problem(mesh, "none", [outside(), outside()])
+    double = outside(coefficient=Variation.constant(100.0), ambient=Table.constant(25.0))
+    one = problem(mesh, "none", [double])
+    for heat in (both, one):
+        run(heat, mesh, [10.0])
+    assert largest(comm, state(both, mesh) - state(one, mesh)) < 1e-9
+
+
+def test_equilibrium_stays_without_iterations(comm):
+    mesh = cylinder(comm)
+    heat = HeatProblem(
+        mesh,
+        [HeatBody("casting", material(STEEL), 137.3), HeatBody("mould", material(STEEL), 137.3)],
+        [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"))],
+        [outside(coefficient=Variation.constant(1e4), ambient=Table.constant(137.3))],
+    )
+    report = heat.advance(0.0, 1e-3, resistances(mesh))
+    assert report.iterations == 0
+    heat.advance(0.0, 1e9, resistances(mesh))
+    heat.commit()
+    assert largest(comm, state(heat, mesh) - 137.3) < 1e-9
+
+
+def test_long_run_ends_at_the_temperature_of_the_surroundings(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh)
+    run(heat, mesh, [1.0, 1e2, 1e4, 1e6, 1e8])
+    assert largest(comm, state(heat, mesh) - 25.0) < 1e-3
+    assert heat.totals()["energy_error"] < 1e-6
+
+
+def test_largest_temperature_change_leaves_out_prescribed_nodes(comm):
+    mesh = cylinder(comm)
+    chilled = [outside("temperature", value=Table.constant(20.0))]
+    small = problem(mesh, "none", chilled).advance(0.0, 1e-4, [None])
+    assert 0.0 < small.largest_temperature_change < 1.0
+    heat = problem(mesh, "none", chilled)
+    old = state(heat, mesh).copy()
+    report = heat.advance(0.0, 5.0, [None])
+    assert report.largest_temperature_change < largest(comm, state(heat, mesh) - old)
+
+
+@pytest.mark.parametrize("linear", ["direct", "iterative"])
+def test_linear_solvers_agree(comm, linear):
+    mesh = cylinder(comm)
+    heat, reference = problem(mesh, linear=linear), problem(mesh)
+    run(heat, mesh, [1.0, 10.0, 100.0])
+    run(reference, mesh, [1.0, 10.0, 100.0])
+    assert heat._solver.snes.ksp.getType() == {"direct": "preonly", "iterative": "gmres"}[linear]
+    assert largest(comm, state(heat, mesh) - state(reference, mesh)) < 1e-5
+    assert heat.totals()["energy_error"] < 1e-9
+
+
+def test_petsc_options_override_the_defaults(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh, options={"ksp_type": "bcgs", "pc_type": "bjacobi"})
+    run(heat, mesh, [1.0])
+    assert heat._solver.snes.ksp.getType() == "bcgs"
+
+
+@pytest.mark.parametrize("kind", ["law", "perfect"])
+@pytest.mark.parametrize("solidus", [660, 659.99, 600])
+def test_large_steps_need_few_iterations(comm, kind, solidus):
+    mesh = cylinder(comm, size=3e-3)
+    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind)
+    bodies = [
+        HeatBody("casting", material(ALUMINIUM | {"solidus": solidus}), 670.0),
+        HeatBody("mould", material(STEEL), 200.0),
+    ]
+    heat = HeatProblem(mesh, bodies, [exchange], [outside()])
+    for time in (0.0, 300.0):
+        assert heat.advance(time, 300.0, resistances(mesh)).iterations <= 20
+        heat.commit()
+    assert heat.totals()["energy_error"] < 1e-9
+
+
+def test_full_newton_steps_alone_can_run_in_a_cycle(comm, monkeypatch):
+    """A melt in contact with sand at α Δt/h² = 4200: see `castx.heat.newton`."""
+    sizes = {"length": 0.02, "mould_length": 0.02, "width": 5e-4, "size": 5e-4}
+    description = {"model": "plane-strain", "generator": "two_slabs", **sizes}
+    mesh = build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
+    sand = {"density": 1600.0, "heat_capacity": 1100.0, "conductivity": 0.6}
+
+    def solidify() -> None:
+        bodies = [
+            HeatBody("casting", material(ALUMINIUM), 700.0),
+            HeatBody("mould", material(sand), 20.0),
+        ]
+        pairs = node_pairs(mesh, "casting", "mould")
+        heat = HeatProblem(mesh, bodies, [HeatExchange("casting/mould", pairs, "perfect")])
+        for k in range(5):
+            heat.advance(16.0 * k, 16.0, [None])
+            heat.commit()
+
+    solidify()
+    monkeypatch.setattr("castx.heat.newton.FULL_STEPS", 1000)
+    with pytest.raises(ConvergenceError, match="max it"):
+        solidify()
+
+
+def scaled(properties, key, factor):
+    """Return properties with all numbers of one of them multiplied; temperatures stay."""
+
+    def times(value):
+        if isinstance(value, dict):
+            return {phase: times(part) for phase, part in value.items()}
+        if isinstance(value, list):
+            return [[temperature, factor * number] for temperature, number in value]
+        return factor * value
+
+    return {name: times(value) if name == key else value for name, value in properties.items()}
+
+
+def test_other_units_take_the_same_iterations(comm):
+    """Lengths in mm, heat in J: k in W/mm/K, ρ in kg/mm³, h in W/mm²/K."""
+    meshes = {1.0: cylinder(comm, size=4e-3), 1e3: cylinder(comm, size=4e-3, length=1e3)}
+    runs = {}
+    for length, mesh in meshes.items():
+        metal, steel = (
+            scaled(scaled(given, "density", length**-3), "conductivity", 1 / length)
+            for given in (ALUMINIUM, STEEL)
+        )
+        heat = HeatProblem(
+            mesh,
+            [
+                HeatBody("casting", material(metal), 670.0),
+                HeatBody("mould", material(steel), 200.0),
+            ],
+            [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"))],
+            [outside(coefficient=Variation.constant(50 / length**2), ambient=Table.constant(25.0))],
+        )
+        passed = resistances(mesh, 2300.0 / length**2)
+        counts = []
+        for k in range(6):
+            counts.append(heat.advance(5.0 * k, 5.0, passed).iterations)
+            heat.commit()
+        runs[length] = (counts, heat.totals(), state(heat, mesh))
+    assert runs[1.0][0] == runs[1e3][0]
+    assert runs[1e3][1]["mould.heat_in"] == pytest.approx(runs[1.0][1]["mould.heat_in"], rel=1e-9)
+    assert largest(comm, runs[1.0][2] - runs[1e3][2]) < 1e-7
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+@pytest.mark.parametrize("kind", ["law", "perfect"])
+def test_results_do_not_depend_on_the_number_of_ranks(comm, kind, cells):
+    ends = []
+    for ranks in (comm, MPI.COMM_SELF):
+        mesh = cylinder(ranks, cells=cells)
+        heat = problem(mesh, kind, linear="direct")
+        run(heat, mesh, [0.5, 1.0, 2.0, 4.0])
+        warmest = max(ranks.allgather(heat.temperature["mould"].x.array.max(initial=-np.inf)))
+        ends.append(heat.totals() | {"warmest": warmest})
+    together, alone = ends
+    for name, value in alone.items():
+        if name != "energy_error":
+            assert together[name] == pytest.approx(value, rel=1e-8, abs=1e-12), name
+
+
+@pytest.mark.parametrize("model, size", [("axisymmetric", 3e-3), ("3d", 5e-3)])
+def test_quadrilaterals_and_simplices_agree(comm, model, size):
+    ends = []
+    for cells in ("simplices", "quadrilaterals"):
+        mesh = cylinder(comm, model=model, size=size, cells=cells)
+        heat = problem(mesh)
+        run(heat, mesh, [0.5] * 10)
+        volume = np.pi * 0.03**2 * 0.06 / (4 if model == "3d" else 1)
+        hottest = max(comm.allgather(heat.temperature["mould"].x.array.max(initial=-np.inf)))
+        heats = [heat.totals()[name] for name in ("casting/mould.heat", "casting.enthalpy")]
+        ends.append((hottest, np.array(heats) / volume))
+    assert ends[0][0] == pytest.approx(ends[1][0], abs=0.01 * (670.0 - 200.0))
+    assert ends[0][1] == pytest.approx(ends[1][1], rel=0.01)
+
+
+def test_linear_profiles_are_exact_on_skewed_hexahedra(comm):
+    """A patch test of the conduction: T = 20 + 80 x between walls, insulated elsewhere."""
+    sizes = {"length": 1.0, "width": 0.5, "depth": 0.4, "size": 0.12, "cells": "quadrilaterals"}
+    description = {"model": "3d", "generator": "slab", **sizes}
+    mesh = build_mesh(Geometry.model_validate(description), ["casting"], comm)
+    x = mesh.bodies["casting"].mesh.geometry.x
+    bump = np.sin(np.pi * x[:, 0]) * np.sin(2 * np.pi * x[:, 1]) * np.sin(5 * np.pi * x[:, 2])
+    x += 0.03 * bump[:, None] * [1.0, -0.6, 0.8]
+    walls = [
+        SurfaceHeat(body="casting", surface=name, kind="temperature", value=Table.constant(value))
+        for name, value in (("wall", 20.0), ("far", 100.0))
+    ]
+    steel = material(STEEL | {"conductivity": 30.0})
+    heat = HeatProblem(mesh, [HeatBody("casting", steel, 20.0)], (), walls)
+    for k in range(3):
+        heat.advance(k * 1e9, 1e9)
+        heat.commit()
+    points = mesh.bodies["casting"].nodes.tabulate_dof_coordinates()
+    assert comm.allreduce(np.abs(bump).max(initial=0.0), MPI.MAX) > 0.5
+    assert largest(comm, heat.temperature["casting"].x.array - 20.0 - 80.0 * points[:, 0]) < 1e-6
+
+
+def test_failure_names_body_and_place(comm):
+    mesh = cylinder(comm)
+    heat = problem(mesh, options={"snes_max_it": 1})
+    place = r"heat problem .* after 1 .* W in body '(casting|mould)' at \(.*\) m"
+    with pytest.raises(ConvergenceError, match=place):
+        heat.advance(0.0, 50.0, resistances(mesh))
+    heat.rewind()
+    assert largest(comm, state(heat, mesh)) == pytest.approx(670.0)
+
+
+def test_bad_descriptions_are_refused(comm):
+    mesh = cylinder(comm)
+    casting = HeatBody("casting", material(ALUMINIUM), 670.0)
+    with pytest.raises(CaseError, match="each of the bodies casting, mould once, got casting"):
+        HeatProblem(mesh, [casting])
+    with pytest.raises(CaseError, match="casting/wall: no heat condition 'chill'; known are insul"):
+        SurfaceHeat(body="casting", surface="wall", kind="chill")
+    with pytest.raises(CaseError, match="casting/wall: the heat condition 'flux' needs 'value'"):
+        SurfaceHeat(body="casting", surface="wall", kind="flux")
+    refused = partial(problem, mesh)
+    with pytest.raises(MeshError, match="'mould' has no surface 'inside'"):
+        refused(surfaces=[SurfaceHeat(body="mould", surface="inside", kind="insulated")])
+    with pytest.raises(CaseError, match="core/base: no body 'core'; there are casting, mould"):
+        refused(surfaces=[SurfaceHeat(body="core", surface="base", kind="insulated")])

@@ -1,0 +1,137 @@
+"""Numbers with units."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from castx.errors import CaseError
+from castx.input import units
+from castx.input.units import number
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.mark.parametrize(
+    "value, dimension, expected",
+    [
+        (0.03, units.LENGTH, 0.03),
+        (3, units.LENGTH, 3.0),
+        ("30 mm", units.LENGTH, 0.03),
+        ("30mm", units.LENGTH, 0.03),
+        ("-1.5e-2 m", units.LENGTH, -0.015),
+        ("1 inch", units.LENGTH, 0.0254),
+        ("5 min", units.TIME, 300.0),
+        ("2 h", units.TIME, 7200.0),
+        ("1e-4 s", units.TIME, 1e-4),
+        ("670 degC", units.TEMPERATURE, 670.0),
+        ("670 °C", units.TEMPERATURE, 670.0),
+        ("943.15 K", units.TEMPERATURE, 670.0),
+        ("212 degF", units.TEMPERATURE, 100.0),
+        (-273.15, units.TEMPERATURE, -273.15),
+        ("0 K", units.TEMPERATURE, -273.15),
+        ("20 K", units.TEMPERATURE_DIFFERENCE, 20.0),
+        ("20 degC", units.TEMPERATURE_DIFFERENCE, 20.0),
+        ("36 degF", units.TEMPERATURE_DIFFERENCE, 20.0),
+        ("36 delta_degF", units.TEMPERATURE_DIFFERENCE, 20.0),
+        ("2300 W/m^2/K", units.HEAT_TRANSFER, 2300.0),
+        ("2300 W/(m^2 K)", units.HEAT_TRANSFER, 2300.0),
+        ("2.3 kW/m²/°C", units.HEAT_TRANSFER, 2300.0),
+        ("0.237 W/mm/K", units.CONDUCTIVITY, 237.0),
+        ("1.08 J/g/K", units.HEAT_CAPACITY, 1080.0),
+        ("397 kJ/kg", units.LATENT_HEAT, 397e3),
+        ("70 GPa", units.STRESS, 70e9),
+        ("70 kN/mm**2", units.STRESS, 70e9),
+        ("1 bar", units.STRESS, 1e5),
+        ("2.7 g/cm^3", units.DENSITY, 2700.0),
+        ("24e-6 1/K", units.EXPANSION, 24e-6),
+        ("24e-6 /K", units.EXPANSION, 24e-6),
+        ("24 um/m/K", units.EXPANSION, 24e-6),
+        ("24 μm/m/K", units.EXPANSION, 24e-6),
+        ("1 MPa*s", units.VISCOSITY, 1e6),
+        ("1 MPa s", units.VISCOSITY, 1e6),
+        ("9.81 m/s^2", units.ACCELERATION, 9.81),
+        ("0.6 cm^2*K/W", units.THERMAL_RESISTANCE, 0.6e-4),
+        ("33 %", units.PURE_NUMBER, 0.33),
+    ],
+)
+def test_value_in_si(value, dimension, expected):
+    assert number(value, dimension) == pytest.approx(expected, rel=1e-12, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    "value, dimension, text",
+    [
+        ("90 m", units.TIME, "'m' is not a unit of time; a time is needed in s"),
+        ("30 K", units.LENGTH, "'K' is not a unit of length; a length is needed in m"),
+        ("670 C", units.TEMPERATURE, "'C' is not a unit of temperature"),
+        ("5 delta_degC", units.TEMPERATURE, "not a unit of temperature"),
+        ("1 J/kg", units.HEAT_CAPACITY, "a heat capacity per mass is needed in J/kg/K"),
+        ("30 mmm", units.LENGTH, "unknown unit 'mmm'; a length is needed in m.*did you mean 'mm'"),
+        ("3 m3", units.LENGTH, "unknown unit 'm3'"),
+        ("3 m)(m", units.LENGTH, "unknown unit"),
+        ("9 m^9^9^9^9", units.LENGTH, "unknown unit"),
+        ("1 __import__('os')", units.TIME, "unknown unit"),
+        ("1 s.__class__", units.TIME, "unknown unit"),
+        ("30", units.LENGTH, "a number in quotes needs a unit: write it without quotes in m"),
+        ("", units.LENGTH, "a length is needed: a number in m, or a string with a unit such as mm"),
+        ("thirty mm", units.LENGTH, "a length is needed"),
+        ("nan mm", units.LENGTH, "a length is needed"),
+        ("1 " + "m" * 100, units.LENGTH, "a length is needed"),
+        ("1e999 m", units.LENGTH, "must be finite"),
+        (10**400, units.LENGTH, "must be finite"),
+        (math.nan, units.TIME, "a time must be finite"),
+        (-math.inf, units.TIME, "a time must be finite"),
+        (True, units.PURE_NUMBER, "a number without unit is needed"),
+        (None, units.TIME, "a time is needed"),
+        ([1.0], units.TIME, "a time is needed"),
+        (-300, units.TEMPERATURE, "below absolute zero, -273.15 °C"),
+        ("-1 K", units.TEMPERATURE, "below absolute zero"),
+    ],
+)
+def test_refused_value(value, dimension, text):
+    with pytest.raises(CaseError, match=text):
+        number(value, dimension)
+
+
+def test_every_named_unit_belongs_to_its_dimension():
+    dimensions = [item for item in vars(units).values() if isinstance(item, units.Dimension)]
+    assert len(dimensions) > 15
+    for dimension in dimensions:
+        for unit in dimension.units:
+            assert math.isfinite(number(f"300 {unit}", dimension))
+
+
+FACTORS = {
+    (units.LENGTH, "mm"): 1e-3,
+    (units.STRESS, "GPa"): 1e9,
+    (units.TIME, "min"): 60.0,
+    (units.HEAT_TRANSFER, "kW/m^2/K"): 1e3,
+    (units.TEMPERATURE_DIFFERENCE, "degC"): 1.0,
+}
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@given(st.floats(-1e12, 1e12), st.sampled_from(list(FACTORS)))
+def test_round_trip(amount, kind):
+    dimension, unit = kind
+    expected = amount * FACTORS[kind]
+    assert number(f"{amount!r} {unit}", dimension) == pytest.approx(expected, rel=1e-12, abs=1e-300)
+    assert number(amount, dimension) == amount
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@given(st.floats(-273.15, 5000.0))
+def test_kelvin_and_celsius_agree(celsius):
+    kelvin = celsius + 273.15
+    assert number(f"{kelvin!r} K", units.TEMPERATURE) == pytest.approx(celsius, abs=1e-9)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True, database=None)
+@given(st.text(max_size=90))
+def test_any_text_is_read_or_refused(text):
+    try:
+        assert math.isfinite(number(text, units.LENGTH))
+    except CaseError as error:
+        assert "mm, cm, m" in str(error)

@@ -1,0 +1,74 @@
+"""Materials by name: case before database, extension, and the database itself."""
+
+from __future__ import annotations
+
+import pytest
+
+from castx.errors import CaseError
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from tests.castx.materials.descriptions import described
+
+pytestmark = pytest.mark.serial
+
+
+def part(**keys) -> MaterialDescription:
+    return MaterialDescription.read(keys)
+
+
+def test_case_comes_before_the_database() -> None:
+    assert find_material("Al-pure", {"Al-pure": described(density=1234.0)}).density == 1234.0
+    assert find_material("Al-pure", {}).density == 2702.0
+
+
+def test_extends_replaces_single_properties() -> None:
+    case = {
+        "shop": part(extends="AlSi7Mg", density=2650),
+        "own": part(extends="shop", solid_fraction="linear", conductivity=150.0),
+    }
+    own, base = find_material("own", case), find_material("AlSi7Mg", {})
+    assert own.name == "own"
+    assert own.density == 2650.0
+    assert own.latent_heat == base.latent_heat
+    assert own.conductivity(20.0, 1.0) == own.conductivity(700.0, 0.0) == 150.0
+    sources = {row.property: row.source for row in own.rows()}
+    assert sources["density"] == sources["conductivity"] == "case file"
+    assert (
+        sources["latent_heat"] == {row.property: row.source for row in base.rows()}["latent_heat"]
+    )
+
+
+def test_extending_the_entry_of_the_same_name() -> None:
+    case = {"Al-pure": part(extends="Al-pure", density=2600)}
+    material = find_material("Al-pure", case)
+    assert (material.density, material.latent_heat) == (2600.0, 397e3)
+
+
+def test_another_law_drops_the_numbers_of_the_old_one() -> None:
+    scheil = described(solid_fraction="scheil", partition_coefficient=0.13, melting_point=660.0)
+    linear = find_material("a", {"a": part(extends="b", solid_fraction="linear"), "b": scheil})
+    assert linear.description.partition_coefficient is None
+    table = [[560, 1], [600, 0]]
+    tabled = find_material("a", {"a": part(extends="b", solid_fraction=table), "b": scheil})
+    assert (tabled.solidus, tabled.liquidus) == (560.0, 600.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Al-puer", r"unknown material 'Al-puer'; known: .*did you mean \"Al-pure\""),
+        ("lost", r"materials.lost.extends: unknown material 'nothing'; known: "),
+        ("round", r"materials.*extends: a circle: round → trip → round"),
+        ("wrong", r"materials.wrong.solidus: 800 °C lies above the liquidus, 610 °C"),
+    ],
+)
+def test_refusals(name, message) -> None:
+    case = {
+        "lost": part(extends="nothing"),
+        "round": part(extends="trip"),
+        "trip": part(extends="round"),
+        "wrong": part(extends="base", solidus=800),
+        "base": described(),
+    }
+    with pytest.raises(CaseError, match=message):
+        find_material(name, case)

@@ -1,0 +1,69 @@
+"""ε_zz of plane stress: σ_zz vanishes for every law, strain and first guess."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from castx.errors import ConvergenceError
+from castx.materials.flow import FlowProperties
+from castx.mechanics.body.constitutive import plane_stress
+from castx.mechanics.constitutive.law import Conditions, History, respond
+from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
+
+YOUNG, YIELD = 60e9, 60e6
+COUNT = 50
+
+
+def conditions(poisson: float, yield_stress: float, hardening: float, viscous: float) -> Conditions:
+    G, K = YOUNG / (2 * (1 + poisson)), YOUNG / (3 * (1 - 2 * poisson))
+    none, one = np.zeros(COUNT), np.ones(COUNT)
+    flow = FlowProperties(
+        G * one, yield_stress * one, hardening * one, none, none, none, viscous * one, 0.3 * one
+    )
+    soft, solid = np.full(COUNT, 1 / K), np.ones(COUNT, dtype=bool)
+    return Conditions(G * one, flow, one, None, None, soft, soft, none, solid)
+
+
+def history() -> History:
+    none = np.zeros((COUNT, 4))
+    return History(none, none, none[:, 0], none, none[:, 0] + 1, np.ones(COUNT, dtype=bool))
+
+
+@settings(max_examples=40)
+@given(
+    seed=st.integers(0, 10**6),
+    poisson=st.floats(0.0, 0.49),
+    yield_stress=st.sampled_from([0.0, YIELD, 1e12]),
+    hardening=st.sampled_from([0.0, 1e9]),
+    viscous=st.sampled_from([0.0, 1e8]),
+)
+def test_no_stress_across_the_plane(seed, poisson, yield_stress, hardening, viscous):
+    """Where ν < 0.2, full Newton steps can yield in tension and in compression in turn."""
+    random = np.random.default_rng(seed)
+    strain = random.normal(size=(COUNT, 4)) * 10 ** random.uniform(-5, -1.5, (COUNT, 1))
+    strain[:, 2] = 0.0
+    guess = random.normal(size=COUNT) * 10 ** random.uniform(-5, -1.5, COUNT)
+    law = partial(respond, conditions(poisson, yield_stress, hardening, viscous), history())
+    stiffness = YOUNG / (3 * (1 - 2 * poisson))
+
+    def mean_stress(normal):
+        return stiffness * (strain[:, 0] + strain[:, 1] + normal), np.full(COUNT, stiffness)
+
+    found = normal_strain(strain, guess, law, mean_stress)
+    deviator = law(deviatoric(with_normal(strain, found))).stress[:, 2]
+    size = stiffness * np.abs(with_normal(strain, found)[:, :3]).max(axis=1)
+    assert np.abs(deviator + mean_stress(found)[0]).max() <= 1e-11 * size.max()
+
+
+def test_what_is_not_found_is_said(monkeypatch):
+    monkeypatch.setattr(plane_stress, "MOST_ITERATIONS", 2)
+    law = partial(respond, conditions(0.3, YIELD, 0.0, 0.0), history())
+    strain = np.zeros((COUNT, 4))
+    strain[:, 0] = 0.01
+    with pytest.raises(ConvergenceError, match=r"not found in 2 iterations: σ_zz = -?\d"):
+        normal_strain(strain, np.zeros(COUNT), law, lambda e: (50e9 * (0.01 + e), 50e9 + 0 * e))

@@ -1,0 +1,84 @@
+"""Directions of displacement conditions: surfaces, axes, symmetry planes and the axis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.errors import CaseError
+from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
+
+
+def cylinder(comm, sector: str):
+    return generated(
+        comm, "3d", "cylinder_in_mould", ["casting", "mould"],
+        radius=0.03, height=0.02, wall=0.01, size=0.01, sector=sector,
+    )  # fmt: skip
+
+
+def located(comm, body, directions):
+    """Return positions and directions of all ranks."""
+    d = body.mesh.geometry.dim
+    points = body.nodes.tabulate_dof_coordinates()[directions.nodes, :d]
+    return everywhere(comm, points), everywhere(comm, directions.directions)
+
+
+def test_axes_and_values(comm):
+    body = blocks(comm, "3d").bodies["upper"]
+    x, all_of = SurfaceDisplacement("top", "x"), fixed("side", "all", 3.0)
+    found = fixed_directions(body, "3d", [x, all_of])
+    assert [f.name for f in found] == [
+        "upper/symmetry-x normal", "upper/symmetry-y normal", "upper/top x",
+        "upper/side all", "upper/side all", "upper/side all",
+    ]  # fmt: skip
+    assert [f.symmetry for f in found] == [True, True, False, False, False, False]
+    points, directions = located(comm, body, found[2])
+    np.testing.assert_allclose(points[:, 2], 0.03)
+    np.testing.assert_array_equal(directions, np.tile([1.0, 0.0, 0.0], (len(points), 1)))
+    np.testing.assert_array_equal([located(comm, body, f)[1][0] for f in found[3:]], np.eye(3))
+    assert [float(f.value(0.0)) for f in found[2:]] == [0.0, 3.0, 3.0, 3.0]
+
+
+def test_a_condition_on_a_symmetry_plane_takes_its_place(comm):
+    body = blocks(comm, "3d").bodies["upper"]
+    names = [f.name for f in fixed_directions(body, "3d", [fixed("symmetry-x", "z")])]
+    assert names == ["upper/symmetry-y normal", "upper/symmetry-x z"]
+
+
+def test_axis_has_no_radial_motion(comm):
+    mesh = blocks(comm, "axisymmetric", symmetry=True)
+    found = fixed_directions(mesh.bodies["base"], "axisymmetric", [fixed("bottom", "z")])
+    axis = next(f for f in found if f.name == "base axis")
+    points, directions = located(comm, mesh.bodies["base"], axis)
+    assert len(points) == 5
+    np.testing.assert_allclose(points[:, 0], 0.0, atol=1e-15)
+    np.testing.assert_array_equal(directions, [[1.0, 0.0]] * 5)
+
+
+def test_refuses_a_direction_that_the_model_lacks(comm):
+    body = blocks(comm, "axisymmetric").bodies["base"]
+    with pytest.raises(CaseError, match=r"'y' on base/bottom: the model .* r, z, normal"):
+        fixed_directions(body, "axisymmetric", [fixed("bottom", "y")])
+
+
+def test_normals_of_a_round_surface(comm):
+    body = cylinder(comm, "full").bodies["mould"]
+    points, directions = located(comm, body, fixed_directions(body, "3d", [fixed("outside")])[0])
+    radial = points[:, :2] / np.linalg.norm(points[:, :2], axis=1, keepdims=True)
+    facets = len(np.unique(np.round(np.arctan2(*points[:, :2].T), 6)))
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0, rtol=1e-12)
+    assert np.sum(directions[:, :2] * radial, axis=1).min() > np.cos(np.pi / facets)
+    np.testing.assert_allclose(directions[:, 2], 0.0, atol=1e-12)
+
+
+def test_a_sector_has_the_normals_of_the_whole(comm):
+    located_normals = []
+    for sector in ("full", "quarter"):
+        body = cylinder(comm, sector).bodies["mould"]
+        points, directions = located(
+            comm, body, fixed_directions(body, "3d", [fixed("outside")])[-1]
+        )
+        here = np.all(points[:, :2] > -1e-9, axis=1)
+        located_normals.append(sorted_by_place(points[here], directions[here]))
+    np.testing.assert_allclose(located_normals[1][1], located_normals[0][1], atol=1e-12)

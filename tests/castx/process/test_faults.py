@@ -1,0 +1,86 @@
+"""A fault on one rank of a run ends all of them soon, with one exit code and a word of why."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+
+import pytest
+
+from tests.castx.command.test_cli import CASE, start
+
+pytestmark = pytest.mark.serial
+
+LONGEST = 10.0
+"""Time from the fault to the end of all ranks [s]."""
+
+RUN = """
+import sys, time
+from pathlib import Path
+from mpi4py import MPI
+import castx.command.cli
+from castx.checkpoint.file import gathering
+from castx.mechanics.body.constitutive import points as material_points
+from castx.heat.problem import body as thermal_body
+from castx.errors import ConvergenceError
+from castx.results import fields
+
+PLACES = {
+    "heat": (thermal_body.ThermalBody, "conducted_heat"),
+    "law": (material_points, "respond"),
+    "fields": (fields, "write_piece"),
+    "checkpoint": (gathering.Gathering, "to_first"),
+}
+FAULTS = {
+    "bug": ZeroDivisionError("a fault"),
+    "no convergence": ConvergenceError("a fault"),
+    "disk": OSError(28, "a fault"),
+}
+place, fault = sys.argv[1:3]
+owner, name = PLACES[place]
+whole, calls = getattr(owner, name), []
+
+def faulty(*arguments):
+    calls.append(time.time())
+    if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1 and len(calls) > 3:
+        Path("fault").write_text(str(calls[3]))
+        raise FAULTS[fault]
+    return whole(*arguments)
+
+setattr(owner, name, faulty)
+sys.argv[1:] = sys.argv[3:]
+castx.command.cli.main()
+"""
+
+
+@pytest.mark.parametrize(
+    "ranks, place, fault, text",
+    [
+        (2, "heat", "bug", "ZeroDivisionError: a fault"),
+        (3, "heat", "no convergence", "rank 2 has failed alone and ends the others: a fault"),
+        (2, "law", "bug", "ZeroDivisionError: a fault"),
+        (3, "law", "bug", "ZeroDivisionError: a fault"),
+        (2, "fields", "disk", "castx: cannot write results: a fault; what was written before"),
+        (3, "fields", "bug", "ZeroDivisionError: a fault"),
+        (2, "checkpoint", "bug", "ZeroDivisionError: a fault"),
+    ],
+)
+def test_a_fault_on_one_rank_ends_all_of_them(
+    ranks, place, fault, text, tmp_path, monkeypatch
+) -> None:
+    (tmp_path / "run.py").write_text(RUN)
+    output = '[output]\nevery = 0.05\ncheckpoint = 0.05\nfields = ["temperature"]\n'
+    (tmp_path / "case.toml").write_text(CASE + output)
+    monkeypatch.chdir(tmp_path)
+    process = start(
+        "mpirun", "-n", str(ranks), sys.executable, "run.py", place, fault,
+        "run", "case.toml", "--output", "out",
+    )  # fmt: skip
+    _, errors = process.communicate(timeout=60)
+    ended = time.time()
+    assert process.returncode == 1, errors
+    assert text in " ".join(errors.split())
+    assert ended - float((tmp_path / "fault").read_text()) < LONGEST
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["exit"]["reason"] in ("failed", "running")

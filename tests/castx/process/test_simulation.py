@@ -1,0 +1,167 @@
+"""The loop over time: cutbacks, what is left after a failure, output times, heat sub-steps."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from castx.case.schedule import Schedule
+from castx.coupling.report import CoupledReport
+from castx.coupling.step import CoupledProblem
+from castx.errors import ConvergenceError
+from castx.process.process import Process, StageProblem
+from castx.process.simulation import MOST_SUBSTEPS, Simulation
+from castx.process.step_control import StepSettings
+from tests import coupled_cases
+from tests.coupled_cases import cylinder, merged
+
+SETTINGS = StepSettings(10.0, 1.0, 4.0, 0.1, 20.0)
+
+
+class FakeProblem:
+    """Fails for steps above a limit and counts what it is asked."""
+
+    def __init__(self, limit: float = np.inf, change: float = 10.0, solid: float = 0.0) -> None:
+        self.limit, self.change, self.solid = limit, change, solid
+        self.tried: list[tuple[float, float, int]] = []
+        self.committed: list[float] = []
+        self.rewinds = 0
+
+    def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
+        self.tried.append((time, step, substeps))
+        if step > self.limit:
+            raise ConvergenceError("too large for this problem")
+        return CoupledReport(
+            3, 7, 5, 9, 2, temperature_change=self.change * step,
+            solid_fraction_change=self.solid * step,
+        )  # fmt: skip
+
+    def commit(self) -> None:
+        time, step, _ = self.tried[-1]
+        self.committed.append(time + step)
+
+    def rewind(self) -> None:
+        self.rewinds += 1
+
+
+def simulation(problem: Any, substeps: int | None = None, **changes) -> Simulation:
+    settings = StepSettings(**{**SETTINGS.__dict__, **changes})
+    no_mesh: Any = None
+    stage = StageProblem(no_mesh, {}, problem)
+    return Simulation(Process(Schedule((), settings.end), lambda _: stage), settings, substeps)
+
+
+def test_states_are_those_accepted():
+    problem = FakeProblem()
+    seen = [(s.time, s.step, s.counters.passes) for s in simulation(problem)]
+    assert seen[0] == (0.0, 0, 0)
+    assert [s[0] for s in seen[1:]] == problem.committed
+    assert [s[1] for s in seen] == list(range(len(seen)))
+    assert {s[2] for s in seen[1:]} == {3}
+    assert seen[-1][0] == pytest.approx(10.0)
+    assert problem.rewinds == 0
+
+
+def test_cutback():
+    problem = FakeProblem(limit=0.3)
+    states = list(simulation(problem))
+    first = states[1]
+    assert first.counters.cutbacks == 2
+    assert first.counters.step == pytest.approx(0.25)
+    assert problem.rewinds == len(problem.tried) - len(problem.committed)
+    assert sum(s.counters.cutbacks for s in states) == problem.rewinds
+    assert states[-1].time == pytest.approx(10.0)
+
+
+def test_each_try_starts_at_the_accepted_time():
+    problem = FakeProblem(limit=0.7)
+    list(simulation(problem))
+    accepted = [0.0, *problem.committed]
+    assert all(any(time == t for t in accepted) for time, _, _ in problem.tried)
+
+
+def test_gives_up_at_the_smallest_step():
+    problem, seen = FakeProblem(limit=0.05), []
+    run = simulation(problem)
+    with pytest.raises(ConvergenceError, match=r"0\.1 s.*too large for this problem"):
+        seen.extend(run)
+    assert len(seen) == 1
+    assert problem.committed == []
+    assert problem.rewinds == len(problem.tried)
+    assert (run.time, run.step) == (0.0, 0)
+
+
+def test_substeps_follow_the_temperature():
+    problem = FakeProblem(change=9.0)
+    list(simulation(problem, fixed=2.0))
+    assert [n for _, _, n in problem.tried] == [MOST_SUBSTEPS] + [4] * 4  # 18 K in steps of 5 K
+
+
+def test_substeps_follow_the_front():
+    problem = FakeProblem(change=0.0, solid=0.17)
+    list(simulation(problem, fixed=2.0))
+    assert [n for _, _, n in problem.tried] == [MOST_SUBSTEPS] + [4] * 4  # 0.34 in steps of 0.1
+
+
+def test_substeps_have_a_bound():
+    problem = FakeProblem(change=1e3)
+    list(simulation(problem, fixed=2.0))
+    assert {n for _, _, n in problem.tried} == {MOST_SUBSTEPS}
+
+
+def test_given_substeps():
+    problem = FakeProblem(change=1e3)
+    list(simulation(problem, substeps=3, fixed=2.0))
+    assert {n for _, _, n in problem.tried} == {3}
+
+
+def test_steps_land_on_output_times(comm):
+    data = cylinder({"time": {"end": 3.0}, "output": {"every": 0.8}})
+    times = [state.time for state in coupled_cases.states(comm, data)]
+    for output in (0.8, 1.6, 2.4, 3.0):
+        assert min(abs(np.array(times) - output)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "cause", [{"coupling": {"passes": 2}}, {"solver": {"heat": {"snes_max_it": 2}}}]
+)
+def test_failed_steps_of_a_case_are_cut_and_the_run_completes(comm, cause):
+    """Too few passes or iterations for the large first step: smaller steps need less."""
+    easy = cylinder({"time": {"end": 4.0, "first_step": 2.0, "heat_substeps": 4}})
+    easy["interfaces"][0]["heat"]["gas_conductivity"] = 0.005
+    hard = coupled_cases.states(comm, merged(easy, cause))
+    cutbacks, state = 0, None
+    for state in hard:
+        cutbacks += state.counters.cutbacks
+        assert state.totals["energy_error"] < 1e-6
+    assert cutbacks > 0
+    assert state.time == pytest.approx(4.0)
+    whole = coupled_cases.final_state(comm, easy)
+    for name in ("casting", "mould"):
+        assert state.totals[f"{name}.enthalpy"] == pytest.approx(
+            whole.totals[f"{name}.enthalpy"], rel=0.02
+        )
+
+
+def test_last_accepted_state_survives_the_end(comm):
+    """When even the smallest step fails, the last state yielded still shows what it showed."""
+    data = cylinder({"time": {"end": 4.0, "first_step": 1.0, "smallest_step": 0.5}})
+    run = coupled_cases.simulation(comm, data)
+    shown, state = None, None
+    with pytest.raises(ConvergenceError, match=r"smallest step of 0\.5 s"):
+        for state in run:
+            shown = coupled_cases.fields(state)
+            if state.step == 1:
+                run.problem.__class__ = Failing
+    assert state.step == 1
+    again = coupled_cases.fields(state)
+    for name, value in shown.items():
+        assert np.array_equal(value, again[name]), name
+
+
+class Failing(CoupledProblem):
+    """Solves the step and then says that it failed."""
+
+    def advance(self, time, step, substeps):
+        super().advance(time, step, substeps)
+        raise ConvergenceError("on purpose")

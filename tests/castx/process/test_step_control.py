@@ -1,0 +1,183 @@
+"""Step control with plain numbers: growth, cuts, landing on output times and on the end."""
+
+import pytest
+
+from castx.errors import ConvergenceError
+from castx.process.step_control import CUT, GROWTH, SAFETY, SHRINKAGE, StepControl, StepSettings
+
+pytestmark = pytest.mark.serial
+
+CAUSE = ConvergenceError("the heat problem did not converge")
+
+
+def control(**changes) -> StepControl:
+    settings = {
+        "end": 100.0, "first": 1.0, "largest": 8.0, "smallest": 0.1, "temperature_change": 20.0,
+    }  # fmt: skip
+    return StepControl(StepSettings(**{**settings, **changes}))
+
+
+def run(steps: StepControl, change: float = 1.0, time: float = 0.0) -> list[float]:
+    """Return the steps to the end of the run if every step changes the temperature alike."""
+    taken = []
+    while not steps.finished(time):
+        taken.append(steps.propose(time))
+        steps.accept(taken[-1], change, easy=True)
+        time += taken[-1]
+    return taken
+
+
+def next_after(steps: StepControl, change: float, easy: bool = True) -> float:
+    step = steps.propose(0.0)
+    steps.accept(step, change, easy)
+    return steps.propose(step) / step
+
+
+def test_first_step():
+    assert control(first=0.3).propose(0.0) == 0.3
+
+
+def test_calm_steps_grow_by_the_bound():
+    assert next_after(control(), change=1e-3) == pytest.approx(GROWTH)
+    assert next_after(control(), change=0.0) == pytest.approx(GROWTH)
+
+
+def test_violent_steps_shrink_by_the_bound():
+    assert next_after(control(), change=1e4) == pytest.approx(SHRINKAGE)
+
+
+def test_steps_aim_at_the_wanted_change():
+    assert next_after(control(), change=16.0) == pytest.approx(SAFETY * 20.0 / 16.0)
+    assert next_after(control(temperature_change=10.0), 16.0) == pytest.approx(SAFETY * 10 / 16)
+
+
+def test_hard_steps_do_not_grow():
+    assert next_after(control(), change=1e-3, easy=False) == pytest.approx(1.0)
+    assert next_after(control(), change=36.0, easy=False) == pytest.approx(0.5)
+
+
+def test_size_stays_within_bounds():
+    calm = run(control(end=200.0))
+    assert max(calm) == 8.0
+    steps = control()
+    for _ in range(20):
+        steps.accept(steps.propose(0.0), 1e6, easy=True)
+    assert steps.propose(0.0) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("end", [7.0, 10.0, 100.0, 33.3])
+@pytest.mark.parametrize("milestone", [None, 5.0, 3.0, 0.7])
+def test_steps_land_on_milestones_and_the_end(end, milestone):
+    time, times, steps = 0.0, [], control(end=end, milestone=milestone)
+    while not steps.finished(time):
+        step = steps.propose(time)
+        steps.accept(step, 1.0, easy=True)
+        time += step
+        times.append(time)
+    assert times[-1] == pytest.approx(end, rel=1e-12)
+    if milestone is not None:
+        for k in range(1, int(end / milestone * (1 + 1e-12)) + 1):
+            assert min(abs(t - k * milestone) for t in times) < 1e-9 * end
+
+
+@pytest.mark.parametrize("milestone", [None, 5.0, 6.25])
+def test_no_slivers(milestone):
+    """Before a stop the rest is divided evenly: no step is below half the size it could have."""
+    steps, time, size = control(end=50.0, milestone=milestone, largest=3.0, first=3.0), 0.0, 3.0
+    while not steps.finished(time):
+        step = steps.propose(time)
+        assert 0.5 * size - 1e-9 <= step <= size * (1 + 1e-5)
+        steps.accept(step, 1.0, easy=True)
+        time += step
+
+
+def test_step_cut_by_a_milestone_does_not_slow_the_next():
+    steps = control(first=4.0, milestone=5.0)
+    assert steps.propose(0.0) == 2.5
+    steps.accept(2.5, 1.0, easy=True)
+    assert steps.propose(0.0) == pytest.approx(2.5)  # from 4 s still: the half of 5 s
+    steps.accept(2.5, 1.0, easy=True)
+    assert steps.propose(5.0) == pytest.approx(2.5)
+    assert control(first=4.0, largest=4.0).propose(5.0) == 4.0
+
+
+def test_rejected_step_is_cut():
+    steps = control()
+    step = steps.propose(0.0)
+    steps.reject(step, CAUSE)
+    assert steps.propose(0.0) == pytest.approx(CUT * step)
+
+
+def test_step_after_a_cut_does_not_grow_at_once():
+    steps = control()
+    steps.reject(steps.propose(0.0), CAUSE)
+    step = steps.propose(0.0)
+    steps.accept(step, 1e-3, easy=True)
+    assert steps.propose(step) == pytest.approx(step)
+    steps.accept(step, 1e-3, easy=True)
+    assert steps.propose(2 * step) == pytest.approx(GROWTH * step)
+
+
+def test_cuts_end_at_the_smallest_step():
+    steps, tried = control(), []
+    with pytest.raises(ConvergenceError, match=r"smallest step of 0\.1 s.*heat problem") as caught:
+        for _ in range(50):
+            tried.append(steps.propose(0.0))
+            steps.reject(tried[-1], CAUSE)
+    assert caught.value.__cause__ is CAUSE
+    assert tried == pytest.approx([1.0, 0.5, 0.25, 0.125, 0.1])
+
+
+def test_fixed_steps():
+    assert run(control(end=1.0, fixed=0.1), change=1e5) == pytest.approx([0.1] * 10)
+    assert run(control(end=1.0, fixed=0.3), change=1e5) == pytest.approx([0.3] * 3 + [0.1])
+    assert run(control(end=1.0, fixed=0.25, milestone=0.4)) == pytest.approx([0.25] * 4)
+
+
+def test_fixed_steps_are_cut_and_recover():
+    steps = control(end=100.0, fixed=4.0)
+    steps.reject(steps.propose(0.0), CAUSE)
+    assert steps.propose(0.0) == pytest.approx(2.0)
+    steps.accept(2.0, 1.0, easy=True)
+    assert steps.propose(2.0) == pytest.approx(3.0)
+    steps.accept(3.0, 1.0, easy=True)
+    assert steps.propose(5.0) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("fixed", [None, 0.6])
+def test_steps_land_on_stops(fixed):
+    steps = control(end=10.0, milestone=4.0, stops=(3.3, 7.0), fixed=fixed)
+    time, seen = 0.0, []
+    while not steps.finished(time):
+        step = steps.propose(time)
+        steps.accept(step, 1.0, easy=True)
+        time = steps.landed(time + step)
+        seen.append(time)
+    assert {3.3, 7.0, 10.0} <= set(seen)
+    assert (4.0 in seen) is (fixed is None)
+
+
+def test_times_that_miss_a_stop_by_round_off_are_the_stop():
+    steps = control(end=10.0, stops=(3.3, 7.0))
+    assert [steps.landed(t) for t in (3.3 + 1e-12, 3.3 - 1e-12, 7.0, 9.999999999999)] == [
+        3.3, 3.3, 7.0, 10.0,
+    ]  # fmt: skip
+    assert steps.landed(3.31) == 3.31
+    outputs = control(end=10.0, milestone=2.5)
+    assert [outputs.landed(t) for t in (2.500000000000001, 7.5 - 1e-12, 2.51)] == [2.5, 7.5, 2.51]
+    assert steps.propose(3.3) == 1.0
+
+
+def test_a_restart_begins_with_the_first_step_but_never_with_a_larger_one():
+    steps = control()
+    for _ in range(6):
+        steps.accept(steps.propose(0.0), 1.0, easy=True)
+    assert steps.propose(0.0) == 8.0
+    steps.restart()
+    assert steps.propose(0.0) == 1.0
+    steps.reject(1.0, CAUSE)
+    steps.restart()
+    assert steps.propose(0.0) == 0.5
+    constant = control(fixed=3.0)
+    constant.restart()
+    assert constant.propose(0.0) == 3.0

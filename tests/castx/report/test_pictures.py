@@ -1,0 +1,118 @@
+"""Pictures hold what they should: looked at by the colours of their pixels, without a display."""
+
+import os
+
+import numpy as np
+import pytest
+
+from castx.errors import CaseError
+from castx.report.display import display
+from castx.report.pictures import FieldSeries, View, chosen_times, exaggeration, limits_of, picture
+from castx.results.fields import Fields
+from castx.results.files.disk import Disk
+from castx.results.solidification import Solidification
+from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
+
+pytestmark = pytest.mark.serial
+
+FORMULAS = {
+    "temperature": lambda x: 300.0 + 1e4 * x[:, 0],
+    "solid_fraction": lambda x: np.clip(x[:, -1] / 0.04, 0.0, 1.0),
+    "displacement": lambda x: -1e-3 * x,
+}
+
+
+@pytest.fixture
+def series(comm, tmp_path, request):
+    model, _, cells = request.param.partition(" of ")
+    mesh = cylinder_mesh(comm, model, 5e-3, cells or "simplices")
+    (tmp_path / "fields").mkdir()
+    names = ("temperature", "solid_fraction", "displacement", "niyama")
+    writer = Fields(tmp_path / "fields", names, None, mesh, Solidification(mesh, {}), Disk(comm))
+    writer.update(FakeSnapshot(0.0, 0, mesh, casting_pairs(mesh), FORMULAS))
+    return FieldSeries(tmp_path, model)
+
+
+def share(image, colour):
+    """Return the share of the pixels near a colour."""
+    return float((np.abs(image.astype(int) - colour).max(axis=2) < 12).mean())
+
+
+@pytest.mark.parametrize(
+    "series", ["axisymmetric", "axisymmetric of quadrilaterals"], indirect=True
+)
+def test_an_axisymmetric_body_is_shown_with_its_mirror_image(series, monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    grids = series.read(0.0)
+    view = View.of("axisymmetric", grids.values())
+    with display():
+        image = picture(
+            view, grids, "temperature", (300.0, 700.0), colours="gray", coloured=list(grids)
+        )
+    assert "DISPLAY" not in os.environ
+    middle = image[image.shape[0] // 2, :, 0].astype(int)
+    np.testing.assert_allclose(middle, middle[::-1], atol=3)
+    drawn = np.flatnonzero(middle < 250)
+    centre, quarter = middle[len(middle) // 2], middle[drawn[0] + len(drawn) // 4]
+    assert centre < 20 and quarter == pytest.approx(0.375 * 255, abs=6)
+    assert len(drawn) / len(middle) == pytest.approx(60.0 / (60.0 + 2 * 0.04 * 50.0), abs=0.03)
+
+
+@pytest.mark.parametrize("series", ["3d", "3d of quadrilaterals"], indirect=True)
+def test_a_quarter_is_seen_from_its_planes_of_symmetry(series):
+    grids = series.read(0.0)
+    view = View.of("3d", grids.values())
+    assert view.direction is not None and (view.direction[:2] < 0.0).all() and not view.cut
+    outside = View.of("3d", grids.values(), outside=True)
+    assert (outside.direction[:2] > 0.0).all()
+    with display():
+        blue = picture(
+            view, grids, "temperature", (0.0, 1.0), colours="Blues", coloured=["casting"],
+            front=True, exaggeration=10.0,
+        )  # fmt: skip
+    assert 0.1 < share(blue, (201, 204, 209)) + share(blue, (190, 193, 198)) < 0.9
+    assert share(blue, (255, 255, 255)) < 0.7
+
+
+@pytest.mark.parametrize("series", ["3d"], indirect=True)
+def test_limits_leave_out_what_does_not_exist(series):
+    states = [series.read(0.0)]
+    assert limits_of(states, "niyama", ["casting"]) is None
+    assert limits_of(states, "von_mises", ["casting"]) is None
+    assert limits_of(states, "temperature", ["casting"]) == pytest.approx((300.0, 500.0))
+    low, high = limits_of(states, "temperature", ["casting", "mould"], 0.5)
+    assert low == 300.0 and 400.0 < high < 600.0
+
+
+@pytest.mark.parametrize("series", ["3d"], indirect=True)
+def test_the_exaggeration_is_a_round_factor(series):
+    grids = series.read(0.0)
+    view = View.of("3d", grids.values())
+    assert exaggeration(view, grids) == 50.0
+    for grid in grids.values():
+        grid["displacement"] *= 0.0
+    assert exaggeration(view, grids) == 0.0
+
+
+def test_times_are_chosen_early_and_late():
+    assert chosen_times([float(t) for t in range(0, 91, 5)]) == [10.0, 20.0, 40.0, 90.0]
+    assert chosen_times([0.0, 3.0]) == [0.0, 3.0]
+    assert chosen_times([0.0]) == [0.0]
+
+
+def test_no_display_and_no_server_is_refused(monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr("castx.report.display.shutil.which", lambda program: None)
+    with pytest.raises(CaseError, match="install Xvfb"), display():
+        pass
+
+
+def test_a_server_that_does_not_start_is_refused(monkeypatch):
+    monkeypatch.setattr("castx.report.display.shutil.which", lambda program: "/bin/false")
+    with pytest.raises(CaseError, match="does not start"), display():
+        pass
+
+
+def test_missing_fields_are_refused(tmp_path):
+    with pytest.raises(CaseError, match="there are no fields"):
+        FieldSeries(tmp_path, "3d")

@@ -1,0 +1,72 @@
+"""The report is one file that needs nothing else, with the right numbers in it."""
+
+import base64
+import re
+from io import BytesIO
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from castx.command.run import run
+from castx.errors import CaseError
+from castx.report.curves import Panel, curves
+from castx.report.report import Run, opening_text, solid_text, summary, write_report
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report")
+    run(
+        "demos/cylinder.toml",
+        ["time.end=0.3", "geometry.size=5e-3", 'name="<b>tricky</b>"'],
+        output=path / "out",
+    )
+    return path / "out"
+
+
+def test_the_report_stands_alone(folder):
+    text = write_report(folder).read_text()
+    assert "&lt;b&gt;tricky&lt;/b&gt;" in text and "<b>tricky" not in text
+    assert not re.findall(r'(?:src|href)="(?!data:)', text)
+    images = re.findall(r'src="data:image/png;base64,([^"]+)"', text)
+    titles = re.findall(r"<h3>([^<]+)</h3>", text)
+    assert len(images) == len(titles)
+    for title in ("Cooling curves", "Gap and contact", "Temperature", "Distortion and stress"):
+        assert title in titles
+    for image in images:
+        pixels = matplotlib.image.imread(BytesIO(base64.b64decode(image)))
+        assert pixels.shape[0] > 200 and np.ptp(pixels[..., :3]) > 0.5
+
+
+def test_the_summary_has_the_numbers_of_the_run(folder):
+    results = Run.read(folder)
+    found = dict(summary(results))
+    assert found["simulated"] == "0.3 of 0.3 s"
+    assert found["casting all solid"].startswith("not yet")
+    assert found["steps"] == f"{len(results.history['time']) - 1}, 0 of them cut"
+    assert results.freezing == ["casting"]
+
+
+def test_when_it_was_solid_and_when_it_opened():
+    time = np.array([0.0, 1.0, 2.0, 3.0])
+    history = {"time": time, "a.solid_fraction": np.array([0.0, 0.5, 1.0, 1.0])}
+    assert solid_text(history, "a") == "between 1 and 2 s"
+    assert opening_text(time, np.array([0.0, 5e-7, 2e-6, 1e-6])) == "at 2 s (1 µm)"
+    assert opening_text(time, np.zeros(4)) == "never (1 µm)"
+
+
+def test_curves_are_drawn_in_their_colours():
+    time = np.linspace(0.0, 1.0, 50)
+    panel = Panel("T [°C]", {"a": 100.0 * time, "b": 50.0 + 0.0 * time}, {"melting point": 80.0})
+    pixels = matplotlib.image.imread(BytesIO(curves(time, [panel, panel])))[..., :3]
+    for colour in ("#0072b2", "#d55e00"):
+        wanted = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+        assert (np.abs(pixels - wanted).max(axis=2) < 0.02).sum() > 500
+
+
+def test_a_folder_without_results_is_refused(tmp_path):
+    with pytest.raises(CaseError, match="is not a results folder of castx"):
+        write_report(tmp_path)

@@ -1,0 +1,151 @@
+"""An output folder that cannot be used is refused on all ranks before anything in it is touched."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from castx.case.case import read_case
+from castx.errors import CaseError
+from castx.results.files.folder import claimed_folder, clear_results
+from castx.results.files.lock import FILE as LOCK
+from castx.results.files.lock import FolderLock, own_identity
+from tests.castx.case_data import cylinder
+
+
+def claimed(comm, folder, **changes):
+    case = read_case(cylinder(output__folder=str(folder), **changes), Path("case.toml"))
+    return claimed_folder(case, comm)
+
+
+def prepare(comm, action):
+    if comm.rank == 0:
+        action()
+    comm.Barrier()
+
+
+def test_a_new_folder_is_made(comm, shared_tmp_path):
+    with claimed(comm, shared_tmp_path / "a" / "b"):
+        comm.Barrier()
+        assert (shared_tmp_path / "a" / "b").is_dir()
+        comm.Barrier()
+    comm.Barrier()
+    assert not (shared_tmp_path / "a" / "b").exists()
+
+
+def test_a_file_in_the_way_is_refused(comm, shared_tmp_path):
+    prepare(comm, lambda: (shared_tmp_path / "file").write_text("x"))
+    with pytest.raises(CaseError, match="is a file; choose another one with"):
+        claimed(comm, shared_tmp_path / "file").__enter__()
+    with pytest.raises(CaseError, match="cannot be written: Not a directory"):
+        claimed(comm, shared_tmp_path / "file" / "below").__enter__()
+
+
+def test_a_place_without_permission_is_refused(comm):
+    with pytest.raises(CaseError, match="cannot be written"):
+        claimed(comm, Path("/proc/castx-results")).__enter__()
+
+
+def test_a_folder_of_somebody_else_is_refused(comm, shared_tmp_path):
+    prepare(comm, lambda: (shared_tmp_path / "thesis.tex").write_text("x"))
+    with pytest.raises(CaseError, match=r"files that are not results of castx \(no run.json\)"):
+        claimed(comm, shared_tmp_path).__enter__()
+
+
+@pytest.mark.parametrize("record", ["", "[]", "null", "{}", '"castx"', "7"])
+@pytest.mark.serial
+def test_a_run_json_of_something_else_does_not_count(comm, tmp_path, record):
+    (tmp_path / "run.json").write_text(record)
+    with pytest.raises(CaseError, match="not results of castx"):
+        claimed(comm, tmp_path).__enter__()
+
+
+def test_results_of_another_case_are_refused_and_those_of_the_same_file_not(comm, shared_tmp_path):
+    def record(file):
+        case = {"name": "the other", "file": str(Path(file).resolve()), "digest": "0"}
+        (shared_tmp_path / "run.json").write_text(json.dumps({"castx": "0.1", "case": case}))
+
+    prepare(comm, lambda: record("other.toml"))
+    with pytest.raises(CaseError, match=r"results of another case, 'the other' \(.*other.toml\)"):
+        claimed(comm, shared_tmp_path).__enter__()
+    prepare(comm, lambda: record("case.toml"))
+    with claimed(comm, shared_tmp_path):
+        pass
+    comm.Barrier()
+    assert (shared_tmp_path / "run.json").exists()
+
+
+def test_a_folder_in_use_is_refused_until_it_is_free(comm, shared_tmp_path):
+    with claimed(comm, shared_tmp_path):
+        refusal = rf"in use by process {comm.bcast(os.getpid())} on .*delete .*{LOCK}"
+        with pytest.raises(CaseError, match=refusal):
+            claimed(comm, shared_tmp_path).__enter__()
+    with claimed(comm, shared_tmp_path):
+        pass
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from castx.results.files.lock import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
+assert lock.acquire() is None
+print("held", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.serial
+def test_what_a_killed_run_leaves_does_not_stand_in_the_way(comm, tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None and process.stdout.readline() == "held\n"
+    with pytest.raises(CaseError, match=f"in use by process {process.pid} on"):
+        claimed(comm, tmp_path).__enter__()
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    assert (tmp_path / LOCK).exists()
+    with claimed(comm, tmp_path):
+        pass
+    assert not (tmp_path / LOCK).exists()
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "change, held",
+    [
+        ({"process": 2**22 + 1}, False),
+        ({"process": os.getppid()}, True),
+        ({"host": "elsewhere"}, True),
+        ({"namespace": "pid:[1]"}, True),
+    ],
+)
+def test_process_and_host_decide_where_files_cannot_be_locked(tmp_path, monkeypatch, change, held):
+    def unsupported(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr("castx.results.files.lock.fcntl.flock", unsupported)
+    (tmp_path / LOCK).write_text(json.dumps(own_identity() | change))
+    assert (FolderLock(tmp_path).acquire() is not None) is held
+
+
+@pytest.mark.serial
+def test_old_results_go_and_other_files_stay(comm, tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"castx": "0.1"}))
+    (tmp_path / "fields").mkdir()
+    (tmp_path / "checkpoint").mkdir()
+    for name in ("probes.csv", "report.html", "fields/castx.pvd", "fields/a_00000_0.vtu"):
+        (tmp_path / name).write_text("x")
+    (tmp_path / "checkpoint" / "state.npz").write_text("x")
+    (tmp_path / "notes.txt").write_text("x")
+    with claimed(comm, tmp_path):
+        assert (tmp_path / "probes.csv").exists()
+        clear_results(tmp_path)
+    left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file())
+    assert left == ["notes.txt", "run.json"]
+    assert not (tmp_path / "checkpoint").exists()

@@ -1,0 +1,187 @@
+from __future__ import annotations
+
+from functools import partial
+
+from petsc4py import PETSc
+
+import numpy as np
+import pytest
+
+from castx.errors import CaseError, ConvergenceError
+from castx.solvers.snes import NonlinearSolver
+
+
+def residual(power, snes, x, F):
+    F.array[:] = x.array_r**power - 8.0
+
+
+def jacobian(power, snes, x, J, P):
+    start, _ = P.getOwnershipRange()
+    for k, value in enumerate(power * x.array_r ** (power - 1)):
+        P[start + k, start + k] = value
+    P.assemble()
+
+
+def diagonal(comm, size=4):
+    matrix = PETSc.Mat().createAIJ((size, size), nnz=1, comm=comm)
+    matrix.setUp()
+    return matrix
+
+
+def solver(comm, power=3, **settings) -> tuple[NonlinearSolver, PETSc.Vec]:
+    matrix = diagonal(comm)
+    arguments = {"options": {"ksp_type": "preonly", "pc_type": "jacobi"}, **settings}
+    made = NonlinearSolver(
+        "the test problem",
+        "castx_test_",
+        partial(residual, power),
+        partial(jacobian, power),
+        vector=matrix.createVecLeft(),
+        matrix=matrix,
+        **arguments,
+    )
+    x = matrix.createVecRight()
+    x.set(3.0)
+    return made, x
+
+
+def test_solution_and_report(comm):
+    made, x = solver(comm)
+    report = made.solve(x)
+    assert x.array_r == pytest.approx(2.0)
+    assert report.iterations == report.linear_iterations == len(report.residuals) - 1
+    assert report.residuals[0] == pytest.approx(19.0 * 2.0)
+    x.set(3.0)
+    assert made.solve(x).residuals == report.residuals
+    made.destroy()
+
+
+def test_options_act_under_the_prefix_and_leave_the_database(comm):
+    before = PETSc.Options().getAll()
+    made, x = solver(comm, options={"ksp_type": "cg", "ksp_max_it": 3, "pc_type": "none"})
+    assert made.snes.ksp.getType() == "cg"
+    assert made.snes.ksp.getOptionsPrefix() == "castx_test_"
+    made.solve(x)
+    assert PETSc.Options().getAll() == before
+    made.destroy()
+
+
+def test_options_of_inner_solvers_act_when_they_are_made(comm):
+    made, x = solver(comm, options={"pc_type": "asm", "sub_pc_type": "jacobi"})
+    made.solve(x)
+    assert [inner.pc.getType() for inner in made.snes.ksp.pc.getASMSubKSP()] == ["jacobi"]
+    made.destroy()
+
+
+def test_options_that_the_user_had_set_come_back(comm):
+    database = PETSc.Options()
+    database["castx_test_ksp_type"] = "gmres"
+    try:
+        made, _ = solver(comm)
+        assert made.snes.ksp.getType() == "preonly"
+        assert database["castx_test_ksp_type"] == "gmres"
+        made.destroy()
+    finally:
+        database.delValue("castx_test_ksp_type")
+
+
+def test_failure_names_the_problem_the_reason_and_the_residuals(comm):
+    made, x = solver(comm, options={"snes_max_it": 2, "ksp_type": "preonly", "pc_type": "jacobi"})
+    words = r"the test problem .* max it after 2 .* 3\.800e\+01"
+    with pytest.raises(ConvergenceError, match=words):
+        made.solve(x)
+    made.destroy()
+
+
+def test_failure_of_the_linear_solver_is_named(comm):
+    made, x = solver(comm, options={"ksp_type": "cg", "ksp_max_it": 1, "pc_type": "none"})
+    x.setValue(0, 7.0)
+    x.assemble()
+    with pytest.raises(ConvergenceError, match=r"linear solve \(diverged max it\)"):
+        made.solve(x)
+    made.destroy()
+
+
+def test_convergence_test_of_the_caller(comm):
+    def twice(snes, iteration, norms):
+        reasons = PETSc.SNES.ConvergedReason
+        return reasons.CONVERGED_FNORM_ABS if iteration == 2 else reasons.ITERATING
+
+    made, x = solver(comm, converged=twice)
+    assert made.solve(x).iterations == 2
+    made.destroy()
+
+
+def test_step_rule_changes_the_step(comm):
+    def half(x, y, snes):
+        y.scale(0.5)
+        return True
+
+    options = {"snes_linesearch_type": "basic", "ksp_type": "preonly", "pc_type": "jacobi"}
+    made, x = solver(comm, power=1, options=options, step_rule=half)
+    report = made.solve(x)
+    ratios = np.array(report.residuals[1:]) / np.array(report.residuals[:-1])
+    assert ratios == pytest.approx(0.5)
+    made.destroy()
+
+
+def test_nest_of_blocks(comm):
+    blocks = [diagonal(comm), diagonal(comm)]
+    nest = PETSc.Mat().createNest([[blocks[0], None], [None, blocks[1]]], comm=comm)
+    nest.setUp()
+
+    def fill(snes, x, J, P):
+        for k, block in enumerate(blocks):
+            part = x.getSubVector(nest.getNestISs()[0][k])
+            jacobian(3, snes, part, block, block)
+            x.restoreSubVector(nest.getNestISs()[0][k], part)
+        P.assemble()
+
+    x = nest.createVecRight()
+    x.set(3.0)
+    made = NonlinearSolver(
+        "the test problem",
+        "castx_test_",
+        partial(residual, 3),
+        fill,
+        vector=x.duplicate(),
+        matrix=nest,
+        options={
+            "ksp_type": "fgmres",
+            "pc_type": "fieldsplit",
+            "fieldsplit_0_pc_type": "jacobi",
+            "fieldsplit_1_pc_type": "jacobi",
+        },
+    )
+    made.solve(x)
+    assert x.array_r == pytest.approx(2.0)
+    made.destroy()
+
+
+@pytest.mark.parametrize("raised", [ZeroDivisionError("a bug"), ConvergenceError("no state")])
+@pytest.mark.parametrize("where", ["setFunction", "setJacobian"])
+def test_what_a_callback_raises_comes_out_as_it_is(comm, where, raised):
+    def fail(*_: object) -> None:
+        raise raised
+
+    made, x = solver(comm)
+    getattr(made.snes, where)(fail, *([x.duplicate()] if where == "setFunction" else []))
+    with pytest.raises(type(raised), match=str(raised)):
+        made.solve(x)
+    made.destroy()
+
+
+@pytest.mark.parametrize(
+    "key, value, text", [("ksp_type", "foo", "KSP type foo"), ("snes_max_it", "abc", "abc")]
+)
+def test_options_that_petsc_does_not_take_are_refused(comm, key, value, text):
+    with pytest.raises(CaseError, match=rf"test problem.*{text}.*leave it out.*{key} = '{value}'"):
+        solver(comm, options={key: value})
+
+
+def test_an_inner_solver_that_does_not_exist_is_refused(comm):
+    options = {"ksp_type": "preonly", "pc_type": "bjacobi", "sub_pc_type": "foo"}
+    made, x = solver(comm, options=options)
+    with pytest.raises(CaseError, match=r"PC type foo.*sub_pc_type = 'foo'"):
+        made.solve(x)
+    made.destroy()

@@ -1,0 +1,82 @@
+"""Laws as Python functions: checked when made, and the same answers as the laws of a case."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.case.case import read_case
+from castx.errors import CaseError
+from castx.process.simulation import Simulation
+from castx.transfer.conductance import PRIMARY, SECONDARY, Faces, PairState
+from castx.transfer.user_law import UserLaw
+from tests.coupled_cases import Path, cylinder, merged
+
+
+def limited(gap, pressure, hot, cold, time):
+    """Return min(2300, k/g) with a gas that conducts better when hot, and h(p)."""
+    k = 0.02 + 2e-5 * (hot + cold)
+    return 1.0 / np.maximum(1 / 2300.0, gap / k) + 1e-6 * pressure
+
+
+def slopes(gap, pressure, hot, cold, time):
+    k = 0.02 + 2e-5 * (hot + cold)
+    through = np.where(gap > k / 2300.0, 2e-5 / np.maximum(gap, 1e-9), 0.0)
+    return through, through
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("given", [slopes, None])
+def test_derivatives_given_or_differenced(given):
+    law = UserLaw(limited, given)
+    gap = np.array([0.0, 5e-6, 1e-4])
+    faces = Faces.at_temperatures(np.full(3, 500.0), np.full(3, 100.0), 0.0, 0.0)
+    found = law(PairState.of(gap, np.zeros(3)), faces)
+    assert found.coefficient.value == pytest.approx(limited(gap, 0.0, 500.0, 100.0, 0.0))
+    expected = slopes(gap, 0.0, 500.0, 100.0, 0.0)
+    for number, slope in zip((SECONDARY, PRIMARY), expected, strict=True):
+        assert found.coefficient.slopes[number] == pytest.approx(slope, rel=1e-6, abs=1e-6)
+    assert found.contact == pytest.approx([1.0, 0.0, 0.0])
+
+
+def wrong(gap, pressure, hot, cold, time):
+    return slopes(gap, pressure, hot, cold, time)[0], np.zeros(len(gap))
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "coefficient, given, text",
+    [
+        (limited, wrong, "slope over the primary temperature is 0 W/m²/K², but the law changes by"),
+        (lambda g, p, hot, cold, t: np.where(g > 0, 100.0, 900.0), None, "law jumps at closure"),
+        (lambda g, p, hot, cold, t: 1e3 - hot, None, "finite and not negative; the law gives -"),
+        (lambda g, p, hot, cold, t: 100.0 / (g - g), None, "must be finite"),
+        (lambda g, p, hot, cold, t: 5.0, None, r"one number for each pair: \(200,\), not \(\)"),
+    ],
+)
+def test_refused(coefficient, given, text):
+    with pytest.raises(CaseError, match=text), np.errstate(divide="ignore", invalid="ignore"):
+        UserLaw(coefficient, given)
+
+
+def heats(comm, data, laws=None) -> list[float]:
+    run = Simulation.from_case(read_case(data, Path("case.toml")), comm, laws)
+    return [state.totals["casting/mould.heat"] for state in run]
+
+
+def test_a_driver_replaces_the_law_of_an_interface(comm):
+    """The law of a case as a function gives the heat that the case gives; another does not."""
+    steps = {"time": {"end": 4.0, "fixed_step": 2.0}}
+    gas = {"over": "temperature", "table": [[0, 0.02], [2000, 0.1]]}
+    data = cylinder(steps)
+    data["interfaces"][0]["heat"] |= {
+        "gas_conductivity": gas, "pressure": {"resistance": 1.0, "hardness": 1e6, "exponent": 1.0},
+        "radiation": {"emissivities": [0.4, 0.8]},
+    }  # fmt: skip
+    own = heats(comm, data)
+    assert heats(comm, data, {"casting/mould": UserLaw(limited)}) == pytest.approx(own, rel=1e-6)
+    other = merged(data, {})
+    other["interfaces"][0]["heat"]["radiation"]["emissivities"] = [0.1, 0.1]
+    assert heats(comm, other, {"casting/mould": UserLaw(limited)})[-1] < own[-1] * (1 - 1e-4)
+    with pytest.raises(CaseError, match="a law for the interface 'mould'"):
+        heats(comm, data, {"mould": UserLaw(limited)})
