@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,42 @@ import pytest
 pytestmark = pytest.mark.serial
 
 PROJECT = Path(__file__).parents[1]
-LONGEST_FILE = 400
+
+# The rooms of castx from the ground: a module imports from its own room and from those before it.
+ORDER = [
+    "arrays errors version tables stateful environment ranks",
+    "forms meshes",
+    "input",
+    "transfer",
+    "transfer/laws",
+    "contact/methods",
+    "materials",
+    "case",
+    "case/reading",
+    "domain",
+    "domain/pairs",
+    "solvers",
+    "heat",
+    "mechanics/constitutive",
+    "mechanics",
+    "contact/kinematics",
+    "contact/friction",
+    "contact",
+    "equilibrium/supports",
+    "equilibrium",
+    "coupling",
+    "results/files",
+    "results",
+    "process",
+    "checkpoint",
+    "report",
+    "command",
+    "__init__ __main__",
+]
+PLACE = {name: place for place, names in enumerate(ORDER) for name in names.split()}
+
+LONGEST_FILE, LONGEST_CLASS = 400, 200
+MOST_MODULES = 12
 # Where the user comes in, and all ranks are what is meant if nothing else is said.
 ENTRY_POINTS = {PROJECT / "castx/command/cli.py", PROJECT / "castx/command/run.py"}
 # What the files of these folders may import, beside the small change of the standard library.
@@ -49,6 +86,41 @@ def imported_modules(path: Path) -> Iterator[str]:
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield "." * node.level + (node.module or "")
+
+
+def inside_castx(path: Path) -> Path:
+    """Return the path of a file of the library inside the package castx."""
+    inside = path.relative_to(PROJECT)
+    return inside if inside.parts[0] in LEGAL_IMPORTS else inside.relative_to("castx")
+
+
+def module_name(path: Path) -> str:
+    parts = ("castx", *inside_castx(path).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_name(path): path for path in LIBRARY}
+
+
+def room_of(module: str) -> str:
+    """Return the room of a module: its folder, or its own name beside the rooms."""
+    inside = inside_castx(MODULES[module])
+    return inside.stem if len(inside.parts) == 1 else inside.parent.as_posix()
+
+
+def imports(path: Path) -> set[str]:
+    """Return the modules of castx that a file imports, anywhere and for types only too."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in MODULES else str(node.module) for name in names}
+    return found & set(MODULES)
+
+
+IMPORTS: Mapping[str, set[str]] = {module: imports(path) for module, path in MODULES.items()}
 
 
 def within(module: str, packages: set[str]) -> bool:
@@ -104,9 +176,91 @@ def test_library_does_not_print():
     assert not [place for path in LIBRARY for place in places(path, "print")]
 
 
-def test_files_stay_short():
-    lengths = {named(path): len(path.read_text().splitlines()) for path in LIBRARY}
-    assert not {name: lines for name, lines in lengths.items() if lines > LONGEST_FILE}
+def test_files_and_classes_stay_short():
+    long = [path for path in LIBRARY if len(path.read_text().splitlines()) > LONGEST_FILE]
+    assert not [named(path) for path in long]
+    sizes = {f"{named(path)}: {c.name}": lines_of(c) for path in LIBRARY for c in classes(path)}
+    assert not {name: lines for name, lines in sizes.items() if lines > LONGEST_CLASS}
+
+
+def classes(path: Path) -> list[ast.ClassDef]:
+    return [node for node in ast.parse(path.read_text()).body if isinstance(node, ast.ClassDef)]
+
+
+def lines_of(node: ast.ClassDef) -> int:
+    return (node.end_lineno or node.lineno) - node.lineno + 1
+
+
+def test_no_class_name_stands_twice():
+    found: dict[str, list[str]] = {}
+    for path in LIBRARY:
+        for node in classes(path):
+            found.setdefault(node.name, []).append(named(path))
+    assert not {name: places for name, places in found.items() if len(places) > 1}
+
+
+def test_the_order_of_rooms_names_what_is_there():
+    tops = {path.stem for path in (PROJECT / "castx").glob("*.py")}
+    assert set(PLACE) == {room_of(module) for module in MODULES} | tops
+    assert len(PLACE) == sum(len(names.split()) for names in ORDER)
+
+
+def test_rooms_import_only_from_rooms_before_them():
+    upward = [
+        f"{module} imports {imported}"
+        for module, found in IMPORTS.items()
+        for imported in found
+        if PLACE[room_of(imported)] > PLACE[room_of(module)]
+    ]
+    assert not upward
+
+
+def test_no_circle_of_modules():
+    try:
+        TopologicalSorter(IMPORTS).prepare()
+    except CycleError as circle:
+        pytest.fail("modules import each other: " + " -> ".join(circle.args[1]))
+
+
+@pytest.mark.parametrize("room", [name for name in PLACE if (PROJECT / "castx" / name).is_dir()])
+def test_a_room_is_small_and_says_what_it_holds(room):
+    folder = PROJECT / "castx" / room
+    assert len([path for path in folder.glob("*.py") if path.stem != "__init__"]) <= MOST_MODULES
+    init = ast.parse((folder / "__init__.py").read_text())
+    sentence, _, public = (ast.get_docstring(init) or "").partition("\n\n")
+    assert sentence.endswith("."), f"{room}/__init__.py must say in a sentence what the room holds"
+    assert public.startswith("Public: "), f"{room}/__init__.py must name its public objects"
+    missing = [
+        name
+        for name in re.findall(r"`([\w.]+)`", public)
+        if not defines(folder / Path(*name.split(".")[:-1]).with_suffix(".py"), name)
+    ]
+    assert not missing
+
+
+def defines(path: Path, name: str) -> bool:
+    """Return whether a module defines the last part of a dotted name."""
+    if not path.is_file():
+        return False
+    body = ast.parse(path.read_text()).body
+    functions = {n.name for n in body if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+    targets = [t for n in body if isinstance(n, ast.Assign) for t in n.targets]
+    targets += [n.target for n in body if isinstance(n, ast.AnnAssign)]
+    values = {target.id for target in targets if isinstance(target, ast.Name)}
+    return name.split(".")[-1] in functions | values
+
+
+def test_every_module_has_its_test_beside_its_path():
+    """castx/heat/body.py is tested in tests/castx/heat/test_body.py, and every other one alike."""
+    without = []
+    for module, path in MODULES.items():
+        if path.stem in ("__init__", "__main__"):
+            continue
+        inside = inside_castx(path)
+        top = PROJECT / "tests" / ("" if inside.parts[0] in LEGAL_IMPORTS else "castx")
+        if not (top / inside.with_name(f"test_{inside.name}")).is_file():
+            without.append(module)
+    assert not without
 
 
 def test_packages_of_the_build_are_the_folders_on_disk():
