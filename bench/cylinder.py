@@ -16,7 +16,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case.case import load_case
+from castx.case.reading.read import load_case
 from castx.process.simulation import Simulation
 
 CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"

@@ -41,7 +41,7 @@ from mpi4py import MPI
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.process.simulation import Simulation
 
 # %% [markdown]

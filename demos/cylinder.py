@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case.case import load_case
+from castx.case.reading.read import load_case
 from castx.process.simulation import Simulation
 from castx.results.writing import Results
 

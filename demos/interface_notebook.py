@@ -32,8 +32,8 @@ from mpi4py import MPI
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case.case import read_case
 from castx.case.heat_transfer import InterfaceHeat
+from castx.case.reading.read import read_case
 from castx.heat.law_building import conduction_law
 from castx.process.simulation import Simulation
 from castx.transfer.conductance import Faces, PairState

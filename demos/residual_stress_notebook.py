@@ -29,7 +29,7 @@ from matplotlib.colors import Normalize
 from scipy.optimize import brentq, fsolve
 from scipy.special import erf, erfc
 
-from castx.case.case import load_case
+from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.materials.lookup import find_material
 from castx.report.display import display

@@ -12,7 +12,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.process.simulation import Simulation
 from castx.process.state import State
 

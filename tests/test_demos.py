@@ -12,7 +12,7 @@ import nbclient
 import numpy as np
 import pytest
 
-from castx.case.case import load_case
+from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.report.report import write_report
 from castx.results.files.series import read_series

@@ -1,1 +1,6 @@
-"""What the user asks for: the case as frozen, validated descriptions."""
+"""What the user asks for: every key of a case file, checked and in SI units.
+
+Public: `case.Case`, `bodies.Body`, `boundaries.Boundary`, `contact.Contact`, `control.Time`,
+`geometry.Geometry`, `heat_transfer.InterfaceHeat`, `interfaces.Interface`, `output.Output`,
+`stages.Stage`.
+"""

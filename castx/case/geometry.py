@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
@@ -298,3 +298,15 @@ def _read_arguments(
         if name not in given and model in argument.needed:
             problems.append(Problem((name,), f"missing; the model {model!r} needs it"))
     return arguments, problems
+
+
+def gravity_along(gravity: Sequence[float], model: str) -> tuple[float, ...]:
+    """Return gravity with one number per direction of the model [m/s²].
+
+    Three numbers are (x, y, z) of space; those without a direction in the model are dropped.
+    """
+    if not gravity:
+        return (0.0,) * (3 if model == "3d" else 2)
+    if model == "axisymmetric" and len(gravity) == 3:
+        return (0.0, gravity[2])
+    return tuple(gravity if model == "3d" else gravity[:2])

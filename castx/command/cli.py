@@ -186,7 +186,7 @@ def run(
 @app.command()
 def check(context: typer.Context, case_file: CaseFile, overrides: Overrides = None) -> None:
     """Validate a case, build its mesh and name its bodies, surfaces and interfaces; no solve."""
-    from castx.case.case import load_case
+    from castx.case.reading.read import load_case
     from castx.command.check import check_case
 
     comm, console = output_of(context)
@@ -204,7 +204,7 @@ def mesh(
     overrides: Overrides = None,
 ) -> None:
     """Write the mesh of a case as a gmsh file."""
-    from castx.case.case import load_case
+    from castx.case.reading.read import load_case
     from castx.domain.memory import refuse_too_large
     from castx.domain.source import write_mesh
 
@@ -246,7 +246,7 @@ def materials(
     ] = None,
 ) -> None:
     """List the materials of the database, or the numbers of one with units, ranges and sources."""
-    from castx.case.case import load_case
+    from castx.case.reading.read import load_case
     from castx.command.listing import material_list, material_table
     from castx.materials.lookup import find_material
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case.case import Case, load_case
+from castx.case.case import Case
+from castx.case.reading.read import load_case
 from castx.checkpoint.file import Checkpoint
 from castx.checkpoint.writing import Checkpoints, header_to_restart_from
 from castx.command.interruption import Interruption

@@ -16,7 +16,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
 from castx.results.solidification import Solidification, thresholds_of

@@ -1,1 +1,4 @@
-"""From a case file to a checked case."""
+"""From a case file to a checked case.
+
+Public: `read.load_case`, `read.read_case`, `changes.refuse_changes`.
+"""

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
+from castx.case.bodies import Body
 from castx.case.boundaries import FREE, Boundary
-from castx.case.reading.contact import face_problems, rigid_problems
-from castx.case.reading.surfaces import surface_problems
+from castx.case.case import Case
+from castx.case.interfaces import Interface
+from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
 from castx.errors import CaseError
 from castx.input.problems import KeyPath, Problem, Refusal, among
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
-
-if TYPE_CHECKING:
-    from castx.case.bodies import Body
-    from castx.case.case import Case
-    from castx.case.interfaces import Interface
 
 _DIRECTIONS = {
     "3d": ("x", "y", "z", "normal", "all"),
@@ -38,18 +34,6 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
-
-
-def gravity_along(gravity: Sequence[float], model: str) -> tuple[float, ...]:
-    """Return gravity with one number per direction of the model [m/s²].
-
-    Three numbers are (x, y, z) of space; those without a direction in the model are dropped.
-    """
-    if not gravity:
-        return (0.0,) * (3 if model == "3d" else 2)
-    if model == "axisymmetric" and len(gravity) == 3:
-        return (0.0, gravity[2])
-    return tuple(gravity if model == "3d" else gravity[:2])
 
 
 def starts_solid(body: Body, material: MaterialDescription) -> bool:

@@ -1,18 +1,27 @@
-"""What must fit together between contact, bodies and supports of a case."""
+"""Checks of contact, loads and supports against the bodies and surfaces of a case."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from typing import TYPE_CHECKING
 
 from castx.case.boundaries import Boundary
-from castx.case.reading.surfaces import surface_problems
+from castx.case.case import Case
+from castx.case.interfaces import Interface
 from castx.contact.choice import body_problem
-from castx.input.problems import KeyPath, Problem
+from castx.input.problems import KeyPath, Problem, among
 
-if TYPE_CHECKING:
-    from castx.case.case import Case
-    from castx.case.interfaces import Interface
+
+def surface_problems(case: Case, place: KeyPath, body: str, surface: str) -> Iterator[Problem]:
+    """Yield a body that the case does not have, or a surface that its generator does not make."""
+    names = [known.name for known in case.bodies]
+    surfaces = case.geometry.surfaces
+    if body not in names:
+        yield Problem(place, f"unknown body {body!r}; {among(body, names)}")
+    elif surfaces is not None and body in surfaces:
+        known = [*surfaces[body], *(name for name in surfaces if name != body)]
+        if surface not in known:
+            nearest = among(surface, known, what=f"surfaces of {body!r}")
+            yield Problem(place, f"no surface {surface!r}; {nearest}")
 
 
 def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:

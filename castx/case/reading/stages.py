@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
+from castx.case.case import Case
 from castx.case.reading.between_parts import direction_problems
 from castx.case.reading.contact import load_problems
+from castx.case.stages import Stage
 from castx.input.problems import KeyPath, Problem, among
-
-if TYPE_CHECKING:
-    from castx.case.case import Case
-    from castx.case.stages import Stage
 
 
 def stage_problems(case: Case) -> Iterator[Problem]:

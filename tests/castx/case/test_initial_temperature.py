@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import pyvista
 
-from castx.case.case import read_case
 from castx.case.initial_temperature import read_initial_temperature
+from castx.case.reading.read import read_case
 from castx.command.run import run_case
 from castx.errors import CaseError
 from tests.coupled_cases import cylinder, merged, nodal, places, simulation

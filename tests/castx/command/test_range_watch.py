@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
-from castx.case.case import Case, read_case
+from castx.case.case import Case
+from castx.case.reading.read import read_case
 from castx.command.range_watch import RangeWatch, used_properties
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material

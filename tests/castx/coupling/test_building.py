@@ -7,7 +7,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.contact.choice import Contact, common_method
 from castx.coupling.building import build_problem, law_above_solidus, step_settings
 from castx.domain.source import gmsh_session

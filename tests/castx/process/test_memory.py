@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.process.simulation import Simulation
 from tests.coupled_cases import cylinder
 

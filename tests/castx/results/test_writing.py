@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from castx.process.simulation import Simulation
 from castx.transfer.conductance import PRIMARY, SECONDARY, Faces, PairState

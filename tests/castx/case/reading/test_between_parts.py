@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from tests.castx.case_data import REMOVED, cylinder
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from tests.castx.case_data import cylinder
 

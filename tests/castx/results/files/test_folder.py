@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from castx.case.case import read_case
+from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from castx.results.files.folder import claimed_folder, clear_results
 from castx.results.files.lock import FILE as LOCK

@@ -1,0 +1,115 @@
+"""Reading of a case file: values, overrides, and the checks between its parts."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from castx.case.case import Case
+from castx.case.geometry import gravity_along
+from castx.case.reading.between_parts import case_problems
+from castx.case.reading.stages import stage_problems
+from castx.errors import CaseError
+from castx.input.overrides import apply_overrides
+from castx.input.problems import Refusal, summary
+
+_LARGEST_FILE = 4_000_000  # bytes
+_DEEPEST = 20  # levels of nesting
+
+
+def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
+    """Read a case file.
+
+    Args:
+        path: a TOML file as described in the contract of case files.
+        overrides: values that replace those of the file, such as "time.end=10".
+
+    Raises:
+        CaseError: the file cannot be read or accepted; the message shows all problems found.
+    """
+    data = apply_overrides(_read_file(path), overrides)
+    return read_case(data, path, " ".join(f"--set {override}" for override in overrides))
+
+
+def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
+    """Return the case that keys and values describe, as a TOML reader or a script hands them out.
+
+    Args:
+        data: content of a case file.
+        path: of the case file; mesh and field files are relative to its folder.
+        remark: shown behind the path in messages.
+
+    Raises:
+        CaseError: the content cannot be accepted; the message shows all problems found.
+    """
+    try:
+        case = Case.read(data)
+        _refuse_contradictions(case)
+    except Refusal as refusal:
+        raise CaseError(summary(f"{path} {remark}".strip(), refusal.problems, data)) from None
+    return _completed(case, path).with_source(path, data)
+
+
+def _refuse_contradictions(case: Case) -> None:
+    problems = [*case_problems(case), *stage_problems(case)]
+    if problems:
+        raise Refusal(problems)
+
+
+def _completed(case: Case, path: Path) -> Case:
+    """Return the case with absolute paths, and gravity in the directions of its model."""
+    geometry, output = case.geometry, case.output
+    if geometry.file is not None:
+        file = path.resolve().parent / geometry.file
+        geometry = geometry.model_copy(update={"file": file})
+    given = "folder" in output.model_fields_set
+    folder = Path.cwd() / (output.folder if given else Path("results") / path.stem)
+    gravity = gravity_along(case.loads.gravity, geometry.model)
+    return case.model_copy(
+        update={
+            "name": case.name or path.stem,
+            "geometry": geometry,
+            "output": output.model_copy(update={"folder": folder}),
+            "loads": case.loads.model_copy(update={"gravity": gravity}),
+            "bodies": tuple(
+                body.model_copy(update={"temperature": body.temperature.beside(path)})
+                for body in case.bodies
+            ),
+        }
+    )
+
+
+def _read_file(path: Path) -> dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(content) > _LARGEST_FILE:
+        raise CaseError(f"{path}: too large; a case file has at most {_LARGEST_FILE} bytes")
+    try:
+        data = tomllib.loads(content.decode())
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
+    except ValueError as error:
+        raise CaseError(f"{path}: not a TOML file: {error}") from None
+    except RecursionError:
+        data = None
+    if data is None or _deeper_than(_DEEPEST, data):
+        raise CaseError(f"{path}: lists or tables are nested more than {_DEEPEST} levels deep")
+    return data
+
+
+def _deeper_than(levels: int, data: Any) -> bool:
+    """Whether tables and lists are nested more than some levels deep, found without recursion."""
+    layer = [data]
+    for _ in range(levels):
+        inside = [value for item in layer for value in _items(item)]
+        layer = [value for value in inside if isinstance(value, dict | list)]
+    return bool(layer)
+
+
+def _items(container: Any) -> Iterable[Any]:
+    return container.values() if isinstance(container, dict) else container
