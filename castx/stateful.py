@@ -1,8 +1,8 @@
-"""State as named arrays: what every object that remembers something hands to a checkpoint.
+"""State of an object as named arrays, for checkpoints and for the next stage.
 
-`saved()` returns the committed state of an object, `restore(arrays)` takes it back from the arrays
-of the same names, whose rows are then the local entities with their ghosts. Rows are known by
-numbers of the mesh before it was distributed, so that the number of ranks may change in between.
+`saved()` returns the state at the end of the last accepted step, `restore(arrays)` takes it back
+from arrays of the same names, whose rows are then the local entities with their ghosts. Rows are
+numbered as in the mesh before it was distributed, so that the number of ranks may change.
 """
 
 from __future__ import annotations
@@ -36,31 +36,36 @@ class Numbering:
 
 
 MOST_AT_NODE = 64
-"""More than the pairs, or the rows of pairs, at any node."""
+"""Upper bound of the pairs, or of the rows of pairs, at any node."""
 
 
-def turn_of(owners: npt.NDArray[Any]) -> LongArray:
-    """Return how many entries of the same owner stand before each entry, shape (entries,)."""
-    order = np.argsort(owners, kind="stable")
-    first = np.searchsorted(owners[order], owners[order])
-    turn = np.empty(len(order), dtype=np.int64)
-    turn[order] = np.arange(len(order)) - first
-    return turn
+def occurrence(values: npt.NDArray[Any]) -> LongArray:
+    """Return how many equal values stand before each value, shape (values,)."""
+    order = np.argsort(values, kind="stable")
+    first = np.searchsorted(values[order], values[order])
+    count = np.empty(len(order), dtype=np.int64)
+    count[order] = np.arange(len(order)) - first
+    return count
 
 
 def numbered_at_nodes(name: str, nodes: LongArray) -> Numbering:
-    """Return the numbering of owned entities by their nodes and their turn at them."""
-    return Numbering(name, nodes * MOST_AT_NODE + turn_of(nodes), len(nodes))
+    """Return a numbering of owned entities of which several may stand at one node.
+
+    Args:
+        name: of the kind of entity.
+        nodes: number of the node of each entity, fewer than `MOST_AT_NODE` at one, (entities,).
+    """
+    return Numbering(name, nodes * MOST_AT_NODE + occurrence(nodes), len(nodes))
 
 
 @dataclass(frozen=True, eq=False)
 class Saved:
-    """An array of a state.
+    """An array of a saved state.
 
     Attributes:
-        values: rows of the owned entities, those of ghosts may follow; without a numbering an array
+        values: rows of the owned entities, rows of ghosts may follow; without a numbering an array
             that is equal on all ranks.
-        numbering: what the rows belong to; None: the whole run.
+        numbering: entities of the rows; None: the array belongs to the whole run.
     """
 
     values: Array
@@ -68,13 +73,13 @@ class Saved:
 
 
 class Stateful(Protocol):
-    """An object that remembers something from step to step."""
+    """An object with a state that lasts from step to step."""
 
     def saved(self) -> dict[str, Saved]:
-        """Return the committed state; collective."""
+        """Return the state of the last accepted step; collective."""
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back a state, committed; collective."""
+        """Set the state of the last accepted step; collective."""
 
 
 def joined(parts: Mapping[str, Mapping[str, Saved]]) -> dict[str, Saved]:
@@ -96,11 +101,11 @@ def saved_parts(parts: Mapping[str, Stateful]) -> dict[str, Saved]:
 
 
 def restore_parts(parts: Mapping[str, Stateful], arrays: Arrays) -> None:
-    """Restore several objects from what `saved_parts` returned; collective."""
+    """Restore several objects from arrays named as by `saved_parts`; collective."""
     for name, part in parts.items():
         part.restore(part_of(arrays, name))
 
 
 def number(value: float) -> Saved:
-    """Return a number of the whole run."""
+    """Return a saved number of the whole run."""
     return Saved(np.array(value))

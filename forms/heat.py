@@ -1,8 +1,8 @@
 """Weak form of the enthalpy equation (Chiumenti, section 2.3).
 
-Storage, surfaces and node pairs are integrated at the nodes, so only two integrals are left: what a
-node weighs, and conduction. Conduction is written in the potential θ = ∫k dT of Kirchhoff, in which
-it is linear: k∇T = ∇θ.
+Storage, surfaces and node pairs are integrated at the nodes, so conduction is the only integral
+left beside the volumes and areas of the nodes. It is written in the potential θ = ∫k dT of
+Kirchhoff, in which it is linear: k∇T = ∇θ.
 """
 
 from __future__ import annotations
@@ -10,17 +10,6 @@ from __future__ import annotations
 from typing import Any
 
 import ufl
-
-
-def nodal_weight(v: Any, circumference: Any, measure: Any) -> Any:
-    """Return ∫ v: over the cells the volume, over facets the area that a node stands for.
-
-    Args:
-        v: test function.
-        circumference: 2πr when axisymmetric, else 1.
-        measure: of the integral.
-    """
-    return circumference * v * measure
 
 
 def conduction(potential: Any, v: Any, circumference: Any, dx: Any) -> Any:

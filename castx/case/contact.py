@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import numpy as np
 import numpy.typing as npt
 from pydantic import PlainValidator
 
@@ -15,13 +14,13 @@ from castx.arrays import FloatArray
 from castx.case.pairing import Pairing
 from castx.contact.choice import friction_problem
 from castx.errors import CaseError
+from castx.input.coordinates import AXES, coordinate
 from castx.input.entries import Choice, Description, Quantity, Tabulated, Whole
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import ANGLE, LENGTH, PENALTY, PURE_NUMBER
 from castx.tables import Table
 
 _LENGTHS = Quantity(LENGTH)
-_ALONG = ("x", "y", "z", "r")
 _WITH_PENALTY = ("penalty", "augmented-lagrangian", "block-iterative")
 _FALLBACKS = (
     "condensed",
@@ -54,10 +53,7 @@ class InitialGap:
 
     def at(self, points: npt.ArrayLike) -> FloatArray:
         """Return the gap at points of shape (n, gdim), in the coordinates of the model."""
-        coordinates = np.asarray(points, dtype=np.float64)
-        if self.along == "r" and coordinates.shape[1] == 3:
-            return self.table(np.hypot(coordinates[:, 0], coordinates[:, 1]))
-        return self.table(coordinates[:, {"x": 0, "r": 0, "y": 1, "z": -1}[self.along]])
+        return self.table(coordinate(points, self.along))
 
 
 def _initial_gap(value: Any) -> InitialGap:
@@ -72,7 +68,7 @@ def _initial_gap(value: Any) -> InitialGap:
         if key not in value:
             raise refuse("missing; both along and table are needed", key)
     try:
-        along = Choice(_ALONG).read(value["along"])
+        along = Choice(AXES).read(value["along"])
     except CaseError as error:
         raise refuse(str(error), "along") from None
     try:

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, StrictStr, model_validator
 
 from castx.errors import CaseError
-from castx.input.entries import Choice, Description, NotYet, Quantity
+from castx.input.entries import Choice, Description, Quantity
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import LENGTH, PURE_NUMBER
 
@@ -197,6 +197,17 @@ GENERATORS = {
 }
 
 
+def _generator(value: Any) -> str:
+    if value in _GENERATORS_LATER:
+        raise CaseError(f"not available yet; {among('', list(GENERATORS), what='available')}")
+    return Choice(tuple(GENERATORS)).read(value)
+
+
+def _no_parts(value: Any) -> None:
+    if value is not None:
+        raise CaseError("not available yet; leave this key out")
+
+
 def _mesh_file(value: Any) -> Path:
     if not isinstance(value, str | Path) or not str(value).endswith(".msh") or "\0" in str(value):
         raise CaseError('the path of a gmsh mesh is needed, relative to the case file: "part.msh"')
@@ -210,9 +221,9 @@ class Geometry(Description):
     """
 
     model: Annotated[str, Choice(MODELS)]
-    generator: Annotated[str | None, Choice(tuple(GENERATORS), _GENERATORS_LATER)] = None
+    generator: Annotated[str | None, PlainValidator(_generator)] = None
     file: Annotated[Path | None, PlainValidator(_mesh_file)] = None
-    parts: Annotated[None, NotYet()] = None
+    parts: Annotated[None, PlainValidator(_no_parts)] = None
     arguments: dict[StrictStr, Any] = Field({})
 
     @model_validator(mode="before")

@@ -1,8 +1,10 @@
-"""Descriptions of the stages of a process: what changes at a time of the run."""
+"""Stages of a process: what changes at a time of the run, and when, cycle after cycle."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
@@ -14,6 +16,9 @@ from castx.input.problems import Problem, Refusal
 from castx.input.units import PURE_NUMBER, TEMPERATURE, TEMPERATURE_DIFFERENCE, TIME
 from castx.input.variation import Variation
 from castx.tables import Table
+
+SLACK = 1e-9
+"""Part of a time by which it may miss another and still be the same."""
 
 _FRICTION = Quantity(PURE_NUMBER, least=0.0)
 _MOST_CYCLES = 10_000
@@ -101,3 +106,66 @@ class Stage(Description):
         if isinstance(self.eject, float) and not self.remove:
             text = "the stage removes no body to draw; name it in remove, or here: { core = 0.3 }"
             yield Problem(("eject",), text)
+
+
+@dataclass(frozen=True)
+class Phase:
+    """One stage in one cycle.
+
+    Attributes:
+        start: time at which it begins [s].
+        stage: its number; 0 is what the case describes without stages.
+        cycle: its number, from 1.
+        cycle_start: time at which the cycle begins [s]; tables over time count from there.
+    """
+
+    start: float
+    stage: int
+    cycle: int
+    cycle_start: float
+
+
+class Schedule:
+    """All phases of a run, in their order.
+
+    Attributes:
+        phases: the phases.
+        stages: number of different ones, the start included.
+        cycles: how often they are gone through.
+        cycle_length: from cycle to cycle [s].
+        end: of the run [s].
+
+    The last stage may ask for cycles. One that does nothing else marks the end of the cycle; behind
+    one that acts, the cycle ends at the end of the case.
+
+    Args:
+        stages: of the case.
+        end: of the case [s]: of the run, or where cycles go on longer of the first one.
+    """
+
+    def __init__(self, stages: Sequence[Stage], end: float) -> None:
+        self.cycles = (stages[-1].repeat or 1) if stages else 1
+        self.cycle_length = end
+        starts = [0.0, *(stage.at for stage in stages)]
+        if stages and not stages[-1].acts:
+            self.cycle_length = starts.pop()
+        self.stages = len(starts)
+        whole = self.cycles * self.cycle_length
+        cut = self.cycle_length * (1 + SLACK) < end < whole
+        self.end = end if cut else whole
+        self.phases = [
+            Phase(cycle * self.cycle_length + start, stage, cycle + 1, cycle * self.cycle_length)
+            for cycle in range(self.cycles)
+            for stage, start in enumerate(starts)
+            if cycle * self.cycle_length + start < self.end * (1 - SLACK)
+        ]
+
+    @property
+    def stops(self) -> tuple[float, ...]:
+        """Times at which a phase ends and the next one begins [s]."""
+        return tuple(phase.start for phase in self.phases[1:])
+
+    def number_at(self, time: float) -> int:
+        """Return the number of the phase to which the step that begins at a time [s] belongs."""
+        starts = [phase.start for phase in self.phases]
+        return bisect_right(starts, time + SLACK * self.end) - 1

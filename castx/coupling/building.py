@@ -11,7 +11,7 @@ from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.between_parts import starts_solid
-from castx.case.schedule import Schedule
+from castx.case.stages import Schedule
 from castx.contact.choice import COMMON_NUMBERS, Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.interface import CoupledInterface

@@ -15,6 +15,7 @@ from dolfinx.mesh import Mesh
 from castx.arrays import FloatArray
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
+from castx.forms.nodal import nodal_area_vector, nodal_measure
 
 
 def cell_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
@@ -24,25 +25,78 @@ def cell_measure(body: BodyMesh, model: str, degree: int) -> kinematics.Weighted
     return kinematics.WeightedMeasure(weight, measure)
 
 
-def surface_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
-    """Return the weighted measure of the surfaces of a body, exact for a polynomial degree."""
+def surface_measure(
+    body: BodyMesh, model: str, degree: int | None
+) -> kinematics.WeightedMeasure:
+    """Return the weighted measure of the surfaces of a body, exact for a polynomial degree.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        degree: of the polynomial; None: as UFL estimates it for each integrand.
+    """
     weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
     measure = ufl.Measure(
         "ds",
         domain=body.mesh,
         subdomain_data=body.facet_tags,
-        metadata={"quadrature_degree": degree},
+        metadata={} if degree is None else {"quadrature_degree": degree},
     )
     return kinematics.WeightedMeasure(weight, measure)
 
 
 def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
     """Return the volumes of the owned nodes of a body [m³], shape (owned,)."""
-    volumes = fem.assemble_vector(
-        fem.form(ufl.TestFunction(body.nodes) * cell_measure(body, model, 2))
-    )
-    volumes.scatter_reverse(la.InsertMode.add)
-    return np.asarray(volumes.array[: body.nodes.dofmap.index_map.size_local])
+    dx = cell_measure(body, model, 2)
+    volumes = _assembled(nodal_measure(ufl.TestFunction(body.nodes), dx.weight, dx.measure))
+    return volumes[: body.nodes.dofmap.index_map.size_local]
+
+
+def nodal_areas(
+    body: BodyMesh, model: str, surface: str, degree: int | None = None
+) -> FloatArray:
+    """Return the areas ∫ φ dS of the local nodes of a body on a surface [m²], shape (nodes,).
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        surface: name of the surface.
+        degree: of the quadrature; None: as UFL estimates it.
+
+    Raises:
+        MeshError: the body has no such surface.
+    """
+    ds = surface_measure(body, model, degree)(body.surface_tag(surface))
+    return _assembled(nodal_measure(ufl.TestFunction(body.nodes), ds.weight, ds.measure))
+
+
+def nodal_area_vectors(
+    body: BodyMesh, model: str, surface: str, degree: int | None = None
+) -> FloatArray:
+    """Return ∫ φ n dS of the local nodes on a surface, n outward [m²], shape (nodes, gdim).
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        surface: name of the surface.
+        degree: of the quadrature; None: as UFL estimates it.
+
+    Raises:
+        MeshError: the body has no such surface.
+    """
+    gdim = body.mesh.geometry.dim
+    ds = surface_measure(body, model, degree)(body.surface_tag(surface))
+    v = ufl.TestFunction(fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,))))
+    normal = ufl.FacetNormal(body.mesh)
+    return _assembled(nodal_area_vector(v, normal, ds.weight, ds.measure)).reshape(-1, gdim)
+
+
+def _assembled(form: ufl.Form) -> FloatArray:
+    """Return the values of a linear form at the local entries."""
+    vector = fem.assemble_vector(fem.form(form))
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return np.asarray(vector.array)
 
 
 def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:

@@ -1,4 +1,8 @@
-"""The facets of a surface of a body, gathered on all ranks."""
+"""The facets of a surface of a body, gathered on all ranks.
+
+Areas and area vectors are kept facet by facet, since a patch of an interface adds up those of some
+facets only; `castx.domain.measures` has the sums over all facets round each node.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +23,7 @@ class SurfaceFacets:
     """Facets of all ranks, in an order that differs from run to run with the ranks.
 
     Attributes:
+        kind: of the facets.
         nodes: global node numbers of the body, shape (facets, corners).
         points: of the corners [m], shape (facets, corners, dimension).
         normals: outward unit vectors in the middle of the facets, shape (facets, dimension).
@@ -26,6 +31,7 @@ class SurfaceFacets:
         vectors: ∫φ n dS of the corners, n outward [m²], shape (facets, corners, dimension).
     """
 
+    kind: CellKind
     nodes: LongArray
     points: FloatArray
     normals: FloatArray
@@ -55,7 +61,7 @@ def surface_facets(mesh: CastingMesh, body: BodyMesh, surface: str) -> SurfaceFa
         sign[:, None, None] * vectors,
     )
     gathered = zip(*mesh.comm.allgather(parts), strict=True)
-    return SurfaceFacets(*(np.concatenate(part) for part in gathered))
+    return SurfaceFacets(face, *(np.concatenate(part) for part in gathered))
 
 
 def _owned_facets(body: BodyMesh, surface: str) -> tuple[LongArray, FloatArray]:

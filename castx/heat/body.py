@@ -12,6 +12,7 @@ from castx.arrays import FloatArray, IntArray
 from castx.domain.mesh import BodyMesh
 from castx.forms import heat as forms
 from castx.forms.kinematics import weight
+from castx.forms.nodal import nodal_measure
 from castx.materials.conduction_potential import conduction_potential
 from castx.materials.material import Material
 from castx.tables import Table
@@ -85,7 +86,7 @@ class ThermalBody:
     def _nodal_weights(self, measure: ufl.Measure) -> FloatArray:
         """Return the integrals of the owned shape functions, times 2πr when axisymmetric."""
         v = ufl.TestFunction(self.mesh.nodes)
-        form = fem.form(forms.nodal_weight(v, self._circumference, measure))
+        form = fem.form(nodal_measure(v, self._circumference, measure))
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
         return np.array(vector.array[: self.owned])

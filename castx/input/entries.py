@@ -1,4 +1,4 @@
-"""Kinds of entries of a case file: numbers, tables, names, and what is not available yet."""
+"""Kinds of entries of a case file: numbers, tables, choices and names."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from castx.errors import CaseError
 from castx.input.problems import Problem, Refusal, among, refuse, show, translate
-from castx.input.units import PURE_NUMBER, TEMPERATURE, TIME, Dimension, number
+from castx.input.units import TEMPERATURE, TIME, Dimension, number
 from castx.tables import Table
 
 LONGEST_TABLE = 10_000
@@ -190,48 +190,20 @@ class Choice:
 
     Args:
         names: what can be chosen.
-        later: names of the contract that castx does not have yet.
     """
 
     names: tuple[str, ...]
-    later: tuple[str, ...] = ()
 
     def read(self, value: Any) -> str:
         """Return the name.
 
         Raises:
-            CaseError: not available yet, or no such name.
+            CaseError: no such name.
         """
         if isinstance(value, str) and value in self.names:
             return value
-        if isinstance(value, str) and value in self.later:
-            raise CaseError(f"not available yet; {among('', self.names, what='available')}")
         near = value if isinstance(value, str) else ""
         raise CaseError(f"unknown; {among(near, self.names, what='allowed')}")
-
-    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-
-@dataclass(frozen=True)
-class NotYet:
-    """A key of the contract that castx does not have yet; only its default is accepted.
-
-    Args:
-        default: the value that asks for nothing.
-    """
-
-    default: Any = None
-
-    def read(self, value: Any) -> Any:
-        """Return the default.
-
-        Raises:
-            CaseError: anything else was asked for.
-        """
-        if isinstance(value, bool) is isinstance(self.default, bool) and value == self.default:
-            return self.default
-        raise CaseError("not available yet; leave this key out")
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -271,7 +243,6 @@ TIMES = Quantity(TIME)
 TEMPERATURES = Quantity(TEMPERATURE)
 EntryName = Annotated[str, Name()]
 MaterialName = Annotated[str, Name(dots=True)]
-PureNumber = Annotated[float, Quantity(PURE_NUMBER)]
 Temperature = Annotated[float, TEMPERATURES]
 
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from mpi4py import MPI
 
 import numpy as np
-import ufl
-from dolfinx import fem, la
 
 from castx.arrays import FloatArray, IntArray
-from castx.domain.measures import surface_measure
+from castx.domain.measures import nodal_area_vectors
 from castx.domain.mesh import BodyMesh
 from castx.errors import CaseError
 from castx.tables import Table
@@ -154,24 +152,11 @@ def _unit_normals(
 
     Zero where the mirror images cancel them.
     """
-    vectors = _area_vectors(body, model, surface)[nodes]
+    # Of this degree at all times: another one moves the normals by round-off.
+    vectors = nodal_area_vectors(body, model, surface, 2)[nodes]
     smallest = PARALLEL * np.linalg.norm(vectors, axis=1, keepdims=True)
     for mirror in mirrors:
         mirror.cancel(vectors, nodes, body.nodes.dofmap.index_map.size_local)
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     none = np.zeros_like(vectors)
     return np.asarray(np.divide(vectors, lengths, out=none, where=lengths > smallest))
-
-
-def _area_vectors(body: BodyMesh, model: str, surface: str) -> FloatArray:
-    """Return ∫ φ n dS of the local nodes, n outward, shape (nodes, dimension)."""
-    mesh, dimension = body.mesh, body.mesh.geometry.dim
-    vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
-    ds = surface_measure(body, model, 2)(body.surfaces[surface])
-    form = fem.form(ufl.inner(ufl.FacetNormal(mesh), ufl.TestFunction(vectors)) * ds)
-    b = la.vector(vectors.dofmap.index_map, dimension)
-    b.array[:] = 0
-    fem.assemble_vector(b.array, form)
-    b.scatter_reverse(la.InsertMode.add)
-    b.scatter_forward()
-    return np.asarray(b.array.reshape(-1, dimension))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from castx.case.case import Case
-from castx.case.schedule import Schedule
+from castx.case.stages import Schedule
 from castx.coupling.building import (
     build_problem,
     check_surfaces,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from castx.case.schedule import SLACK, Phase, Schedule
+from castx.case.stages import SLACK, Phase, Schedule
 from castx.contact.kinematics.rigid import RigidBody
 from castx.coupling.step import CoupledProblem
 from castx.domain.mesh import CastingMesh

@@ -9,8 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from castx.case.case import Case
-from castx.case.schedule import Schedule
-from castx.case.stages import Stage
+from castx.case.stages import Schedule, Stage
 
 
 def stage_table(case: Case, stages: Sequence[Case]) -> Table:

@@ -6,7 +6,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from castx.case.schedule import Schedule
+from castx.case.stages import Schedule
 from castx.errors import CaseError
 from castx.materials.lookup import find_material
 from castx.results.fields import Fields

@@ -19,14 +19,6 @@ def ring(comm):
     return mesh.create_rectangle(comm, [[1.0, 0.0], [2.0, 1.0]], [4, 3])
 
 
-@pytest.mark.parametrize(("model", "volume"), [("axisymmetric", 3 * np.pi), ("plane-strain", 1.0)])
-def test_weights_of_all_nodes_are_the_volume(comm, ring, model, volume):
-    one = fem.Function(fem.functionspace(ring, ("Lagrange", 1)))
-    one.x.array[:] = 1.0
-    r = weight(model, ufl.SpatialCoordinate(ring))
-    assert total(comm, heat.nodal_weight(one, r, ufl.dx)) == pytest.approx(volume)
-
-
 def test_heat_through_a_ring(comm, ring):
     """θ = r conducts 2πr per height: ∫∇θ·∇v with v = r is ∫2πr dr."""
     radius = fem.Function(fem.functionspace(ring, ("Lagrange", 1)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from castx.arrays import IntArray
-from castx.stateful import turn_of
+from castx.stateful import occurrence
 
 if TYPE_CHECKING:
     from castx.domain.pairs.node_pairs import NodePairs
@@ -43,6 +43,6 @@ class InterfaceRows:
 
     def turns(self) -> Iterator[IntArray]:
         """Yield the first pairs of all nodes, then the second ones, and so on."""
-        turn = turn_of(self.pairs.secondary_local)
+        turn = occurrence(self.pairs.secondary_local)
         for k in range(int(turn.max(initial=-1)) + 1):
             yield np.flatnonzero(turn == k).astype(np.int32)

@@ -17,7 +17,7 @@ EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
-class Projection:
+class ClosestPoints:
     """The closest point of a surface to each of some points.
 
     Attributes:
@@ -31,7 +31,7 @@ class Projection:
     normals: FloatArray
 
 
-def project(points: FloatArray, corners: FloatArray, normals: FloatArray) -> Projection:
+def project(points: FloatArray, corners: FloatArray, normals: FloatArray) -> ClosestPoints:
     """Project points onto facets.
 
     Args:
@@ -59,7 +59,7 @@ def project(points: FloatArray, corners: FloatArray, normals: FloatArray) -> Pro
     first = order[np.searchsorted(point[order], np.arange(len(points)))]
     lengths = np.linalg.norm(means, axis=1, keepdims=True)
     means = np.divide(means, lengths, out=normals[facet[first]].copy(), where=lengths > 0)
-    return Projection(facet[first], weights[first], means)
+    return ClosestPoints(facet[first], weights[first], means)
 
 
 def _closest(points: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:

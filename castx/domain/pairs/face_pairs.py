@@ -14,9 +14,10 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.case.pairing import Pairing
+from castx.domain.measures import nodal_area_vectors, nodal_areas
 from castx.domain.mesh import BodyMesh, CastingMesh
-from castx.domain.pairs.closest_point import Projection, project
-from castx.domain.pairs.node_pairs import NodePairs, nodal_areas
+from castx.domain.pairs.closest_point import ClosestPoints, project
+from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.surface_facets import SurfaceFacets, surface_facets
 from castx.errors import MeshError
 
@@ -50,7 +51,8 @@ def face_pairs(
         )
     local = own.surface_nodes(name)
     local = local[local < own.nodes.dofmap.index_map.size_local]
-    areas, vectors = nodal_areas(mesh, own, name)
+    areas = nodal_areas(own, mesh.model, name)
+    vectors = nodal_area_vectors(own, mesh.model, name)
     facets = surface_facets(mesh, other, facing)
     if len(facets.nodes) == 0:
         raise MeshError(f"surface {facing!r} of body {primary!r} has no facets")
@@ -74,7 +76,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.where(lengths > 0, lengths, 1.0))
 
 
-def _faces(points: FloatArray, found: Projection, facets: SurfaceFacets) -> BoolArray:
+def _faces(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
     """Return which points lie opposite a facet, not beside the edge of the surface."""
     corners = facets.points[found.facet]
     reached = np.einsum("na,nak->nk", found.weights, corners)
@@ -86,11 +88,10 @@ def _faces(points: FloatArray, found: Projection, facets: SurfaceFacets) -> Bool
     return ~(far & _at_edge(found, facets))
 
 
-def _at_edge(found: Projection, facets: SurfaceFacets) -> BoolArray:
+def _at_edge(found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
     """Return which closest points lie on the edge of the surface."""
     count = facets.nodes.shape[1]
-    sides = {2: [(0,), (1,)], 3: [(0, 1), (1, 2), (0, 2)], 4: [(0, 1), (1, 3), (2, 3), (0, 2)]}
-    local = np.array(sides[count])
+    local = facets.kind.faces
     keys = np.sort(facets.nodes[:, local], axis=2)
     flat = keys.reshape(-1, keys.shape[2])
     number, times = np.unique(flat, axis=0, return_inverse=True, return_counts=True)[1:]
@@ -110,7 +111,7 @@ def _pairs(
     own: BodyMesh,
     names: tuple[str, str, str],
     facets: SurfaceFacets,
-    found: Projection,
+    found: ClosestPoints,
     nodes: tuple[IntArray, FloatArray, FloatArray],
     kept: BoolArray,
 ) -> NodePairs:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import ufl
-from dolfinx import fem, la
+from dolfinx import la
 from numpy.typing import NDArray
 
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
+from castx.domain.measures import nodal_area_vectors, nodal_areas
 from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.errors import MeshError
-from castx.forms.interface import nodal_area, nodal_area_vector
-from castx.forms.kinematics import weight as model_weight
 from castx.stateful import Numbering, numbered_at_nodes
 
 
@@ -95,7 +93,8 @@ def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
     check_shared(body, primary)
     local = body.surface_nodes(primary)
     local = local[local < body.nodes.dofmap.index_map.size_local]
-    areas, vectors = nodal_areas(mesh, body, primary)
+    areas = nodal_areas(body, mesh.model, primary)
+    vectors = nodal_area_vectors(body, mesh.model, primary)
     return pairs_at(mesh, secondary, primary, local, areas[local], vectors[local])
 
 
@@ -165,27 +164,6 @@ def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> LongArray:
     number.scatter_reverse(la.InsertMode.add)
     number.scatter_forward()
     return number.array - 1
-
-
-def nodal_areas(mesh: CastingMesh, body: BodyMesh, surface: str) -> tuple[FloatArray, FloatArray]:
-    """Area (nodes,) and outward area vector (nodes, gdim) of nodes on a surface."""
-    gdim = mesh.parent.geometry.dim
-    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=body.facet_tags)(
-        body.surface_tag(surface)
-    )
-    weight = model_weight(mesh.model, ufl.SpatialCoordinate(body.mesh))
-    vector_space = fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,)))
-    normal = ufl.FacetNormal(body.mesh)
-    area = _assembled(nodal_area(ufl.TestFunction(body.nodes), weight, ds))
-    vector = _assembled(nodal_area_vector(ufl.TestFunction(vector_space), normal, weight, ds))
-    return area, vector.reshape(-1, gdim)
-
-
-def _assembled(form: ufl.Form) -> FloatArray:
-    vector = fem.assemble_vector(fem.form(form))
-    vector.scatter_reverse(la.InsertMode.add)
-    vector.scatter_forward()
-    return vector.array
 
 
 def _check_normals(

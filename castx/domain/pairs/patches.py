@@ -57,32 +57,22 @@ def corner_patches(facets: SurfaceFacets, sharp_angle: float) -> LongArray:
     """
     count, corners = facets.nodes.shape
     items = np.arange(count * corners).reshape(count, corners)
-    rows, columns = _smooth_links(facets, items, _sides(corners), sharp_angle)
+    rows, columns = _smooth_links(facets, items, sharp_angle)
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(items.size, items.size))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _sides(corners: int) -> list[tuple[int, ...]]:
-    """Return the sides of a facet by which it has neighbours: corners, or edges of a polygon.
-
-    Quadrilaterals have their corners in the order of DOLFINx.
-    """
-    if corners == 2:
-        return [(0,), (1,)]
-    return [(0, 1), (0, 2), (1, 2)] if corners == 3 else [(0, 1), (0, 2), (1, 3), (2, 3)]
-
-
 def _smooth_links(
-    facets: SurfaceFacets, items: LongArray, sides: list[tuple[int, ...]], sharp_angle: float
+    facets: SurfaceFacets, items: LongArray, sharp_angle: float
 ) -> LongArray:
     """Return pairs of corners at one node whose facets are smooth neighbours, shape (2, links)."""
-    local = np.array(sides)
+    local = facets.kind.faces  # corners of a line, edges of a polygon
     given = facets.nodes[:, local].reshape(-1, local.shape[1])
     # The same node first on both facets of a side.
     within = np.argsort(given, axis=1)
     nodes = np.take_along_axis(given, within, axis=1)
     corner = np.take_along_axis(items[:, local].reshape(given.shape), within, axis=1)
-    facet = np.repeat(np.arange(len(items)), len(sides))
+    facet = np.repeat(np.arange(len(items)), len(local))
     keys = np.unique(nodes, axis=0, return_inverse=True)[1].ravel()
     order = np.argsort(keys, kind="stable")
     same = keys[order][1:] == keys[order][:-1]

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.case.schedule import Schedule
+from castx.case.stages import Schedule
 from castx.coupling.report import CoupledReport
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError

@@ -2,8 +2,7 @@
 
 import pytest
 
-from castx.case.schedule import Phase, Schedule
-from castx.case.stages import Stage
+from castx.case.stages import Phase, Schedule, Stage
 
 pytestmark = pytest.mark.serial
 

@@ -1,11 +1,12 @@
-"""Areas and normals of the boundary nodes of the unit square."""
+"""Volumes, areas and normals of the nodes of a ring and of the unit square."""
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem, la, mesh
 
-from castx.forms.interface import nodal_area, nodal_area_vector
+from castx.forms.kinematics import weight as model_weight
+from castx.forms.nodal import nodal_area_vector, nodal_measure
 
 
 def owned_values(form, gdim):
@@ -19,10 +20,20 @@ def square(comm):
     return mesh.create_unit_square(comm, 4, 4)
 
 
+@pytest.mark.parametrize(("model", "volume"), [("axisymmetric", 3 * np.pi), ("plane-strain", 1.0)])
+def test_volumes_of_all_nodes_are_the_volume(comm, model, volume):
+    ring = mesh.create_rectangle(comm, [[1.0, 0.0], [2.0, 1.0]], [4, 3])
+    v = ufl.TestFunction(fem.functionspace(ring, ("Lagrange", 1)))
+    circumference = model_weight(model, ufl.SpatialCoordinate(ring))
+    volumes = owned_values(nodal_measure(v, circumference, ufl.dx), 1)
+    assert comm.allreduce(volumes.sum()) == pytest.approx(volume)
+    assert (volumes > 0).all()
+
+
 @pytest.mark.parametrize("weight, perimeter", [(1.0, 4.0), (3.0, 12.0)])
 def test_areas_add_up_to_the_weighted_boundary(square, weight, perimeter, comm):
     v = ufl.TestFunction(fem.functionspace(square, ("Lagrange", 1)))
-    areas = owned_values(nodal_area(v, weight, ufl.ds), 1)
+    areas = owned_values(nodal_measure(v, weight, ufl.ds), 1)
     assert comm.allreduce(areas.sum()) == pytest.approx(perimeter)
     assert (areas > -1e-15).all()
 
