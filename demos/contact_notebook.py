@@ -99,7 +99,8 @@ def solve(size, push=ELASTIC, model="plane-strain", tolerance=1e-6, linear="dire
     report = mechanics.equilibrium.solve(1.0)
     cpu = time.process_time() - begin
     state = mechanics.contact_states()[0]
-    reaction, penetration = state.force.sum(), np.maximum(-state.gap, 0.0).max()
+    reaction = np.linalg.norm(state.force.sum(axis=0))
+    penetration = np.maximum(-state.gap, 0.0).max()
     mechanics.destroy()
     return reaction, penetration, cpu, report
 

@@ -36,7 +36,8 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.reading.read import read_case
 from castx.heat.law_building import conduction_law
 from castx.process.simulation import Simulation
-from castx.transfer.conductance import Faces, PairState
+from castx.transfer.conductance import Faces
+from castx.transfer.pair_state import PairState
 
 # %% [markdown]
 # ## The laws

@@ -195,3 +195,8 @@ def sorted_by_place(points: FloatArray, values: FloatArray) -> tuple[FloatArray,
     scale = np.abs(points).max()
     order = np.lexsort(np.round(points / scale, 9).T)
     return points[order], values[order]
+
+
+def normal_forces(made, number=0):
+    """Return the contact forces of an interface along the normals of its pairs [N], (pairs,)."""
+    return np.sum(made.contact_states()[number].force * made.pairs[number].normals, axis=1)

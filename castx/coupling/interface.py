@@ -1,14 +1,19 @@
-"""An interface as the coupling of heat and mechanics sees it, and the state of its pairs."""
+"""Interfaces as the coupling of heat and mechanics sees them, and the states of their pairs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray
+from castx.arrays import FloatArray
 from castx.domain.pairs.node_pairs import NodePairs
-from castx.transfer.conductance import PairState
+from castx.stateful import Arrays, Saved, number, part_of
+from castx.transfer.pair_state import PairState
+
+WITH_FEEDBACK = ("staggered", "iterated")
+"""Coupling schemes in which heat transfer depends on the present gaps and pressures."""
 
 
 @dataclass(frozen=True)
@@ -28,25 +33,109 @@ class CoupledInterface:
     contact: int | None
 
 
-@dataclass(frozen=True)
-class InterfaceState:
-    """The pairs of an interface.
+class Interfaces:
+    """States of the pairs of all interfaces, committed and trial.
 
     Attributes:
-        gap: [m], shape (pairs,).
-        pressure: contact pressure [Pa].
-        resistance: R = 1/h [m² K/W], without radiation.
-        closed: whether the pair touches; the gap of one that does is zero but for round-off.
-        force: of contact on the secondary nodes [N], shape (pairs, dimension).
+        described: the interfaces in the order of the heat problem.
+        states: trial states of their pairs.
+        resistances: trial resistances R = 1/h of their pairs without radiation [m² K/W], shape
+            (pairs,) each.
+        committed_step: size of the last accepted step [s]; 1 s before the first one.
+
+    Args:
+        described: the interfaces in the order of the heat problem.
+        scheme: of the coupling.
     """
 
-    gap: FloatArray
-    pressure: FloatArray
-    resistance: FloatArray
-    closed: BoolArray
-    force: FloatArray
+    def __init__(self, described: Sequence[CoupledInterface], scheme: str) -> None:
+        self.described, self._scheme = list(described), scheme
+        self.states = [initial_state(interface) for interface in described]
+        self.resistances: list[FloatArray] = [np.ones(len(s.gap)) for s in self.states]
+        self._initial = [state.clipped() for state in self.states]
+        self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
+        self.committed_step = 1.0
+        self._committed = list(self.states)
+        self._committed_resistances = list(self.resistances)
 
-    @property
-    def felt(self) -> PairState:
-        """The state as heat feels it: pairs that touch have no gap at all."""
-        return PairState.of(np.where(self.closed, 0.0, self.gap), self.pressure)
+    def begin(self, resistances: Sequence[FloatArray]) -> None:
+        """Set the resistances of the initial state [m² K/W]."""
+        self.resistances = list(resistances)
+        self._committed_resistances = list(resistances)
+
+    def number(self, name: str) -> int:
+        """Return the number of an interface by its name."""
+        return [interface.name for interface in self.described].index(name)
+
+    def update(self, contacts: Sequence[PairState]) -> None:
+        """Take the states of the pairs of all interfaces with contact from the equilibrium."""
+        for i, interface in enumerate(self.described):
+            if interface.contact is not None:
+                self.states[i] = contacts[interface.contact]
+
+    def thermal(self) -> list[PairState]:
+        """Return the trial states on which heat transfer depends."""
+        return self._thermal(self.states)
+
+    def thermal_at_start(self) -> list[PairState]:
+        """Return the states at the start of the step on which heat transfer depends."""
+        return self._thermal(self._committed)
+
+    def _thermal(self, states: Sequence[PairState]) -> list[PairState]:
+        if self._scheme in WITH_FEEDBACK:
+            return [state.clipped() for state in states]
+        return self._initial
+
+    def first_guess(self, step: float) -> list[PairState]:
+        """Return the states with which heat begins a step [s]: gaps extrapolated in time."""
+        if self._scheme != "iterated":
+            return self.thermal_at_start()
+        return [
+            PairState.of(state.clipped().gap + step * rate, state.pressure)
+            for state, rate in zip(self._committed, self._gap_rates, strict=True)
+        ]
+
+    def commit(self, step: float) -> None:
+        """Make the trial states those from which the next step starts.
+
+        Args:
+            step: size of the accepted step [s].
+        """
+        self._gap_rates = [
+            np.asarray((new.clipped().gap - old.clipped().gap) / step, dtype=np.float64)
+            for new, old in zip(self.states, self._committed, strict=True)
+        ]
+        self._committed, self.committed_step = list(self.states), step
+        self._committed_resistances = list(self.resistances)
+
+    def rewind(self) -> None:
+        """Return to the committed states."""
+        self.states = list(self._committed)
+        self.resistances = list(self._committed_resistances)
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the committed states, resistances and rates of the gaps."""
+        found = {"step": number(self.committed_step)}
+        for interface, state, resistance, rate in zip(
+            self.described, self._committed, self._committed_resistances, self._gap_rates,
+            strict=True,
+        ):  # fmt: skip
+            arrays = {**vars(state), "resistance": resistance, "gap_rate": rate}
+            for name, values in arrays.items():
+                found[f"{interface.name}/{name}"] = Saved(values, interface.pairs.numbering)
+        return found
+
+    def restore(self, arrays: Arrays) -> None:
+        """Restore committed states; `rewind` makes them the trial states."""
+        self.committed_step = float(arrays["step"])
+        states = [part_of(arrays, interface.name) for interface in self.described]
+        self._gap_rates = [state.pop("gap_rate") for state in states]
+        self._committed_resistances = [state.pop("resistance") for state in states]
+        self._committed = [PairState(**state) for state in states]
+
+
+def initial_state(interface: CoupledInterface) -> PairState:
+    """Return the state of the pairs of an interface before anything moves."""
+    gap = interface.initial_gap.copy()
+    force = np.zeros_like(interface.pairs.area_vectors)
+    return PairState(gap, np.zeros(len(gap)), gap <= 0, force)

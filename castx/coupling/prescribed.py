@@ -15,7 +15,8 @@ from castx.heat.problem import HeatReport
 from castx.materials.material import Material
 from castx.stateful import Arrays, Saved, number
 from castx.tables import Table
-from castx.transfer.conductance import Faces, PairState, law_resistance
+from castx.transfer.conductance import Faces
+from castx.transfer.pair_state import PairState
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class PrescribedTemperatures:
     Args:
         mesh: mesh of all bodies.
         bodies: by name.
-        exchanges: interfaces, whose resistances may be asked for although no heat is exchanged.
+        exchanges: interfaces, whose coefficients may be asked for although no heat is exchanged.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class PrescribedTemperatures:
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
         dissipation: Mapping[str, FloatArray] | None = None,
+        factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
         """Set the temperatures at the end of a step."""
         before = {name: float(body.temperature(time)) for name, body in self._bodies.items()}
@@ -73,13 +75,13 @@ class PrescribedTemperatures:
         ]
         return HeatReport(0, 0, max(changes))
 
-    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return 1/h of pairs in these states [m² K/W]: zero if bonded, infinite without a law."""
-        fixed = {"perfect": 0.0, "none": np.inf}
+    def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return h of pairs in these states [W/m²/K]: infinite if bonded, zero without a law."""
+        fixed = {"perfect": np.inf, "none": 0.0}
         return [
             np.full(len(state.gap), fixed[exchange.kind])
             if exchange.kind != "law"
-            else law_resistance(exchange.law, state, self._faces(exchange, len(state.gap)))
+            else exchange.law(state, self._faces(exchange, len(state.gap))).coefficient.value
             for exchange, state in zip(self._exchanges, pairs, strict=True)
         ]
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.transfer.conductance import PairState
 
 AITKEN_BOUNDS = (0.05, 1.5)
 LEAST_SHARE = 0.1
@@ -45,15 +43,20 @@ class Relaxation:
         return np.where(finite, np.maximum(relaxed, least), found)
 
 
-def scaled(
-    pairs: Sequence[PairState], resistances: Sequence[FloatArray], wanted: FloatArray
-) -> list[PairState]:
-    """Return pairs with the factors that turn their resistances into the wanted ones."""
+def scaling(resistances: Sequence[FloatArray], wanted: FloatArray) -> list[FloatArray]:
+    """Return the factors that turn resistances into the wanted ones.
+
+    Args:
+        resistances: of the pairs of each interface [m² K/W].
+        wanted: those of all interfaces one after the other [m² K/W].
+
+    Returns:
+        For each interface factors of shape (pairs,), one where a resistance is zero or infinite.
+    """
     found, begin = [], 0
-    for state, own in zip(pairs, resistances, strict=True):
+    for own in resistances:
         aim = wanted[begin : begin + len(own)]
         begin += len(own)
         finite = np.isfinite(own) & np.isfinite(aim) & (own > 0.0)
-        factor = np.divide(aim, own, out=np.ones(len(own)), where=finite)
-        found.append(replace(state, factor=factor))
+        found.append(np.divide(aim, own, out=np.ones(len(own)), where=finite))
     return found

@@ -4,8 +4,8 @@ The unknown of the passes is the thermal resistance R = 1/h of every pair, which
 open gap. Aitken's factor on R breaks the two-cycle into which the plain iteration falls at large
 steps; the first guess comes from the gap extrapolated in time. Where h depends on temperature too,
 the R that were tried and found are compared at the temperatures of the pass, and heat is given the
-gap and pressure found with the factor that turns their R into the wanted one; radiation takes no
-part, since neither gap nor pressure change it.
+gaps and pressures that were found with the factors that turn their R into the wanted ones;
+radiation takes no part, since neither gap nor pressure change it.
 """
 
 from __future__ import annotations
@@ -18,33 +18,28 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.coupling.change import ThermalChange
 from castx.coupling.dissipation import Dissipation
-from castx.coupling.interface import CoupledInterface, InterfaceState
-from castx.coupling.relaxation import Relaxation, scaled
+from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
+from castx.coupling.relaxation import Relaxation, scaling
 from castx.coupling.report import CoupledReport
 from castx.coupling.temperatures import Temperatures
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
 from castx.solvers.diagnosis import COUPLING
 from castx.solvers.finite import require_finite
-from castx.stateful import (
-    Arrays,
-    Saved,
-    Stateful,
-    joined,
-    number,
-    part_of,
-    restore_parts,
-    saved_parts,
-)
-from castx.transfer.conductance import PairState
-
-ROUNDING = 1e-12
-"""Part of the heat that bodies hold below which none moves: the end of a run stands still."""
+from castx.stateful import Arrays, Saved, Stateful, restore_parts, saved_parts
+from castx.transfer.pair_state import PairState
 
 
 class CoupledProblem:
     """Heat and mechanics of all bodies, committed and trial.
+
+    Attributes:
+        heat: temperatures of all bodies.
+        mechanics: the equilibrium; None: thermal only.
+        interfaces: states of the pairs of all interfaces.
+        volumes: of the owned nodes of each body [m³].
 
     Args:
         comm: ranks.
@@ -69,33 +64,29 @@ class CoupledProblem:
         most_passes: int,
     ) -> None:
         self.comm, self.heat, self.mechanics = comm, heat, mechanics
-        self.interfaces, self.volumes = list(interfaces), dict(volumes)
+        self.volumes = dict(volumes)
         self._scheme, self._tolerance, self._most_passes = scheme, tolerance, most_passes
-        felt = mechanics.bodies if mechanics and scheme in ("staggered", "iterated") else {}
-        self._dissipation = Dissipation(comm, felt)
-        self.states = self._initial_states()
-        self._initial = [state.felt for state in self.states]
-        self._committed = list(self.states)
-        self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
-        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
+        heated = mechanics.bodies if mechanics and scheme in WITH_FEEDBACK else {}
+        self._dissipation = Dissipation(comm, heated)
+        self.interfaces = Interfaces(interfaces, scheme)
+        self.interfaces.begin(self._resistances([s.clipped() for s in self.interfaces.states]))
+        self._change = ThermalChange(comm, heat, self.volumes)
         # Nothing has moved yet, so that any step gives the stress of the initial state.
-        self._step = self._committed_step = 1.0
-        self._update_bodies(self._step)
+        self._update_bodies(self.interfaces.committed_step)
 
-    def _present_solid_fraction(self) -> FloatArray:
-        parts = [function.x.array for function in self.heat.solid_fraction.values()]
-        return np.concatenate(parts)
+    @property
+    def states(self) -> list[PairState]:
+        """Trial states of the pairs of all interfaces, in the order of the heat problem."""
+        return self.interfaces.states
 
-    def _initial_states(self) -> list[InterfaceState]:
-        gaps = [interface.initial_gap.copy() for interface in self.interfaces]
-        pairs = [PairState.of(gap, np.zeros(len(gap))) for gap in gaps]
-        forces = [np.zeros_like(i.pairs.area_vectors) for i in self.interfaces]
-        return [
-            InterfaceState(gap, state.pressure, resistance, gap <= 0, force)
-            for gap, state, resistance, force in zip(
-                gaps, pairs, self.heat.resistances(pairs), forces, strict=True
-            )
-        ]
+    def _resistances(
+        self, states: Sequence[PairState], factors: Sequence[FloatArray] | None = None
+    ) -> list[FloatArray]:
+        """Return the factors over h at the trial temperatures [m² K/W], one over h without."""
+        found = self.heat.coefficients(states)
+        scales = [np.ones(len(h)) for h in found] if factors is None else factors
+        with np.errstate(divide="ignore"):
+            return [np.asarray(scale / h) for scale, h in zip(scales, found, strict=True)]
 
     def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
         """Find the trial state at the end of a step that starts from the committed state.
@@ -109,25 +100,23 @@ class CoupledProblem:
             ConvergenceError: a problem or the passes did not converge; `rewind` then.
         """
         self._step = step
-        guess = self._first_guess(step)
+        guess = self.interfaces.first_guess(step)
+        factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
         total = CoupledReport()
         for _ in range(self._most_passes):
-            total = total.followed_by(self._pass(time, step, substeps, guess))
-            felt = self._felt(self.states)
-            found = self.heat.resistances(felt)
-            self.states = [
-                replace(state, resistance=resistance)
-                for state, resistance in zip(self.states, found, strict=True)
-            ]
-            tried = _concatenated(self.heat.resistances(guess))
+            total = total.followed_by(self._pass(time, step, substeps, guess, factors))
+            thermal = self.interfaces.thermal()
+            found = self.interfaces.resistances = self._resistances(thermal)
+            tried = _concatenated(self._resistances(guess, factors))
             change = _largest_change(self.comm, _concatenated(found), tried)
-            change = max(change, self._dissipation_change(step))
+            change = max(change, self._change.share(step * self._dissipation.update()))
             if self._scheme != "iterated" or change <= self._tolerance:
                 self._require_finite()
-                return replace(total, solid_fraction_change=self._solid_fraction_change())
+                solid = self._change.largest_of_solid_fraction()
+                return replace(total, solid_fraction_change=solid)
             wanted = relaxation.next(tried, _concatenated(found))
-            guess = scaled(felt, found, wanted)
+            guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
             f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
             f"resistance of some pair still changes by {change:.2g} of its value",
@@ -139,25 +128,18 @@ class CoupledProblem:
         motions = {name: body.solution for name, body in moving.items()}
         require_finite(self.comm, {"temperature": self.heat.temperature, "motion": motions})
 
-    def _felt(self, states: Sequence[InterfaceState]) -> list[PairState]:
-        """Return what heat feels of the states of the interfaces."""
-        if self._scheme in ("staggered", "iterated"):
-            return [state.felt for state in states]
-        return self._initial
-
-    def _first_guess(self, step: float) -> list[PairState]:
-        if self._scheme != "iterated":
-            return self._felt(self._committed)
-        return [
-            PairState.of(state.felt.gap + step * rate, state.pressure)
-            for state, rate in zip(self._committed, self._gap_rates, strict=True)
-        ]
-
     def _pass(
-        self, time: float, step: float, substeps: int, guess: Sequence[PairState]
+        self,
+        time: float,
+        step: float,
+        substeps: int,
+        guess: Sequence[PairState],
+        factors: Sequence[FloatArray],
     ) -> CoupledReport:
-        both = list(zip(self._felt(self._committed), guess, strict=True))
-        report = self.heat.advance(time, step, both, substeps, self._dissipation.powers)
+        both = list(zip(self.interfaces.thermal_at_start(), guess, strict=True))
+        report = self.heat.advance(
+            time, step, both, substeps, self._dissipation.powers, factors
+        )
         heat = CoupledReport(
             1, report.iterations, temperature_change=report.largest_temperature_change
         )
@@ -165,7 +147,7 @@ class CoupledProblem:
             return heat
         self._update_bodies(step)
         found = self.mechanics.equilibrium.solve(time + step)
-        self._read_interfaces()
+        self.interfaces.update(self.mechanics.contact_states())
         equilibrium = self.mechanics.equilibrium
         return replace(
             heat,
@@ -177,98 +159,45 @@ class CoupledProblem:
             fallbacks=equilibrium.fallbacks,
         )
 
-    def _dissipation_change(self, step: float) -> float:
-        """Return the change of the plastic heat of the step, relative to all heat that it moves."""
-        change = step * self._dissipation.update()
-        local = [np.abs(self._stored_heat() - self._heat).sum(), np.abs(self._heat).sum()]
-        moved, held = self.comm.allreduce(np.array(local), op=MPI.SUM)
-        moved = max(float(moved), ROUNDING * float(held), change)
-        return change / moved if moved > 0 else 0.0
-
-    def _stored_heat(self) -> FloatArray:
-        """Return the enthalpies of the owned nodes [J], of none without the heat equation."""
-        parts = [
-            self.volumes[name] * function.x.array[: len(self.volumes[name])]
-            for name, function in self.heat.enthalpy.items()
-        ]
-        return _concatenated(parts)
-
     def _update_bodies(self, step: float) -> None:
         if self.mechanics is not None:
             for name, body in self.mechanics.bodies.items():
                 temperature = self.heat.temperature[name].x.array
                 body.update_state(temperature, self.heat.solid_fraction[name].x.array, step)
 
-    def _read_interfaces(self) -> None:
-        assert self.mechanics is not None
-        contacts = self.mechanics.contact_states()
-        for i, interface in enumerate(self.interfaces):
-            if interface.contact is None:
-                continue
-            found = contacts[interface.contact]
-            self.states[i] = replace(
-                self.states[i], gap=found.gap, pressure=found.pressure, closed=found.closed,
-                force=found.vectors,
-            )  # fmt: skip
-
-    def _solid_fraction_change(self) -> float:
-        change = np.abs(self._present_solid_fraction() - self._solid_fraction)
-        return float(self.comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
-
-    def contact_force_vectors(self, name: str) -> FloatArray:
-        """Return the forces on an interface's secondary nodes [N], shape (pairs, dimension)."""
-        names = [interface.name for interface in self.interfaces]
-        return self.states[names.index(name)].force
-
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
-        self._gap_rates = [
-            np.asarray((new.felt.gap - old.felt.gap) / self._step, dtype=np.float64)
-            for new, old in zip(self.states, self._committed, strict=True)
-        ]
-        self._committed, self._committed_step = list(self.states), self._step
+        self.interfaces.commit(self._step)
         self.heat.commit()
         self._dissipation.commit()
-        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
+        self._change.commit()
         if self.mechanics is not None:
             self.mechanics.equilibrium.commit()
 
     def rewind(self) -> None:
         """Return to the committed state."""
-        self.states = list(self._committed)
+        self.interfaces.rewind()
         self.heat.rewind()
         self._dissipation.rewind()
-        self._update_bodies(self._committed_step)
+        self._update_bodies(self.interfaces.committed_step)
         if self.mechanics is not None:
             self.mechanics.equilibrium.rewind()
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state as arrays; collective."""
-        return joined({"interfaces": self._saved_interfaces()}) | saved_parts(self._parts())
+        return saved_parts(self._parts())
 
     def _parts(self) -> dict[str, Stateful]:
-        parts: dict[str, Stateful] = {"heat": self.heat, "dissipation": self._dissipation}
+        parts: dict[str, Stateful] = {
+            "interfaces": self.interfaces, "heat": self.heat, "dissipation": self._dissipation
+        }  # fmt: skip
         return parts if self.mechanics is None else parts | {"mechanics": self.mechanics.memory}
 
-    def _saved_interfaces(self) -> dict[str, Saved]:
-        found = {"step": number(self._committed_step)}
-        for interface, state, rate in zip(
-            self.interfaces, self._committed, self._gap_rates, strict=True
-        ):
-            for name, values in {**vars(state), "gap_rate": rate}.items():
-                found[f"{interface.name}/{name}"] = Saved(values, interface.pairs.numbering)
-        return found
-
     def restore(self, arrays: Arrays) -> None:
-        """Take back a state as the committed one; collective."""
-        own = part_of(arrays, "interfaces")
-        self._committed_step = float(own["step"])
-        states = [part_of(own, interface.name) for interface in self.interfaces]
-        self._gap_rates = [state.pop("gap_rate") for state in states]
-        self._committed = [InterfaceState(**state) for state in states]
+        """Restore a state as the committed one; collective."""
         restore_parts(self._parts(), arrays)
         self.rewind()
-        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
+        self._change.commit()
 
     def begin_stage(self, renewed: Collection[str]) -> None:
         """Start a stage with the committed state; collective.
@@ -280,7 +209,7 @@ class CoupledProblem:
         if self.mechanics is not None:
             self.mechanics.memory.begin_stage(renewed)
         self.rewind()
-        self._solid_fraction, self._heat = self._present_solid_fraction(), self._stored_heat()
+        self._change.commit()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

@@ -8,9 +8,9 @@ from typing import Protocol
 from dolfinx import fem
 
 from castx.arrays import FloatArray
-from castx.heat.interface import PairState
 from castx.heat.problem import HeatReport
 from castx.stateful import Arrays, Saved
+from castx.transfer.pair_state import PairState
 
 
 class Temperatures(Protocol):
@@ -27,11 +27,12 @@ class Temperatures(Protocol):
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
         dissipation: Mapping[str, FloatArray] | None = None,
+        factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
         """Find the trial state at the end of a step."""
 
-    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return 1/h of the pairs of each interface at the trial temperatures."""
+    def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return h of the pairs of each interface at the trial temperatures [W/m²/K]."""
 
     def begin_stage(self) -> None:
         """Start a stage with the present temperatures, of which some may be those of new bodies."""

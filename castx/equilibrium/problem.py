@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
-from castx.contact.kinematics.pair_state import ContactState, contact_state
+from castx.contact.kinematics.pair_state import contact_state
 from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
 from castx.domain.mesh import CastingMesh
@@ -19,6 +19,7 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
 from castx.solvers.layout import Layout
+from castx.transfer.pair_state import PairState
 
 
 class MechanicalProblem:
@@ -81,7 +82,7 @@ class MechanicalProblem:
         """The pairs of all interfaces."""
         return self.equilibrium.gaps
 
-    def contact_states(self) -> list[ContactState]:
+    def contact_states(self) -> list[PairState]:
         """Return what the pairs of each interface do; collective."""
         gaps, forces = self.equilibrium.pair_values()
         closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()

@@ -17,7 +17,7 @@ from castx.heat.interfaces import Exchanges
 from castx.heat.jacobian import HeatJacobian
 from castx.heat.perfect_contact import Bonds, gather_links
 from castx.solvers.layout import Layout
-from castx.transfer.conductance import PairState
+from castx.transfer.pair_state import PairState
 
 ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 """Balance below which the residual is round-off, relative to the terms that cancel in it."""
@@ -151,11 +151,11 @@ class HeatSystem:
         self._wanted.array[:] = np.nan
         return self.bonds.settle(self._balance, self._wanted, self._reaction)
 
-    def resistances(self, states: Sequence[PairState]) -> list[FloatArray]:
-        """Return R = 1/h of pairs in these states at the present temperatures [m² K/W]."""
+    def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
+        """Return h of pairs in these states at the present temperatures [W/m²/K]."""
         self._read_temperatures()
         self.exchanges.face(self._temperature, self.time)
-        return self.exchanges.resistances(states)
+        return self.exchanges.coefficients(states)
 
     def set_dissipation(self, powers: Mapping[str, FloatArray]) -> None:
         """Set what plastic work gives to the owned nodes of bodies [W]; others get nothing."""

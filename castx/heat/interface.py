@@ -21,10 +21,9 @@ from castx.transfer.conductance import (
     Conductance,
     ConductionLaw,
     Faces,
-    PairState,
-    law_resistance,
 )
 from castx.transfer.duals import Dual
+from castx.transfer.pair_state import PairState
 from castx.transfer.radiation import emission
 
 MECHANISMS = ("contact", "gas", "radiation")
@@ -87,16 +86,21 @@ class PairExchange:
         self._radiating_areas = self.areas * grey
         self._start = self._end = PairState.of(np.zeros(count), np.zeros(count))
         self._part = 1.0
+        self._factor: FloatArray = np.ones(count)
 
-    def set_states(self, start: PairState, end: PairState, part: float) -> None:
+    def set_states(
+        self, start: PairState, end: PairState, part: float, factor: FloatArray | None = None
+    ) -> None:
         """Set the states of the pairs between which the step goes.
 
         Args:
             start: at the start of the step.
             end: at its end.
             part: of the step that has passed, between 0 and 1.
+            factor: multiplies the resistance 1/h at the end, shape (pairs,); None: one.
         """
         self._start, self._end, self._part = start, end, part
+        self._factor = np.ones(len(self.areas)) if factor is None else factor
 
     def face(self, temperature: PETSc.Vec, solid_fraction: float, time: float) -> None:
         """Take the surfaces as they are; collective.
@@ -117,19 +121,19 @@ class PairExchange:
 
     def _present_conductance(self) -> Conductance:
         end = self.law(self._end, self._faces)
-        h_end = end.coefficient / self._end.factor
+        h_end = end.coefficient / self._factor
         if self._part >= 1.0:
             return Conductance(h_end, end.contact)
         start, part = self.law(self._start, self._faces), self._part
-        h_start = start.coefficient / self._start.factor
+        h_start = start.coefficient
         resisting = h_end * (1.0 - part) + h_start * part
         passes = resisting.value > 0.0
         h = (h_start * h_end / resisting.where(passes, 1.0)).where(passes, 0.0)
         return Conductance(h, (1.0 - part) * start.contact + part * end.contact)
 
-    def resistance(self, state: PairState) -> FloatArray:
-        """Return R = 1/h that pairs of a state would have as the surfaces are now [m² K/W]."""
-        return law_resistance(self.law, state, self._faces)
+    def coefficient(self, state: PairState) -> FloatArray:
+        """Return h that pairs of a state would have as the surfaces are now [W/m²/K]."""
+        return self.law(state, self._faces).coefficient.value
 
     def heat(self) -> FloatArray:
         """Return the heat from secondary to primary nodes [W] by mechanism and pair."""

@@ -13,7 +13,7 @@ from castx.heat.body import ThermalBody
 from castx.heat.interface import MECHANISMS, HeatExchange, PairExchange
 from castx.heat.solid_feedback import SolidFeedback
 from castx.solvers.layout import Layout
-from castx.transfer.conductance import PairState
+from castx.transfer.pair_state import PairState
 
 
 class Exchanges:
@@ -51,17 +51,22 @@ class Exchanges:
         self.feedback = SolidFeedback(layout, bodies, self.under_law)
 
     def set_states(
-        self, states: Sequence[tuple[PairState, PairState] | None], part: float
+        self,
+        states: Sequence[tuple[PairState, PairState] | None],
+        part: float,
+        factors: Sequence[FloatArray] | None = None,
     ) -> None:
         """Set the states of all pairs.
 
         Args:
             states: at start and end of the step for each interface; None where it has no law.
             part: of the step that has passed, between 0 and 1.
+            factors: multiply the resistances 1/h at the end of each interface; None: one.
         """
-        for exchange, values in zip(self._all, states, strict=True):
+        scaling = [None] * len(self._all) if factors is None else factors
+        for exchange, values, factor in zip(self._all, states, scaling, strict=True):
             if exchange is not None and values is not None:
-                exchange.set_states(*values, part)
+                exchange.set_states(*values, part, factor)
 
     def face(self, temperature: PETSc.Vec, time: float) -> None:
         """Take the surfaces as they are at a time [s]; temperatures in the layout [°C]."""
@@ -69,16 +74,16 @@ class Exchanges:
         for exchange in self.under_law:
             exchange.face(temperature, float(means[exchange.secondary]), time)
 
-    def resistances(self, states: Sequence[PairState]) -> list[FloatArray]:
-        """Return R = 1/h of pairs in these states as the surfaces are now [m² K/W].
+    def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
+        """Return h of pairs in these states as the surfaces are now [W/m²/K].
 
-        It is zero where bodies are bonded and infinite where no heat crosses.
+        It is infinite where bodies are bonded and zero where no heat crosses.
         """
-        fixed = {"perfect": 0.0, "none": np.inf}
+        fixed = {"perfect": np.inf, "none": 0.0}
         return [
             np.full(len(state.gap), fixed[kind])
             if exchange is None
-            else exchange.resistance(state)
+            else exchange.coefficient(state)
             for exchange, kind, state in zip(self._all, self._kinds, states, strict=True)
         ]
 

@@ -25,7 +25,7 @@ from castx.solvers.layout import Layout
 from castx.solvers.snes import NonlinearSolver, SolveReport
 from castx.solvers.worst_place import Part, worst_place
 from castx.stateful import Arrays, Saved, joined, part_of
-from castx.transfer.conductance import PairState
+from castx.transfer.pair_state import PairState
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,7 @@ class HeatProblem:
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         substeps: int = 1,
         dissipation: Mapping[str, FloatArray] | None = None,
+        factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
         """Find the trial state at the end of a step that starts from the committed state.
 
@@ -171,6 +172,8 @@ class HeatProblem:
                 where it has no law.
             substeps: implicit Euler steps of equal size inside the step.
             dissipation: heat of plastic work at the owned nodes of bodies [W].
+            factors: for each interface what multiplies the resistances 1/h of its pairs at the end
+                of the step, shape (pairs,); None: one.
 
         Raises:
             ConvergenceError: names body and place of the largest residual.
@@ -183,7 +186,7 @@ class HeatProblem:
         state, size = self._committed, step / substeps
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
-            self._system.exchanges.set_states(pairs, k / substeps)
+            self._system.exchanges.set_states(pairs, k / substeps, factors)
             guess = known[k - 1] if k <= len(known) else state
             x = self._system.begin(state, guess, time + k * size, size)
             report = self._solve(x)
@@ -242,15 +245,15 @@ class HeatProblem:
             for k, enthalpy in enumerate(self._trail, start=1)
         )
 
-    def resistances(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return R = 1/h of pairs in these states at the trial temperatures [m² K/W].
+    def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
+        """Return h of pairs in these states at the trial temperatures [W/m²/K].
 
-        It is zero where bodies are bonded and infinite where no heat crosses.
+        It is infinite where bodies are bonded and zero where no heat crosses.
 
         Args:
             pairs: state of the pairs of each interface.
         """
-        return self._system.resistances(pairs)
+        return self._system.coefficients(pairs)
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""

@@ -21,7 +21,8 @@ def normal_force(problem: CoupledProblem, body: str) -> float:
     space.
     """
     total = 0.0
-    for interface, state in zip(problem.interfaces, problem.states, strict=True):
+    interfaces = problem.interfaces
+    for interface, state in zip(interfaces.described, interfaces.states, strict=True):
         if body in (interface.pairs.secondary, interface.pairs.primary):
             total += float(interface.pairs.areas @ np.maximum(state.pressure, 0.0))
     return float(problem.comm.allreduce(total, op=MPI.SUM))

@@ -12,7 +12,6 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.coupling.interface import InterfaceState
 from castx.coupling.step import CoupledProblem
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
@@ -22,6 +21,7 @@ from castx.mechanics.body import BodyMechanics
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
 from castx.results.snapshot import ProcessState, StepCounters
+from castx.transfer.pair_state import PairState
 
 START, NONE = ProcessState(), MappingProxyType[str, float]({})
 
@@ -119,19 +119,16 @@ class State:
 
     def paired(self, interface: str, name: str) -> FloatArray:
         """Return a field of the owned pairs of an interface, shape (pairs,)."""
-        state = self._interface(interface)
+        interfaces = self.problem.interfaces
+        number = interfaces.number(interface)
         if name == "gap":
-            return state.gap
+            return interfaces.states[number].gap
         if name == "contact_pressure":
-            return state.pressure
+            return interfaces.states[number].pressure
         if name == "heat_transfer_coefficient":
             with np.errstate(divide="ignore"):
-                return np.asarray(1.0 / state.resistance)
+                return np.asarray(1.0 / interfaces.resistances[number])
         raise CaseError(f"no field {name!r} on interface {interface!r}")
-
-    def _interface(self, name: str) -> InterfaceState:
-        names = [interface.name for interface in self.problem.interfaces]
-        return self.problem.states[names.index(name)]
 
     @cached_property
     def totals(self) -> dict[str, float]:
@@ -139,8 +136,10 @@ class State:
         totals = self.problem.heat.totals()
         for name in self.problem.heat.solid_fraction:
             totals[f"{name}.solid_fraction"] = self._solid_fraction(name)
-        for interface in self.problem.interfaces:
-            totals |= self._interface_totals(interface.name)
+        for interface, state in zip(
+            self.problem.interfaces.described, self.problem.interfaces.states, strict=True
+        ):
+            totals |= self._interface_totals(interface.name, state)
         if self.problem.mechanics is not None:
             for name, body in self.problem.mechanics.bodies.items():
                 if body.pockets is not None:
@@ -173,13 +172,12 @@ class State:
         sums = self.mesh.comm.allreduce(np.array([values @ volumes, volumes.sum()]), op=MPI.SUM)
         return float(sums[0] / sums[1])
 
-    def _interface_totals(self, name: str) -> dict[str, float]:
-        comm, state, pairs = self.mesh.comm, self._interface(name), self.pairs[name]
+    def _interface_totals(self, name: str, state: PairState) -> dict[str, float]:
+        comm, pairs = self.mesh.comm, self.pairs[name]
         closed = state.closed | (state.gap <= 0)
-        forces = self.problem.contact_force_vectors(name)
         local = np.array([pairs.areas @ state.gap, pairs.areas @ closed, pairs.areas.sum()])
         gap, touching, area = comm.allreduce(local, op=MPI.SUM)
-        total = comm.allreduce(forces.sum(axis=0), op=MPI.SUM)
+        total = comm.allreduce(state.force.sum(axis=0), op=MPI.SUM)
         axes = {"axisymmetric": "rz", "3d": "xyz"}.get(self.mesh.model, "xy")
         found = {
             f"{name}.mean_gap": float(gap / area),

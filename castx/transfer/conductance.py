@@ -6,47 +6,14 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from castx.arrays import FloatArray
 from castx.transfer.duals import Dual
+from castx.transfer.pair_state import PairState, Points
 
-Points = npt.NDArray[np.intp]
 SECONDARY, PRIMARY, SOLID = range(3)
 """Variables over which laws are differentiated: both face temperatures, the solid fraction."""
 VARIABLES = 3
-
-
-@dataclass(frozen=True)
-class PairState:
-    """What heat feels of the mechanics of node pairs.
-
-    Attributes:
-        gap: opening [m], shape (pairs,), not negative.
-        pressure: contact pressure [Pa], not negative.
-        factor: multiplies the resistance 1/h of the law; other than one while passes between heat
-            and mechanics approach each other.
-    """
-
-    gap: FloatArray
-    pressure: FloatArray
-    factor: FloatArray
-
-    @classmethod
-    def of(cls, gap: FloatArray, pressure: FloatArray) -> Self:
-        """Return the state of pairs with gaps [m] and pressures [Pa]; negative ones are zero."""
-        opening = np.maximum(gap, 0.0, dtype=np.float64)
-        return cls(opening, np.maximum(pressure, 0.0, dtype=np.float64), np.ones(len(opening)))
-
-    @classmethod
-    def of_resistance(cls, resistance: FloatArray) -> Self:
-        """Return closed pairs of a resistance [m² K/W] where the law is the constant 1 W/m²/K."""
-        zeros = np.zeros(len(resistance))
-        return cls(zeros, zeros, np.asarray(resistance, dtype=np.float64))
-
-    def at(self, points: Points) -> PairState:
-        """Return the state of some of the pairs."""
-        return PairState(self.gap[points], self.pressure[points], self.factor[points])
 
 
 @dataclass(frozen=True)
@@ -119,7 +86,7 @@ class ConductionLaw(Protocol):
         """Whether the coefficient depends on the solid fraction of the secondary body."""
 
     def __call__(self, state: PairState, faces: Faces) -> Conductance:
-        """Return the conductance of pairs, without the factor of their state."""
+        """Return the conductance of pairs in a state that is `PairState.clipped`."""
 
 
 @dataclass(frozen=True)
@@ -141,15 +108,9 @@ class ConstantConductance:
 
 
 UNIT = ConstantConductance(1.0)
-"""Under this law the factor of a state is the resistance itself."""
+"""The law of an interface of which nothing else is said."""
 
 
 def touching(state: PairState) -> FloatArray:
     """Return 1 where pairs are closed and 0 where they are open."""
-    return np.asarray(state.gap <= 0.0, dtype=np.float64)
-
-
-def law_resistance(law: ConductionLaw, state: PairState, faces: Faces) -> FloatArray:
-    """Return R = 1/h of pairs under a law [m² K/W]; infinite where nothing passes."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(state.factor / law(state, faces).coefficient.value)
+    return np.asarray(state.closed, dtype=np.float64)

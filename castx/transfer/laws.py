@@ -15,11 +15,10 @@ from castx.transfer.conductance import (
     Conductance,
     ConductionLaw,
     Faces,
-    PairState,
-    Points,
     touching,
 )
 from castx.transfer.duals import Dual
+from castx.transfer.pair_state import PairState, Points
 
 SMALLEST_RELATIVE_PRESSURE = 1e-6
 """Pressure over hardness below which the pressure law is regularised: for an exponent below 1 its

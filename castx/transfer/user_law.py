@@ -20,10 +20,10 @@ from castx.transfer.conductance import (
     VARIABLES,
     Conductance,
     Faces,
-    PairState,
     touching,
 )
 from castx.transfer.duals import Dual
+from castx.transfer.pair_state import PairState
 
 Coefficient = Callable[[FloatArray, FloatArray, FloatArray, FloatArray, float], FloatArray]
 Slopes = Callable[

@@ -18,6 +18,7 @@ from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.tables import Table
+from tests.heat_resistance import LAYER
 
 
 def material(**properties: Any) -> Material:
@@ -58,7 +59,7 @@ def casting_on_mould(
 ) -> HeatProblem:
     """Return the problem of a casting that touches a mould."""
     pairs = node_pairs(mesh, "casting", "mould")
-    return HeatProblem(mesh, bodies, [HeatExchange("casting/mould", pairs, kind)], surfaces)
+    return HeatProblem(mesh, bodies, [HeatExchange("casting/mould", pairs, kind, LAYER)], surfaces)
 
 
 def run(

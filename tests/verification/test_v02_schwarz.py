@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from scipy.special import erf, erfc
 
 from castx.heat.body import HeatBody
-from castx.transfer.conductance import PairState
+from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import (
     casting_on_mould,
     material,
@@ -82,7 +82,7 @@ def solve(comm, size: float, step: float, kind: str = "perfect") -> dict[str, fl
     thickness: dict[float, float] = {}
     pairs = mesh.bodies["casting"].surface_nodes("mould")
     owned = mesh.bodies["casting"].nodes.dofmap.index_map.size_local
-    state = PairState.of_resistance(np.full(np.count_nonzero(pairs < owned), 1e-8))
+    state = of_resistance(np.full(np.count_nonzero(pairs < owned), 1e-8))
     run(
         heat,
         step,

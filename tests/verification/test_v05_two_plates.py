@@ -11,7 +11,7 @@ import pytest
 from castx.heat.body import HeatBody
 from castx.heat.boundaries import SurfaceHeat
 from castx.tables import Table
-from castx.transfer.conductance import PairState
+from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import casting_on_mould, material, profile, strip
 
 THICKNESS, CONDUCTIVITY, EXCHANGE, COLD, HOT = 0.495, 40.0, 80.0, 100.0, 300.0
@@ -39,7 +39,7 @@ def test_flux_and_wall_temperatures(comm, model, cells):
     )
     owned = mesh.bodies["casting"].nodes.dofmap.index_map.size_local
     pairs = np.count_nonzero(mesh.bodies["casting"].surface_nodes("mould") < owned)
-    state = PairState.of_resistance(np.full(pairs, 1 / EXCHANGE))
+    state = of_resistance(np.full(pairs, 1 / EXCHANGE))
     for k in range(3):
         heat.advance(k * 1e9, 1e9, [(state, state)])
         before = heat.totals()

@@ -113,7 +113,7 @@ def test_reference_numbers():
 def test_pressure_and_width(comm, shared_tmp_path, method, model):
     made = touching(comm, shared_tmp_path, method, 10, model)
     depth = DEPTH * HALF_WIDTH / 10 if model == "3d" else 1.0
-    total = comm.allreduce(made.contact_states()[0].vectors.sum(axis=0))
+    total = comm.allreduce(made.contact_states()[0].force.sum(axis=0))
     assert total[1] == pytest.approx(0.5 * LOAD * depth, rel=1e-3)
     x, p, areas = profile(comm, made)
     # The node on the axis carries half an element; its neighbour makes up for what it misses.

@@ -2,32 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.kinematics.coordinates import PairCoordinates
 from castx.contact.kinematics.rows import Treatment
-
-
-@dataclass(frozen=True)
-class ContactState:
-    """The pairs of an interface.
-
-    Attributes:
-        gap: [m], shape (pairs,).
-        force: that the primary body exerts along the normal [N], shape (pairs,).
-        pressure: contact pressure [Pa], no tension, shape (pairs,).
-        closed: whether the pair touches.
-        vectors: forces on the secondary nodes, friction included [N], shape (pairs, dimension).
-    """
-
-    gap: FloatArray
-    force: FloatArray
-    pressure: FloatArray
-    closed: BoolArray
-    vectors: FloatArray
+from castx.transfer.pair_state import PairState
 
 
 def contact_state(
@@ -36,7 +16,7 @@ def contact_state(
     force: FloatArray,
     closed: BoolArray,
     friction: FloatArray | None,
-) -> ContactState:
+) -> PairState:
     """Return the state of an interface.
 
     Args:
@@ -60,4 +40,4 @@ def contact_state(
     # The last digits of a closed pair without pressure may pull.
     pushes = np.maximum(force, 0.0)
     pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
-    return ContactState(gap, force, pressure, closed.copy(), vectors)
+    return PairState(gap, pressure, closed.copy(), vectors)

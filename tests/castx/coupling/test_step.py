@@ -8,10 +8,10 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.contact.kinematics.pair_state import ContactState
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.heat.problem import HeatReport
+from castx.transfer.pair_state import PairState
 from tests import coupled_cases
 from tests.coupled_cases import TIGHT, cylinder, merged, ring
 
@@ -29,16 +29,26 @@ class FakeHeat:
         self.committed, self.fails = 1.0, False
         self.given: list[list[Any]] = []
 
-    def advance(self, time, step, pairs=(), substeps=1, dissipation=None) -> HeatReport:
-        self.given.append([tuple(self.resistances(both)) for both in pairs])
+    def advance(
+        self, time, step, pairs=(), substeps=1, dissipation=None, factors=()
+    ) -> HeatReport:
+        self.given.append(
+            [
+                (self.resistance(start), factor * self.resistance(end))
+                for (start, end), factor in zip(pairs, factors, strict=True)
+            ]
+        )
         if self.fails:
             raise ConvergenceError("the heat problem did not converge")
         fall = step * 0.1 / self.given[-1][0][1][0]
         self.temperature["casting"].x.array[:] = self.committed - fall
         return HeatReport(2, 2, abs(fall))
 
-    def resistances(self, pairs) -> list[np.ndarray]:
-        return [p.factor * self.law(p.gap, p.pressure) for p in pairs]
+    def resistance(self, state) -> np.ndarray:
+        return self.law(state.gap, state.pressure)
+
+    def coefficients(self, pairs) -> list[np.ndarray]:
+        return [1.0 / self.resistance(state) for state in pairs]
 
     def commit(self) -> None:
         self.committed = float(self.temperature["casting"].x.array[0])
@@ -80,7 +90,7 @@ class FakeMechanics:
 
     def contact_states(self):
         gap, none = np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
-        return [ContactState(gap, none, none, np.zeros(1, dtype=bool), np.zeros((1, 2)))]
+        return [PairState(gap, none, np.zeros(1, dtype=bool), np.zeros((1, 2)))]
 
     def commit(self) -> None:
         self.commits += 1

@@ -21,8 +21,9 @@ from castx.input.variation import Variation
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 from castx.tables import Table
-from castx.transfer.conductance import ConstantConductance, PairState
+from castx.transfer.conductance import ConstantConductance
 from castx.transfer.laws import PatchedLaw
+from castx.transfer.pair_state import PairState
 from castx.transfer.radiation import STEFAN_BOLTZMANN
 
 ALLOY = {

@@ -13,7 +13,8 @@ from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError
 from castx.heat.law_building import heat_exchange
-from castx.transfer.conductance import Faces, PairState
+from castx.transfer.conductance import Faces
+from castx.transfer.pair_state import PairState
 
 HEAT = {"law": "constant", "closed": 1000.0, "radiation": {"emissivities": [0.5, 0.5]}}
 

@@ -20,7 +20,8 @@ from castx.input.variation import Variation
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 from castx.tables import Table
-from castx.transfer.conductance import PairState
+from castx.transfer.pair_state import PairState
+from tests.heat_resistance import LAYER, of_resistance
 
 ALUMINIUM = {
     "density": 2700.0,
@@ -52,7 +53,7 @@ def outside(kind="convection", **numbers) -> SurfaceHeat:
 
 
 def problem(mesh, kind="law", surfaces=None, sources=None, **settings) -> HeatProblem:
-    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind)
+    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind, LAYER)
     source = Table.constant(sources) if sources else None
     bodies = [
         HeatBody("casting", material(ALUMINIUM), 670.0, source),
@@ -69,7 +70,7 @@ def resistances(mesh, coefficient=2300.0):
 
 def given(start, end=None) -> tuple[PairState, PairState]:
     """Return the states of pairs at start and end of a step, of given resistances."""
-    return PairState.of_resistance(start), PairState.of_resistance(start if end is None else end)
+    return of_resistance(start), of_resistance(start if end is None else end)
 
 
 def run(heat, mesh, steps, substeps=1, coefficient=2300.0) -> float:
@@ -281,7 +282,7 @@ def test_equilibrium_stays_without_iterations(comm):
     heat = HeatProblem(
         mesh,
         [HeatBody("casting", material(STEEL), 137.3), HeatBody("mould", material(STEEL), 137.3)],
-        [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"))],
+        [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), law=LAYER)],
         [outside(coefficient=Variation.constant(1e4), ambient=Table.constant(137.3))],
     )
     report = heat.advance(0.0, 1e-3, resistances(mesh))
@@ -332,7 +333,7 @@ def test_petsc_options_override_the_defaults(comm):
 @pytest.mark.parametrize("solidus", [660, 659.99, 600])
 def test_large_steps_need_few_iterations(comm, kind, solidus):
     mesh = cylinder(comm, size=3e-3)
-    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind)
+    exchange = HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind, LAYER)
     bodies = [
         HeatBody("casting", material(ALUMINIUM | {"solidus": solidus}), 670.0),
         HeatBody("mould", material(STEEL), 200.0),
@@ -396,7 +397,7 @@ def test_other_units_take_the_same_iterations(comm):
                 HeatBody("casting", material(metal), 670.0),
                 HeatBody("mould", material(steel), 200.0),
             ],
-            [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"))],
+            [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), law=LAYER)],
             [outside(coefficient=Variation.constant(50 / length**2), ambient=Table.constant(25.0))],
         )
         passed = resistances(mesh, 2300.0 / length**2)

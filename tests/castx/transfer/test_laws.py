@@ -9,8 +9,9 @@ import pytest
 
 from castx.case.heat_transfer import InterfaceHeat
 from castx.heat.law_building import conduction_law
-from castx.transfer.conductance import PRIMARY, SECONDARY, SOLID, Faces, PairState
+from castx.transfer.conductance import PRIMARY, SECONDARY, SOLID, Faces
 from castx.transfer.laws import SMALLEST_RELATIVE_PRESSURE
+from castx.transfer.pair_state import PairState
 
 pytestmark = pytest.mark.serial
 

@@ -8,7 +8,8 @@ import pytest
 from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from castx.process.simulation import Simulation
-from castx.transfer.conductance import PRIMARY, SECONDARY, Faces, PairState
+from castx.transfer.conductance import PRIMARY, SECONDARY, Faces
+from castx.transfer.pair_state import PairState
 from castx.transfer.user_law import UserLaw
 from tests.coupled_cases import Path, cylinder, merged
 

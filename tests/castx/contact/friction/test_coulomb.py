@@ -21,6 +21,7 @@ from tests.elastic_bodies import (
     generated,
     heat,
     motion,
+    normal_forces,
     places,
     problem,
     pushed,
@@ -48,7 +49,13 @@ def on_an_incline(comm, method, slope, friction, rigid=False, model="plane-strai
 
 def force(comm, made):
     """Return the contact force on the upper block."""
-    return everywhere(comm, made.contact_states()[0].vectors).sum(axis=0)
+    return everywhere(comm, made.contact_states()[0].force).sum(axis=0)
+
+
+def sliding_forces(made):
+    """Return the magnitude of the friction of the pairs on this rank [N]."""
+    normal = normal_forces(made)[:, None] * made.pairs[0].normals
+    return np.linalg.norm(made.contact_states()[0].force - normal, axis=1)
 
 
 @pytest.mark.parametrize("rigid", [False, True])
@@ -79,11 +86,8 @@ def test_a_block_slides_on_a_steep_slope_until_its_spring_holds_it(comm, method,
     support = made.equilibrium.supports()["upper"].force
     assert support[0] == pytest.approx(-rest, rel=1e-6)
     # Every pair bears μ times its own normal force.
-    state = made.contact_states()[0]
-    along = np.linalg.norm(
-        state.vectors - state.force[:, None] * made.gaps.interfaces[0].normals, axis=1
-    )
-    np.testing.assert_allclose(along, friction * state.force, rtol=1e-6, atol=1e-9 * total)
+    normal, along = normal_forces(made), sliding_forces(made)
+    np.testing.assert_allclose(along, friction * normal, rtol=1e-6, atol=1e-9 * total)
 
 
 @pytest.mark.parametrize("rigid", [False, True])
@@ -104,10 +108,8 @@ def test_a_block_dragged_over_its_base_bears_its_friction(comm, method, model, r
     normal = 1e6 * 0.02 * (0.01 if model == "3d" else 1.0)
     assert found[-1] == pytest.approx(normal, rel=1e-8)
     assert found[0] == pytest.approx(-friction * normal, rel=1e-3 if model == "3d" else 1e-8)
-    state = made.contact_states()[0]
-    normals = made.gaps.interfaces[0].normals
-    along = np.linalg.norm(state.vectors - state.force[:, None] * normals, axis=1)
-    np.testing.assert_allclose(along, friction * state.force, atol=1e-8 * normal)
+    along = sliding_forces(made)
+    np.testing.assert_allclose(along, friction * normal_forces(made), atol=1e-8 * normal)
     moved = everywhere(comm, motion(made, "upper"))[:, 0]
     assert moved.min() > 5e-6
     if not rigid:
@@ -173,9 +175,7 @@ def shaft(comm, method, friction, push, linear="direct"):
     found = []
     for time in range(1, len(push) + 1):
         made.equilibrium.solve(float(time))
-        state = made.contact_states()[0]
-        found.append((everywhere(comm, state.vectors)[:, 1].sum(),
-                      everywhere(comm, state.force).sum()))  # fmt: skip
+        found.append((force(comm, made)[1], everywhere(comm, normal_forces(made)).sum()))
         made.equilibrium.commit()
     return np.array(found)
 

@@ -128,7 +128,7 @@ def test_a_hot_box_presses_on_all_faces_of_its_mould(comm, method):
     expected = young * expansion * warming
     share = 1e-3 if method == "penalty" else 1e-8
     np.testing.assert_allclose(state.pressure, expected, rtol=share)
-    forces = everywhere(comm, state.vectors)
+    forces = everywhere(comm, state.force)
     faces = np.array([0.03 * 0.02, 0.04 * 0.02, 0.04 * 0.03])
     np.testing.assert_allclose(np.abs(forces).sum(axis=0), 2 * expected * faces, rtol=share)
 
@@ -144,6 +144,6 @@ def test_averaged_normals_hold_a_corner_less(comm):
         )  # fmt: skip
         heat(made, lambda x: 20 + 1e3 * x[:, 0])
         made.equilibrium.solve(0.0)
-        results.append(everywhere(comm, made.contact_states()[0].vectors))
+        results.append(everywhere(comm, made.contact_states()[0].force))
     totals = [np.abs(forces).sum() for forces in results]
     assert abs(totals[0] / totals[1] - 1) > 1e-3

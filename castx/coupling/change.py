@@ -1,0 +1,58 @@
+"""Change of the stored heat and of the solid fraction since the last accepted state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.coupling.temperatures import Temperatures
+
+ROUNDING = 1e-12
+"""Share of the stored heat below which none moves: at the end of a run the bodies rest."""
+
+
+class ThermalChange:
+    """Enthalpy and solid fraction of all bodies against those of the last accepted state.
+
+    Args:
+        comm: ranks.
+        heat: temperatures of all bodies.
+        volumes: of the owned nodes of each body [m³].
+    """
+
+    def __init__(
+        self, comm: MPI.Intracomm, heat: Temperatures, volumes: Mapping[str, FloatArray]
+    ) -> None:
+        self._comm, self._heat, self._volumes = comm, heat, volumes
+        self.commit()
+
+    def commit(self) -> None:
+        """Take the present state as the one with which later ones are compared."""
+        self._solid_fraction, self._stored = self._present_solid_fraction(), self._present_heat()
+
+    def _present_solid_fraction(self) -> FloatArray:
+        return np.concatenate([f.x.array for f in self._heat.solid_fraction.values()])
+
+    def _present_heat(self) -> FloatArray:
+        """Return the enthalpies of the owned nodes [J], of none without the heat equation."""
+        parts = [
+            self._volumes[name] * function.x.array[: len(self._volumes[name])]
+            for name, function in self._heat.enthalpy.items()
+        ]
+        return np.concatenate([np.zeros(0), *parts])
+
+    def largest_of_solid_fraction(self) -> float:
+        """Return the largest change of the solid fraction of a node; collective."""
+        change = np.abs(self._present_solid_fraction() - self._solid_fraction)
+        return float(self._comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
+
+    def share(self, heat: float) -> float:
+        """Return an amount of heat [J] relative to all heat that has moved; collective."""
+        local = [np.abs(self._present_heat() - self._stored).sum(), np.abs(self._stored).sum()]
+        moved, stored = self._comm.allreduce(np.array(local), op=MPI.SUM)
+        moved = max(float(moved), ROUNDING * float(stored), heat)
+        return heat / moved if moved > 0 else 0.0
