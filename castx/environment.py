@@ -19,7 +19,6 @@ PACKAGES = (
     "gmsh",
     "numpy",
     "pyvista",
-    "adios4dolfinx",
 )
 # On one thread OpenBLAS is 6 to 9 times as fast as a plain loop, the reference BLAS 0.6 to 1.
 FEWEST_TIMES_FASTER = 2.5

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from castx.case.reading.read import load_case
 from castx.process.simulation import Simulation
-from castx.results.writing import Results
+from castx.results.writing import ResultsWriter
 
 comm = MPI.COMM_WORLD
 case = load_case(
@@ -18,7 +18,7 @@ case = load_case(
 )
 simulation = Simulation.from_case(case, comm)
 
-with Results(case, simulation.mesh, simulation.pairs) as results:
+with ResultsWriter(case, simulation.mesh, simulation.pairs) as results:
     for state in simulation:
         results.write(state)
         solid = state.totals["casting.solid_fraction"]

@@ -2,8 +2,8 @@
 
 `numpy.load` opens it everywhere; each array carries a checksum (CRC-32), and what is inside stands
 at the end of the file, so that one that was cut short is recognised. It is a single file and can be
-replaced at once, which a folder of ADIOS files cannot; and rows of submeshes, pairs and integration
-points, of which adios4dolfinx knows nothing, need no mesh in it.
+replaced at once, which a folder cannot; and rows of submeshes, pairs and integration points need no
+mesh in it.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from castx.environment import versions
 from castx.errors import CaseError, ConvergenceError
 from castx.process.simulation import Simulation
 from castx.results.files.folder import record_of
-from castx.results.writing import Results
+from castx.results.writing import ResultsWriter
 from castx.stateful import Saved, joined, part_of
 
 log = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ class Checkpoints:
     """
 
     def __init__(
-        self, checkpoint: Checkpoint, case: Case, simulation: Simulation, results: Results
+        self, checkpoint: Checkpoint, case: Case, simulation: Simulation, results: ResultsWriter
     ) -> None:
         self._checkpoint, self._case = checkpoint, case
         self._simulation, self._results = simulation, results

@@ -1,1 +1,5 @@
-"""The command line."""
+"""The command line, and a run from its case file to its results folder.
+
+Public: `run.run`, `cli.execute`, `check.check_case`, `listing.material_list`,
+`listing.material_table`, `progress.Progress`, `interruption.Interruption`.
+"""

@@ -9,11 +9,10 @@ from collections.abc import Sequence
 from contextlib import suppress
 from enum import IntEnum, StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 from mpi4py import MPI
 
-import click
 import typer
 from rich.console import Console
 from rich.logging import RichHandler
@@ -28,6 +27,9 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Replace a value, for instance time.end=10."),
 ]
+
+UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
+"""A command line that is wrong; typer exports this base class of `BadParameter` by no name."""
 
 app = typer.Typer(
     name="castx",
@@ -44,15 +46,15 @@ AFTER_FAILURE = (
 )
 
 
-class Topic(StrEnum):
-    """What a run can tell more about; the modules whose messages belong to it."""
+class Detail(StrEnum):
+    """A part of the solution of which a run can show every iteration."""
 
     NEWTON = "newton"
 
     @property
     def modules(self) -> tuple[str, ...]:
         """Names of the loggers."""
-        return {Topic.NEWTON: ("castx.process.simulation", "castx.solvers.snes")}[self]
+        return {Detail.NEWTON: ("castx.process.simulation", "castx.solvers.snes")}[self]
 
 
 class Exit(IntEnum):
@@ -89,7 +91,7 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
     try:
         code = app(list(arguments), standalone_mode=False, obj=comm, prog_name="castx")
         return int(code or Exit.DONE)
-    except click.ClickException as error:
+    except UsageError as error:
         if comm.rank == 0:
             error.show()
         return Exit.REFUSED
@@ -99,7 +101,7 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return say(comm, f"not converged: {error}\n{AFTER_FAILURE}", Exit.NOT_CONVERGED)
     except StorageError as error:
         return say(comm, error, Exit.FAILED)
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, typer.Abort):
         return say(comm, "interrupted", Exit.INTERRUPTED)
     except Exception:
         traceback.print_exc()
@@ -128,11 +130,11 @@ def prepare_logging(comm: MPI.Intracomm) -> None:
     show_details(comm, ())
 
 
-def show_details(comm: MPI.Intracomm, topics: Sequence[Topic]) -> None:
-    """Let rank 0 show all messages that belong to these topics, and no others of the kind."""
-    for topic in Topic:
-        level = logging.DEBUG if topic in topics and comm.rank == 0 else logging.NOTSET
-        for module in topic.modules:
+def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
+    """Let rank 0 show the messages of these details, and of no others."""
+    for detail in Detail:
+        level = logging.DEBUG if detail in details and comm.rank == 0 else logging.NOTSET
+        for module in detail.modules:
             logging.getLogger(module).setLevel(level)
 
 
@@ -157,7 +159,7 @@ def run(
         typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".'),
     ] = None,
     log: Annotated[
-        list[Topic] | None,
+        list[Detail] | None,
         typer.Option(help="Show the residuals of each Newton iteration."),
     ] = None,
     overrides: Overrides = None,

@@ -16,7 +16,7 @@ from castx.command.progress import Progress
 from castx.command.range_watch import RangeWatch
 from castx.process.simulation import Simulation
 from castx.results.files.folder import claimed_folder
-from castx.results.writing import Results
+from castx.results.writing import ResultsWriter
 
 
 def run(
@@ -66,7 +66,7 @@ def run_case(
         checkpoint = Checkpoint(folder, comm)
         header = header_to_restart_from(case, checkpoint) if restart else None
         simulation = Simulation.from_case(case, comm)
-        results = Results(case, simulation.mesh, simulation.pairs)
+        results = ResultsWriter(case, simulation.mesh, simulation.pairs)
         checkpoints = Checkpoints(checkpoint, case, simulation, results)
         if header is not None:
             checkpoints.restore(header)
@@ -80,7 +80,7 @@ def run_case(
 def _solve(
     case: Case,
     simulation: Simulation,
-    results: Results,
+    results: ResultsWriter,
     checkpoints: Checkpoints,
     interruption: Interruption,
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,7 +13,6 @@ from castx.arrays import FloatArray
 from castx.report.curves import Panel, curves, row
 from castx.report.display import display
 from castx.report.pictures import (
-    FieldSeries,
     View,
     chosen_times,
     deformed,
@@ -20,14 +20,28 @@ from castx.report.pictures import (
     limits_of,
     picture,
 )
-from castx.report.report import Figure, Run
+from castx.results.reading import Results
 
 State = Mapping[str, pyvista.UnstructuredGrid]
 SMALLEST_RANGE = 1e-6
 """Range of values, in the unit shown, below which a picture would show round-off."""
 
 
-def curve_figures(run: Run) -> list[Figure]:
+@dataclass(frozen=True)
+class Figure:
+    """A picture with its heading and what it shows."""
+
+    title: str
+    caption: str
+    png: bytes
+
+    @property
+    def source(self) -> str:
+        """The picture as a data URI."""
+        return "data:image/png;base64," + b64encode(self.png).decode("ascii")
+
+
+def curve_figures(run: Results) -> list[Figure]:
     """Return the curves over time that a run has data for."""
     found = []
     for title, caption, panels, series in (
@@ -74,7 +88,7 @@ def filled(panels: Sequence[Panel]) -> list[Panel]:
     return [panel for panel in panels if panel.lines]
 
 
-def cooling(run: Run) -> list[Panel]:
+def cooling(run: Results) -> list[Panel]:
     """Return the cooling curves, with the freezing ranges as levels."""
     levels: dict[str, float] = {}
     for name, body in run.record["bodies"].items():
@@ -85,7 +99,7 @@ def cooling(run: Run) -> list[Panel]:
     return filled([Panel("temperature [°C]", columns(run.probes, "temperature"), levels)])
 
 
-def solidification(run: Run) -> list[Panel]:
+def solidification(run: Results) -> list[Panel]:
     """Return solid fractions, and the heat that has passed each interface."""
     fractions = columns(run.history, "solid_fraction", 100.0)
     heat = {
@@ -93,12 +107,12 @@ def solidification(run: Run) -> list[Panel]:
         for name, values in columns(run.history, "heat", 1e-3).items()
         if name in run.record["interfaces"]
     }
-    per = "" if run.record["model"] in ("axisymmetric", "3d") else "/m"
+    per = "" if run.model in ("axisymmetric", "3d") else "/m"
     freezing = {name: fractions[name] for name in run.freezing}
     return filled([Panel("solid [%]", freezing), Panel(f"heat passed [kJ{per}]", heat)])
 
 
-def contact(run: Run) -> list[Panel]:
+def contact(run: Results) -> list[Panel]:
     """Return gap, contact pressure and heat transfer coefficient at the probes."""
     return filled(
         [
@@ -113,7 +127,7 @@ def contact(run: Run) -> list[Panel]:
     )
 
 
-def displacements(run: Run) -> list[Panel]:
+def displacements(run: Results) -> list[Panel]:
     """Return the displacements at the probes by direction."""
     named = [name for name in run.probes if ".displacement." in name]
     directions = sorted({name.rpartition(".")[2] for name in named})
@@ -129,7 +143,7 @@ def displacements(run: Run) -> list[Panel]:
     )
 
 
-def numerics(run: Run) -> list[Panel]:
+def numerics(run: Results) -> list[Panel]:
     """Return step size, iterations and energy error."""
     history = run.history
     panels = [
@@ -199,21 +213,20 @@ TOPICS = (
 )  # fmt: skip
 
 
-def field_figures(run: Run) -> list[Figure]:
+def field_figures(run: Results) -> list[Figure]:
     """Return the pictures of the fields that a run has written."""
-    series = FieldSeries(run.folder, run.record["model"])
-    times = chosen_times(series.times)
-    states = [series.read(time) for time in times]
+    times = chosen_times(run.times)
+    states = [run.grids(time) for time in times]
     with display():
         return [figure for topic in TOPICS for figure in topic_figures(run, topic, times, states)]
 
 
 def topic_figures(
-    run: Run, topic: Topic, times: Sequence[float], states: Sequence[State]
+    run: Results, topic: Topic, times: Sequence[float], states: Sequence[State]
 ) -> Iterator[Figure]:
     """Yield the figure of a field, if it was written."""
     bodies = run.freezing if topic.melting else list(states[0])
-    model = run.record["model"]
+    model = run.model
     if topic.final:
         times, states = times[-1:], states[-1:]
     if topic.outside:

@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pyvista
 
 from castx.arrays import FloatArray
-from castx.errors import CaseError
 
 Image = npt.NDArray[np.uint8]
 PIXELS = 900
@@ -31,35 +28,6 @@ FRONT = "#00a0ff"
 NICE = (1.0, 2.0, 5.0, 10.0)
 VISIBLE_DISPLACEMENT = 0.06
 """Share of the size of the bodies that an exaggerated displacement has at most."""
-
-
-class FieldSeries:
-    """The fields of a run, read from fields/castx.pvd.
-
-    Args:
-        folder: the results folder.
-        model: of the run.
-
-    Raises:
-        CaseError: there are no fields.
-    """
-
-    def __init__(self, folder: Path, model: str) -> None:
-        collection = folder / "fields" / "castx.pvd"
-        if not collection.is_file():
-            raise CaseError(f"there are no fields in {folder}: {collection} is missing")
-        self._reader = pyvista.get_reader(collection)
-        self.model = model
-        self.times: list[float] = [float(time) for time in self._reader.time_values]
-
-    def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
-        """Return the bodies at one of the times, the pieces of all ranks put together."""
-        self._reader.set_active_time_value(time)
-        blocks = self._reader.read()
-        pieces: dict[str, list[Any]] = {}
-        for dataset, block in zip(self._reader.active_datasets, blocks, strict=True):
-            pieces.setdefault(dataset.group, []).append(block)
-        return {name: pyvista.merge(parts) for name, parts in pieces.items()}
 
 
 @dataclass(frozen=True)

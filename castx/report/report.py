@@ -2,85 +2,21 @@
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
 import jinja2
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.errors import CaseError
+from castx.report.figures import curve_figures, field_figures
 from castx.report.stages import process_rows
-from castx.results.files.folder import RECORD, REPORT, write_whole
-from castx.results.files.series import read_series
-
-SOLID = 1.0 - 1e-6
-"""Solid fraction from which a body counts as solid."""
+from castx.results.files.folder import REPORT, write_whole
+from castx.results.reading import SOLID, Results
 
 ROUNDING = 1e-15
 """Gap that is none [m]."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a results folder holds beside its fields.
-
-    Args:
-        folder: the results folder.
-        record: run.json.
-        history: columns of history.csv.
-        probes: columns of probes.csv.
-    """
-
-    folder: Path
-    record: Mapping[str, Any]
-    history: Mapping[str, FloatArray]
-    probes: Mapping[str, FloatArray]
-
-    @classmethod
-    def read(cls, folder: Path) -> Run:
-        """Read a results folder.
-
-        Raises:
-            CaseError: it is none, or a file is missing or broken.
-        """
-        try:
-            record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-            history = read_series(folder / "history.csv")
-            probes = read_series(folder / "probes.csv")
-        except (OSError, ValueError) as error:
-            raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
-        if not isinstance(record, dict) or "bodies" not in record or history["time"].size == 0:
-            raise CaseError(f"{folder} holds no accepted step of a run of castx")
-        return cls(folder, record, history, probes)
-
-    @property
-    def freezing(self) -> list[str]:
-        """The bodies that were not all solid at the start."""
-        return [
-            body
-            for body in self.record["bodies"]
-            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
-        ]
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A picture with its heading and what it shows."""
-
-    title: str
-    caption: str
-    png: bytes
-
-    @property
-    def source(self) -> str:
-        """The picture as a data URI."""
-        return "data:image/png;base64," + b64encode(self.png).decode("ascii")
 
 
 def write_report(folder: Path) -> Path:
@@ -89,9 +25,7 @@ def write_report(folder: Path) -> Path:
     Raises:
         CaseError: the folder holds no results, or pictures cannot be drawn.
     """
-    from castx.report.figures import curve_figures, field_figures
-
-    run = Run.read(folder)
+    run = Results(folder)
     loader = jinja2.PackageLoader("castx.report", "templates")
     template = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
@@ -108,7 +42,7 @@ def write_report(folder: Path) -> Path:
     return target
 
 
-def summary(run: Run) -> list[tuple[str, str]]:
+def summary(run: Results) -> list[tuple[str, str]]:
     """Return the numbers that matter, as pairs of name and text."""
     record, history = run.record, run.history
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]

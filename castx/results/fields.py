@@ -12,7 +12,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.results.files.disk import Disk
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
 from castx.results.pair_fields import on_secondary_nodes
 from castx.results.quantities import CELLWISE, PAIRED
@@ -21,8 +21,6 @@ from castx.results.solidification import QUANTITIES, Solidification
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
-
-COLLECTION = "castx.pvd"
 
 
 @dataclass

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from castx.domain.pairs.node_pairs import NodePairs
 
 
-class Results:
+class ResultsWriter:
     """The results folder of one run: probes.csv, history.csv, fields/ and run.json.
 
     Making it checks everything that could be wrong with probes, fields and folder and touches no

@@ -19,18 +19,39 @@ _LARGEST_FILE = 4_000_000  # bytes
 _DEEPEST = 20  # levels of nesting
 
 
-def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
-    """Read a case file.
+def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()) -> Case:
+    """Read a case from a file, or from keys and values as a TOML reader hands them out.
+
+    >>> import castx
+    >>> case = castx.load_case("cylinder.toml", ["time.end=10", "geometry.size='5 mm'"])
+    >>> case.time.end, case.geometry.size
+    (10.0, 0.005)
+    >>> data = {
+    ...     "geometry": {"generator": "slab", "length": "20 mm", "width": "5 mm", "size": "1 mm"},
+    ...     "bodies": [{"name": "casting", "material": "Al-pure", "temperature": 700}],
+    ...     "time": {"end": "1 min"},
+    ... }
+    >>> castx.load_case(data).time.end
+    60.0
+    >>> castx.load_case(data, ["bodies.0.material=Al-pur"])
+    Traceback (most recent call last):
+    castx.errors.CaseError: case.toml --set bodies.0.material=Al-pur: ...
 
     Args:
-        path: a TOML file as described in the contract of case files.
-        overrides: values that replace those of the file, such as "time.end=10".
+        source: a TOML file as described in the contract of case files, or its content; mesh and
+            field files are relative to the folder of the file, those of content to the present one.
+        overrides: values that replace those of the source, such as "time.end=10".
 
     Raises:
-        CaseError: the file cannot be read or accepted; the message shows all problems found.
+        CaseError: the case cannot be read or accepted; the message shows all problems found.
     """
-    data = apply_overrides(_read_file(path), overrides)
-    return read_case(data, path, " ".join(f"--set {override}" for override in overrides))
+    if isinstance(source, Mapping):
+        path, data = Path("case.toml"), dict(source)
+    else:
+        path = Path(source)
+        data = _read_file(path)
+    remark = " ".join(f"--set {override}" for override in overrides)
+    return read_case(apply_overrides(data, overrides), path, remark)
 
 
 def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:

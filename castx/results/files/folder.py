@@ -24,6 +24,7 @@ RECORD = "run.json"
 SERIES = ("probes.csv", "history.csv")
 REPORT = "report.html"
 FIELDS = "fields"
+COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 CURE = "choose another one with output.folder or --output"
 

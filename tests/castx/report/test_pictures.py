@@ -5,10 +5,10 @@ import os
 import numpy as np
 import pytest
 
-from castx.errors import CaseError
 from castx.report.display import display
-from castx.report.pictures import FieldSeries, View, chosen_times, exaggeration, limits_of, picture
+from castx.report.pictures import View, chosen_times, exaggeration, limits_of, picture
 from castx.results.fields import Fields
+from castx.results.files.collection import FieldSeries
 from castx.results.files.disk import Disk
 from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
@@ -30,7 +30,7 @@ def series(comm, tmp_path, request):
     names = ("temperature", "solid_fraction", "displacement", "niyama")
     writer = Fields(tmp_path / "fields", names, None, mesh, Solidification(mesh, {}), Disk(comm))
     writer.update(FakeSnapshot(0.0, 0, mesh, casting_pairs(mesh), FORMULAS))
-    return FieldSeries(tmp_path, model)
+    return FieldSeries(tmp_path)
 
 
 def share(image, colour):
@@ -98,21 +98,3 @@ def test_times_are_chosen_early_and_late():
     assert chosen_times([float(t) for t in range(0, 91, 5)]) == [10.0, 20.0, 40.0, 90.0]
     assert chosen_times([0.0, 3.0]) == [0.0, 3.0]
     assert chosen_times([0.0]) == [0.0]
-
-
-def test_no_display_and_no_server_is_refused(monkeypatch):
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setattr("castx.report.display.shutil.which", lambda program: None)
-    with pytest.raises(CaseError, match="install Xvfb"), display():
-        pass
-
-
-def test_a_server_that_does_not_start_is_refused(monkeypatch):
-    monkeypatch.setattr("castx.report.display.shutil.which", lambda program: "/bin/false")
-    with pytest.raises(CaseError, match="does not start"), display():
-        pass
-
-
-def test_missing_fields_are_refused(tmp_path):
-    with pytest.raises(CaseError, match="there are no fields"):
-        FieldSeries(tmp_path, "3d")

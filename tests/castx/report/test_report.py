@@ -10,8 +10,8 @@ import pytest
 
 from castx.command.run import run
 from castx.errors import CaseError
-from castx.report.curves import Panel, curves
-from castx.report.report import Run, opening_text, solid_text, summary, write_report
+from castx.report.report import opening_text, solid_text, summary, write_report
+from castx.results.reading import Results
 
 pytestmark = pytest.mark.serial
 
@@ -42,7 +42,7 @@ def test_the_report_stands_alone(folder):
 
 
 def test_the_summary_has_the_numbers_of_the_run(folder):
-    results = Run.read(folder)
+    results = Results(folder)
     found = dict(summary(results))
     assert found["simulated"] == "0.3 of 0.3 s"
     assert found["casting all solid"].startswith("not yet")
@@ -56,15 +56,6 @@ def test_when_it_was_solid_and_when_it_opened():
     assert solid_text(history, "a") == "between 1 and 2 s"
     assert opening_text(time, np.array([0.0, 5e-7, 2e-6, 1e-6])) == "at 2 s (1 µm)"
     assert opening_text(time, np.zeros(4)) == "never (1 µm)"
-
-
-def test_curves_are_drawn_in_their_colours():
-    time = np.linspace(0.0, 1.0, 50)
-    panel = Panel("T [°C]", {"a": 100.0 * time, "b": 50.0 + 0.0 * time}, {"melting point": 80.0})
-    pixels = matplotlib.image.imread(BytesIO(curves(time, [panel, panel])))[..., :3]
-    for colour in ("#0072b2", "#d55e00"):
-        wanted = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
-        assert (np.abs(pixels - wanted).max(axis=2) < 0.02).sum() > 500
 
 
 def test_a_folder_without_results_is_refused(tmp_path):

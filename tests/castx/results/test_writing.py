@@ -12,7 +12,7 @@ from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series
 from castx.results.snapshot import StepCounters
-from castx.results.writing import Results, wanted_fields
+from castx.results.writing import ResultsWriter, wanted_fields
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
 CONTENT = {
@@ -43,7 +43,7 @@ def run(comm, folder, ending=None, **output):
     case = read_case({**CONTENT, "output": {"folder": str(folder), **output}}, Path("case.toml"))
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
     pairs = casting_pairs(mesh)
-    with Results(case, mesh, pairs) as results:
+    with ResultsWriter(case, mesh, pairs) as results:
         for step in range(3):
             counters = StepCounters(step=0.5, passes=2, cutbacks=step)
             totals = {"energy_error": float("nan"), "casting.enthalpy": 7.0}
@@ -101,7 +101,7 @@ def test_a_signal_while_the_disk_is_full_raises_nothing(comm, shared_tmp_path, m
     content = {**CONTENT, "output": {"folder": str(shared_tmp_path)}}
     case = read_case(content, Path("case.toml"))
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-    with Results(case, mesh, casting_pairs(mesh)) as results:
+    with ResultsWriter(case, mesh, casting_pairs(mesh)) as results:
         before = record(shared_tmp_path)
         comm.Barrier()
 
@@ -127,11 +127,11 @@ def test_a_thermal_run_writes_what_it_has_and_refuses_what_it_has_not(comm, shar
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
     case = read_case({**thermal, "output": {**output, "fields": ["stress"]}}, Path("case.toml"))
     with pytest.raises(CaseError, match=r"output.fields: there is no stress in a run with"):
-        Results(case, mesh, casting_pairs(mesh))
+        ResultsWriter(case, mesh, casting_pairs(mesh))
     moving = {"name": "p", "body": "casting", "at": [0, 0.02], "quantities": ["displacement"]}
     case = read_case({**thermal, "output": output, "probes": [moving]}, Path("case.toml"))
     with pytest.raises(CaseError, match="probe 'p': there is no displacement"):
-        Results(case, mesh, casting_pairs(mesh))
+        ResultsWriter(case, mesh, casting_pairs(mesh))
 
 
 def test_old_results_are_replaced_but_not_by_a_refused_case(comm, shared_tmp_path):
@@ -144,7 +144,7 @@ def test_old_results_are_replaced_but_not_by_a_refused_case(comm, shared_tmp_pat
     )
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
     with pytest.raises(CaseError, match="outside body 'casting'"):
-        Results(case, mesh, casting_pairs(mesh))
+        ResultsWriter(case, mesh, casting_pairs(mesh))
     assert record(shared_tmp_path)["case"]["digest"] == before
     comm.Barrier()
     run(comm, shared_tmp_path)

@@ -72,6 +72,18 @@ def test_overrides(file):
     assert case.solver.linear == "direct"
 
 
+def test_content_is_read_as_a_file_of_the_present_folder(file, monkeypatch):
+    monkeypatch.chdir(file.parent)
+    data = tomllib.loads(CYLINDER)
+    before = deepcopy(data)
+    case = load_case(data, ["time.end=10"])
+    assert data == before and case.time.end == 10.0
+    assert case.digest == load_case(str(file), ["time.end=10"]).digest
+    assert case.output.folder.parent == file.parent / "results"
+    with pytest.raises(CaseError, match=r"case\.toml --set time\.ende=1: .*unknown key"):
+        load_case(data, ["time.ende=1"])
+
+
 def test_the_hash_tells_content_not_layout(file, tmp_path):
     other = tmp_path / "other.toml"
     other.write_text("# a comment\n" + CYLINDER.replace(" = ", "   =  "))

@@ -1,0 +1,280 @@
+"""A results folder opened for evaluation: its record, tables and fields as numpy and pyvista."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pyvista
+
+from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.errors import CaseError
+from castx.input.problems import among
+from castx.results.files.collection import FieldSeries
+from castx.results.files.folder import RECORD
+from castx.results.files.series import read_series
+from castx.results.files.vtu import VTK_TENSOR
+
+SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
+
+SAME_TIME = 1e-9
+"""Difference of times, as a share of the length of the run, below which they are the same."""
+
+NEAR = 0.25
+"""Distance from the other body, in edges of a cell, below which a node lies on an interface."""
+
+
+class Columns(dict[str, FloatArray]):
+    """Arrays by name, which name what there is when asked for something else."""
+
+    def __missing__(self, name: str) -> FloatArray:
+        raise CaseError(f"there is no {name!r}; {among(name, list(self), what='there are')}")
+
+
+@dataclass(frozen=True)
+class BodyField:
+    """A field of one body at one time.
+
+    Attributes:
+        values: at the points, (points,), a vector (points, gdim); or in the cells, (cells,), the
+            stress (cells, 6) in the order xx yy zz xy xz yz (axisymmetric: rr zz θθ rz 0 0).
+        points: positions before anything moved, (points, gdim) [m].
+        cells: points of each cell in the order of VTK, (cells, corners).
+        in_cells: whether the values belong to the cells.
+        time: [s].
+    """
+
+    values: FloatArray
+    points: FloatArray
+    cells: LongArray
+    in_cells: bool
+    time: float
+
+
+@dataclass(frozen=True)
+class InterfaceFields:
+    """The nodal fields on an interface at one time.
+
+    Attributes:
+        points: the nodes of the first body that face the second one, (nodes, gdim) [m].
+        values: fields there by name, (nodes,) or (nodes, gdim).
+        time: [s].
+    """
+
+    points: FloatArray
+    values: Columns
+    time: float
+
+
+class Results:
+    """The results folder of a run, finished or still going on, of any number of ranks.
+
+    >>> import castx
+    >>> folder = castx.run("cylinder.toml", ["time.end=0.1", "geometry.size=1e-2"])
+    t 0 s  step 0  ...
+    >>> results = castx.Results(folder)
+    >>> results.record["exit"]["reason"], results.bodies
+    ('finished', ('casting', 'mould'))
+    >>> float(results.probes["centre.temperature"][0])
+    670.0
+    >>> results.history["casting/mould.power"][-1] > 0.0  # the casting gives off heat [W]
+    True
+    >>> temperature = results.field("temperature", "casting")  # at the last time, here 0.1 s
+    >>> temperature.values.shape == (len(temperature.points),)
+    True
+    >>> mould = results.grids(0.0)["mould"]  # for pyvista
+    >>> float(mould["temperature"].max())
+    200.0
+
+    Attributes:
+        folder: the results folder.
+        record: run.json: what was run, with what, and how it ended.
+        history: columns of history.csv by name, (steps + 1,).
+        probes: columns of probes.csv by name, (steps + 1,).
+
+    Args:
+        folder: the results folder.
+
+    Raises:
+        CaseError: it is none, or a file is missing or broken.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        try:
+            record = json.loads((self.folder / RECORD).read_text(encoding="utf-8"))
+            history = read_series(self.folder / "history.csv")
+            probes = read_series(self.folder / "probes.csv")
+        except (OSError, ValueError) as error:
+            raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
+        if not isinstance(record, dict) or "bodies" not in record or history["time"].size == 0:
+            raise CaseError(f"{folder} holds no accepted step of a run of castx")
+        self.record: Mapping[str, Any] = record
+        self.history, self.probes = Columns(history), Columns(probes)
+
+    @property
+    def case(self) -> Mapping[str, Any]:
+        """Name, file and digest of the case."""
+        case: Mapping[str, Any] = self.record["case"]
+        return case
+
+    @property
+    def model(self) -> str:
+        """The model, such as "axisymmetric" or "3d"."""
+        return str(self.record["model"])
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of all bodies, of removed ones too."""
+        return tuple(self.record["bodies"])
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of all interfaces."""
+        return tuple(self.record["interfaces"])
+
+    @property
+    def freezing(self) -> list[str]:
+        """Names of the bodies that were not all solid at the start."""
+        return [
+            body
+            for body in self.bodies
+            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
+        ]
+
+    @cached_property
+    def _fields(self) -> FieldSeries:
+        return FieldSeries(self.folder)
+
+    @property
+    def times(self) -> list[float]:
+        """Times at which fields were written [s].
+
+        Raises:
+            CaseError: there are no fields.
+        """
+        return self._fields.times
+
+    def grids(self, time: float | None = None) -> dict[str, pyvista.UnstructuredGrid]:
+        """Return the bodies that are there at a time with all written fields, for pyvista.
+
+        Args:
+            time: one of `times` [s]; None: the last one.
+
+        Raises:
+            CaseError: no fields were written at that time.
+        """
+        return self._fields.read(self._written(time))
+
+    def field(self, name: str, body: str, time: float | None = None) -> BodyField:
+        """Return a field of one body at a time as arrays.
+
+        Args:
+            name: of the field, such as "temperature".
+            body: name of the body.
+            time: one of `times` [s]; None: the last one.
+
+        Raises:
+            CaseError: the field was not written, or the body or the time is not there.
+        """
+        grid = self._grid(body, time)
+        fields = [*grid.point_data, *(key for key in grid.cell_data if key != "body")]
+        if name not in fields:
+            raise CaseError(f"no field {name!r} was written; {among(name, fields)}")
+        in_cells = name in grid.cell_data
+        return BodyField(
+            self._components(np.asarray(grid[name])),
+            self._points(grid),
+            cells_of(grid),
+            in_cells,
+            self._written(time),
+        )
+
+    def interface(self, name: str, time: float | None = None) -> InterfaceFields:
+        """Return the nodal fields on an interface, such as gap, contact pressure and temperature.
+
+        They are those of the first body, on its nodes that touch or face the second one. A node
+        on several interfaces has the smallest of their gaps and the largest of other quantities.
+
+        Args:
+            name: of the interface, such as "casting/mould".
+            time: one of `times` [s]; None: the last one.
+
+        Raises:
+            CaseError: the interface, one of its bodies or the time is not there.
+        """
+        if name not in self.interfaces:
+            raise CaseError(f"no interface {name!r}; {among(name, self.interfaces)}")
+        first, second = (self._grid(body, time) for body in name.split("/"))
+        here = facing_nodes(first, second, int(self.record["interfaces"][name]["pairs"]))
+        values = {
+            key: self._components(np.asarray(first.point_data[key]))[here]
+            for key in sorted(first.point_data)
+        }
+        return InterfaceFields(self._points(first)[here], Columns(values), self._written(time))
+
+    def _written(self, time: float | None) -> float:
+        """Return the time at which fields were written."""
+        if time is None:
+            return self.times[-1]
+        nearest = min(self.times, key=lambda written: abs(written - time))
+        if abs(nearest - time) > SAME_TIME * max(abs(self.times[-1]), abs(time)):
+            known = ", ".join(f"{written:g}" for written in self.times)
+            raise CaseError(f"no fields were written at {time:g} s; times of fields: {known} s")
+        return nearest
+
+    def _grid(self, body: str, time: float | None) -> pyvista.UnstructuredGrid:
+        grids = self.grids(time)
+        if body not in grids:
+            when = self._written(time)
+            raise CaseError(f"no body {body!r} at {when:g} s; {among(body, list(grids))}")
+        return grids[body]
+
+    def _points(self, grid: pyvista.UnstructuredGrid) -> FloatArray:
+        return np.asarray(grid.points[:, : self._dimension], dtype=np.float64)
+
+    def _components(self, values: FloatArray) -> FloatArray:
+        """Return a field with the components that castx gives it, in its order."""
+        if values.ndim == 2 and values.shape[1] == 3:
+            return values[:, : self._dimension]
+        if values.ndim == 2 and values.shape[1] == 6:
+            return values[:, np.argsort(VTK_TENSOR)]
+        return values
+
+    @property
+    def _dimension(self) -> int:
+        return 3 if self.model == "3d" else 2
+
+
+def cells_of(grid: pyvista.UnstructuredGrid) -> LongArray:
+    """Return the points of all cells, which are of one kind, (cells, corners)."""
+    return np.asarray(grid.cell_connectivity, dtype=np.int64).reshape(grid.n_cells, -1)
+
+
+def facing_nodes(
+    first: pyvista.UnstructuredGrid, second: pyvista.UnstructuredGrid, pairs: int
+) -> LongArray:
+    """Return the nodes of a body that lie on another one, or are the nearest to it.
+
+    Args:
+        first: the body whose nodes are asked for.
+        second: the other body.
+        pairs: number of nodes to return when there is a gap between the meshes.
+    """
+    points = np.asarray(first.points, dtype=np.float64)
+    _, closest = cast(
+        tuple[LongArray, FloatArray], second.find_closest_cell(points, return_closest_point=True)
+    )
+    distance = np.linalg.norm(points - closest, axis=1)
+    cells = cells_of(first)
+    edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1).mean()
+    near: BoolArray = distance < NEAR * edge
+    if near.any():
+        return np.flatnonzero(near)
+    return np.sort(np.argsort(distance, kind="stable")[:pairs])
