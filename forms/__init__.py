@@ -1,1 +1,7 @@
-"""The mathematics of castx as pure UFL functions."""
+"""The weak forms of heat and mechanics, and their geometry, as pure UFL functions.
+
+Public: `momentum.mixed_internal_virtual_work`, `momentum.mixed_tangent`,
+`momentum.displacement_internal_virtual_work`, `momentum.displacement_tangent`,
+`momentum.deviatoric_virtual_work`, `momentum.dilatation`, `stabilisation.tau`,
+`stabilisation.weighted_gradient`, `heat.conduction`, `heat.nodal_weight`, `kinematics.strain`.
+"""

@@ -152,8 +152,8 @@ def motion(made: MechanicalProblem, name: str) -> FloatArray:
     part = made.bodies[name]
     owned = part.space.dofmap.index_map.size_local
     values = part.solution.x.array.reshape(-1, part.block_size)[:owned].copy()
-    if part.mixed:
-        values[:, part.dimension] *= part.pressure_scale
+    if part.unknowns.pressure_component is not None:
+        values[:, part.unknowns.pressure_component] *= part.unknowns.pressure_scale
     return values
 
 

@@ -108,6 +108,27 @@ def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
     return np.asarray(sums.array.copy())
 
 
+def nodal_mean(body: BodyMesh, values: FloatArray) -> FloatArray:
+    """Return the means over the cells around each local node of cell values; collective.
+
+    Args:
+        body: mesh of the body.
+        values: of the cells, shape (cells,).
+
+    Returns:
+        Values of the local nodes, shape (nodes,).
+    """
+    owned = body.mesh.topology.index_map(body.mesh.topology.dim).size_local
+    corners = body.nodes.dofmap.list
+    nodes = corners[:owned].ravel()
+    at_corners = np.repeat(values[:owned], corners.shape[1])
+    total, count = (
+        nodal_sum(body, np.bincount(nodes, weights, len(body.parent_vertices)))
+        for weights in (at_corners, np.ones(len(nodes)))
+    )
+    return np.asarray(total / count)
+
+
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest coordinates of the points of all ranks, shape (dimension,)."""
     low = np.ascontiguousarray(points.min(axis=0, initial=np.inf))

@@ -206,7 +206,8 @@ def _body_blocks(
     forward, blocks = coordinates.to_coordinates.mult, []
     for b, (rows, body) in enumerate(zip(made.layout.index_sets(), made.bodies, strict=True)):
         own = made.layout.local_slice(b)
-        modes = [_image(made.layout, forward, b, mode)[own] for mode in near_null_modes(body)]
+        near_null = near_null_modes(body.unknowns)
+        modes = [_image(made.layout, forward, b, mode)[own] for mode in near_null]
         blocks.append(Block(rows, np.array(modes), options))
     return blocks
 
@@ -217,7 +218,7 @@ def _floating(
     motions, weights = [], []
     for b, body in enumerate(made.bodies):
         volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
-        for mode in rigid_modes(body):
+        for mode in rigid_modes(body.unknowns):
             motions.append(_image(made.layout, coordinates.to_coordinates.mult, b, mode))
             transpose = coordinates.to_displacements.multTranspose
             weights.append(_image(made.layout, transpose, b, volumes * mode))

@@ -14,7 +14,6 @@ from castx.stateful import (
     Array,
     Arrays,
     Saved,
-    Stateful,
     joined,
     number,
     part_of,
@@ -43,7 +42,7 @@ class MechanicalMemory:
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state; collective."""
-        parts = {name: saved_parts(_lasting(body)) for name, body in self._bodies.items()}
+        parts = {name: saved_parts(body.stateful_parts()) for name, body in self._bodies.items()}
         motion = self._motions(self._equilibrium.committed)
         anchor = self._motions(self._balance.anchor)
         return {"time": number(self._balance.committed_time)} | joined(
@@ -86,7 +85,7 @@ class MechanicalMemory:
     def restore(self, arrays: Arrays) -> None:
         """Take back a committed state; the equilibrium has to be rewound to it; collective."""
         for name, body in self._bodies.items():
-            restore_parts(_lasting(body), part_of(arrays, f"bodies/{name}"))
+            restore_parts(body.stateful_parts(), part_of(arrays, f"bodies/{name}"))
         rows = part_of(arrays, "rows")
         self._balance.committed_time = float(arrays["time"])
         self._balance.active.restore(self._of_all("closed", rows).astype(bool))
@@ -129,13 +128,3 @@ class MechanicalMemory:
         for part, interface in zip(self._gaps.slices, self._gaps.interfaces, strict=True):
             values[part] = rows[f"{interface.pairs.name}/{name}"]
         return values
-
-
-def _lasting(body: BodyMechanics) -> dict[str, Stateful]:
-    """Return the parts of a body that remember something."""
-    parts = {
-        "points": body.material,
-        "mean_dilatation": body.mean_dilatation,
-        "pockets": body.pockets,
-    }
-    return {name: part for name, part in parts.items() if part is not None}

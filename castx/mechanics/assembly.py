@@ -14,6 +14,7 @@ from castx.arrays import FloatArray
 from castx.equilibrium.linear_system import Correction
 from castx.errors import ConvergenceError
 from castx.mechanics.body import BodyMechanics
+from castx.mechanics.formulation import Product
 from castx.solvers.layout import Layout
 
 
@@ -92,13 +93,8 @@ class BodyAssembly:
 
     def improve_pressures(self) -> bool:
         """Take over the pressures of incompressible Q1/P0 cells; return whether there are any."""
-        parts = [b.mean_dilatation for b in self.bodies if b.mean_dilatation is not None]
-        mine = any(part.iterates for part in parts)
-        if not self.layout.comm.allreduce(mine, op=MPI.LOR):
-            return False
-        for part in parts:
-            part.improve()
-        return True
+        improved = [body.improve_pressures() for body in self.bodies]
+        return bool(self.layout.comm.allreduce(any(improved), op=MPI.LOR))
 
     def displacement_rows(self) -> FloatArray:
         """Return 1 at the owned unknowns that are displacements, else 0."""
@@ -112,13 +108,11 @@ class BodyAssembly:
 
     def corrections(self) -> list[Correction]:
         """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
-        found: list[Correction] = []
-        for b, body in enumerate(self.bodies):
-            if body.projection is not None:
-                part = self.layout.local_slice(b)
-                rows = slice(part.start + body.dimension, part.stop, body.block_size)
-                found.append(partial(_add_projection, body, rows))
-        return found
+        return [
+            partial(_on_part, self.layout.local_slice(b), product)
+            for b, body in enumerate(self.bodies)
+            for product in body.products()
+        ]
 
     def destroy(self) -> None:
         """Free matrices and vectors."""
@@ -127,6 +121,6 @@ class BodyAssembly:
                 item.destroy()
 
 
-def _add_projection(body: BodyMechanics, rows: slice, x: FloatArray, y: FloatArray) -> None:
-    assert body.projection is not None
-    y[rows] += body.projection.correction(x[rows])
+def _on_part(part: slice, product: Product, x: FloatArray, y: FloatArray) -> None:
+    """Add the product of one body to the unknowns of all."""
+    product(x[part], y[part])

@@ -1,4 +1,16 @@
-"""The projected pressure gradient of the orthogonal sub-grid scales (Chiumenti, 2.2)."""
+"""Orthogonal sub-grid scales: the projected pressure gradient Π (Chiumenti, section 2.2).
+
+OSGS puts Σ_e τ_e ∫ ∇q·(∇p - Π) into the continuity equation, with Π on the nodes such that
+
+    Σ_e τ_e ∫ ω·(∇p - Π) = 0   for all ω.
+
+Here the matrix of Π is lumped and weighted with τ_e: a plain projection lets the pressure gradient
+of the solid leak into the liquid, whose τ is far larger. With G = Σ_e τ_e ∫ ω·∇p and the lumped M,
+Π = M⁻¹ G p, and what OSGS has beyond GLS is Σ_e τ_e ∫ ∇q·Π = Gᵀ M⁻¹ G p.
+
+Source: R. Codina, Computer Methods in Applied Mechanics and Engineering 190 (2000); C. Agelet de
+Saracibar, M. Chiumenti, Q. Valverde and M. Cervera, ibid. 195 (2006).
+"""
 
 from __future__ import annotations
 
@@ -13,38 +25,31 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure
-from castx.domain.mesh import BodyMesh
 from castx.forms import stabilisation
 from castx.mechanics.fixed_directions import FixedDirections
+from castx.mechanics.formulation import BodyUnknowns
 
 
-class Projection:
-    """The lumped, τ-weighted projection Π of the pressure gradient of one body (OSGS).
+class OrthogonalProjection:
+    """The operator Gᵀ M⁻¹ G of one body, applied without its matrix.
 
     On symmetry planes Π has no normal component: that of the mirror image would cancel it.
 
     Args:
-        body: mesh of the body.
-        model: geometric model.
-        tau: stabilisation parameter of the cells [m²/Pa].
-        pressure_scale: pressure that is one in the unknowns [Pa].
+        unknowns: of the body, with the pressure.
+        tau: τ_e of the cells [m²/Pa].
         planes: symmetry planes of the body.
     """
 
     def __init__(
-        self,
-        body: BodyMesh,
-        model: str,
-        tau: Any,
-        pressure_scale: float,
-        planes: Sequence[FixedDirections],
+        self, unknowns: BodyUnknowns, tau: Any, planes: Sequence[FixedDirections]
     ) -> None:
-        mesh, nodes = body.mesh, body.nodes
-        dimension: int = mesh.geometry.dim
-        vectors = fem.functionspace(mesh, ("Lagrange", 1, (dimension,)))
-        dx = cell_measure(body, model, 2)
+        mesh, nodes = unknowns.mesh.mesh, unknowns.mesh.nodes
+        self._scale, self._dimension = unknowns.pressure_scale, unknowns.dimension
+        self._pressures = slice(unknowns.pressure_component, None, unknowns.block_size)
+        vectors = fem.functionspace(mesh, ("Lagrange", 1, (self._dimension,)))
+        dx = cell_measure(unknowns.mesh, unknowns.model, 2)
         p, omega = ufl.TrialFunction(nodes), ufl.TestFunction(vectors)
-        self._scale, self._dimension = pressure_scale, dimension
         self._gradient_form = fem.form(stabilisation.weighted_gradient(p, omega, tau, dx))
         self._weight_form = fem.form(
             stabilisation.projection_weight(ufl.TestFunction(nodes), tau, dx)
@@ -54,11 +59,11 @@ class Projection:
         self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
         self._projected = self._gradient.createVecLeft()
         self._mirrored, self._in_planes = _tangential(
-            planes, nodes.dofmap.index_map.size_local, dimension
+            planes, nodes.dofmap.index_map.size_local, self._dimension
         )
 
     def assemble(self) -> None:
-        """Assemble the operator for the present shear moduli."""
+        """Assemble G and M for the present shear moduli; collective."""
         self._gradient.zeroEntries()
         assemble_matrix(self._gradient, self._gradient_form)
         self._gradient.assemble()
@@ -66,12 +71,16 @@ class Projection:
         fem.assemble_vector(self._weight.array, self._weight_form)
         self._weight.scatter_reverse(la.InsertMode.add)
 
-    def correction(self, pressure: FloatArray) -> FloatArray:
-        """Return Σ_e τ_e ∫ ∇q·Π(p) of the owned nodes, scaled like the unknown.
+    def add_product(self, x: FloatArray, y: FloatArray) -> None:
+        """Add Gᵀ M⁻¹ G p to the rows of the pressures, scaled like the unknowns; collective.
 
         Args:
-            pressure: scaled pressure at the owned nodes, ghosts may follow.
+            x: owned unknowns of the body with the pressures p; those of ghosts may follow.
+            y: owned rows of the residual, changed in place.
         """
+        y[self._pressures] += self._correction(x[self._pressures])
+
+    def _correction(self, pressure: FloatArray) -> FloatArray:
         owned = self._pressure.getLocalSize()
         self._pressure.array[:] = pressure[:owned]
         self._gradient.mult(self._pressure, self._projected)

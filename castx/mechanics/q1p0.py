@@ -1,9 +1,16 @@
-"""The piecewise constant pressure of Q1/P0 (Nagtegaal, Parks and Rice 1974; Hughes 1980).
+"""Q1/P0 formulation on quadrilaterals and hexahedra: a constant pressure in each cell.
 
-The pressure of a cell is not an unknown: p = (mean(∇·u) - e^θ)/c with c = 1/K. Where c is zero or
-small it becomes a multiplier, found together with the displacement (Fortin and Glowinski 1983):
+The pressure of a cell is not an unknown of the nodes: with means over the cell,
+
+    ∫ ∇ˢη:s + Σ_e p_e ∫ ∇·η = ∫ η·b + ∫_Γ η·t̄,   p_e = (mean(∇·u) - e^θ)/c,   c = 1/K.
+
+Where c is zero or small p_e becomes a multiplier, found together with the displacement:
 
     p = [mean(∇·u) - e^θ + (ĉ - c) p_k] / ĉ,   ĉ = max(c, a small number),   p_k ← p.
+
+Source: J. C. Nagtegaal, D. M. Parks and J. R. Rice, Computer Methods in Applied Mechanics and
+Engineering 4 (1974); T. J. R. Hughes, International Journal for Numerical Methods in Engineering 15
+(1980); for the multiplier M. Fortin and R. Glowinski, Augmented Lagrangian Methods (1983), ch. 1.
 """
 
 from __future__ import annotations
@@ -18,13 +25,121 @@ from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
 
 from castx.arrays import FloatArray
+from castx.domain.measures import cell_measure, nodal_mean
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.law import Conditions
-from castx.stateful import Arrays, Saved
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms, cell_stress
+from castx.mechanics.loads import BodyLoads
+from castx.mechanics.trapped_liquid import TrappedLiquid
+from castx.stateful import Arrays, Saved, Stateful
 
 SMALLEST_COMPRESSIBILITY = 1e-3
 """ĉ of an incompressible cell in units of 1/G: the error of p falls so fast in each iteration."""
+
+
+class Q1P0Formulation:
+    """Momentum balance of one body in its displacement, with the pressures of `MeanDilatation`.
+
+    Args:
+        unknowns: of the body, without a pressure.
+        material: stress and tangent at its integration points.
+        loads: on the body.
+        pockets: its trapped liquid.
+        cells: functions constant in each cell.
+        shear_modulus: largest shear modulus of the body [Pa].
+    """
+
+    def __init__(
+        self,
+        unknowns: BodyUnknowns,
+        material: MaterialPoints,
+        loads: BodyLoads,
+        pockets: TrappedLiquid,
+        cells: fem.FunctionSpace,
+        shear_modulus: float,
+    ) -> None:
+        self._unknowns, self._material, self._pockets = unknowns, material, pockets
+        test, trial = ufl.TestFunction(unknowns.space), ufl.TrialFunction(unknowns.space)
+        total, increment = unknowns.strain(unknowns.solution), unknowns.strain(trial)
+        variation, points = unknowns.strain(test), material.points
+        state = pockets.state(material.state())
+        dx = cell_measure(unknowns.mesh, unknowns.model, points.degree)
+        self.forms = WeakForms(
+            unknowns,
+            momentum.deviatoric_virtual_work(variation, state, dx),
+            momentum.deviatoric_tangent(increment, variation, state, dx),
+            loads.virtual_work(unknowns.displacement(test)),
+        )
+        self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
+        self._mean = MeanDilatation(
+            unknowns.mesh, cells, unknowns.space, increment, dx, shear_modulus
+        )
+
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
+        """Evaluate material and trapped liquid for a trial step; collective."""
+        self._material.begin(temperature, solid_fraction, step)
+        self._pockets.begin(self._material)
+        self._mean.begin(self._material.conditions, self._pockets.cell_pressures())
+
+    def update(self) -> None:
+        """Find stresses, tangents and pressures at the present displacement."""
+        self._material.update(self._material.points.evaluate(self._strain))
+        self._mean.update(self._material.dilatation)
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces for the stresses of `update`; collective."""
+        b = self.forms.residual()
+        b += self._mean.forces()
+        return b
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the derivative of the residual."""
+        self.forms.assemble_jacobian(A)
+        self._mean.add_tangent(A)
+
+    def products(self) -> list[Product]:
+        """Return nothing: the assembled Jacobian is complete."""
+        return []
+
+    def improve_pressures(self) -> bool:
+        """Take the present pressures for the multipliers, if any cell of this rank has one."""
+        if self._mean.iterates:
+            self._mean.improve()
+        return self._mean.iterates
+
+    def mean_stress(self) -> FloatArray:
+        """Return the pressures of the cells [Pa], shape (cells,)."""
+        return self._mean.pressure
+
+    def nodal_pressure(self) -> FloatArray:
+        """Return means of the pressure round the local nodes [Pa], shape (nodes,); collective."""
+        self.update()
+        stress = cell_stress(self._material, self.mean_stress())
+        return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
+
+    @property
+    def unfed_volume(self) -> float | None:
+        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
+        return self._pockets.volume
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts; collective."""
+        self.update()
+        self._material.commit()
+        self._mean.commit()
+        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        self._material.rewind()
+        self._mean.rewind()
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return history, multipliers and trapped liquid."""
+        pockets = self._pockets.stateful_parts()
+        return {"points": self._material, "mean_dilatation": self._mean, **pockets}
 
 
 class MeanDilatation:
@@ -63,12 +178,12 @@ class MeanDilatation:
         self._committed = np.zeros(count)
         self._compressibility = np.ones(count)
         self._free = np.zeros(count)
-        self._given: FloatArray | None = None
+        self._given = np.full(count, np.nan)
         self.pressure: FloatArray = np.zeros(count)
         self._cell_values = self._matrix.createVecLeft()
         self._forces = self._matrix.createVecRight()
 
-    def begin(self, conditions: Conditions, given: FloatArray | None = None) -> None:
+    def begin(self, conditions: Conditions, given: FloatArray) -> None:
         """Set the conditions of a trial step.
 
         Args:
@@ -82,8 +197,7 @@ class MeanDilatation:
         """Find the pressures for volumetric strains of the cells, shape (cells,)."""
         c, least = self._compressibility, self._least()
         self.pressure = (dilatation - self._free + (least - c) * self._multiplier) / least
-        if self._given is not None:
-            self.pressure = np.where(np.isnan(self._given), self.pressure, self._given)
+        self.pressure = np.where(np.isnan(self._given), self.pressure, self._given)
 
     def _least(self) -> FloatArray:
         return np.maximum(self._compressibility, self._smallest)
@@ -106,7 +220,7 @@ class MeanDilatation:
     def add_tangent(self, A: PETSc.Mat) -> None:
         """Add the derivative of `forces` to a matrix that has its entries."""
         scaled = self._matrix.copy()
-        free = np.ones(self._owned) if self._given is None else np.isnan(self._given[: self._owned])
+        free = np.isnan(self._given[: self._owned])
         self._cell_values.array[:] = free / (self._volumes * self._least()[: self._owned])
         scaled.diagonalScale(self._cell_values, None)
         product = self._matrix.transposeMatMult(scaled)

@@ -8,38 +8,38 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.domain.measures import bounding_box
-from castx.mechanics.body import BodyMechanics
+from castx.mechanics.formulation import BodyUnknowns
 
 
-def rigid_modes(body: BodyMechanics) -> FloatArray:
+def rigid_modes(unknowns: BodyUnknowns) -> FloatArray:
     """Return the rigid motions of a body as owned unknowns, shape (modes, owned unknowns).
 
     Each moves no node by more than about one: rotations are taken about the middle of the body and
     scaled by its size. Axisymmetric bodies have only the axial translation.
     """
-    d, size = body.dimension, body.block_size
-    owned = body.space.dofmap.index_map.size_local
-    points = body.mesh.nodes.tabulate_dof_coordinates()[:owned, :d]
-    if body.model == "axisymmetric":
+    d, size = unknowns.dimension, unknowns.block_size
+    owned = unknowns.space.dofmap.index_map.size_local
+    points = unknowns.mesh.nodes.tabulate_dof_coordinates()[:owned, :d]
+    if unknowns.model == "axisymmetric":
         motions = [np.tile([0.0, 1.0], (owned, 1))]
     else:
         motions = [np.tile(e, (owned, 1)) for e in np.eye(d)]
-        motions += _rotations(points, body.mesh.mesh.comm)
+        motions += _rotations(points, unknowns.mesh.mesh.comm)
     modes = np.zeros((len(motions), owned, size))
     for mode, motion in zip(modes, motions, strict=True):
         mode[:, :d] = motion
     return modes.reshape(len(motions), owned * size)
 
 
-def near_null_modes(body: BodyMechanics) -> FloatArray:
+def near_null_modes(unknowns: BodyUnknowns) -> FloatArray:
     """Return rigid motions, the radial translation and the constant pressure as owned unknowns."""
-    modes = [*rigid_modes(body)]
-    owned = body.space.dofmap.index_map.size_local
-    extra = [0] if body.model == "axisymmetric" else []
-    if body.mixed:
-        extra.append(body.dimension)
+    modes = [*rigid_modes(unknowns)]
+    owned = unknowns.space.dofmap.index_map.size_local
+    extra = [0] if unknowns.model == "axisymmetric" else []
+    if unknowns.pressure_component is not None:
+        extra.append(unknowns.pressure_component)
     for component in extra:
-        mode = np.zeros((owned, body.block_size))
+        mode = np.zeros((owned, unknowns.block_size))
         mode[:, component] = 1.0
         modes.append(mode.ravel())
     return np.array(modes)

@@ -24,9 +24,14 @@ from scipy.sparse.csgraph import connected_components
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
-from castx.stateful import Arrays, Saved, number
+from castx.forms.momentum import PointState
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
+
+TRAPPED_SHARE = 1e-6
+"""Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
 
 Force = Sequence[float] | Callable[[Any], Any]
 
@@ -62,6 +67,23 @@ class Pockets:
         self._born: FloatArray = np.zeros(len(self._cell_nodes))
         self._liquid: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
 
+    def state(self, points: PointState) -> PointState:
+        """Return the state of the integration points, with the pressure of trapped liquid."""
+        return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
+
+    def begin(self, material: MaterialPoints) -> None:
+        """Find the pockets of a trial step and set what the material is there; collective."""
+        trapped = self.update(~material.conditions.coherent)
+        conditions = material.add_free_volume(self.birth_volume)
+        # Little enough to leave the pressures of the shell alone.
+        share = TRAPPED_SHARE * conditions.solid_compressibility[trapped]
+        material.compressibility.x.array[trapped] = share
+
+    def cell_pressures(self) -> FloatArray:
+        """Return the pressures of the trapped cells [Pa], nan elsewhere, shape (cells,)."""
+        trapped = self.trapped.x.array.astype(bool)
+        return np.where(trapped, self.pressure.x.array[self._cell_nodes].mean(axis=1), np.nan)
+
     def update(self, liquid: BoolArray) -> BoolArray:
         """Find the trapped cells of a trial step; return them, shape (cells,)."""
         trapped = self._paths.trapped(liquid)
@@ -77,11 +99,11 @@ class Pockets:
         """Volumetric strain without stress of the solid cells of the trial step, shape (cells,)."""
         return np.where(self._liquid, 0.0, self._born)
 
-    def commit(self, pressure: FloatArray, dilatation: FloatArray) -> None:
-        """Book the volume that trapped cells gained in an accepted step.
+    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
+        """Book the volume that trapped cells gained in an accepted step; collective.
 
         Args:
-            pressure: at the local nodes [Pa], shape (nodes,).
+            pressure: returns that at the local nodes [Pa], shape (nodes,).
             dilatation: volumetric strain of the cells, shape (cells,).
         """
         trapped = self.trapped.x.array.astype(bool)
@@ -90,9 +112,13 @@ class Pockets:
         gained = float(self._volumes @ growth[: len(self._volumes)])
         self.volume += self._comm.allreduce(gained, op=MPI.SUM)
         self._held_pressure = self.pressure.x.array.copy()
-        self._last_pressure, self._last_dilatation = pressure.copy(), dilatation.copy()
+        self._last_pressure, self._last_dilatation = pressure().copy(), dilatation.copy()
         self._was_trapped = trapped
         self._born = np.where(trapped, dilatation, self.birth_volume)
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return what a checkpoint keeps, by its name there."""
+        return {"pockets": self}
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state of trapped liquid and the volume it lacks."""
@@ -124,6 +150,40 @@ class Pockets:
                 self._body.name,
                 volume,
             )
+
+
+class NoPockets:
+    """Stands for the pockets of a body that never is a liquid.
+
+    Args:
+        cells: number of cells of this rank.
+    """
+
+    volume = None
+
+    def __init__(self, cells: int) -> None:
+        self._cells = cells
+
+    def state(self, points: PointState) -> PointState:
+        """Return the state of the integration points as it is."""
+        return points
+
+    def begin(self, material: MaterialPoints) -> None:
+        """Leave the material of a trial step as it is."""
+
+    def cell_pressures(self) -> FloatArray:
+        """Return nan, shape (cells,)."""
+        return np.full(self._cells, np.nan)
+
+    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
+        """Book nothing."""
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return nothing."""
+        return {}
+
+
+TrappedLiquid = Pockets | NoPockets
 
 
 def _hydrostatic(body: BodyMesh, body_force: Force) -> FloatArray:

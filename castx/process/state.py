@@ -142,8 +142,8 @@ class State:
             totals |= self._interface_totals(interface.name, state)
         if self.problem.mechanics is not None:
             for name, body in self.problem.mechanics.bodies.items():
-                if body.pockets is not None:
-                    totals[f"{name}.unfed_volume"] = body.pockets.volume
+                if body.unfed_volume is not None:
+                    totals[f"{name}.unfed_volume"] = body.unfed_volume
             totals |= self._support_totals(self.problem.mechanics)
         for name, coefficient in self.friction.items():
             if name in self.mesh.bodies:

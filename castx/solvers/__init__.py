@@ -1,1 +1,7 @@
-"""PETSc: numbering, nonlinear and linear solvers, diagnosis."""
+"""PETSc: numbering of unknowns, nonlinear and linear solvers, and what is said of their failures.
+
+Public: `layout.Layout`, `remote_entries.RemoteEntries`, `snes.NonlinearSolver`,
+`snes.SolveReport`, `line_search.shorten_step`, `blocks.DirectSolver`, `blocks.Block`,
+`blocks.BlockSweep`, `blocks.BlockSolver`, `arrow_schur.ArrowSchur`, `worst_place.worst_place`,
+`finite.require_finite`, `diagnosis.diagnosis`.
+"""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.domain.measures import nodal_volumes
+from castx.domain.measures import nodal_mean, nodal_volumes
 from tests.coupled_cases import ALUMINIUM, STEEL, cylinder, ring, simulation
 
 FLOWING = {
@@ -80,7 +80,7 @@ def balance(comm, state) -> tuple[float, float]:
     scale = np.sqrt(comm.allreduce(body.force_scale()[0]))
     largest = max(comm.allgather(float(np.abs(forces).max(initial=0.0))))
     nodes = nodal_volumes(body.mesh, state.mesh.model)
-    stress = body.nodal_mean(state.cellwise("casting", "von_mises"))[: len(nodes)]
+    stress = nodal_mean(body.mesh, state.cellwise("casting", "von_mises"))[: len(nodes)]
     mean = comm.allreduce(float(nodes @ stress)) / comm.allreduce(float(nodes.sum()))
     return largest / scale, mean
 

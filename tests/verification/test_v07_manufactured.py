@@ -107,7 +107,7 @@ def relative_errors(comm, dimension: int, n: int, poisson: float, stabilisation:
     made.equilibrium.solve(0.0)
     part = made.bodies["casting"]
     x = ufl.SpatialCoordinate(mesh.bodies["casting"].mesh)
-    u, p = part.split(part.solution)
+    u, p = part.unknowns.displacement(part.solution), part.unknowns.pressure(part.solution)
     u_exact = ufl.as_vector(exact_displacement(x, dimension, ufl))
     p_exact = exact_pressure(x, dimension, ufl)
     errors = (u - u_exact, ufl.grad(u - u_exact), p - p_exact)

@@ -19,7 +19,7 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.equilibrium.equilibrium import EquilibriumReport
-from castx.mechanics.body.constitutive import law as constitutive
+from castx.mechanics.constitutive import law as constitutive
 from castx.mechanics.constitutive.law import SMALLEST_SECANT, Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from mpi4py import MPI
 
 import numpy as np
@@ -70,13 +72,13 @@ def test_a_pocket_keeps_the_pressure_at_which_it_closed_and_books_its_volume(cas
     pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
     nodes, cells = len(casting.points), len(r)
     pockets.update(column)
-    pockets.commit(np.full(nodes, -5e4), np.zeros(cells))
+    pockets.commit(partial(np.full, nodes, -5e4), np.zeros(cells))
     assert pockets.volume == 0.0
     for pressure, dilatation in ((7e6, 1e-3), (9e6, 3e-3)):
         pockets.update(core)
         held = pockets.pressure.x.array[casting.nodes.dofmap.list[core].ravel()]
         assert np.allclose(held, -5e4, rtol=1e-14)
-        pockets.commit(np.full(nodes, pressure), np.full(cells, dilatation))
+        pockets.commit(partial(np.full, nodes, pressure), np.full(cells, dilatation))
     area = casting.mesh.comm.allreduce(float(weighted_area(casting)[core[: owned(casting)]].sum()))
     assert pockets.volume == pytest.approx(3e-3 * area, rel=1e-12)
 
@@ -87,18 +89,18 @@ def test_solid_out_of_a_pocket_has_the_volume_of_its_birth(casting) -> None:
     core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
     shrunk = core & (r < RADIUS / 4)
     pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
-    nodes, nothing = np.zeros(len(casting.points)), np.zeros(len(r))
+    no_pressure, nothing = partial(np.full, len(casting.points), 0.0), np.zeros(len(r))
     steps = [(core, 2e-3), (shrunk, 5e-3), (shrunk, 4e-3), (np.zeros(len(r), dtype=bool), 1e-3)]
     for liquid, dilatation in steps:
         pockets.update(liquid)
-        pockets.commit(nodes, nothing + dilatation)
+        pockets.commit(no_pressure, nothing + dilatation)
     ring = core & ~shrunk
     expected = np.where(ring, 2e-3, np.where(shrunk, 4e-3, 0.0))
     assert np.allclose(pockets.birth_volume, expected, rtol=1e-14)
     pockets.update(shrunk)
     assert np.allclose(pockets.birth_volume, np.where(shrunk, 0.0, expected), rtol=1e-14)
     pockets.update(r < RADIUS)
-    pockets.commit(nodes, nothing)
+    pockets.commit(no_pressure, nothing)
     pockets.update(~np.ones(len(r), dtype=bool))
     assert not pockets.birth_volume.any()
 

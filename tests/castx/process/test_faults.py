@@ -21,7 +21,7 @@ from pathlib import Path
 from mpi4py import MPI
 import castx.command.cli
 from castx.checkpoint.file import gathering
-from castx.mechanics.body.constitutive import points as material_points
+from castx.mechanics.constitutive import points as material_points
 from castx.heat.problem import body as thermal_body
 from castx.errors import ConvergenceError
 from castx.results import fields

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from castx.errors import ConvergenceError
 from castx.materials.flow import FlowProperties
-from castx.mechanics.body.constitutive import plane_stress
+from castx.mechanics.constitutive import plane_stress
 from castx.mechanics.constitutive.law import Conditions, History, respond
 from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
 

@@ -136,9 +136,8 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, kind, name):
     x.array[:] = direction[: x.getLocalSize()]
     A.mult(x, y)
     product = y.array_r.copy()
-    if part.projection is not None:
-        rows = slice(part.dimension, None, part.block_size)
-        product[rows] += part.projection.correction(x.array_r[rows])
+    for add_product in part.products():
+        add_product(x.array_r, product)
     scale = comm.allreduce(np.abs(product).max(initial=0.0), op=max)
     np.testing.assert_allclose(difference, product, atol=1e-6 * scale, rtol=0)
     assert A.isSymmetric(1e-6 * scale)

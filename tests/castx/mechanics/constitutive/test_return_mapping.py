@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from castx.errors import ConvergenceError
 from castx.materials.flow import PLASTIC, VISCOPLASTIC, FlowProperties, solid_flow
 from castx.materials.material import Material
-from castx.mechanics.body.constitutive import return_mapping as module
+from castx.mechanics.constitutive import return_mapping as module
 from castx.mechanics.constitutive.return_mapping import (
     plastic_work,
     return_mapping,

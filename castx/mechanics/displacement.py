@@ -1,0 +1,101 @@
+"""Displacement formulation, for bodies that stay compressible.
+
+The mean stress follows from the displacement, p = K (∇·u - e^θ), and is no unknown. For all η
+
+    ∫ ∇ˢη:s + ∫ K (∇·u - e^θ) ∇·η = ∫ η·b + ∫_Γ η·t̄:
+
+the weak form of Chiumenti, section 2.2, with its continuity equation solved for p.
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+
+from castx.arrays import FloatArray
+from castx.domain.measures import cell_measure, nodal_mean
+from castx.forms import kinematics, momentum
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms, cell_stress
+from castx.mechanics.loads import BodyLoads
+from castx.stateful import Stateful
+
+
+class DisplacementFormulation:
+    """Momentum balance of one body in its displacement alone.
+
+    Args:
+        unknowns: of the body, without a pressure.
+        material: stress and tangent at its integration points.
+        loads: on the body.
+    """
+
+    def __init__(self, unknowns: BodyUnknowns, material: MaterialPoints, loads: BodyLoads) -> None:
+        self._unknowns, self._material = unknowns, material
+        test, trial = ufl.TestFunction(unknowns.space), ufl.TrialFunction(unknowns.space)
+        total, variation = unknowns.strain(unknowns.solution), unknowns.strain(test)
+        points, state = material.points, material.state()
+        dx = cell_measure(unknowns.mesh, unknowns.model, points.degree)
+        self.forms = WeakForms(
+            unknowns,
+            momentum.displacement_internal_virtual_work(total, variation, state, dx),
+            momentum.displacement_tangent(unknowns.strain(trial), variation, state, dx),
+            loads.virtual_work(unknowns.displacement(test)),
+        )
+        self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
+
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
+        """Evaluate the material for a trial step."""
+        self._material.begin(temperature, solid_fraction, step)
+
+    def update(self) -> None:
+        """Find stresses and tangents at the present displacement."""
+        self._material.update(self._material.points.evaluate(self._strain))
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces for the stresses of `update`; collective."""
+        return self.forms.residual()
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the derivative of the residual."""
+        self.forms.assemble_jacobian(A)
+
+    def products(self) -> list[Product]:
+        """Return nothing: the assembled Jacobian is complete."""
+        return []
+
+    def improve_pressures(self) -> bool:
+        """Return False: there are no multipliers."""
+        return False
+
+    def mean_stress(self) -> FloatArray:
+        """Return K (∇·u - e^θ) of the cells [Pa], shape (cells,)."""
+        conditions = self._material.conditions
+        change = self._material.dilatation - conditions.thermal_strain
+        return np.asarray(change / conditions.compressibility)
+
+    def nodal_pressure(self) -> FloatArray:
+        """Return means of the mean stress round the local nodes [Pa], shape (nodes,)."""
+        self.update()
+        stress = cell_stress(self._material, self.mean_stress())
+        return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
+
+    @property
+    def unfed_volume(self) -> None:
+        """None: the body never is a liquid."""
+        return None
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts."""
+        self.update()
+        self._material.commit()
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        self._material.rewind()
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return the history of the integration points."""
+        return {"points": self._material}

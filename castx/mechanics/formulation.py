@@ -1,0 +1,209 @@
+"""What the formulations of the momentum balance share: unknowns, assembled forms and protocol.
+
+A formulation says how the pressure enters: as an unknown of the nodes (`castx.mechanics.mixed`), as
+a constant of each cell (`castx.mechanics.q1p0`) or not at all (`castx.mechanics.displacement`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
+
+from castx.arrays import FloatArray
+from castx.domain.measures import extent
+from castx.domain.mesh import BodyMesh
+from castx.forms import kinematics
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.stateful import Stateful
+
+PRESSURE_SHARE = 0.1
+"""Unit of the pressure unknown in G/L; with 1 a liquid costs multigrid a fifth more iterations."""
+
+Product = Callable[[FloatArray, FloatArray], None]
+"""Adds a matrix times its first argument to its second one; both are owned unknowns of a body."""
+
+
+class BodyUnknowns:
+    """The unknowns of the nodes of one body.
+
+    They are the displacement, in the mixed formulation the pressure over `pressure_scale`, and in
+    generalised plane strain the axial strain times `length`: lengths all, so that all rows of the
+    residual are forces.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        with_pressure: whether the pressure is an unknown.
+        shear_modulus: largest shear modulus of the body [Pa].
+
+    Attributes:
+        dimension: number of the displacement components, which come first.
+        pressure_component: number of the pressure, if it is an unknown.
+        axial: number of the axial strain, if it is one.
+        block_size: unknowns of a node.
+        space: function space of the unknowns.
+        solution: present values of the unknowns.
+        length: largest edge of the box round the body [m].
+        pressure_scale: pressure that is one in the unknowns [Pa/m].
+    """
+
+    def __init__(
+        self, body: BodyMesh, model: str, with_pressure: bool, shear_modulus: float
+    ) -> None:
+        self.mesh, self.model = body, model
+        self.dimension: int = body.mesh.geometry.dim
+        self.pressure_component = self.dimension if with_pressure else None
+        displaced = self.dimension + int(with_pressure)
+        self.axial = displaced if model == "generalised-plane-strain" else None
+        self.block_size = displaced + int(self.axial is not None)
+        self.space = fem.functionspace(body.mesh, ("Lagrange", 1, (self.block_size,)))
+        self.solution = fem.Function(self.space, name=f"motion of {body.name}")
+        self.length = extent(body.mesh)
+        stiffness = shear_modulus / self.length
+        self.pressure_scale = PRESSURE_SHARE * stiffness
+        # Constants: forms are compiled once for all values.
+        self._pressure_unit = fem.Constant(body.mesh, np.float64(self.pressure_scale))
+        self._unit_length = fem.Constant(body.mesh, np.float64(self.length))
+
+    @property
+    def owned(self) -> int:
+        """Number of unknowns that this rank owns."""
+        return int(self.space.dofmap.index_map.size_local) * self.block_size
+
+    def displacement(self, w: Any) -> Any:
+        """Return the displacement in unknowns or in a test or trial function w."""
+        return ufl.as_vector([w[i] for i in range(self.dimension)])
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure [Pa] in unknowns or in a test or trial function w."""
+        return self._pressure_unit * w[self.pressure_component]
+
+    def strain(self, w: Any) -> Any:
+        """Return the strain of unknowns or of a test or trial function, shape (3, 3).
+
+        In plane stress ε_zz is missing: the constitutive law finds it.
+        """
+        axial = 0.0 if self.axial is None else w[self.axial] / self._unit_length
+        x = ufl.SpatialCoordinate(self.mesh.mesh)
+        return kinematics.strain(self.displacement(w), self.model, x, axial)
+
+
+class WeakForms:
+    """Assembles internal forces, loads and Jacobian of one body from their weak forms.
+
+    Args:
+        unknowns: of the body.
+        internal: virtual work of the internal forces at `unknowns.solution`.
+        jacobian: its derivative for a change of the unknowns.
+        load: virtual work of the loads.
+    """
+
+    def __init__(self, unknowns: BodyUnknowns, internal: Any, jacobian: Any, load: Any) -> None:
+        self._internal, self._jacobian = fem.form(internal), fem.form(jacobian)
+        self._load = fem.form(load)
+        index_map, self._owned = unknowns.space.dofmap.index_map, unknowns.owned
+        self._row = la.vector(index_map, unknowns.block_size)
+        self.load: FloatArray = np.zeros(self._owned)
+
+    def update_load(self) -> None:
+        """Assemble the loads at their present values; collective."""
+        self.load = self._assemble(self._load)
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces of the owned unknowns [N]; collective."""
+        return self._assemble(self._internal) - self.load
+
+    def _assemble(self, form: fem.Form) -> FloatArray:
+        b = self._row
+        b.array[:] = 0
+        fem.assemble_vector(b.array, form)
+        b.scatter_reverse(la.InsertMode.add)
+        return b.array[: self._owned].copy()
+
+    def create_jacobian(self) -> PETSc.Mat:
+        """Return an unassembled matrix for `assemble_jacobian`."""
+        return create_matrix(self._jacobian)
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the derivative of the internal forces."""
+        A.zeroEntries()
+        assemble_matrix(A, self._jacobian)
+        A.assemble()
+
+
+class Formulation(Protocol):
+    """The momentum balance of one body, with its pressure treated in one way.
+
+    Attributes:
+        forms: assembles what is written as weak forms.
+    """
+
+    forms: WeakForms
+
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
+        """Evaluate the material for a trial step; collective.
+
+        Args:
+            temperature: at the local nodes [°C], shape (nodes,).
+            solid_fraction: likewise.
+            step: time step [s].
+        """
+
+    def update(self) -> None:
+        """Find stresses and tangents at the present unknowns.
+
+        Raises:
+            ConvergenceError: the law cannot be solved at some point; on its own rank alone.
+        """
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces for the stresses of `update`; collective."""
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the derivative of the residual, without `products`."""
+
+    def products(self) -> list[Product]:
+        """Return the parts of the Jacobian that are applied without a matrix."""
+
+    def improve_pressures(self) -> bool:
+        """Take the pressures of this rank for the multipliers; return whether there are any."""
+
+    def mean_stress(self) -> FloatArray:
+        """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""
+
+    def nodal_pressure(self) -> FloatArray:
+        """Return the pressure at the local nodes [Pa], shape (nodes,); collective."""
+
+    @property
+    def unfed_volume(self) -> float | None:
+        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts; collective."""
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return what a checkpoint keeps of the body, by its name there."""
+
+
+def cell_stress(material: MaterialPoints, mean: FloatArray) -> FloatArray:
+    """Return σ = p 1 + s of the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz.
+
+    Args:
+        material: gives the deviatoric stress s of its last update.
+        mean: mean stress p [Pa], shape (cells,).
+    """
+    deviator = material.points.cell_means(material.response.stress)
+    stress = np.zeros((len(deviator), 6))
+    stress[:, : deviator.shape[1]] = deviator
+    stress[:, :3] += mean[:, None]
+    return stress

@@ -1,0 +1,173 @@
+"""Mixed u/p formulation on linear simplices, stabilised by GLS or OSGS (Chiumenti, section 2.2).
+
+Displacement and pressure are unknowns of the nodes. For all η and q
+
+    ∫ ∇ˢη:s + ∫ p ∇·η = ∫ η·b + ∫_Γ η·t̄,
+    ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·(∇p - Π) = 0,
+
+with Π = -b in GLS and the projection of ∇p to the nodes in OSGS (`castx.mechanics.osgs`). Dropping
+b from GLS is wrong by half and more where a body has a liquid core. The formula of τ_e, and where
+its shear modulus comes from, stands at `castx.forms.stabilisation.tau`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+
+from castx.arrays import FloatArray
+from castx.domain.measures import cell_measure
+from castx.forms import kinematics, momentum, stabilisation
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.fixed_directions import FixedDirections
+from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms
+from castx.mechanics.loads import BodyLoads
+from castx.mechanics.osgs import OrthogonalProjection
+from castx.mechanics.trapped_liquid import TrappedLiquid
+from castx.stateful import Stateful
+
+
+class MixedFormulation:
+    """Momentum balance of one body in its displacement and pressure.
+
+    Args:
+        unknowns: of the body, with the pressure.
+        material: stress and tangent at its integration points.
+        loads: on the body.
+        pockets: its trapped liquid.
+        kind: stabilisation, "osgs" or "gls".
+        planes: symmetry planes, behind which the body goes on as its mirror image.
+    """
+
+    def __init__(
+        self,
+        unknowns: BodyUnknowns,
+        material: MaterialPoints,
+        loads: BodyLoads,
+        pockets: TrappedLiquid,
+        kind: str,
+        planes: Sequence[FixedDirections],
+    ) -> None:
+        self._unknowns, self._material, self._pockets = unknowns, material, pockets
+        w, degree = unknowns.solution, material.points.degree
+        total, pressure = unknowns.strain(w), unknowns.pressure(w)
+        self._dx = cell_measure(unknowns.mesh, unknowns.model, degree)
+        self._dx_p = cell_measure(unknowns.mesh, unknowns.model, 2)
+        state = pockets.state(material.state())
+        length = stabilisation.element_length(unknowns.mesh.mesh, unknowns.dimension)
+        constant = stabilisation.CONSTANTS[kind]
+        # A given pressure needs no stabilisation.
+        tau = (1 - state.trapped) * stabilisation.tau(material.secant_modulus, length, constant)
+        self.forms = WeakForms(
+            unknowns,
+            self._internal(total, pressure, state, tau),
+            self._jacobian(state, tau),
+            self._load(loads, kind, tau),
+        )
+        points = material.points
+        self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
+        self._pressure = points.expression(pressure)
+        self._projections = []
+        if kind == "osgs":
+            self._projections.append(OrthogonalProjection(unknowns, tau, planes))
+
+    def _test(self) -> tuple[Any, Any]:
+        """Return strain ε(η) and pressure q of the test functions."""
+        test = ufl.TestFunction(self._unknowns.space)
+        return self._unknowns.strain(test), self._unknowns.pressure(test)
+
+    def _internal(self, total: Any, pressure: Any, state: momentum.PointState, tau: Any) -> Any:
+        """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·∇p."""
+        variation, q = self._test()
+        work = momentum.mixed_internal_virtual_work(
+            total, pressure, variation, q, state, self._dx, self._dx_p
+        )
+        work -= stabilisation.pressure_laplacian(pressure, q, tau, self._dx_p)
+        return work
+
+    def _jacobian(self, state: momentum.PointState, tau: Any) -> Any:
+        """Return the derivative of `_internal` for a change of displacement and pressure."""
+        trial = ufl.TrialFunction(self._unknowns.space)
+        increment, change = self._unknowns.strain(trial), self._unknowns.pressure(trial)
+        variation, q = self._test()
+        work = momentum.mixed_tangent(
+            increment, change, variation, q, state, self._dx, self._dx_p
+        )
+        work -= stabilisation.pressure_laplacian(change, q, tau, self._dx_p)
+        return work
+
+    def _load(self, loads: BodyLoads, kind: str, tau: Any) -> Any:
+        """Return ∫ η·b + ∫_Γ η·t̄, in GLS with Σ_e τ_e ∫ ∇q·b."""
+        test = ufl.TestFunction(self._unknowns.space)
+        work = loads.virtual_work(self._unknowns.displacement(test))
+        if kind == "gls":
+            q = self._unknowns.pressure(test)
+            work += stabilisation.body_force_residual(q, loads.body_force, tau, self._dx_p)
+        return work
+
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
+        """Evaluate material, trapped liquid and projection for a trial step; collective."""
+        self._material.begin(temperature, solid_fraction, step)
+        self._pockets.begin(self._material)
+        for projection in self._projections:
+            projection.assemble()
+
+    def update(self) -> None:
+        """Find stresses and tangents at the present displacement and pressure."""
+        points = self._material.points
+        pressure = points.evaluate(self._pressure)[:, 0]
+        self._material.update(points.evaluate(self._strain), pressure)
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces for the stresses of `update`; collective."""
+        b = self.forms.residual()
+        for add_product in self.products():
+            add_product(self._unknowns.solution.x.array, b)
+        return b
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the Jacobian; with OSGS that of GLS, which preconditions it."""
+        self.forms.assemble_jacobian(A)
+
+    def products(self) -> list[Product]:
+        """Return what OSGS has beyond GLS: Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
+        return [projection.add_product for projection in self._projections]
+
+    def improve_pressures(self) -> bool:
+        """Return False: there are no multipliers."""
+        return False
+
+    def mean_stress(self) -> FloatArray:
+        """Return the mean of the nodal pressures of each cell [Pa], shape (cells,)."""
+        nodes = self._unknowns.mesh.nodes.dofmap.list
+        return np.asarray(self.nodal_pressure()[nodes].mean(axis=1))
+
+    def nodal_pressure(self) -> FloatArray:
+        """Return the pressure at the local nodes [Pa], shape (nodes,)."""
+        unknowns = self._unknowns
+        scaled = unknowns.solution.x.array[unknowns.pressure_component :: unknowns.block_size]
+        return np.asarray(unknowns.pressure_scale * scaled)
+
+    @property
+    def unfed_volume(self) -> float | None:
+        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
+        return self._pockets.volume
+
+    def commit(self) -> None:
+        """Make the trial state the one from which the next step starts; collective."""
+        self.update()
+        self._material.commit()
+        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        self._material.rewind()
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return the history of the integration points and that of trapped liquid."""
+        return {"points": self._material, **self._pockets.stateful_parts()}
