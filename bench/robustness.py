@@ -24,6 +24,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from castx.contact.methods.registry import names
+
 LIQUIDUS = {
     "Al-pure": 660.3, "AlSi7Mg": 613.0, "AlSi9Cu3": 590.0, "AlCu4.5": 645.0, "Cu-pure": 1084.6,
     "CuSn12": 999.0, "G20Mn5": 1510.0, "GJL-250": 1195.0, "GJS-400": 1160.0,
@@ -31,7 +33,7 @@ LIQUIDUS = {
 ALLOYS = tuple(LIQUIDUS)
 MOULDS = ("steel-H13", "steel-carbon", "sand-silica")
 LAWS = ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "block-iterative")
+METHODS = names(lambda method: method.fallback)
 HEAT_LAWS = ("limited", "limited", "series", "constant", "solid-fraction", "perfect", "none")
 ELEMENTS = 7
 """Elements across the casting."""

@@ -1,6 +1,6 @@
 """What the user asks for: every key of a case file, checked and in SI units.
 
-Public: `case.Case`, `bodies.Body`, `boundaries.Boundary`, `contact.Contact`, `control.Time`,
-`geometry.Geometry`, `heat_transfer.InterfaceHeat`, `interfaces.Interface`, `output.Output`,
-`stages.Stage`.
+Public: `case.Case`, `bodies.Body`, `boundaries.Boundary`, `contact.InterfaceContact`,
+`control.Time`, `geometry.Geometry`, `heat_transfer.InterfaceHeat`, `interfaces.Interface`,
+`output.Output`, `stages.Stage`.
 """

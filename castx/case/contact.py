@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -12,31 +12,18 @@ from pydantic import PlainValidator
 
 from castx.arrays import FloatArray
 from castx.case.pairing import Pairing
-from castx.contact.choice import friction_problem
+from castx.contact.methods.description import Setting, UnknownKind
+from castx.contact.methods.registry import DEFAULT, METHODS, keys, names, users
 from castx.errors import CaseError
 from castx.input.coordinates import AXES, coordinate
-from castx.input.entries import Choice, Description, Quantity, Tabulated, Whole
+from castx.input.entries import Choice, Description, Quantity, Tabulated, with_entries
 from castx.input.problems import Problem, Refusal, among, refuse
-from castx.input.units import ANGLE, LENGTH, PENALTY, PURE_NUMBER
+from castx.input.units import ANGLE, LENGTH, PURE_NUMBER
 from castx.tables import Table
 
 _LENGTHS = Quantity(LENGTH)
-_WITH_PENALTY = ("penalty", "augmented-lagrangian", "block-iterative")
-_FALLBACKS = (
-    "condensed",
-    "multipliers",
-    "penalty",
-    "augmented-lagrangian",
-    "block-iterative",
-)
-_METHODS_WITH = {
-    "penalty": _WITH_PENALTY,
-    "augmentation": ("augmented-lagrangian",),
-    "augmentations": ("augmented-lagrangian",),
-    "blocks": ("block-iterative",),
-    "block_solver": ("block-iterative",),
-    "block_iterations": ("block-iterative",),
-}
+NONE = "none"
+"""Bodies that do not meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,21 +64,16 @@ def _initial_gap(value: Any) -> InitialGap:
         raise error.inside("table") from None
 
 
-def _penalty(value: Any) -> float | str:
-    if value == "auto":
-        return "auto"
-    try:
-        return Quantity(PENALTY, above=0.0).read(value)
-    except CaseError as error:
-        raise CaseError(f'{error}, or "auto"') from None
+def _with_fallbacks() -> tuple[str, ...]:
+    return names(lambda method: method.fallback)
 
 
 def _fallback(value: Any) -> tuple[str, ...]:
-    if not isinstance(value, list | tuple) or len(value) > len(_FALLBACKS):
-        raise CaseError(f"a list of methods is needed; {among('', _FALLBACKS)}")
+    if not isinstance(value, list | tuple) or len(value) > len(_with_fallbacks()):
+        raise CaseError(f"a list of methods is needed; {among('', _with_fallbacks())}")
     for index, name in enumerate(value):
         try:
-            Choice(_FALLBACKS).read(name)
+            Choice(_with_fallbacks()).read(name)
         except CaseError as error:
             raise refuse(str(error), index) from None
         if name in value[:index]:
@@ -106,16 +88,12 @@ def _surfaces(value: Any) -> tuple[str, str] | None:
     return (names[0], names[1])
 
 
-class Contact(Description):
+@with_entries({key.name: (key.kind.read, key.default) for key in keys().values()})
+class InterfaceContact(Description):
     """How two bodies touch, and the gap they start with.
 
-    `penalty` [Pa/m] belongs to the methods that have one, by default "auto": by the present
-    stiffness of the softer side. The augmented Lagrangian method updates its multipliers at most
-    `augmentations` times in a solve, after every "iteration" or in a "loop" round the iteration.
-    The block-iterative method sweeps at most `block_iterations` times over the `blocks`, the
-    "bodies" or their interiors and the "interface", and goes on with the state it has reached; as
-    a "preconditioner" one sweep stands for the inverse of the matrix. The methods of `fallback`
-    take over one after the other for a step in which those before have failed.
+    The keys of the methods stand beside these, see `castx.contact.methods`. The methods of
+    `fallback` take over one after the other for a step in which those before have failed.
 
     `normals`: "averaged" over the facets of an interface round each node, or at edges and corners
     one for each of the smooth "patches", whose facets enclose more than the `sharp_angle` [°].
@@ -125,21 +103,7 @@ class Contact(Description):
     that follow a common curved surface. `friction` is Coulomb's coefficient.
     """
 
-    method: Annotated[
-        str,
-        Choice(
-            (
-                "condensed",
-                "multipliers",
-                "penalty",
-                "augmented-lagrangian",
-                "rigid",
-                "block-iterative",
-                "tied",
-                "none",
-            ),
-        ),
-    ] = "condensed"
+    method: Annotated[str, Choice((*names(), NONE))] = DEFAULT
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
         Table.constant(0.0)
     )
@@ -149,18 +113,13 @@ class Contact(Description):
     surfaces: Annotated[tuple[str, str] | None, PlainValidator(_surfaces)] = None
     meshed_gap: Annotated[str, Choice(("counts", "ignored"))] = "counts"
     friction: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=10.0)] = 0.0
-    penalty: Annotated[float | str, PlainValidator(_penalty)] = "auto"
-    augmentation: Annotated[str, Choice(("iteration", "loop"))] = "loop"
-    augmentations: Annotated[int, Whole(0, 10_000)] = 30
-    blocks: Annotated[str, Choice(("bodies", "interface"))] = "bodies"
-    block_solver: Annotated[str, Choice(("iteration", "preconditioner"))] = "iteration"
-    block_iterations: Annotated[int, Whole(1, 100_000)] = 50
     fallback: Annotated[tuple[str, ...], PlainValidator(_fallback)] = ()
 
     def _pairing_problems(self) -> Iterator[Problem]:
         faces = self.pairing == "node-to-face"
-        if self.normals != "averaged" and self.method == "tied":
-            yield Problem(("normals",), "the method 'tied' has no normals; leave it out")
+        if self.normals != "averaged" and _tied(self.method):
+            text = f"the method {self.method!r} has no normals; leave it out"
+            yield Problem(("normals",), text)
         if "sharp_angle" in self.model_fields_set and self.normals != "patches":
             yield Problem(("sharp_angle",), 'belongs to normals = "patches"')
         if faces and self.normals == "patches":
@@ -177,23 +136,61 @@ class Contact(Description):
         counts = self.meshed_gap == "counts"
         return Pairing(self.normals, angle, self.pairing, self.surfaces, counts)
 
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """Values of the keys of the methods by name."""
+        return {name: getattr(self, name) for name in keys()}
+
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield numbers that the method or the pairing do not use."""
         yield from self._pairing_problems()
         problem = friction_problem((self.method, *self.fallback), self.pairing_rule, self.friction)
-        if problem and self.method != "none":
+        if problem and self.method != NONE:
             yield Problem(("friction",), problem)
         used = {self.method, *self.fallback}
-        for key, methods in _METHODS_WITH.items():
-            if key in self.model_fields_set and not used.intersection(methods):
-                yield Problem((key,), f"the method {self.method!r} does not use it; {_users(key)}")
-        if self.fallback and self.method in ("rigid", "tied", "none"):
+        for key in keys():
+            if key in self.model_fields_set and not used.intersection(users(key)):
+                text = among("", users(key), what="methods that do")
+                yield Problem((key,), f"the method {self.method!r} does not use it; {text}")
+        if self.fallback and self.method not in _with_fallbacks():
             yield Problem(("fallback",), f"the method {self.method!r} has none; leave it out")
         if self.method in self.fallback:
             yield Problem(("fallback",), f"begins with the method {self.method!r} itself")
-        if "initial_gap" in self.model_fields_set and self.method == "tied":
-            yield Problem(("initial_gap",), "the method 'tied' has no gap; leave it out")
+        if "initial_gap" in self.model_fields_set and _tied(self.method):
+            yield Problem(("initial_gap",), f"the method {self.method!r} has no gap; leave it out")
 
 
-def _users(key: str) -> str:
-    return among("", _METHODS_WITH[key], what="methods that do")
+def _tied(method: str) -> bool:
+    return method != NONE and METHODS[method].unknowns is UnknownKind.TIED
+
+
+def friction_problem(methods: Collection[str], pairing: Pairing, friction: float) -> str:
+    """Return what keeps an interface from having friction; or nothing."""
+    known = names(lambda method: method.friction)
+    without = sorted(set(methods) - set(known))
+    if friction == 0:
+        return ""
+    if without:
+        return f"method {without[0]!r} has no friction; those that have: {', '.join(known)}"
+    if len(methods) > 1:
+        return "what has slipped is known to one method alone; leave fallback out"
+    if pairing.kind != "node-to-node" or pairing.normals == "patches":
+        return 'friction needs pairing = "node-to-node" and one normal for each node, "averaged"'
+    return ""
+
+
+def body_problem(method: str, secondary: str, primary: str, rigid: Collection[str]) -> str:
+    """Return what is wrong with contact between two bodies, of which some are rigid; or nothing."""
+    if secondary in rigid and primary in rigid:
+        return 'both bodies are rigid; use method = "none"'
+    if secondary in rigid:
+        return (
+            f"the secondary body {secondary!r} is rigid; name the bodies the other way round: "
+            f'["{primary}", "{secondary}"]'
+        )
+    if method != NONE and METHODS[method].rigid_primary and primary not in rigid:
+        return (
+            f'needs a rigid primary body; give {primary!r} law = "rigid", or use another method '
+            f'such as "{DEFAULT}"'
+        )
+    return ""

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from castx.case.contact import Contact
+from castx.case.contact import InterfaceContact
 from castx.case.heat_transfer import InterfaceHeat
 from castx.input.entries import Description, EntryName
 
@@ -15,7 +15,7 @@ class Interface(Description):
     """Two bodies that face each other: secondary (casting side), primary (mould side)."""
 
     bodies: Annotated[tuple[EntryName, ...], Field(min_length=2, max_length=2)]
-    contact: Contact = Contact()
+    contact: InterfaceContact = InterfaceContact()
     heat: InterfaceHeat | None = None
 
     @property

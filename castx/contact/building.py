@@ -1,4 +1,4 @@
-"""Makes the contact system that a method asks for."""
+"""Builds the contact system of a method."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ from castx.contact.friction.penalty import PenaltyFriction
 from castx.contact.kinematics.coordinates import Coordinates
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.method import ContactSystem
+from castx.contact.methods.description import ContactMethod, UnknownKind
+from castx.contact.methods.penalty import AUTOMATIC
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.penalty import Multipliers, NoMultipliers, PenaltyContact
 from castx.contact.penalty_stiffness import SofterSide
 
 
 def contact_system(
-    method: str,
+    method: ContactMethod,
     contacts: Sequence[Contact],
     coordinates: Coordinates,
     body_names: Sequence[str],
@@ -42,19 +44,20 @@ def contact_system(
     sliding = None
     if any(c.friction > 0 for c in contacts):
         sliding = SlidingRows(gaps, [c.friction for c in contacts])
-    if method == "condensed":
+    if method.unknowns is UnknownKind.GAPS:
         friction = None
         if sliding is not None:
             friction = CondensedFriction(coordinates.layout, gaps, sliding)
         return CondensedContact(coordinates, gaps, friction)
-    if method == "multipliers":
+    if method.unknowns is UnknownKind.MULTIPLIERS:
         return MultiplierContact(coordinates, gaps, stiffness)
     rows, comm = len(gaps.local), coordinates.layout.comm
     multipliers: Multipliers = NoMultipliers(rows)
-    if method == "augmented-lagrangian":
-        chosen = next(c for c in contacts if c.method == method)
-        every_iteration = chosen.augmentation == "iteration"
-        multipliers = AugmentedMultipliers(comm, rows, every_iteration, chosen.augmentations)
+    if method.updates_multipliers:
+        chosen = next(c for c in contacts if c.method == method.name)
+        every_iteration = chosen.setting("augmentation") == "iteration"
+        most = int(chosen.setting("augmentations"))
+        multipliers = AugmentedMultipliers(comm, rows, every_iteration, most)
     softer = SofterSide(
         coordinates.layout, body_names, coordinates.dimension, gaps, _given(contacts, gaps)
     )
@@ -68,6 +71,7 @@ def _given(contacts: Sequence[Contact], gaps: Gaps) -> FloatArray:
     """Return the given penalties [Pa/m], not a number where there is none."""
     given = np.full(len(gaps.local), np.nan)
     for contact, part in zip(contacts, gaps.slices, strict=True):
-        if contact.penalty is not None:
-            given[part] = contact.penalty
+        penalty = contact.setting("penalty")
+        if penalty != AUTOMATIC:
+            given[part] = penalty
     return given

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.contact import body_problem, friction_problem
 from castx.case.pairing import BY_NODES, Pairing
 from castx.contact.kinematics.rows import Treatment
+from castx.contact.methods.description import ContactMethod, Setting, Settings, UnknownKind
+from castx.contact.methods.registry import DEFAULT, METHODS, keys, setting
 from castx.errors import CaseError
 
 TREATMENTS = {
-    "condensed": Treatment.CONDENSED,
-    "rigid": Treatment.CONDENSED,
-    "tied": Treatment.TIED,
-    "multipliers": Treatment.READ,
-    "penalty": Treatment.READ,
-    "augmented-lagrangian": Treatment.READ,
-    "block-iterative": Treatment.READ,
+    UnknownKind.GAPS: Treatment.CONDENSED,
+    UnknownKind.MULTIPLIERS: Treatment.READ,
+    UnknownKind.DISPLACEMENTS: Treatment.READ,
+    UnknownKind.TIED: Treatment.TIED,
 }
-"""What the coordinates make of the pairs, by method."""
-
-
-COMMON_NUMBERS = (
-    "augmentation",
-    "augmentations",
-    "blocks",
-    "block_solver",
-    "block_iterations",
-)
-"""What belongs to a method, not to an interface."""
+"""What the change of unknowns makes of the pairs."""
 
 
 @dataclass(frozen=True)
@@ -41,16 +31,9 @@ class Contact:
     Attributes:
         secondary: name of the body whose nodes carry the pairs.
         primary: name of the other body; one without unknowns is rigid.
-        method: a name of `TREATMENTS`.
+        method: a name of `castx.contact.methods.registry.METHODS`.
         initial_gap: gap without displacement at points (n, dimension) [m], negative: interference.
-        penalty: ε [Pa/m] of the methods that have one; None: by the stiffness of the softer side.
-        augmentation: "iteration" updates multipliers after every Newton iteration, "loop" after
-            those that balance.
-        augmentations: updates in one solve, at most.
-        blocks: of the block-iterative method: "bodies", or "interface" for the interiors of the
-            bodies and then all nodes of interfaces.
-        block_solver: "iteration" sweeps over the blocks, "preconditioner" lets a Krylov method do.
-        block_iterations: sweeps of one solve, at most.
+        settings: values of keys of the method; one that is left out has its default.
         fallback: methods that take over for a step in which the one before has failed.
         pairing: how nodes find partners and normals.
         friction: Coulomb's coefficient μ.
@@ -58,14 +41,9 @@ class Contact:
 
     secondary: str
     primary: str
-    method: str = "condensed"
+    method: str = DEFAULT
     initial_gap: Callable[[FloatArray], FloatArray] = lambda points: np.zeros(len(points))
-    penalty: float | None = None
-    augmentation: str = "loop"
-    augmentations: int = 30
-    blocks: str = "bodies"
-    block_solver: str = "iteration"
-    block_iterations: int = 50
+    settings: Settings = field(default_factory=dict)
     fallback: tuple[str, ...] = ()
     pairing: Pairing = BY_NODES
     friction: float = 0.0
@@ -78,47 +56,37 @@ class Contact:
     @property
     def treatment(self) -> Treatment:
         """What the coordinates make of the pairs."""
-        treatment = TREATMENTS[self.method]
+        treatment = TREATMENTS[METHODS[self.method].unknowns]
         slides = self.friction > 0 and treatment is Treatment.CONDENSED
         return Treatment.SLIDING if slides else treatment
 
-
-WITH_FRICTION = ("condensed", "rigid", "penalty")
-"""Methods that know friction."""
-
-
-def friction_problem(methods: Collection[str], pairing: Pairing, friction: float) -> str:
-    """Return what keeps an interface from having friction; or nothing."""
-    without = sorted(set(methods) - set(WITH_FRICTION))
-    if friction == 0:
-        return ""
-    if without:
-        return f"method {without[0]!r} has no friction; those that have: {', '.join(WITH_FRICTION)}"
-    if len(methods) > 1:
-        return "what has slipped is known to one method alone; leave fallback out"
-    if pairing.kind != "node-to-node" or pairing.normals == "patches":
-        return 'friction needs pairing = "node-to-node" and one normal for each node, "averaged"'
-    return ""
+    def setting(self, key: str) -> Setting:
+        """Return the value of a key of the method."""
+        return setting(self.settings, key)
 
 
-def common_method(contacts: Sequence[Contact]) -> str:
+def common_method(contacts: Sequence[Contact]) -> ContactMethod:
     """Return the method of all interfaces; tied ones go with any, rigid ones with condensed.
 
     Raises:
         CaseError: methods, or numbers that belong to a method, differ.
     """
-    methods = {"condensed" if c.method == "rigid" else c.method for c in contacts} - {"tied"}
+    methods = {METHODS[c.method].solved_as or c.method for c in contacts if not _is_tied(c)}
     if len(methods) > 1:
         raise CaseError(
             f"contact methods {', '.join(sorted(methods))} in one case; use the same for all "
             "interfaces (tied ones may differ)"
         )
-    for name in COMMON_NUMBERS:
-        values = {getattr(c, name) for c in contacts if c.method in methods}
+    for key in (key.name for key in keys().values() if key.common):
+        values = {c.setting(key) for c in contacts if c.method in methods}
         if len(values) > 1:
-            found = ", ".join(str(value) for value in sorted(values))
-            raise CaseError(f"contact.{name} {found} in one case; use the same for all interfaces")
-    return next(iter(methods), "condensed")
+            found = ", ".join(str(value) for value in sorted(values, key=str))
+            raise CaseError(f"contact.{key} {found} in one case; use the same for all interfaces")
+    return METHODS[next(iter(methods), DEFAULT)]
+
+
+def _is_tied(contact: Contact) -> bool:
+    return METHODS[contact.method].unknowns is UnknownKind.TIED
 
 
 def fallbacks(contacts: Sequence[Contact]) -> list[tuple[str, list[Contact]]]:
@@ -127,39 +95,22 @@ def fallbacks(contacts: Sequence[Contact]) -> list[tuple[str, list[Contact]]]:
     Raises:
         CaseError: the interfaces name different ones.
     """
-    named = {c.fallback for c in contacts if c.method not in ("tied", "rigid")}
+    named = {c.fallback for c in contacts if METHODS[c.method].fallback}
     if len(named) > 1:
         found = " and ".join(str(list(names)) for names in sorted(named))
         raise CaseError(f"contact.fallback {found} in one case; use the same for all interfaces")
     methods = next(iter(named), ())
     return [
-        (name, [c if c.method == "tied" else replace(c, method=name) for c in contacts])
+        (name, [c if _is_tied(c) else replace(c, method=name) for c in contacts])
         for name in methods
     ]
-
-
-def body_problem(method: str, secondary: str, primary: str, rigid: Collection[str]) -> str:
-    """Return what is wrong with contact between two bodies, of which some are rigid; or nothing."""
-    if secondary in rigid and primary in rigid:
-        return 'both bodies are rigid; use method = "none"'
-    if secondary in rigid:
-        return (
-            f"the secondary body {secondary!r} is rigid; name the bodies the other way round: "
-            f'["{primary}", "{secondary}"]'
-        )
-    if method == "rigid" and primary not in rigid:
-        return (
-            f'needs a rigid primary body; give {primary!r} law = "rigid", or use another method '
-            'such as "condensed"'
-        )
-    return ""
 
 
 def check_bodies(contacts: Sequence[Contact], deformable: Collection[str]) -> None:
     """Refuse interfaces between bodies that cannot touch the way they should.
 
     Raises:
-        CaseError: a rigid secondary body, or contact of method "rigid" with a deformable one.
+        CaseError: a rigid secondary body, or contact that needs a rigid primary one without it.
     """
     for contact in contacts:
         rigid = {contact.secondary, contact.primary} - set(deformable)

@@ -12,7 +12,7 @@ from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.between_parts import starts_solid
 from castx.case.stages import Schedule
-from castx.contact.choice import COMMON_NUMBERS, Contact
+from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.interface import CoupledInterface
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
@@ -232,8 +232,7 @@ def _contact(interface: Interface) -> Contact:
         interface.primary,
         wanted.method,
         wanted.initial_gap.at,
-        wanted.penalty if isinstance(wanted.penalty, float) else None,
-        **{name: getattr(wanted, name) for name in COMMON_NUMBERS},
+        wanted.settings,
         fallback=wanted.fallback,
         pairing=wanted.pairing_rule,
         friction=wanted.friction,

@@ -12,13 +12,14 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
 from castx.contact.kinematics.coordinates import Coordinates
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.rigid import RigidBody
 from castx.contact.kinematics.rows import InterfaceRows
 from castx.contact.method import ContactSystem
-from castx.contact.methods import contact_system
+from castx.contact.methods.registry import METHODS
 from castx.contact.multipliers import MultiplierContact
 from castx.domain.measures import nodal_volumes
 from castx.domain.pairs.node_pairs import NodePairs
@@ -166,20 +167,20 @@ def _procedure(
         dimension = made.bodies[0].mesh.mesh.topology.dim
         small = made.layout.size_global <= LARGEST_DIRECT[dimension]
         linear = "direct" if small else "iterative"
-    chosen = next((c for c in contacts if c.method == "block-iterative"), None)
+    chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     inner: InnerSolver
     if chosen is not None:
         bodies = _body_blocks(made, coordinates, FACTORS if linear == "direct" else MULTIGRID)
         blocks = bodies
-        if chosen.blocks == "interface":
+        if chosen.setting("blocks") == "interface":
             blocks = arrow_blocks(bodies, coordinates)
-        if chosen.block_solver == "iteration":
+        if chosen.setting("block_solver") == "iteration":
             solvers = [
                 (_mask(made.layout, block), BlockSolver(comm, f"{prefix}{b}_", block))
                 for b, block in enumerate(blocks)
             ]
             newton = Newton(balance, solvers, settings.options)
-            return BlockIteration(newton, len(blocks), chosen.block_iterations)
+            return BlockIteration(newton, len(blocks), int(chosen.setting("block_iterations")))
         inner = BlockSweep(comm, prefix, blocks)
     elif linear == "direct":
         multipliers = isinstance(contact, MultiplierContact)

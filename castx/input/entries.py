@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, TypeVar
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     GetCoreSchemaHandler,
     ModelWrapValidatorHandler,
+    PlainValidator,
     ValidationError,
+    create_model,
     model_validator,
 )
 from pydantic_core import CoreSchema, core_schema
@@ -61,6 +63,34 @@ class Description(BaseModel):
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield what does not fit together although every single value is allowed."""
         yield from ()
+
+
+_Extended = TypeVar("_Extended", bound=Description)
+
+
+def with_entries(
+    entries: Mapping[str, tuple[Callable[[Any], Any], Any]],
+) -> Callable[[type[_Extended]], type[_Extended]]:
+    """Return a decorator that adds entries to a description.
+
+    Args:
+        entries: of each name the function that reads its value, and the default.
+    """
+    fields: dict[str, Any] = {
+        name: (Annotated[Any, PlainValidator(read)], default)
+        for name, (read, default) in entries.items()
+    }
+
+    def extended(description: type[_Extended]) -> type[_Extended]:
+        return create_model(
+            description.__name__,
+            __base__=description,
+            __module__=description.__module__,
+            __doc__=description.__doc__,
+            **fields,
+        )
+
+    return extended
 
 
 @dataclass(frozen=True)

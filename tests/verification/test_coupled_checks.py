@@ -21,6 +21,7 @@ from castx.domain.partition import partition
 from castx.domain.source import gmsh_session
 from castx.meshes.blocks import stacked_blocks
 from tests import coupled_cases
+from tests.contact_methods import EXACT
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring
 
 QUARTER: dict[str, Any] = {"model": "3d", "sector": "quarter", "size": 0.01, "height": 0.04}
@@ -132,7 +133,7 @@ def facing_forces(state, interface: str) -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.concatenate(comm.allgather(f.reshape(shape))) for f in (own, facing))
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", EXACT)
 @pytest.mark.parametrize("name, options", [("blocks", {}), ("solid blocks", SOLID_BLOCKS)])
 def test_contact_forces(comm, name, options, method):
     """Check 3 where a weight rests on a floor: all forces are known."""
@@ -162,7 +163,7 @@ def test_contact_forces(comm, name, options, method):
     assert 0 < state.totals[f"{interface}.closed_fraction"] < 1
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", EXACT)
 def test_contact_forces_of_a_shrink_fit(comm, method):
     """Check 3 under pressure: radial forces of all pairs, axial ones away from the held base."""
     state = final_state(comm, ring(TIGHT, BRIEF, method=method))

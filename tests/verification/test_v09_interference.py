@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from tests.contact_methods import IN_THE_LIMIT
 from tests.elastic_bodies import (
     at,
     body,
@@ -42,7 +43,7 @@ def fitted(comm, n: int, method: str = "condensed", rigid_shaft: bool = False, *
     if not rigid_shaft:
         bodies["core"] = body(elastic(*SHAFT))
     overlap = Contact(
-        "casting", "core", method, lambda points: np.full(len(points), -OVERLAP), **numbers
+        "casting", "core", method, lambda points: np.full(len(points), -OVERLAP), settings=numbers
     )
     made = problem(mesh, bodies, {}, [overlap])
     made.equilibrium.solve(0.0)
@@ -71,7 +72,7 @@ def test_reference_numbers():
     assert PRESSURE * RATIO == pytest.approx(71.600860e6, rel=1e-7)
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
+@pytest.mark.parametrize("method", IN_THE_LIMIT)
 def test_pressure_hoop_stress_and_displacement(comm, method):
     made = fitted(comm, 32, method)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=0.01)

@@ -18,12 +18,12 @@ YOUNG = {"upper": 7e9, "base": 70e9}
 COMPLIANCE = sum(LENGTH / E for E in YOUNG.values())
 
 
-def bars(comm, model: str = "plane-strain", **contact):
+def bars(comm, method: str, model: str = "plane-strain", **settings):
     """Return the solved bars and the report."""
     mesh = blocks(comm, model, (0.02, LENGTH), (0.02, LENGTH), size=0.01)
     bodies = {name: body(elastic(E, 0.0)) for name, E in YOUNG.items()}
     held = {"base": [fixed("bottom")], "upper": [fixed("top", value=-SQUEEZE)]}
-    made = problem(mesh, bodies, held, [Contact("upper", "base", **contact)])
+    made = problem(mesh, bodies, held, [Contact("upper", "base", method, settings=settings)])
     return made, made.equilibrium.solve(0.0)
 
 
@@ -34,7 +34,7 @@ def test_reference_number():
 @pytest.mark.parametrize("penalty", [1e10, 1e12, 1e14])
 @pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
 def test_penalty(comm, model, penalty):
-    made, _ = bars(comm, model, method="penalty", penalty=penalty)
+    made, _ = bars(comm, "penalty", model, penalty=penalty)
     expected = SQUEEZE / (COMPLIANCE + 1 / penalty)
     np.testing.assert_allclose(pressures(comm, made), expected, rtol=1e-8)
     np.testing.assert_allclose(gaps(comm, made), -expected / penalty, rtol=1e-8)
@@ -45,7 +45,7 @@ def test_penalty(comm, model, penalty):
 def test_each_augmentation_shrinks_the_penetration(comm, augmentation, updates):
     penalty = 1e12
     made, report = bars(
-        comm, method="augmented-lagrangian", penalty=penalty, augmentation=augmentation,
+        comm, "augmented-lagrangian", penalty=penalty, augmentation=augmentation,
         augmentations=updates,
     )  # fmt: skip
     ratio = (1 / penalty) / (COMPLIANCE + 1 / penalty)
@@ -59,7 +59,7 @@ def test_each_augmentation_shrinks_the_penetration(comm, augmentation, updates):
 @pytest.mark.parametrize("augmentation", ["iteration", "loop"])
 def test_augmentations_end_without_penetration(comm, augmentation):
     made, report = bars(
-        comm, method="augmented-lagrangian", penalty=1e12, augmentation=augmentation
+        comm, "augmented-lagrangian", penalty=1e12, augmentation=augmentation
     )
     np.testing.assert_allclose(pressures(comm, made), SQUEEZE / COMPLIANCE, rtol=1e-8)
     np.testing.assert_allclose(gaps(comm, made), 0.0, atol=1e-8 * SQUEEZE)

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from tests.contact_methods import IN_THE_LIMIT
 from tests.elastic_bodies import (
     STRESS_FREE,
     body,
@@ -73,7 +74,7 @@ def cut_cube(comm, folder, law: dict, method: str):
     return problem(mesh, {"left": part, "right": part}, held, [contact])
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
+@pytest.mark.parametrize("method", IN_THE_LIMIT)
 @pytest.mark.parametrize("law", [{}, {"stabilisation": "gls"}, {"formulation": "displacement"}])
 def test_uniform_pressure_then_release(comm, shared_tmp_path, law, method):
     made = cut_cube(comm, shared_tmp_path, law, method)

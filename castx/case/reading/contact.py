@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator
 
 from castx.case.boundaries import Boundary
 from castx.case.case import Case
+from castx.case.contact import NONE, body_problem
 from castx.case.interfaces import Interface
-from castx.contact.choice import body_problem
 from castx.input.problems import KeyPath, Problem, among
 
 
@@ -50,7 +50,7 @@ def rigid_problems(case: Case) -> Iterator[Problem]:
     for index, interface in enumerate(case.interfaces):
         method, (secondary, primary) = interface.contact.method, interface.bodies
         problem = body_problem(method, secondary, primary, rigid)
-        if problem and method != "none":
+        if problem and method != NONE:
             yield Problem(("interfaces", index, "contact", "method"), problem)
     for index, boundary in enumerate(case.boundaries):
         yield from load_problems(case, ("boundaries", index), boundary)

@@ -28,7 +28,7 @@ METHOD = ContactMethod(
             "block_solver",
             Choice(("iteration", "preconditioner")),
             "iteration",
-            '"iteration" sweeps over the blocks; a "preconditioner" is one sweep of a Krylov method.',
+            '"iteration" sweeps over blocks, one is the "preconditioner" of a Krylov method.',
         ),
         Key("block_iterations", Whole(1, 100_000), 50, "Sweeps of one solve, at most."),
     ),

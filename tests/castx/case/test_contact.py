@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.case.contact import Contact
+from castx.case.contact import InterfaceContact
 from castx.input.problems import Refusal
 
 pytestmark = pytest.mark.serial
@@ -26,18 +26,18 @@ SPACE = np.array([[3.0, 4.0, 1.0], [0.0, 0.5, 2.0]])
     ],
 )
 def test_initial_gap(gap, points, expected):
-    contact = Contact.read({"initial_gap": gap})
+    contact = InterfaceContact.read({"initial_gap": gap})
     np.testing.assert_allclose(contact.initial_gap.at(points), expected, atol=1e-15)
 
 
 def test_contact_by_default():
-    contact = Contact.read({})
+    contact = InterfaceContact.read({})
     assert (contact.method, contact.normals) == ("condensed", "averaged")
     np.testing.assert_array_equal(contact.initial_gap.at(PLANE), np.zeros(3))
 
 
 def test_what_asks_for_nothing_is_accepted():
-    Contact.read({"pairing": "node-to-node", "friction": 0.0, "fallback": []})
+    InterfaceContact.read({"pairing": "node-to-node", "friction": 0.0, "fallback": []})
 
 
 @pytest.mark.parametrize(
@@ -86,14 +86,15 @@ def test_what_asks_for_nothing_is_accepted():
 )
 def test_refused_contact(contact, text):
     with pytest.raises(Refusal, match=text):
-        Contact.read(contact)
+        InterfaceContact.read(contact)
 
 
 def test_numbers_of_a_fallback_are_accepted():
-    contact = Contact.read({"fallback": ["block-iterative"], "penalty": 1e12, "blocks": "bodies"})
+    data = {"fallback": ["block-iterative"], "penalty": 1e12, "blocks": "bodies"}
+    contact = InterfaceContact.read(data)
     assert (contact.fallback, contact.penalty) == (("block-iterative",), 1e12)
 
 
 def test_penalties_carry_units():
-    assert Contact.read({"method": "penalty", "penalty": "2 GPa/mm"}).penalty == 2e12
-    assert Contact.read({"method": "augmented-lagrangian"}).penalty == "auto"
+    assert InterfaceContact.read({"method": "penalty", "penalty": "2 GPa/mm"}).penalty == 2e12
+    assert InterfaceContact.read({"method": "augmented-lagrangian"}).penalty == "auto"

@@ -14,6 +14,7 @@ import pytest
 
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError, StorageError
+from tests.contact_methods import BETWEEN_DEFORMABLE
 from tests.coupled_cases import (
     TIGHT,
     cylinder,
@@ -127,9 +128,8 @@ def sticking(method: str) -> dict:
     return data
 
 
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian", "tied", "block-iterative")
 CASES = (
-    {f"{method}, {law}": casting(law, method) for method in METHODS for law in LAWS}
+    {f"{method}, {law}": casting(law, method) for method in BETWEEN_DEFORMABLE for law in LAWS}
     | {f"rigid, {law}": rigid(law) for law in LAWS}
     | {name: casting(LAWS[2], flow=flow) for name, flow in FLOWS.items()}
     | {

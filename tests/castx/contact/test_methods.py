@@ -8,6 +8,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.contact.condensed import CondensedContact
 from castx.errors import CaseError
+from tests.contact_methods import AT_ONCE, EXACT
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -25,8 +26,6 @@ from tests.elastic_bodies import (
     pushed,
 )
 
-METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
-HARD = METHODS[:2]
 SOFT, STIFF = (7e9, 0.33), (70e9, 0.3)
 
 
@@ -50,7 +49,7 @@ def ring(comm, method: str, overlap: float = -2e-5, **law):
 @pytest.mark.parametrize(
     "law", [{}, {"formulation": "displacement"}], ids=["mixed", "displacement"]
 )
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_action_is_reaction(comm, method, law):
     """At every pair the forces of the two bodies are ±f n, and nothing acts elsewhere."""
     made = ring(comm, method, **law)
@@ -73,7 +72,7 @@ def test_action_is_reaction(comm, method, law):
 
 
 def test_methods_agree_pair_by_pair(comm):
-    condensed, multipliers = (ring(comm, method) for method in HARD)
+    condensed, multipliers = (ring(comm, method) for method in EXACT)
     largest = pressures(comm, condensed).max()
     np.testing.assert_allclose(
         pressures(comm, condensed), pressures(comm, multipliers), atol=1e-10 * largest
@@ -86,7 +85,7 @@ def test_methods_agree_pair_by_pair(comm):
     np.testing.assert_allclose(gaps(comm, condensed), gaps(comm, multipliers), atol=1e-14)
 
 
-@pytest.mark.parametrize("method", HARD)
+@pytest.mark.parametrize("method", EXACT)
 def test_complementarity(comm, method):
     made = ring(comm, method)
     gap, pressure = gaps(comm, made), pressures(comm, made)
@@ -131,7 +130,7 @@ def test_condensed_matrix_against_dense_products(comm):
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_jacobian_against_differences_of_the_residual(comm, method):
     """OSGS, held rows, closed pairs, springs and multipliers included."""
     mesh = blocks(comm, symmetry=False, size=0.01)
@@ -159,7 +158,7 @@ def test_jacobian_against_differences_of_the_residual(comm, method):
     np.testing.assert_allclose(difference, product.array_r, atol=1e-6 * scale)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_block_tilts_and_opens_at_one_side(comm, method):
     """Under a moment the pairs at one side open; the resultant of the others is the load."""
     mesh = blocks(comm, symmetry=False)
@@ -195,6 +194,6 @@ def test_initial_gap_closes_under_load(comm):
 
 def test_methods_cannot_be_mixed(comm):
     bodies = {n: body(elastic(*SOFT)) for n in ("upper", "base")}
-    contacts = [Contact("upper", "base", method) for method in HARD]
+    contacts = [Contact("upper", "base", method) for method in EXACT]
     with pytest.raises(CaseError, match="contact methods condensed, multipliers in one case"):
         problem(blocks(comm), bodies, {}, contacts)

@@ -28,7 +28,8 @@ def pressed(comm, method="block-iterative", size=0.005, **settings):
     bodies = {"upper": body(elastic(*SOFT)), "base": body(elastic(*STIFF))}
     held = {"base": [fixed("bottom")], "upper": [fixed("top", value=-1e-4)]}
     mesh = blocks(comm, base=(0.04, 0.02), size=size)
-    made = problem(mesh, bodies, held, [Contact("upper", "base", method, **contact)], **settings)
+    chosen = Contact("upper", "base", method, settings=contact)
+    made = problem(mesh, bodies, held, [chosen], **settings)
     return made, made.equilibrium.solve(0.0)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.errors import CaseError, ConvergenceError
+from tests.contact_methods import AT_ONCE, EXACT
 from tests.coupled_cases import cylinder, states
 from tests.elastic_bodies import (
     blocks,
@@ -20,8 +21,6 @@ from tests.elastic_bodies import (
     pulled,
     pushed,
 )
-
-METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
 
 
 def tilted(comm, method, fallback=()):
@@ -45,8 +44,8 @@ def failing(monkeypatch, equilibrium):
     monkeypatch.setattr(equilibrium._procedure, "solve", solve)
 
 
-@pytest.mark.parametrize("second", METHODS[1:])
-@pytest.mark.parametrize("first", METHODS[:2])
+@pytest.mark.parametrize("second", AT_ONCE)
+@pytest.mark.parametrize("first", EXACT)
 def test_the_next_method_takes_over_for_one_step(comm, monkeypatch, first, second):
     if first == second:
         pytest.skip("a fallback is another method")

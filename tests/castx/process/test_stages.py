@@ -10,6 +10,7 @@ from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError
 from castx.process.handover import owners, without
 from castx.process.stage_case import replaced
+from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import (
     TIGHT,
     cylinder,
@@ -26,7 +27,6 @@ from tests.coupled_cases import (
 AIR = {"type": "convection", "coefficient": 50.0, "ambient": 20.0}
 OPENING = {"at": 3.0, "remove": ["mould"]}
 BARE = {**OPENING, "boundaries": [{"on": "casting/mould", "heat": AIR}]}
-METHODS = ("condensed", "multipliers", "penalty", "augmented-lagrangian")
 FLOWING = {
     "solidus": 640.0,
     "liquid": {"model": "viscous", "viscosity": 1e6, "coherency": 0.6},
@@ -57,7 +57,7 @@ def thermal(*stages, **changes) -> dict:
 
 @pytest.mark.parametrize(
     "method",
-    ["condensed", *(pytest.param(m, marks=pytest.mark.serial) for m in METHODS[1:])],
+    ["condensed", *(pytest.param(m, marks=pytest.mark.serial) for m in AT_ONCE[1:])],
 )
 def test_opening(comm, method):
     """The step lands on the stage; what is removed disappears, its totals stay."""

@@ -8,6 +8,7 @@ import pytest
 from castx.errors import CaseError
 from castx.process.state import von_mises
 from tests import coupled_cases
+from tests.contact_methods import EXACT
 from tests.coupled_cases import cylinder, final_state, merged, ring
 
 SHORT = {"time": {"end": 4.0, "fixed_step": 2.0}}
@@ -110,7 +111,7 @@ def test_mechanics_is_missing_in_thermal_runs(comm):
             read("casting", name)
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", EXACT)
 def test_closed_fraction_knows_the_pairs_not_the_round_off_of_gaps(comm, method):
     state = final_state(comm, ring(SHORT, method=method))
     pressed = state.paired(INTERFACE, "contact_pressure") > 0

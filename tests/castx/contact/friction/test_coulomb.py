@@ -11,6 +11,7 @@ from castx.contact.choice import Contact
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
+from tests.contact_methods import WITH_FRICTION
 from tests.coupled_cases import final_state, merged, ring
 from tests.elastic_bodies import (
     blocks,
@@ -27,7 +28,6 @@ from tests.elastic_bodies import (
     pushed,
 )
 
-METHODS = ["condensed", "penalty"]
 SOFT, STIFF = (7e9, 0.33), (70e9, 0.3)
 WEIGHT = 1e5
 AREA = 0.02 * 0.03
@@ -60,7 +60,7 @@ def sliding_forces(made):
 
 @pytest.mark.parametrize("rigid", [False, True])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_a_block_sticks_on_a_gentle_slope(comm, method, model, rigid):
     slope = math.radians(20)
     made = on_an_incline(comm, method, slope, 0.5 if model == "3d" else 0.4, rigid, model)
@@ -74,7 +74,7 @@ def test_a_block_sticks_on_a_gentle_slope(comm, method, model, rigid):
 
 
 @pytest.mark.parametrize("rigid", [False, True])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_a_block_slides_on_a_steep_slope_until_its_spring_holds_it(comm, method, rigid):
     """The support bears what friction does not: W (sin θ - μ cos θ)."""
     slope, friction = math.radians(30), 0.25
@@ -92,7 +92,7 @@ def test_a_block_slides_on_a_steep_slope_until_its_spring_holds_it(comm, method,
 
 @pytest.mark.parametrize("rigid", [False, True])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_a_block_dragged_over_its_base_bears_its_friction(comm, method, model, rigid):
     """Every pair bears μ times its normal force against the motion."""
     friction = 0.25
@@ -121,7 +121,7 @@ def test_a_block_dragged_over_its_base_bears_its_friction(comm, method, model, r
 
 
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_jacobian_against_differences_of_the_residual(comm, method, model):
     """Pairs that stick, slip and are open, in the plane and turning in space."""
     mesh = blocks(comm, model, base=(0.04, 0.02), symmetry=False, size=0.01)
@@ -181,7 +181,7 @@ def shaft(comm, method, friction, push, linear="direct"):
 
 
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_a_shrink_fit_is_pushed_out_by_its_friction(comm, method, linear):
     """Once all pairs slip the axial force is μ times the normal one; before it grows with the push.
 
@@ -201,7 +201,7 @@ def test_a_shrink_fit_is_pushed_out_by_its_friction(comm, method, linear):
     assert axial[4] == pytest.approx(-friction * normal[4], rel=1e-6)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_without_friction_it_slides_freely(comm, method):
     axial, normal = shaft(comm, method, 0.0, (4e-5,)).T
     assert np.abs(axial) < 1e-9 * normal
@@ -213,7 +213,7 @@ def test_methods_agree_as_the_penalty_grows(comm):
     assert shaft(comm, "penalty", 0.15, (2e-6,)) == pytest.approx(exact, rel=0.05)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_a_rewind_forgets_what_has_slipped(comm, method):
     made = on_an_incline(comm, method, math.radians(20), 0.4)
     made.equilibrium.commit()
@@ -232,7 +232,7 @@ def test_a_led_punch_drags_a_block_along(comm):
     table = Table.from_points([(0.0, 0.0), (1.0, 1e-3)])
     led = {"base": [SurfaceDisplacement("bottom", "x", table)]}
     upper = {"upper": body(elastic(*SOFT), loads=(pushed("top", 1e6),))}
-    for method in METHODS:
+    for method in WITH_FRICTION:
         contact = Contact("upper", "base", method, friction=0.3)
         made = problem(mesh, upper, led, [contact], tolerance=1e-10)
         made.equilibrium.solve(0.0)
@@ -260,7 +260,7 @@ def test_the_key_of_a_case(comm):
     assert axial[1] > axial[0] + 1.0
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_FRICTION)
 def test_the_force_of_ejection_of_a_case(comm, method):
     """A core that is drawn out by its top bears μ Σ p S."""
     end = {"end": 2.0, "fixed_step": 1.0}

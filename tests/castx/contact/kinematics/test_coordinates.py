@@ -18,6 +18,7 @@ from castx.domain.pairs.node_pairs import node_pairs
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
 from castx.solvers.layout import Layout
+from tests.contact_methods import EXACT
 from tests.elastic_bodies import (
     body,
     drawn,
@@ -303,7 +304,7 @@ def shrunk_on(comm, sector: str, method: str) -> tuple[np.ndarray, np.ndarray, n
     return points, everywhere(comm, made.equilibrium.pair_values()[1]), made.gaps.areas
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("method", EXACT)
 def test_quarter_model_has_the_pair_forces_of_the_full_one(comm, method):
     points, forces, _ = shrunk_on(comm, "full", method)
     quarter_points, quarter_forces, _ = shrunk_on(comm, "quarter", method)

@@ -10,6 +10,7 @@ from castx.contact.kinematics.rigid import rigid_body
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
+from tests.contact_methods import WITH_RIGID_BODIES
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -25,7 +26,6 @@ from tests.elastic_bodies import (
 )
 
 CASTING, HARD = (7e9, 0.33, 2e-5), 7e15
-METHODS = ["rigid", "condensed", "multipliers", "penalty", "augmented-lagrangian"]
 HEIGHT, POISSON = 0.03, 0.33
 
 
@@ -54,13 +54,15 @@ def test_a_rigid_core_is_the_limit_of_a_hard_one(comm, method):
 
 
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_RIGID_BODIES)
 def test_a_led_punch_squeezes_a_block(comm, method, linear):
     """The base comes up by d(t) against a block whose top is held: p = d E/((1 - ν²) h)."""
     upper = {"upper": body(elastic(*CASTING))}
     table = Table.from_points([(0.0, 0.0), (2.0, 1e-4)])
     led = {"upper": [fixed("top")], "base": [SurfaceDisplacement("bottom", "y", table)]}
-    contact = Contact("upper", "base", method, penalty=1e14 if method == "penalty" else None)
+    contact = Contact(
+        "upper", "base", method, settings={"penalty": 1e14} if method == "penalty" else {}
+    )
     made = problem(blocks(comm), upper, led, [contact], linear=linear, tolerance=1e-10)
     for time, moved in ((1.0, 5e-5), (2.0, 1e-4)):
         made.equilibrium.solve(time)

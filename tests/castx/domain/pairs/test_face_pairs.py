@@ -13,6 +13,7 @@ from castx.case.pairing import Pairing
 from castx.contact.choice import Contact
 from castx.domain.pairs.face_pairs import face_pairs
 from castx.errors import MeshError
+from tests.contact_methods import AT_ONCE, EXACT
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import (
     blocks,
@@ -32,7 +33,6 @@ from tests.elastic_bodies import (
 
 SURFACES = ("under", "over")
 FACES = Pairing(kind="node-to-face", surfaces=SURFACES)
-METHODS = ["condensed", "multipliers", "penalty"]
 WIDTH, HEIGHT, PRESSURE = 0.02, 0.01, 25e6
 YOUNG, POISSON = {"upper": 70e9, "base": 7e9}, 0.33
 
@@ -110,7 +110,7 @@ def test_nodes_beside_the_other_surface_face_nothing(comm, shared_tmp_path):
     assert comm.allreduce(len(pairs.areas)) == 5
 
 
-@pytest.mark.parametrize("method", [*METHODS, "augmented-lagrangian"])
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_matching_meshes_pass_the_patch_test(comm, method):
     """Each node faces a corner: the same as node to node."""
     rule = Pairing(kind="node-to-face")
@@ -118,7 +118,7 @@ def test_matching_meshes_pass_the_patch_test(comm, method):
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_straight_finer_surface_passes_the_resultant_but_not_the_patch_test(
     comm, shared_tmp_path, method
 ):
@@ -141,7 +141,7 @@ def test_a_straight_finer_surface_passes_the_resultant_but_not_the_patch_test(
     assert moved.mean() == pytest.approx(exact, rel=2e-3)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_evenly_divided_facets_pass_the_patch_test(comm, shared_tmp_path, method):
     made = squeezed(comm, separate(comm, shared_tmp_path, 12, 6), method)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
@@ -155,20 +155,20 @@ def test_an_ignored_gap_of_the_meshes_is_none(comm, shared_tmp_path):
 
 def test_methods_agree(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 12, 8)
-    condensed, multipliers = (squeezed(comm, mesh, method) for method in METHODS[:2])
+    condensed, multipliers = (squeezed(comm, mesh, method) for method in EXACT)
     p = pressures(comm, condensed)
     np.testing.assert_allclose(pressures(comm, multipliers), p, atol=1e-9 * p.max())
 
 
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_meshed_gap_closes_under_load(comm, shared_tmp_path, method, linear):
     mesh = separate(comm, shared_tmp_path, 6, 4, gap=1e-5)
     bodies = {n: body(elastic(E, POISSON)) for n, E in YOUNG.items()}
     held = {"base": [fixed("bottom")], "upper": [fixed("top", value=-3e-5)]}
     contact = Contact(
         "upper", "base", method, lambda x: np.full(len(x), 5e-6), pairing=FACES,
-        penalty=1e16 if method == "penalty" else None,
+        settings={"penalty": 1e16} if method == "penalty" else {},
     )  # fmt: skip
     made = problem(mesh, bodies, held, [contact], linear=linear, tolerance=1e-9)
     made.equilibrium.solve(0.0)

@@ -13,6 +13,7 @@ from castx.contact.choice import Contact
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.patches import pairs_by_patch
 from castx.domain.surface_facets import surface_facets
+from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import body, elastic, everywhere, generated, heat, problem
 
 SHARP = math.radians(40)
@@ -113,14 +114,15 @@ def test_the_sharp_angle_decides(comm):
     assert counts[0] == comm.allreduce(len(node_pairs(mesh, *NAMES).areas))
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers", "penalty", "augmented-lagrangian"])
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_hot_box_presses_on_all_faces_of_its_mould(comm, method):
     """Rigid mould, ν = 0: E α ΔT on every face, edges and corners included, with their areas."""
     mesh = box(comm, "3d", "simplices")
     young, expansion, warming = 70e9, 2e-5, 10.0
     made = problem(
         mesh, {"casting": body(elastic(young, 0.0, expansion))}, {},
-        [Contact(*NAMES, method, penalty=1e16, pairing=Pairing("patches"))], tolerance=1e-10,
+        [Contact(*NAMES, method, settings={"penalty": 1e16}, pairing=Pairing("patches"))],
+        tolerance=1e-10,
     )  # fmt: skip
     heat(made, 20.0 + warming)
     made.equilibrium.solve(0.0)

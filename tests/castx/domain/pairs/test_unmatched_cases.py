@@ -14,6 +14,7 @@ from castx.domain.source import gmsh_session
 from castx.errors import CaseError
 from castx.results.files.series import read_series
 from tests.castx.checkpoint.test_file import difference
+from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import (
     TIGHT,
     cylinder,
@@ -25,7 +26,6 @@ from tests.coupled_cases import (
 
 RADIUS, HEIGHT, WALL = 0.03, 0.06, 0.025
 SURFACES = {"casting": "side", "mould": "bore"}
-METHODS = ["condensed", "multipliers", "penalty"]
 
 
 def draw(sizes: dict[str, float]) -> None:
@@ -74,7 +74,7 @@ def unmatched(file: Path, *changes, bodies=("casting", "mould"), **contact) -> d
 
 
 @pytest.mark.parametrize("bodies", [("casting", "mould"), ("mould", "casting")])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_as_on_matching_meshes(comm, mesh_file, method, bodies):
     """Temperatures and gaps are those of matching meshes; no heat is lost between the surfaces."""
     end = {"time": {"end": 10.0}}
@@ -107,7 +107,7 @@ def squeezed(file: Path, bodies, method: str) -> dict:
 
 
 @pytest.mark.parametrize("bodies", [("casting", "mould"), ("mould", "casting")])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_action_is_reaction(comm, mesh_file, method, bodies):
     """The forces on both bodies add up to nothing."""
     state = final_state(comm, squeezed(mesh_file, bodies, method))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from castx.equilibrium.supports.first_contact import share_until_contact
+from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import normal_forces
 
@@ -45,7 +46,7 @@ def rocker(method: str) -> dict:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["condensed", "multipliers", "penalty"])
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_block_rocks_from_node_to_node_until_it_stands(comm, method):
     """It ends on the node below its middle, which bears its weight; none pulls."""
     state = final_state(comm, rocker(method))

@@ -7,6 +7,7 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.equilibrium.supports.springs import FloatingMotions
+from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -22,7 +23,6 @@ from tests.elastic_bodies import (
 )
 
 SOLID = (70e9, 0.33)
-METHODS = ["condensed", "multipliers", "penalty", "augmented-lagrangian"]
 
 
 def found(made):
@@ -55,7 +55,7 @@ def test_a_free_body_has_all_rigid_motions(comm, model, motions):
     assert made.equilibrium.support_force() < 1e-8 * 70e6 * 0.02
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_block_on_a_floor_slides_only(comm, method):
     """Its weight goes to the floor; the spring holds what gravity does not."""
     weight = 7e4
@@ -73,7 +73,7 @@ def test_a_block_on_a_floor_slides_only(comm, method):
     assert abs(everywhere(comm, motion(made, "upper"))[:, 0].sum()) < 1e-10
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", AT_ONCE)
 def test_a_pushed_block_is_held_by_the_spring_alone(comm, method):
     """Sideways nothing else can carry the push: the spring's force is the push."""
     mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
