@@ -25,6 +25,8 @@ from pathlib import Path
 from typing import Any
 
 from castx.contact.methods.registry import names
+from castx.transfer.keys import GAS_CONDUCTIVITY, OPEN, RADIATION, ROUGH
+from castx.transfer.registry import gap_heat_laws
 
 LIQUIDUS = {
     "Al-pure": 660.3, "AlSi7Mg": 613.0, "AlSi9Cu3": 590.0, "AlCu4.5": 645.0, "Cu-pure": 1084.6,
@@ -34,7 +36,6 @@ ALLOYS = tuple(LIQUIDUS)
 MOULDS = ("steel-H13", "steel-carbon", "sand-silica")
 LAWS = ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
 METHODS = names(lambda method: method.fallback)
-HEAT_LAWS = ("limited", "limited", "series", "constant", "solid-fraction", "perfect", "none")
 ELEMENTS = 7
 """Elements across the casting."""
 PATIENCE = 1800.0
@@ -53,24 +54,14 @@ def logarithmic(dice: random.Random, low: float, high: float) -> float:
 
 
 def heat_law(dice: random.Random) -> dict[str, Any]:
-    """Return an interface law with its numbers."""
-    closed = logarithmic(dice, 100.0, 50_000.0)
-    gas = logarithmic(dice, 0.02, 0.3)
-    law = dice.choice(HEAT_LAWS)
-    found: dict[str, Any] = {"law": law}
-    if law in ("limited", "series"):
-        found |= {"closed": closed, "gas_conductivity": gas}
-        if dice.random() < 0.4:
-            found["pressure"] = {
-                "resistance": logarithmic(dice, 2e-5, 2e-3), "hardness": 5e8, "exponent": 0.95,
-            }  # fmt: skip
-    elif law == "constant":
-        found["closed"] = closed
-    elif law == "solid-fraction":
-        found |= {"closed": closed, "open": logarithmic(dice, 20.0, 0.5 * closed)}
-    if law == "none" or (law != "perfect" and dice.random() < 0.4):
-        found["radiation"] = {"emissivities": [round(dice.uniform(0.2, 0.9), 2) for _ in range(2)]}
-    return found
+    """Return an interface law with numbers in their usual ranges, and keys that it may use."""
+    laws = gap_heat_laws()
+    law = laws[dice.choice((*laws, "limited"))]
+    joined = {key.name for key in (OPEN, GAS_CONDUCTIVITY, *ROUGH)}  # depend on other keys
+    also = [key for key in law.useful if key.name not in joined and dice.random() < 0.4]
+    if law.exchange == "none":
+        also = [RADIATION]  # without it nothing passes
+    return law.example(lambda low, high: logarithmic(dice, low, high), also)
 
 
 def geometry(dice: random.Random, size: float) -> tuple[dict[str, Any], list[dict[str, Any]], str]:

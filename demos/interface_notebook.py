@@ -34,7 +34,6 @@ import numpy as np
 
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.reading.read import read_case
-from castx.heat.law_building import conduction_law
 from castx.process.simulation import Simulation
 from castx.transfer.conductance import Faces
 from castx.transfer.pair_state import PairState
@@ -64,7 +63,7 @@ gaps = np.linspace(0.0, 150e-6, 301)
 faces = Faces.at_temperatures(np.full(301, 600.0), np.full(301, 300.0), 0.0, 0.0)
 plt.figure(figsize=(8, 4), layout="constrained")
 for name in ("constant", "limited", "series", "coated"):
-    law = conduction_law(InterfaceHeat.read(laws[name]))
+    law = InterfaceHeat.read(laws[name]).conduction_law()
     state = PairState.of(gaps, np.zeros(301))
     plt.plot(1e6 * gaps, law(state, faces).coefficient.value, label=name)
 plt.xlabel("gap [µm]")

@@ -192,9 +192,9 @@ def _heat_problems(case: Case, index: int, interface: Interface) -> Iterator[Pro
             if axis not in coordinates:
                 allowed = among("", coordinates, what="coordinates of this model")
                 yield Problem((*place, "patches", number, "within", axis), allowed)
-    laws = [heat.law, *(heat.on(patch).law for patch in heat.patches)]
+    asked = any(part.declared.needs_solid_fraction for part in heat.parts)
     secondary = [body for body in case.bodies if body.name == interface.secondary]
-    if "solid-fraction" in laws and secondary and not _melts(case, secondary[0]):
+    if asked and secondary and not _melts(case, secondary[0]):
         text = f"the solid fraction of {interface.secondary!r} does not change: it never melts"
         cure = "name the casting first in bodies, or take another law"
         yield Problem((*place, "law"), f"{text}; {cure}")

@@ -29,8 +29,8 @@ def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Prob
     contact, place = interface.contact, ("interfaces", index)
     if contact.pairing != "node-to-face":
         return
-    law = interface.heat
-    if law is not None and "perfect" in (law.law, *(law.on(patch).law for patch in law.patches)):
+    heat = interface.heat
+    if heat is not None and "perfect" in [part.declared.exchange for part in heat.parts]:
         text = '"perfect" joins the nodes of matching meshes; from node to face use "constant"'
         yield Problem((*place, "heat", "law"), text)
     for side, body in enumerate(interface.bodies if contact.surfaces else ()):

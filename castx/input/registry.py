@@ -1,0 +1,58 @@
+"""Registries: what the files of a package declare, found without a list typed by hand."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Protocol, TypeVar
+
+
+class Declaration(Protocol):
+    """What a file declares: a law, a rule, a method."""
+
+    @property
+    def name(self) -> str:
+        """Name in the case file; that of the file, with hyphens for underscores."""
+
+
+D = TypeVar("D", bound=Declaration)
+
+
+def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
+    """Return what the files of a package declare, by name in alphabetical order.
+
+    Args:
+        package: full name of the package.
+        variable: name of the variable that holds the declaration in each file.
+        kind: class of the declarations.
+
+    Raises:
+        TypeError: a file declares nothing, or a name that is not its own.
+    """
+    found = {}
+    for entry in iter_modules(import_module(package).__path__):
+        declared = getattr(import_module(f"{package}.{entry.name}"), variable, None)
+        if not isinstance(declared, kind):
+            raise TypeError(f"{package}.{entry.name} declares no {variable} = {kind.__name__}(...)")
+        expected = entry.name.replace("_", "-")
+        if declared.name != expected:
+            text = f"{variable}.name is {declared.name!r}, not {expected!r} as its file is called"
+            raise TypeError(f"{package}.{entry.name}: {text}")
+        found[declared.name] = declared
+    return dict(sorted(found.items()))
+
+
+def refuse_incomplete(what: str, declaration: object, attributes: tuple[str, ...]) -> None:
+    """Refuse a declaration in which something is left out.
+
+    Args:
+        what: kind and name of the declaration, for the message.
+        declaration: the object.
+        attributes: names of those that must not be empty.
+
+    Raises:
+        TypeError: with the names of all that are missing.
+    """
+    missing = [name for name in attributes if not getattr(declaration, name)]
+    if missing:
+        raise TypeError(f"{what} declares no {', no '.join(missing)}")

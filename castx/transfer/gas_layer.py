@@ -1,0 +1,72 @@
+"""Resistance of the gas layer in an open gap, and laws without a bend at closure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.transfer.coefficients import Coefficient
+from castx.transfer.conductance import VARIABLES, Faces
+from castx.transfer.duals import Dual
+from castx.transfer.pair_state import PairState
+
+
+class Layer(Protocol):
+    """A gas layer between surfaces."""
+
+    def __call__(self, gap: FloatArray, state: PairState, faces: Faces) -> Dual:
+        """Return the resistance across gaps [m], shape (pairs,) [m² K/W]; zero where closed."""
+
+
+@dataclass(frozen=True)
+class ConductingLayer:
+    """Gas that conducts, r = g/k.
+
+    Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 9.2.
+
+    Attributes:
+        gas: conductivity k [W/m/K].
+    """
+
+    gas: Coefficient
+
+    def __call__(self, gap: FloatArray, state: PairState, faces: Faces) -> Dual:
+        """Return the resistance across gaps [m² K/W]."""
+        return Dual.constant(gap, VARIABLES) / self.gas(state, faces)
+
+
+@dataclass(frozen=True)
+class TabulatedLayer:
+    """A layer whose coefficient is tabulated over the gap, r = 1/h(g).
+
+    Attributes:
+        coefficient: h over the gap of the state [W/m²/K].
+    """
+
+    coefficient: Coefficient
+
+    def __call__(self, gap: FloatArray, state: PairState, faces: Faces) -> Dual:
+        """Return the resistance at the gaps of the state [m² K/W]."""
+        return self.coefficient(state, faces).inverse().where(state.gap > 0.0, 0.0)
+
+
+def rounded_gap(gap: FloatArray, width: float) -> FloatArray:
+    """Return the gap, between 0 and the width a cubic with slope zero at closure instead."""
+    if width <= 0.0:
+        return gap
+    s = np.minimum(gap / width, 1.0)
+    return np.where(s < 1.0, width * s * s * (2.0 - s), gap)
+
+
+def rounded_maximum(a: Dual, b: Dual, half_width: Dual | None) -> Dual:
+    """Return the larger of two numbers, a parabola where they differ by less than a half width."""
+    if half_width is None:
+        return a.maximum(b)
+    rise = b - a
+    inside = np.abs(rise.value) < half_width.value
+    safe = half_width.where(half_width.value > 0.0, 1.0)
+    bow = (rise + half_width) * (rise + half_width) / (safe * 4.0)
+    return (a + bow).where(inside, a.maximum(b))
