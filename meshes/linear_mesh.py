@@ -13,7 +13,7 @@ SIMPLICES, QUADRILATERALS = "simplices", "quadrilaterals"
 
 
 @dataclass(frozen=True)
-class CellKind:
+class GmshCellKind:
     """How the corners of a kind of cell are arranged, in the numbering of gmsh.
 
     Args:
@@ -30,10 +30,10 @@ class CellKind:
 
 
 KINDS = {
-    (2, 3): CellKind(2, (1, 2), (0, 2, 1), ((0, 1), (1, 2), (2, 0))),
-    (2, 4): CellKind(3, (1, 3), (0, 3, 2, 1), ((0, 1), (1, 2), (2, 3), (3, 0))),
-    (3, 4): CellKind(4, (1, 2, 3), (0, 1, 3, 2), ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))),
-    (3, 8): CellKind(
+    (2, 3): GmshCellKind(2, (1, 2), (0, 2, 1), ((0, 1), (1, 2), (2, 0))),
+    (2, 4): GmshCellKind(3, (1, 3), (0, 3, 2, 1), ((0, 1), (1, 2), (2, 3), (3, 0))),
+    (3, 4): GmshCellKind(4, (1, 2, 3), (0, 1, 3, 2), ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))),
+    (3, 8): GmshCellKind(
         5,
         (1, 3, 4),
         (0, 3, 2, 1, 4, 7, 6, 5),
@@ -66,7 +66,7 @@ class LinearMesh:
         return self.points.shape[1]
 
     @property
-    def kind(self) -> CellKind:
+    def kind(self) -> GmshCellKind:
         """How its cells are arranged."""
         return KINDS[self.dimension, self.cells.shape[1]]
 

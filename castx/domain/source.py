@@ -15,7 +15,7 @@ from castx.case.geometry import Geometry
 from castx.domain.gmsh_import import NamedMesh, read_model
 from castx.errors import MeshError
 from castx.input.problems import among
-from castx.meshes import GENERATORS
+from castx.meshes.generators import GENERATORS
 
 MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
 

@@ -16,7 +16,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.equilibrium.newton import EquilibriumReport
 from castx.equilibrium.problem import MechanicalProblem
-from castx.meshes import GENERATORS
+from castx.meshes.generators import GENERATORS
 from tests.contact_methods import EXACT
 from tests.elastic_bodies import (
     body,

@@ -6,7 +6,7 @@ import pytest
 
 from castx.case.geometry import COMMON_ARGUMENTS, GENERATORS, Geometry
 from castx.input.problems import Refusal
-from castx.meshes import GENERATORS as MAKERS
+from castx.meshes.generators import GENERATORS as MAKERS
 
 pytestmark = pytest.mark.serial
 
