@@ -1,4 +1,4 @@
-"""Description of mechanical contact on an interface: method, its numbers, initial gap."""
+"""Mechanical contact on an interface: method, its numbers, pairing of nodes, initial gap."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy.typing as npt
 from pydantic import PlainValidator
 
 from castx.arrays import FloatArray
-from castx.case.pairing import Pairing
 from castx.contact.methods.description import Setting, UnknownKind
 from castx.contact.methods.registry import DEFAULT, METHODS, keys, names, users
 from castx.errors import CaseError
@@ -24,6 +23,30 @@ from castx.tables import Table
 _LENGTHS = Quantity(LENGTH)
 NONE = "none"
 """Bodies that do not meet."""
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """The rule by which an interface is paired.
+
+    Attributes:
+        normals: "averaged" over the facets round a node, or one for each of the smooth "patches";
+            from node to face the mean of both sides, or that of the "primary" facet.
+        sharp_angle: between the normals of neighbouring facets of different patches [rad].
+        kind: "node-to-node" for matching meshes, "node-to-face" for others.
+        surfaces: from node to face those of the secondary and primary body; None: the shared one.
+        meshed_gap: whether the distance of the meshes counts, from node to face.
+    """
+
+    normals: str = "averaged"
+    sharp_angle: float = math.radians(40.0)
+    kind: str = "node-to-node"
+    surfaces: tuple[str, str] | None = None
+    meshed_gap: bool = True
+
+
+BY_NODES = Pairing()
+"""The rule where nothing else is said."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.contact import body_problem, friction_problem
-from castx.case.pairing import BY_NODES, Pairing
+from castx.case.contact import BY_NODES, Pairing, body_problem, friction_problem
 from castx.contact.kinematics.rows import Treatment
 from castx.contact.methods.description import ContactMethod, Setting, Settings, UnknownKind
 from castx.contact.methods.registry import DEFAULT, METHODS, keys, setting

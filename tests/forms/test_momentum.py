@@ -39,7 +39,7 @@ def cell(dimension: int) -> mesh.Mesh:
 
 
 @cache
-def spaces(dimension: int) -> tuple[fem.FunctionSpace, list[np.ndarray], np.ndarray]:
+def spaces(dimension: int) -> tuple[fem.FunctionSpace, np.ndarray, np.ndarray]:
     """Return the u/p space of the cell, and the numbers of u (nodes, dimension) and p (nodes,)."""
     domain = cell(dimension)
     kind = domain.basix_cell()

@@ -14,7 +14,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.case.pairing import Pairing
+from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, problem, pushed

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
-from castx.case.pairing import Pairing
+from castx.case.contact import Pairing
 from castx.domain.measures import nodal_area_vectors, nodal_areas
 from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.domain.pairs.closest_point import ClosestPoints, project

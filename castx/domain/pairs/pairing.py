@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.contact import Pairing
 from castx.case.interfaces import Interface
-from castx.case.pairing import Pairing
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.face_pairs import face_pairs
 from castx.domain.pairs.node_pairs import NodePairs, node_pairs

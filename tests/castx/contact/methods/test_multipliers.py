@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from castx.case.contact import friction_problem
-from castx.case.pairing import BY_NODES
+from castx.case.contact import BY_NODES, friction_problem
 from castx.contact.choice import Contact
 from castx.contact.kinematics.rows import Treatment
 from castx.contact.methods.multipliers import METHOD

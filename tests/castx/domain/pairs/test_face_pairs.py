@@ -9,7 +9,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from castx.case.pairing import Pairing
+from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.domain.pairs.face_pairs import face_pairs
 from castx.errors import MeshError

@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from castx.case.pairing import Pairing
+from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.patches import pairs_by_patch

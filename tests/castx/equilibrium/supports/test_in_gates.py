@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.case.pairing import Pairing
+from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.errors import CaseError
 from castx.mechanics.description import SurfaceLoad
