@@ -23,6 +23,8 @@ ORDER = [
     "transfer",
     "transfer/laws",
     "contact/methods",
+    "materials/rules",
+    "materials/flow_rules materials/hardening",
     "materials",
     "case",
     "case/reading",

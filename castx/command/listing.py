@@ -12,37 +12,22 @@ from rich.text import Text
 from castx.environment import versions
 from castx.materials.database import database_entry, database_names
 from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
-from castx.materials.sources import Property, numbers
+from castx.materials.sources import Property, numbers, unit_of
 
 WIDTH = 52
 """Characters that a line of a table may have beside the names, in a terminal of 80 columns."""
-
-PEOPLES_UNITS = {
-    "young_modulus": ("GPa", 1e-9),
-    "yield_stress": ("MPa", 1e-6),
-    "hardening.linear": ("MPa", 1e-6),
-    "hardening.saturation": ("MPa", 1e-6),
-    "kinematic_hardening": ("MPa", 1e-6),
-    "viscosity": ("MPa s^(1/n)", 1e-6),
-    "expansion": ("µm/m/K", 1e6),
-    "latent_heat": ("kJ/kg", 1e-3),
-    "activation_energy": ("kJ/mol", 1e-3),
-    "coefficient": ("1/(s Pa^n)", 1.0),
-    "liquid.activation_energy": ("kJ/mol", 1e-3),
-    "liquid.coefficient": ("1/(s Pa^n)", 1.0),
-}
-"""Units that people use for a property, with the factor from SI; n is its exponent."""
 
 DATA = {
     "h": ("heat", ("density", "heat_capacity", "conductivity")),
     "e": ("elastic", ("young_modulus", "poisson_ratio", "expansion")),
     "p": ("plastic", ("yield_stress",)),
-    "c": ("creep", ("viscosity",)),
+    "c": ("creep", ()),
     "l": ("liquid", ("liquid",)),
 }
-"""What a material may have data for, by the letter that stands for it, with the keys it needs."""
+"""What a material may have data for, by letter, with the keys needed; creep: those of any rule."""
 
 
 def material_list(case_materials: Mapping[str, MaterialDescription]) -> Group:
@@ -88,7 +73,10 @@ def data_text(material: Material) -> str:
         letter: all(getattr(description, key) is not None for key in keys)
         for letter, (_, keys) in DATA.items()
     }
-    has["c"] |= description.coefficient is not None
+    has["c"] = any(
+        all(getattr(description, key) is not None for key in rule.needed)
+        for rule in FLOW_RULES.values()
+    )
     return "".join(letter if given else "·" for letter, given in has.items())
 
 
@@ -127,7 +115,8 @@ def title_text(name: str, case_materials: Mapping[str, MaterialDescription]) -> 
 
 def value_text(item: Property) -> Text:
     """Return a number with its unit, or a table as lines of temperatures over lines of values."""
-    unit, factor = PEOPLES_UNITS.get(item.name, (item.unit, 1.0))
+    known = unit_of(item.name)
+    unit, factor = (known.people, known.factor) if known else (item.unit, 1.0)
     cells = [
         ("" if at is None else f"{at:.5g}", value if isinstance(value, str) else number_text(
             value * factor))

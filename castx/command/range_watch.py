@@ -18,7 +18,7 @@ from castx.case.case import Case
 from castx.case.reading.between_parts import starts_solid
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
-from castx.materials.inelastic import LAW_KEYS
+from castx.materials.inelastic import FLOW_RULES, KINEMATIC_KEYS
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.sources import OutsideRange
@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 
 _HEAT = {"heat_capacity", "conductivity"}
 _ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
-_HARDENING = {"yield_stress", "hardening", "kinematic_hardening"}
+_HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
 
 
 class RangeWatch:
@@ -115,9 +115,9 @@ def used_properties(case: Case, body: Body, material: MaterialDescription) -> se
     used |= _ELASTIC
     if body.formulation != "displacement" or not starts_solid(body, material):
         used.add("liquid")
-    viscous = body.law == VISCOPLASTIC
+    viscous, rule = body.law == VISCOPLASTIC, FLOW_RULES[material.law]
     if viscous:
-        used |= set(LAW_KEYS[material.law])
-    if body.law == PLASTIC or (viscous and material.law != "norton"):
+        used |= {key.name for key in rule.keys}
+    if body.law == PLASTIC or (viscous and rule.threshold):
         used |= _HARDENING
     return used

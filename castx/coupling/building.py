@@ -31,6 +31,7 @@ from castx.heat.law_building import heat_exchange
 from castx.heat.problem import HeatProblem
 from castx.heat.starting import initial_state
 from castx.input.problems import among, show
+from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.mechanics.constitutive.law import ELASTIC, Law
@@ -267,7 +268,9 @@ def law_above_solidus(body: str, material: Material) -> str:
     liquid = material.liquid
     if liquid is None:
         return f"{body}: {material.name} keeps its solid's law at every temperature, without liquid"
-    flow = "flows with its viscosity" if liquid.model == "viscous" else "creeps by Norton's law"
+    flow = "flows with its viscosity"
+    if not liquid.is_newtonian:
+        flow = f"creeps by {LIQUID_RULES[liquid.model].title}"
     return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
 
 

@@ -1,1 +1,7 @@
-"""Materials: property tables, solid fraction, enthalpy, flow rules and the database."""
+"""Materials: what a case and the database say of them, their enthalpy, and how they flow.
+
+Public: `material.Material`, `description.MaterialDescription`, `lookup.find_material`,
+`database.database_entry`, `database.database_names`, `enthalpy.EnthalpyCurve`,
+`conduction_potential.ConductionPotential`, `flow.FlowProperties`, `inelastic.FLOW_RULES`,
+`inelastic.HARDENING_RULES`, `inelastic.rule_table`.
+"""

@@ -136,9 +136,9 @@ def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
             text = f"missing; author, year and table or equation, or {UNKNOWN_SOURCE!r}"
             yield Problem((*path, "source"), text)
         unit = unit_of(".".join(path))
-        if unit is not None and item.get("unit", "") != unit:
-            cure = f'must be "{unit}"; convert the numbers' if unit else "a pure number has none"
-            yield Problem((*path, "unit"), cure)
+        if unit is not None and item.get("unit", "") != unit.si:
+            cure = f'must be "{unit.si}"; convert the numbers'
+            yield Problem((*path, "unit"), cure if unit.si else "a pure number has none")
         yield from _range_problems(path, item)
 
 

@@ -21,7 +21,6 @@ from castx.input.entries import (
 )
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import (
-    ACTIVATION_ENERGY,
     CONDUCTIVITY,
     DENSITY,
     EXPANSION,
@@ -33,17 +32,19 @@ from castx.input.units import (
     VISCOSITY,
 )
 from castx.materials.inelastic import (
-    COEFFICIENT,
-    EXPONENT,
-    LAW_KEYS,
-    ONE,
-    ZERO,
+    DEFAULT_LAW,
+    FLOW_RULES,
+    KINEMATIC_KEYS,
+    LIQUID_RULES,
+    RATE_KEYS,
     Hardening,
     HardeningEntry,
-    ViscosityEntry,
     inelastic_problems,
+    with_keys,
 )
 from castx.materials.phased import Phased
+from castx.materials.rules.key import PeoplesUnit
+from castx.materials.rules.registry import keys_of
 from castx.materials.solid_fraction import TabulatedLaw
 from castx.tables import Table
 
@@ -52,6 +53,7 @@ LAW_NAMES = ("linear", *ALLOY_LAWS)
 _PHASES = ("solid", "liquid")
 _FRACTION = Quantity(PURE_NUMBER, least=0.0, most=1.0)
 _DEGREES = Quantity(TEMPERATURE)
+ZERO = Table.constant(0.0)
 
 
 @dataclass(frozen=True)
@@ -134,34 +136,40 @@ def _freezing_rows(rows: list[tuple[float, float]]) -> tuple[tuple[float, float]
     return tuple(rows[max(solid - 1, 0) : len(rows) - max(liquid - 1, 0)])
 
 
-_LIQUID_KEYS = {
-    "viscous": ("viscosity",),
-    "norton": ("coefficient", "exponent", "activation_energy"),
+NEWTONIAN = "viscous"
+_LIQUID_KEYS = {NEWTONIAN: ("viscosity",)} | {
+    name: tuple(key.name for key in rule.keys) for name, rule in LIQUID_RULES.items()
+}
+_LIQUID_NEEDS = {NEWTONIAN: ("viscosity",)} | {
+    name: rule.needed for name, rule in LIQUID_RULES.items()
 }
 
 
+@with_keys(keys_of(LIQUID_RULES.values()))
 class Liquid(Description):
     """How a material flows where its solid fraction is below coherency.
 
-    viscous: s = 2 viscosity ė; norton: like the solid's law of this name. What a model does not
-    read is 0, the exponent 1.
+    viscous: s = 2 viscosity ė, Newtonian; else by the flow rule of this name.
     """
 
-    model: Annotated[str, Choice(tuple(_LIQUID_KEYS))] = "viscous"
+    model: Annotated[str, Choice(tuple(_LIQUID_KEYS))] = NEWTONIAN
     viscosity: Annotated[Table, over_temperature(VISCOSITY, above=0.0)] = ZERO
-    coefficient: Annotated[Table, COEFFICIENT] = ZERO
-    exponent: Annotated[Table, EXPONENT] = ONE
-    activation_energy: Annotated[Table, over_temperature(ACTIVATION_ENERGY, least=0.0)] = ZERO
     coherency: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)]
+
+    @property
+    def is_newtonian(self) -> bool:
+        """Whether its stress is linear in the rate of strain."""
+        return self.model == NEWTONIAN
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield what the model needs and what it would ignore."""
-        first, *others = _LIQUID_KEYS[self.model]
-        if first not in self.model_fields_set:
-            yield Problem((first,), f'missing; model = "{self.model}" needs it')
-        for key in sorted(self.model_fields_set - {"model", "coherency", first, *others}):
-            model = next(name for name, keys in _LIQUID_KEYS.items() if key in keys)
-            text = f'acts only with model = "{model}", and here it is "{self.model}"'
+        for key in _LIQUID_NEEDS[self.model]:
+            if key not in self.model_fields_set:
+                yield Problem((key,), f'missing; model = "{self.model}" needs it')
+        own = {"model", "coherency", *_LIQUID_KEYS[self.model]}
+        for key in sorted(self.model_fields_set - own):
+            models = " or ".join(f'"{name}"' for name, keys in _LIQUID_KEYS.items() if key in keys)
+            text = f'acts only with model = {models}, and here it is "{self.model}"'
             yield Problem((key,), f"{text}; leave it out or change model")
 
 
@@ -184,11 +192,12 @@ class LiquidEntry:
         return core_schema.no_info_plain_validator_function(self.read)
 
 
+@with_keys(KINEMATIC_KEYS | RATE_KEYS)
 class MaterialDescription(Description):
     """Properties of a material as given; with `extends`, only those that differ from another.
 
-    `law` says how the solid flows over its yield stress, with `viscosity` in Pa·s^(1/exponent)
-    (perzyna) or Pa·s (bingham), or without one, with `coefficient` in 1/(s Pa^exponent) (norton).
+    `law` names the flow rule of the solid. The keys of the flow rules and of the kinematic
+    hardening rules are fields too: those that `with_keys` adds.
     """
 
     extends: MaterialName | None = None
@@ -199,7 +208,9 @@ class MaterialDescription(Description):
     conductivity: (
         Annotated[Phased, PhasedTable(over_temperature(CONDUCTIVITY, above=0.0))] | None
     ) = None
-    latent_heat: Annotated[float, Quantity(LATENT_HEAT, least=0.0)] | None = None
+    latent_heat: (
+        Annotated[float, Quantity(LATENT_HEAT, least=0.0), PeoplesUnit("kJ/kg", 1e-3)] | None
+    ) = None
     solidus: Temperature | None = None
     liquidus: Temperature | None = None
     solid_fraction: Annotated[str | TabulatedLaw, SolidFractionEntry()] = "linear"
@@ -207,23 +218,24 @@ class MaterialDescription(Description):
         None
     )
     melting_point: Temperature | None = None
-    young_modulus: Annotated[Table, over_temperature(STRESS, above=0.0)] | None = None
+    young_modulus: (
+        Annotated[Table, over_temperature(STRESS, above=0.0), PeoplesUnit("GPa", 1e-9)] | None
+    ) = None
     poisson_ratio: Annotated[Table, over_temperature(PURE_NUMBER, least=0.0, below=0.5)] | None = (
         None
     )
-    expansion: Annotated[Table, over_temperature(EXPANSION)] | None = None
+    expansion: (
+        Annotated[Table, over_temperature(EXPANSION), PeoplesUnit("µm/m/K", 1e6)] | None
+    ) = None
     expansion_reference: Temperature | None = None
     stress_free: Temperature | None = None
     liquid: Annotated[Liquid | None, LiquidEntry()] = None
     solidification_shrinkage: Annotated[float, Quantity(PURE_NUMBER, above=-1.0, below=1.0)] = 0.0
-    yield_stress: Annotated[Table, over_temperature(STRESS, least=0.0)] | None = None
-    hardening: Annotated[Hardening, HardeningEntry()] = Hardening(linear=ZERO)
-    kinematic_hardening: Annotated[Table, over_temperature(STRESS, least=0.0)] = ZERO
-    law: Annotated[str, Choice(tuple(LAW_KEYS))] = "perzyna"
-    viscosity: Annotated[Table, ViscosityEntry()] | None = None
-    exponent: Annotated[Table, EXPONENT] = ONE
-    coefficient: Annotated[Table, COEFFICIENT] | None = None
-    activation_energy: Annotated[Table, over_temperature(ACTIVATION_ENERGY, least=0.0)] = ZERO
+    yield_stress: (
+        Annotated[Table, over_temperature(STRESS, least=0.0), PeoplesUnit("MPa", 1e-6)] | None
+    ) = None
+    hardening: Annotated[Hardening, HardeningEntry()] = HardeningEntry().read(0.0)
+    law: Annotated[str, Choice(tuple(FLOW_RULES))] = DEFAULT_LAW
     dissipation: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=1.0)] = 0.9
 
     @property
@@ -249,7 +261,8 @@ class MaterialDescription(Description):
         if self.expansion_reference is not None and self.expansion is None:
             text = "the reference of an expansion that is not given; add expansion"
             yield Problem(("expansion_reference",), text)
-        yield from inelastic_problems(self)
+        yields = self.yield_stress is not None
+        yield from inelastic_problems(self, self.law, self.hardening, yields)
 
     def _range_problems(self) -> Iterator[Problem]:
         if isinstance(self.solid_fraction, TabulatedLaw):

@@ -1,14 +1,13 @@
-"""How a material flows: from its description to numbers at integration points.
+"""Flow of a material: from its description to numbers at integration points.
 
-Overstress f = q − σ_Y(T) − R(ξ), with the J2 equivalent q = √(3/2) ‖s − β‖, the isotropic hardening
-R = H(T) ξ + R_∞(T) (1 − exp(−b ξ)) (linear and Voce 1948) and the back stress β = (2/3) H_k e_vp
-(Prager 1956). Rates of the equivalent viscoplastic strain ξ:
+With the J2 equivalent q = √(3/2) ‖s − β‖, the overstress is
 
-    perzyna  ⟨f/η⟩ⁿ (Perzyna 1966)
-    bingham  ⟨f⟩/(3η)
-    norton   A qⁿ exp(−Q/(R T_K)), without σ_Y, R and β
+    f = q − σ_Y(T) − R(ξ)     (rules with a yield stress and hardening, as Perzyna's)
+    f = q                     (rules without, as Norton's, and all liquids)
 
-An implicit step Δt turns each into an overstress over the increment Δγ, V = resistance Δγ^power.
+where the isotropic hardening R and the back stress β are sums of the rules in `hardening`. A rule
+in `flow_rules` states the rate of the equivalent viscoplastic strain ξ as a function of f. An
+implicit step Δt turns it into V(Δγ), the overstress over the increment Δγ of ξ.
 """
 
 from __future__ import annotations
@@ -20,50 +19,57 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.errors import CaseError
-from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import (
+    FLOW_RULES,
+    ISOTROPIC_RULES,
+    KINEMATIC_RULES,
+    LIQUID_RULES,
+)
 from castx.materials.material import Material
-from castx.tables import Table
-
-GAS_CONSTANT = 8.314462618  # J/mol/K
+from castx.materials.rules.hardening_rule import HardeningCurve
+from castx.materials.rules.overstress import Overstress, Points
+from castx.materials.rules.power_law import PowerLaw
 
 PLASTIC = "thermo-elasto-plastic"
 VISCOPLASTIC = "thermo-elasto-viscoplastic"
-
-LARGEST_LOGARITHM = 690.0
-"""Of a resistance that can be represented with room to spare: nothing flows against it."""
-
 
 class FlowProperties(NamedTuple):
     """Properties of flow at integration points for the temperature and the length of a step.
 
     Attributes:
-        shear_modulus: G [Pa], shape (points,) like all others.
-        yield_stress: σ_Y [Pa].
-        linear_hardening: H [Pa].
-        saturation: R_∞ of Voce's hardening [Pa].
-        saturation_rate: its b.
-        kinematic_hardening: H_k [Pa].
-        viscous_resistance: overstress that an increment Δγ = 1 over the step takes [Pa]; 0 is
-            independent of the rate.
-        viscous_power: the overstress of Δγ is viscous_resistance Δγ^viscous_power.
+        shear_modulus: G [Pa], shape (points,).
+        yield_stress: σ_Y [Pa], shape (points,).
+        hardening_modulus: H, slope of the linear isotropic hardening [Pa], shape (points,).
+        hardening_curves: isotropic hardening that is not linear.
+        kinematic_modulus: H_k of the back stress β = (2/3) H_k e_vp [Pa], shape (points,).
+        overstress: V(Δγ) of the step.
     """
 
     shear_modulus: FloatArray
     yield_stress: FloatArray
-    linear_hardening: FloatArray
-    saturation: FloatArray
-    saturation_rate: FloatArray
-    kinematic_hardening: FloatArray
-    viscous_resistance: FloatArray
-    viscous_power: FloatArray
+    hardening_modulus: FloatArray
+    hardening_curves: tuple[HardeningCurve, ...]
+    kinematic_modulus: FloatArray
+    overstress: Overstress
+
+    def at(self, points: Points) -> FlowProperties:
+        """Return the properties of some of the points."""
+        return FlowProperties(
+            self.shear_modulus[points],
+            self.yield_stress[points],
+            self.hardening_modulus[points],
+            tuple(curve.at(points) for curve in self.hardening_curves),
+            self.kinematic_modulus[points],
+            self.overstress.at(points),
+        )
 
 
 def isotropic_hardening(properties: FlowProperties, equivalent: FloatArray) -> FloatArray:
-    """Return R(ξ) [Pa], shape (points,)."""
-    hardening = properties.linear_hardening * equivalent
-    if properties.saturation.any():
-        hardening -= properties.saturation * np.expm1(-properties.saturation_rate * equivalent)
+    """Return R(ξ) [Pa], the sum of all isotropic hardening rules, shape (points,)."""
+    hardening = properties.hardening_modulus * equivalent
+    for curve in properties.hardening_curves:
+        hardening += curve(equivalent)
     return np.asarray(hardening)
 
 
@@ -86,42 +92,42 @@ def solid_flow(
         raise CaseError(f"the law {law!r} does not flow; {PLASTIC!r} and {VISCOPLASTIC!r} do")
     check_law(material, law)
     description = material.description
-    if law == VISCOPLASTIC and description.law == "norton":
-        resistance, power = _norton(
-            _given(description.coefficient),
-            description.exponent,
-            description.activation_energy,
-            temperature,
-            step,
-        )
-        return _without_threshold(shear_modulus, resistance, power)
-    none = np.zeros_like(temperature)
-    resistance, power = none, np.ones_like(temperature)
-    if law == VISCOPLASTIC and description.law == "bingham":
-        resistance = _given(description.viscosity)(temperature) * (3.0 / step)
-    elif law == VISCOPLASTIC:
-        power = np.reciprocal(description.exponent(temperature))
-        resistance = _given(description.viscosity)(temperature) * np.power(step, -power)
-    hardening = description.hardening
+    rule = FLOW_RULES[description.law]
+    overstress: Overstress = PowerLaw.none(temperature)
+    if law == VISCOPLASTIC:
+        overstress = rule.over_step(description, temperature, step)
+        if not rule.threshold:
+            return _without_threshold(shear_modulus, overstress)
+    hardening, none = description.hardening, np.zeros_like(temperature)
+    straight, curves = none, []
+    for isotropic in ISOTROPIC_RULES:
+        values = isotropic.values(hardening, temperature)
+        if isotropic.modulus is not None:
+            straight = straight + isotropic.modulus(values)
+        elif isotropic.curve is not None and isotropic.acts(hardening):
+            curves.append(isotropic.curve(values))
+    back = none
+    for kinematic in KINEMATIC_RULES:
+        assert kinematic.modulus is not None
+        back = back + kinematic.modulus(kinematic.values(description, temperature))
+    assert description.yield_stress is not None  # as `check_law` has found
     return FlowProperties(
         shear_modulus,
-        _given(description.yield_stress)(temperature),
-        hardening.linear(temperature),
-        hardening.saturation(temperature),
-        hardening.rate(temperature),
-        description.kinematic_hardening(temperature),
-        resistance,
-        power,
+        description.yield_stress(temperature),
+        straight,
+        tuple(curves),
+        back,
+        overstress,
     )
 
 
 def liquid_flow(
     material: Material, shear_modulus: FloatArray, temperature: FloatArray, step: float
 ) -> FlowProperties:
-    """Return the properties of a Norton liquid: neither yield stress nor hardening.
+    """Return the properties of a liquid that flows by a rule: neither yield stress nor hardening.
 
     Args:
-        material: with `liquid.model = "norton"`.
+        material: with the name of a flow rule without threshold as `liquid.model`.
         shear_modulus: [Pa], shape (points,).
         temperature: [°C], shape (points,).
         step: Δt [s].
@@ -130,12 +136,11 @@ def liquid_flow(
         CaseError: the material has no such liquid.
     """
     liquid = material.liquid
-    if liquid is None or liquid.model != "norton":
-        raise CaseError(f'material {material.name!r} has no liquid with model = "norton"')
-    resistance, power = _norton(
-        liquid.coefficient, liquid.exponent, liquid.activation_energy, temperature, step
-    )
-    return _without_threshold(shear_modulus, resistance, power)
+    if liquid is None or liquid.is_newtonian:
+        models = " or ".join(f'"{name}"' for name in LIQUID_RULES)
+        raise CaseError(f"material {material.name!r} has no liquid with model = {models}")
+    rule = LIQUID_RULES[liquid.model]
+    return _without_threshold(shear_modulus, rule.over_step(liquid, temperature, step))
 
 
 def check_law(material: Material, law: str) -> None:
@@ -152,14 +157,14 @@ def check_law(material: Material, law: str) -> None:
 
 def law_problems(material: MaterialDescription, law: str) -> Iterator[tuple[str, str]]:
     """Yield the keys of a material that the law of a body lacks, each with the cure."""
-    viscous = law == VISCOPLASTIC
-    if viscous and material.law == "norton":
-        if material.coefficient is None:
-            yield "coefficient", 'missing; law = "norton" flows by coefficient q^exponent'
-        return
-    if viscous and material.viscosity is None:
-        cure = f'law = "{material.law}" flows by it; {PLASTIC!r} has none'
-        yield "viscosity", f"missing; {cure}"
+    viscous, rule = law == VISCOPLASTIC, FLOW_RULES[material.law]
+    if viscous:
+        cure = f"; {PLASTIC!r} has none" if rule.threshold else ""
+        for key in rule.needed:
+            if getattr(material, key) is None:
+                yield key, f'missing; law = "{rule.name}" flows by {rule.flows_by}{cure}'
+        if not rule.threshold:
+            return
     if (viscous or law == PLASTIC) and material.yield_stress is None:
         cure = " (0: it flows at every stress)" if viscous else ""
         yield "yield_stress", f"missing; flow begins there{cure}"
@@ -169,30 +174,6 @@ def law_problems(material: MaterialDescription, law: str) -> Iterator[tuple[str,
             yield "yield_stress", f"{text}; give a positive one or use {VISCOPLASTIC!r}"
 
 
-def _norton(
-    coefficient: Table,
-    exponent: Table,
-    activation_energy: Table,
-    temperature: FloatArray,
-    step: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Return resistance and power of q = (rate/(A exp(−Q/(R T_K))))^(1/n)."""
-    power: FloatArray = np.reciprocal(exponent(temperature))
-    absolute = np.maximum(temperature - ABSOLUTE_ZERO, np.finfo(np.float64).tiny)
-    with np.errstate(over="ignore"):
-        barrier = activation_energy(temperature) / GAS_CONSTANT / absolute
-    logarithm = power * (barrier - np.log(coefficient(temperature)) - np.log(step))
-    return np.exp(np.minimum(logarithm, LARGEST_LOGARITHM)), power
-
-
-def _without_threshold(
-    shear_modulus: FloatArray, resistance: FloatArray, power: FloatArray
-) -> FlowProperties:
-    none = np.zeros_like(resistance)
-    return FlowProperties(shear_modulus, none, none, none, none, none, resistance, power)
-
-
-def _given(table: Table | None) -> Table:
-    """Return what `check_law` has found to be there."""
-    assert table is not None
-    return table
+def _without_threshold(shear_modulus: FloatArray, overstress: Overstress) -> FlowProperties:
+    none = np.zeros_like(shear_modulus)
+    return FlowProperties(shear_modulus, none, none, (), none, overstress)

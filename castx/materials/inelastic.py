@@ -1,64 +1,143 @@
-"""The keys of a material that say how its solid yields, hardens and creeps."""
+"""The keys of a material that say how its solid yields, hardens and creeps, from all rules."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, NamedTuple, TypeVar
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import BaseModel, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema, core_schema
 
-from castx.errors import CaseError
-from castx.input.entries import Description, Quantity, Tabulated, over_temperature
+from castx.input.entries import Description
 from castx.input.problems import Problem
-from castx.input.units import NORTON_COEFFICIENT, PURE_NUMBER, STRESS, VISCOSITY
+from castx.materials.rules.flow_rule import FlowRule
+from castx.materials.rules.hardening_rule import HardeningRule
+from castx.materials.rules.key import Key
+from castx.materials.rules.registry import keys_of, rules_of
 from castx.tables import Table
 
-if TYPE_CHECKING:
-    from castx.materials.description import MaterialDescription
+Model = TypeVar("Model", bound=BaseModel)
 
-LAW_KEYS = {
-    "perzyna": ("viscosity", "exponent"),
-    "bingham": ("viscosity",),
-    "norton": ("coefficient", "exponent", "activation_energy"),
+_BY_NAME = rules_of("castx.materials.flow_rules", FlowRule)
+FLOW_RULES: Mapping[str, FlowRule] = {
+    rule.name: rule for rule in sorted(_BY_NAME, key=lambda rule: not rule.is_default)
 }
-"""The laws of viscous flow with the keys that each reads."""
+"""The flow rules by the name of `law`, the default first."""
 
-RATE_KEYS = tuple(dict.fromkeys(key for keys in LAW_KEYS.values() for key in keys))
+(DEFAULT_LAW,) = (rule.name for rule in FLOW_RULES.values() if rule.is_default)
 
-ZERO = Table.constant(0.0)
-ONE = Table.constant(1.0)
+LIQUID_RULES: Mapping[str, FlowRule] = {
+    name: rule for name, rule in FLOW_RULES.items() if not rule.threshold
+}
+"""The flow rules by which a liquid can flow, by the name of `liquid.model`."""
 
-EXPONENT = over_temperature(PURE_NUMBER, above=0.0)
-_HARDENING = over_temperature(STRESS, least=0.0)
-_VISCOSITY = over_temperature(VISCOSITY, above=0.0)
+HARDENING_RULES = rules_of("castx.materials.hardening", HardeningRule)
+ISOTROPIC_RULES = tuple(rule for rule in HARDENING_RULES if rule.isotropic)
+KINEMATIC_RULES = tuple(rule for rule in HARDENING_RULES if not rule.isotropic)
+
+RATE_KEYS = keys_of(FLOW_RULES.values())
+"""The keys of all flow rules."""
+
+KINEMATIC_KEYS = keys_of(KINEMATIC_RULES)
 
 
+class RuleRow(NamedTuple):
+    """A rule in the tables of the manual.
+
+    Attributes:
+        name: in the case file.
+        summary: what it is, in one sentence.
+        keys: each with its SI unit and default.
+        formula: what it says.
+        source: author, year, and where it is printed.
+    """
+
+    name: str
+    summary: str
+    keys: tuple[str, ...]
+    formula: str
+    source: str
+
+
+def rule_table(rules: Iterator[FlowRule | HardeningRule]) -> list[RuleRow]:
+    """Return the rows of a table of rules.
+
+    Args:
+        rules: `FLOW_RULES.values()` or `HARDENING_RULES`.
+    """
+    return [
+        RuleRow(
+            rule.name, rule.summary, tuple(key.text for key in rule.keys), rule.formula, rule.source
+        )
+        for rule in rules
+    ]
+
+
+def with_keys(keys: Mapping[str, Key]) -> Callable[[type[Model]], type[Model]]:
+    """Return a decorator that adds the keys of rules to a description, as optional fields."""
+    fields: dict[str, Any] = {
+        name: (
+            Annotated[Table, KeyEntry(key)] | None if key.default is None
+            else Annotated[Table, KeyEntry(key)],
+            key.default_table,
+        )
+        for name, key in keys.items()
+    }  # fmt: skip
+
+    def extended(model: type[Model]) -> type[Model]:
+        return create_model(
+            model.__name__, __base__=model, __module__=model.__module__, __doc__=model.__doc__,
+            **fields,
+        )  # fmt: skip
+
+    return extended
+
+
+class KeyEntry:
+    """A key of a rule as a field of a description.
+
+    Args:
+        key: what is read.
+    """
+
+    def __init__(self, key: Key) -> None:
+        self.key = key
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.key.entry.read)
+
+
+@with_keys(keys_of(ISOTROPIC_RULES))
 class Hardening(Description):
-    """Isotropic hardening R = linear ξ + saturation (1 − exp(−rate ξ)), over temperature."""
-
-    linear: Annotated[Table, _HARDENING] = ZERO
-    saturation: Annotated[Table, _HARDENING] = ZERO
-    rate: Annotated[Table, over_temperature(PURE_NUMBER, above=0.0)] = ZERO
+    """Isotropic hardening R(ξ) over temperature: the sum of all isotropic hardening rules."""
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield saturation without rate, rate without saturation, and nothing at all."""
+        """Yield rules of which some keys are missing, and a table without any."""
         given = self.model_fields_set
-        for key, other in (("saturation", "rate"), ("rate", "saturation")):
-            if other in given and key not in given:
-                yield Problem((key,), f"missing; it is needed with {other} (Voce)")
+        for rule in ISOTROPIC_RULES:
+            others = " and ".join(key.name for key in rule.keys if key.name in given)
+            for key in rule.keys:
+                if others and key.name not in given:
+                    text = f"missing; it is needed with {others} ({rule.title})"
+                    yield Problem((key.name,), text)
         if not given:
-            yield Problem((), "needs linear, or saturation and rate (Voce)")
+            sets = (
+                " and ".join(key.name for key in rule.keys)
+                + (f" ({rule.title})" if rule.title else "")
+                for rule in ISOTROPIC_RULES
+            )
+            yield Problem((), f"needs {', or '.join(sets)}")
 
     @property
     def acts(self) -> bool:
         """Whether there is any hardening."""
-        return bool(self.linear.values.any() or self.saturation.values.any())
+        return any(rule.acts(self) for rule in ISOTROPIC_RULES)
 
 
 class HardeningEntry:
     """A linear modulus or the keys of `Hardening`, for `Annotated[Hardening, ...]`."""
+
+    _plain = "linear"
 
     def read(self, value: Any) -> Hardening:
         """Return the hardening.
@@ -68,69 +147,44 @@ class HardeningEntry:
         """
         if isinstance(value, dict):
             return Hardening.read(value)
-        return value if isinstance(value, Hardening) else Hardening(linear=_HARDENING.read(value))
+        if isinstance(value, Hardening):
+            return value
+        entry = keys_of(ISOTROPIC_RULES)[self._plain].entry
+        return Hardening.read({self._plain: entry.read(value)})
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
 
-@dataclass(frozen=True, eq=False)
-class TableInPascalSeconds(Table):
-    """A viscosity that was written with its unit, Pa·s."""
+def inelastic_problems(
+    material: Description, law: str, hardening: Hardening, yields: bool
+) -> Iterator[Problem]:
+    """Yield keys that would be ignored whatever the law of the body, and values that do not fit.
 
-
-class ViscosityEntry:
-    """A viscosity in Pa·s^(1/exponent), plain, or in Pa·s with its unit, for `Annotated[...]`."""
-
-    def read(self, value: Any) -> Table:
-        """Return the table, of a kind of its own if a unit of Pa·s was given.
-
-        Raises:
-            CaseError: not a positive number or a table of them.
-        """
-        table = _VISCOSITY.read(value)
-        rows = value if isinstance(value, list | tuple) else [(None, value)]
-        if isinstance(value, Table) or not any(isinstance(row[1], str) for row in rows):
-            return table
-        return TableInPascalSeconds(table.arguments, table.values)
-
-    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-
-@dataclass(frozen=True)
-class PlainQuantity(Quantity):
-    """A number whose unit depends on other keys, so that it cannot be written with it."""
-
-    def read(self, value: Any) -> float:
-        """Return the number.
-
-        Raises:
-            CaseError: it is not a plain number, or out of range.
-        """
-        if isinstance(value, str):
-            text = "its unit depends on the exponent n"
-            raise CaseError(f"a plain number in {self.dimension.unit} is needed: {text}")
-        return super().read(value)
-
-
-COEFFICIENT = Tabulated(PlainQuantity(NORTON_COEFFICIENT, above=0.0), EXPONENT.over)
-
-
-def inelastic_problems(material: MaterialDescription) -> Iterator[Problem]:
-    """Yield what would be ignored whatever the law of the body, and a unit that does not fit."""
-    for key in RATE_KEYS:
-        if key in material.model_fields_set and key not in LAW_KEYS[material.law]:
-            laws = " or ".join(f'"{law}"' for law, keys in LAW_KEYS.items() if key in keys)
-            text = f'acts only with law = {laws}, and here it is "{material.law}"'
-            yield Problem((key,), f"{text}; leave it out or change law")
-    linear = material.law == "bingham" or bool((material.exponent.values == 1.0).all())
-    if isinstance(material.viscosity, TableInPascalSeconds) and not linear:
-        text = "a unit of Pa·s fits exponent 1 only; give a plain number in Pa·s^(1/exponent)"
-        yield Problem(("viscosity",), text)
-    if material.yield_stress is None:
+    Args:
+        material: with the keys of all rules.
+        law: name of its flow rule.
+        hardening: its isotropic hardening.
+        yields: whether it has a yield stress.
+    """
+    rule = FLOW_RULES[law]
+    own = {key.name for key in rule.keys}
+    for name in RATE_KEYS:
+        if name in material.model_fields_set and name not in own:
+            laws = " or ".join(f'"{other}"' for other in rules_with(name, FLOW_RULES))
+            text = f'acts only with law = {laws}, and here it is "{law}"'
+            yield Problem((name,), f"{text}; leave it out or change law")
+    for name, text in rule.problems(rule.tables(material)):
+        yield Problem((name,), text)
+    if not yields:
         text = "acts only with yield_stress; add it or leave this key out"
-        if material.hardening.acts:
+        if hardening.acts:
             yield Problem(("hardening",), text)
-        if material.kinematic_hardening.values.any():
-            yield Problem(("kinematic_hardening",), text)
+        for kinematic in KINEMATIC_RULES:
+            if kinematic.acts(material):
+                yield Problem((kinematic.keys[0].name,), text)
+
+
+def rules_with(key: str, rules: Mapping[str, FlowRule]) -> list[str]:
+    """Return the names of the rules that read a key."""
+    return [name for name, rule in rules.items() if key in (own.name for own in rule.keys)]

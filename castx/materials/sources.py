@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cache
+from itertools import chain
+from typing import Any, NamedTuple, get_args
 
-from castx.materials.description import MaterialDescription
+from castx.input.entries import Description, Quantity, Tabulated
+from castx.materials.description import Liquid, LiquidEntry, MaterialDescription, PhasedTable
+from castx.materials.inelastic import (
+    KINEMATIC_KEYS,
+    LIQUID_RULES,
+    RATE_KEYS,
+    Hardening,
+    HardeningEntry,
+    KeyEntry,
+)
 from castx.materials.phased import Phased
+from castx.materials.rules.key import Key, PeoplesUnit, unit_text
+from castx.materials.rules.registry import keys_of
 from castx.materials.solid_fraction import TabulatedLaw
 from castx.tables import Table
 
@@ -15,42 +28,21 @@ CASE_FILE = "case file"
 DEFAULT = "default of castx"
 _BOTH_PHASES = ("heat_capacity", "conductivity")
 
-_UNITS = {
-    "density": "kg/m³",
-    "heat_capacity": "J/kg/K",
-    "conductivity": "W/m/K",
-    "latent_heat": "J/kg",
-    "solidus": "°C",
-    "liquidus": "°C",
-    "solid_fraction": "",
-    "partition_coefficient": "",
-    "melting_point": "°C",
-    "young_modulus": "Pa",
-    "poisson_ratio": "",
-    "expansion": "1/K",
-    "expansion_reference": "°C",
-    "stress_free": "°C",
-    "solidification_shrinkage": "",
-    "yield_stress": "Pa",
-    "hardening.linear": "Pa",
-    "hardening.saturation": "Pa",
-    "hardening.rate": "",
-    "kinematic_hardening": "Pa",
-    "law": "",
-    "viscosity": "Pa s^(1/exponent)",
-    "exponent": "",
-    "coefficient": "1/(s Pa^exponent)",
-    "activation_energy": "J/mol",
-    "dissipation": "",
-    "liquid.model": "",
-    "liquid.viscosity": "Pa s",
-    "liquid.coefficient": "1/(s Pa^exponent)",
-    "liquid.exponent": "",
-    "liquid.activation_energy": "J/mol",
-    "liquid.coherency": "",
-}
-
 Value = float | str | Table | TabulatedLaw
+
+
+class Unit(NamedTuple):
+    """Unit of a property.
+
+    Attributes:
+        si: SI unit, "" for a pure number.
+        people: unit in which people state it.
+        factor: number in the unit of people over the number in SI.
+    """
+
+    si: str
+    people: str
+    factor: float
 
 
 @dataclass(frozen=True)
@@ -101,14 +93,65 @@ class OutsideRange(NamedTuple):
     valid: tuple[float, float]
 
 
-def unit_of(name: str) -> str | None:
-    """Return the SI unit of a property, dotted, "" for pure numbers; None: no such property."""
+def unit_of(name: str) -> Unit | None:
+    """Return the unit of a property, dotted, as `conductivity.solid`; None: no such property."""
     first, _, last = name.partition(".")
     if last in ("solid", "liquid"):
         name = first
     elif name == "hardening":
         name = "hardening.linear"
-    return _UNITS.get(name)
+    return _units().get(name)
+
+
+@cache
+def _units() -> dict[str, Unit]:
+    """Return the units of all properties by dotted name, in the order of the case format."""
+    units: dict[str, Unit] = {}
+    placed = {"hardening": KINEMATIC_KEYS, "law": RATE_KEYS}
+    for name, kinds in _fields(MaterialDescription, placed):
+        if any(isinstance(kind, LiquidEntry) for kind in kinds):
+            inner = _fields(Liquid, {"viscosity": keys_of(LIQUID_RULES.values())})
+        elif any(isinstance(kind, HardeningEntry) for kind in kinds):
+            inner = _fields(Hardening, {})
+        else:
+            units |= {name: _unit(kinds)} if name != "extends" else {}
+            continue
+        units |= {f"{name}.{key}": _unit(parts) for key, parts in inner}
+    return units
+
+
+def _fields(
+    model: type[Description], placed: Mapping[str, Mapping[str, Key]]
+) -> Iterator[tuple[str, Sequence[object]]]:
+    """Yield the fields of a description with the kinds of their values.
+
+    Args:
+        model: class of the description.
+        placed: keys of rules by the field that they follow in the case format.
+    """
+    later = {name for keys in placed.values() for name in keys}
+    for name, field in model.model_fields.items():
+        if name not in later:
+            inner = (getattr(part, "__metadata__", ()) for part in get_args(field.annotation))
+            yield name, [*field.metadata, *chain.from_iterable(inner)]
+        yield from ((key, [KeyEntry(placed[name][key])]) for key in placed.get(name, ()))
+
+
+def _unit(kinds: Sequence[object]) -> Unit:
+    """Return the unit of a property from the kinds of its values."""
+    si, shown = "", None
+    for kind in kinds:
+        if isinstance(kind, KeyEntry):
+            si, shown = kind.key.unit, kind.key.shown
+        elif isinstance(kind, PhasedTable):
+            si = unit_text(kind.table.value.dimension)
+        elif isinstance(kind, Tabulated):
+            si = unit_text(kind.value.dimension)
+        elif isinstance(kind, Quantity):
+            si = unit_text(kind.dimension)
+        elif isinstance(kind, PeoplesUnit):
+            shown = kind
+    return Unit(si, shown.unit, shown.factor) if shown else Unit(si, si, 1.0)
 
 
 def properties(
@@ -119,7 +162,9 @@ def properties(
         source = _source(name, sources)
         given = name.partition(".")[0] in description.model_fields_set
         text = source.text if source else CASE_FILE if given else DEFAULT
-        yield Property(name, value, unit_of(name) or "", text, _valid(name, value, sources))
+        unit = unit_of(name)
+        si = unit.si if unit else ""
+        yield Property(name, value, si, text, _valid(name, value, sources))
 
 
 def property_rows(
@@ -157,7 +202,7 @@ def outside_range(
 
 def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
     """Yield the dotted names and values of all given properties."""
-    for name in _UNITS:
+    for name in _units():
         value: Any = description
         for key in name.split("."):
             # The law of the solid fraction is worth a line even where the default holds.

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.flow import VISCOPLASTIC, isotropic_hardening, law_problems, solid_flow
+from castx.materials.inelastic import FLOW_RULES
 from castx.materials.material import Material
 from castx.report.curves import COLOURS, DOTS_PER_INCH, figure
 from castx.tables import Table
@@ -242,11 +243,11 @@ def creep_lines(
 ) -> list[Line]:
     """Return the stress at which the unhardened solid flows at some rates."""
     flow = solid_flow(material, VISCOPLASTIC, np.ones_like(temperature), temperature, step=1.0)
-    valid = ranges.get("viscosity") or ranges.get("coefficient")
+    valid = ranges.get(FLOW_RULES[material.description.law].keys[0].name)
     return [
         Line(
             temperature,
-            1e-6 * (flow.yield_stress + flow.viscous_resistance * rate**flow.viscous_power),
+            1e-6 * (flow.yield_stress + flow.overstress(rate)),
             rf"$10^{{{np.log10(rate):.0f}}}$ 1/s",
             valid,
         )

@@ -1,22 +1,37 @@
 """J2 viscoplasticity once more, in 3 × 3 tensors and rates: what the return mapping must tend to.
 
-Nothing here knows the return mapping or `castx.materials.flow`; the laws are those of the case
-format.
+Nothing here knows the return mapping or `castx.materials.flow`. The rate of each flow rule is
+written once more in the test file of the rule, `tests/castx/materials/flow_rules/test_NAME.py`:
+
+    rate(f, values, temperature)    rate [1/s] under an overstress [Pa], plain numbers
+    drawn(draw, stress, rate, temperature)    values of its keys that flow at a rate under a stress
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from importlib import import_module
+from types import ModuleType
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import root
+from scipy.optimize import brentq, root
 
-GAS = 8.314462618
+from castx.materials.inelastic import FLOW_RULES
+
+PLASTIC_FLOW = "plastic"
+LAWS = (PLASTIC_FLOW, *FLOW_RULES)
+"""What a solid may do: flow independently of the rate, or by a flow rule."""
+
 PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 Tensor = np.ndarray
+
+
+def reference(law: str) -> ModuleType:
+    """Return the test file of a flow rule."""
+    return import_module(f"tests.castx.materials.flow_rules.test_{law.replace('-', '_')}")
 
 
 @dataclass(frozen=True)
@@ -30,23 +45,15 @@ class Numbers:
     saturation: float = 0.0
     saturation_rate: float = 1.0
     kinematic: float = 0.0
-    viscosity: float = 1.0
-    exponent: float = 1.0
-    coefficient: float = 1.0
-    activation_energy: float = 0.0
+    values: dict[str, float] = field(default_factory=dict)
     temperature: float = 300.0
 
     @property
     def keys(self) -> dict:
         """The keys of the case format that a material needs."""
         shared = {"young_modulus": 2.6 * self.shear_modulus, "poisson_ratio": 0.3}
-        if self.law == "norton":
-            return shared | {
-                "law": "norton",
-                "coefficient": self.coefficient,
-                "exponent": self.exponent,
-                "activation_energy": self.activation_energy,
-            }
+        if not self.yields:
+            return shared | {"law": self.law, **self.values}
         hardening = {
             "linear": self.linear,
             "saturation": self.saturation,
@@ -57,17 +64,19 @@ class Numbers:
             "hardening": hardening,
             "kinematic_hardening": self.kinematic,
         }
-        if self.law == "plastic":
-            return solid
-        solid |= {"law": self.law, "viscosity": self.viscosity}
-        return solid | ({"exponent": self.exponent} if self.law == "perzyna" else {})
+        return solid | ({} if self.law == PLASTIC_FLOW else {"law": self.law, **self.values})
+
+    @property
+    def yields(self) -> bool:
+        """Whether the material has a yield stress and hardens."""
+        return self.law == PLASTIC_FLOW or FLOW_RULES[self.law].threshold
 
     @property
     def back_modulus(self) -> float:
-        return 0.0 if self.law == "norton" else self.kinematic
+        return self.kinematic if self.yields else 0.0
 
     def hardening(self, equivalent: float) -> float:
-        if self.law == "norton":
+        if not self.yields:
             return 0.0
         return self.linear * equivalent + self.saturation * (
             1.0 - np.exp(-self.saturation_rate * equivalent)
@@ -79,27 +88,29 @@ class Numbers:
         )
 
     def overstress(self, q: float, equivalent: float) -> float:
-        threshold = 0.0 if self.law == "norton" else self.yield_stress
+        threshold = self.yield_stress if self.yields else 0.0
         return q - threshold - self.hardening(equivalent)
 
     def rate(self, f: float) -> float:
         """Rate of the equivalent viscoplastic strain."""
-        f = max(f, 0.0)
-        if self.law == "perzyna":
-            return float((f / self.viscosity) ** self.exponent)
-        if self.law == "bingham":
-            return f / (3.0 * self.viscosity)
-        arrhenius = np.exp(-self.activation_energy / (GAS * (self.temperature + 273.15)))
-        return float(self.coefficient * f**self.exponent * arrhenius)
+        return float(reference(self.law).rate(max(f, 0.0), self.values, self.temperature))
 
     def driving_stress(self, rate: float) -> float:
         """Overstress at which the material flows at a rate, the inverse of `rate`."""
-        rate = max(rate, 0.0)
-        if self.law == "plastic":
+        if self.law == PLASTIC_FLOW or rate <= 0.0:
             return 0.0
-        if self.law == "bingham":
-            return 3.0 * self.viscosity * rate
-        return float((rate / self.rate(1.0)) ** (1.0 / self.exponent))
+        goal = np.log(rate)
+
+        def excess(logarithm: float) -> float:
+            with np.errstate(divide="ignore"):
+                return float(np.log(self.rate(np.exp(logarithm))) - goal)
+
+        low, high = np.log(1e6), np.log(1e6)
+        while excess(low) > 0.0:
+            low -= 2.0
+        while excess(high) < 0.0:
+            high += 2.0
+        return float(np.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-15)))
 
 
 def tensor(components: np.ndarray) -> Tensor:

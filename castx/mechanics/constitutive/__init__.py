@@ -1,1 +1,5 @@
-"""Stress at a point: law, return mapping and history."""
+"""Stress at a point: the law of a body, the return mapping of J2 viscoplasticity, and the history.
+
+Public: `law.Law`, `law.respond`, `return_mapping.return_mapping`, `points.MaterialPoints`,
+`integration_points.IntegrationPoints`, `plane_stress.normal_strain`.
+"""

@@ -78,7 +78,7 @@ class Law:
     def is_linear(self) -> bool:
         """Whether the stress of a step is linear in its strain."""
         liquid = self.material.liquid
-        return self.name == ELASTIC and (liquid is None or liquid.model == "viscous")
+        return self.name == ELASTIC and (liquid is None or liquid.is_newtonian)
 
     def largest_shear_modulus(self) -> float:
         """Return the largest shear modulus of the material [Pa], the scale of its pressures."""
@@ -126,7 +126,7 @@ class Law:
         liquid = self.material.liquid
         if liquid is None:
             return None, None
-        if liquid.model == "norton":
+        if not liquid.is_newtonian:
             return None, liquid_flow(self.material, shear_modulus, temperature, step)
         return np.asarray(liquid.viscosity(temperature) / step, dtype=np.float64), None
 
@@ -249,7 +249,7 @@ def _solid_response(conditions: Conditions, start: History, strain: FloatArray) 
         return Response(
             trial, 2 * G, none, np.zeros_like(trial), start.plastic, start.equivalent, none
         )
-    back = (2 / 3 * flow.kinematic_hardening)[:, None] * start.plastic
+    back = (2 / 3 * flow.kinematic_modulus)[:, None] * start.plastic
     found = return_mapping(trial, back, start.equivalent, flow)
     return Response(
         found.stress, found.isotropic, found.radial, found.direction,

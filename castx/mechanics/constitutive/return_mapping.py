@@ -19,6 +19,7 @@ xz, yz; a shear component counts twice in norms and contractions.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,8 @@ import numpy.typing as npt
 from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
 from castx.materials.flow import FlowProperties, isotropic_hardening
+from castx.materials.rules.hardening_rule import HardeningCurve
+from castx.materials.rules.overstress import Overstress, Points
 
 MOST_ITERATIONS = 60
 ROUND_OFF = 4 * np.finfo(np.float64).eps
@@ -81,9 +84,8 @@ def return_mapping(
     slope = np.zeros_like(overstress)  # dΔγ/dq_tr
     flowing = np.flatnonzero(~(overstress <= 0.0))  # not a number must not pass for elastic
     if flowing.size:
-        there = FlowProperties(*(values[flowing] for values in properties))
         increment[flowing], slope[flowing] = _increment(
-            overstress[flowing], equivalent[flowing], there
+            overstress[flowing], equivalent[flowing], properties.at(flowing)
         )
         _check(increment, slope, overstress)
 
@@ -132,80 +134,86 @@ def _increment(
     overstress: FloatArray, equivalent: FloatArray, properties: FlowProperties
 ) -> tuple[FloatArray, FloatArray]:
     """Return Δγ and dΔγ/dq_tr of flowing points, in closed form where the equation is linear."""
-    linear = 3.0 * properties.shear_modulus + properties.linear_hardening
-    linear += properties.kinematic_hardening
-    rate = properties.saturation_rate
-    saturation = properties.saturation * np.exp(-rate * equivalent)
-    resistance, power = properties.viscous_resistance, properties.viscous_power
+    linear = 3.0 * properties.shear_modulus + properties.hardening_modulus
+    linear += properties.kinematic_modulus
+    viscous = properties.overstress
+    curves = [curve.after(equivalent) for curve in properties.hardening_curves]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        slope: FloatArray = np.reciprocal(linear + resistance)
+        slope: FloatArray = np.reciprocal(linear + viscous.modulus)
         increment = overstress * slope
-        curved = (saturation * rate > 0.0) | ((resistance > 0.0) & (power != 1.0))
+        curved = viscous.curved
+        for curve in curves:
+            curved = curved | curve.curved
         if curved.any():
-            data = (overstress, linear, saturation, rate, resistance, power)
-            equation = _Equation.of(*(values[curved] for values in data))
+            equation = _Equation.of(
+                overstress[curved], linear[curved], viscous.at(curved),
+                [curve.at(curved) for curve in curves],
+            )  # fmt: skip
             increment[curved], slope[curved] = _solve(equation, overstress[curved])
     return increment, slope
 
 
 class _Equation(NamedTuple):
-    """ln(A eʸ + V eᵐʸ + S (1 − exp(−B eʸ))) = 0 for y = ln(Δγ/Δγ_max), one per point.
+    """ln(A eʸ + V(eʸ) + R(eʸ)) = 0 for y = ln(Δγ/Δγ_max), one per point.
 
-    Δγ_max is what would flow if of all resistances the strongest of A and V stood alone, so that
-    max(A, V) = 1 and y ≤ 0. Without S the left side is convex and its slope lies between 1 and m,
-    the power of the viscous overstress: Newton's method cannot fail, however far apart the
-    resistances are.
+    All terms are parts of the trial overstress: A of what is linear in Δγ, V of the flow rule and R
+    of the curves of hardening. Δγ_max is what would flow if the stronger of A and V stood alone,
+    so that max(A, V) = 1 at y = 0 and the solution has y ≤ 0. With a power law for V and without R
+    the left side is convex and its slope lies between 1 and the power of V: Newton's method cannot
+    fail, however far apart the resistances are.
     """
 
     logarithm: FloatArray  # ln Δγ_max
     linear: FloatArray  # A
-    viscous: FloatArray  # V
-    power: FloatArray  # m
-    saturation: FloatArray  # S
-    rate: FloatArray  # B
+    viscous: Overstress  # V
+    curves: tuple[HardeningCurve, ...]  # parts of R
 
     @classmethod
     def of(
         cls,
         overstress: FloatArray,
         linear: FloatArray,
-        saturation: FloatArray,
-        rate: FloatArray,
-        resistance: FloatArray,
-        power: FloatArray,
+        viscous: Overstress,
+        curves: Sequence[HardeningCurve],
     ) -> _Equation:
         """Return the equation scaled by the trial overstress and Δγ_max."""
         log_linear = np.log(linear / overstress)
-        log_viscous = np.log(resistance) - np.log(overstress)
-        logarithm = np.minimum(-log_linear, -log_viscous / power)
+        logarithm = np.minimum(-log_linear, viscous.logarithm(overstress))
         return cls(
             logarithm,
             np.exp(log_linear + logarithm),
-            np.exp(log_viscous + power * logarithm),
-            power,
-            saturation / overstress,
-            rate * np.exp(logarithm),
+            viscous.scaled(overstress, logarithm),
+            tuple(curve.scaled(overstress, logarithm) for curve in curves),
+        )
+
+    def at(self, points: Points) -> _Equation:
+        """Return the equations of some of the points."""
+        return _Equation(
+            self.logarithm[points],
+            self.linear[points],
+            self.viscous.at(points),
+            tuple(curve.at(points) for curve in self.curves),
         )
 
     def lower_bound(self) -> FloatArray:
         """Return a y below the solution: there no two resistances reach one half each."""
-        steepest = self.linear + self.saturation * self.rate
-        return np.asarray(
-            np.minimum(-np.log(2.0 * steepest), -np.log(2.0 * self.viscous) / self.power)
-        )
+        steepest = self.linear
+        for curve in self.curves:
+            steepest = steepest + curve.steepest
+        return np.asarray(np.minimum(-np.log(2.0 * steepest), self.viscous.logarithm_of_half()))
 
     def evaluate(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the left side and its slope."""
         increment = np.exp(y)
         linear = self.linear * increment
-        viscous = self.viscous * np.exp(self.power * y)
+        viscous, viscous_slope = self.viscous.evaluate(y)
         total = linear + viscous
         slope = linear
-        slope += self.power * viscous
-        if self.saturation.any():
-            fading = -self.rate * increment
-            total -= self.saturation * np.expm1(fading)
-            slope -= self.saturation * fading * np.exp(fading)
+        slope += viscous_slope
+        for curve in self.curves:
+            hardening, hardening_slope = curve.evaluate(increment)
+            total += hardening
+            slope += hardening_slope
         slope /= total
         return np.log(total), slope
 
@@ -234,7 +242,7 @@ def _solve(equation: _Equation, overstress: FloatArray) -> tuple[FloatArray, Flo
             solution[points[solved]], slopes[points[solved]] = y[solved], slope[solved]
             open_ = ~solved
             points, lower, y, upper = points[open_], lower[open_], y[open_], upper[open_]
-            left = _Equation(*(values[open_] for values in left))
+            left = left.at(open_)
         if not points.size:
             break
     increment = np.exp(equation.logarithm + solution)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from castx.input.entries import Description
 from castx.materials.description import MaterialDescription
 from castx.materials.material import Material
+from castx.tables import Table
 
 ALLOY: dict[str, Any] = {
     "density": 2500.0,
@@ -29,3 +31,10 @@ def described(**changes: Any) -> MaterialDescription:
 def alloy(**changes: Any) -> Material:
     """Return the alloy as a material."""
     return Material("alloy", described(**changes))
+
+
+def table(description: Description, key: str) -> Table:
+    """Return a key of a rule that a description gives."""
+    found = getattr(description, key)
+    assert isinstance(found, Table)
+    return found

@@ -16,6 +16,7 @@ from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.phased import Phased
 from castx.tables import Table
+from tests.castx.materials.descriptions import table
 
 pytestmark = pytest.mark.serial
 
@@ -220,7 +221,7 @@ def test_strength(name) -> None:
     assert material.young_modulus is not None
     # A metal yields at elastic strains below 1 %.
     assert (strength / material.young_modulus(temperature) < 0.01).all()
-    linear = description.hardening.linear(temperature)
+    linear = table(description.hardening, "linear")(temperature)
     assert (linear < 0.05 * material.young_modulus(temperature)).all()
 
 
@@ -231,14 +232,14 @@ def test_creep(name) -> None:
     description = material.description
     assert list(law_problems(description, VISCOPLASTIC)) == []
     assert description.law == "perzyna"
-    assert description.viscosity is not None and description.yield_stress is not None
+    assert description.yield_stress is not None
     temperature = elastic_range(material)
-    exponent = description.exponent(temperature)
+    exponent = table(description, "exponent")(temperature)
     assert within(exponent, (3.0, 8.0))
 
     def flow_stress(rate: float) -> FloatArray:
-        assert description.viscosity is not None and description.yield_stress is not None
-        over = description.viscosity(temperature) * rate ** (1.0 / exponent)
+        assert description.yield_stress is not None
+        over = table(description, "viscosity")(temperature) * rate ** (1.0 / exponent)
         return np.asarray(description.yield_stress(temperature) + over)
 
     slow, fast = flow_stress(1e-4), flow_stress(1e-1)
@@ -290,16 +291,16 @@ def test_an_extended_entry_keeps_what_it_does_not_override() -> None:
     own = extended(yield_stress=[[20, "120 MPa"], [557, "2 MPa"]], hardening=1e8, stress_free=560)
     assert own.description.yield_stress is not None
     assert own.description.yield_stress(20.0) == 120e6
-    assert own.description.hardening.linear(300.0) == 1e8
-    assert not own.description.hardening.saturation.values.any()
-    assert own.description.viscosity is base.description.viscosity
+    assert table(own.description.hardening, "linear")(300.0) == 1e8
+    assert not table(own.description.hardening, "saturation").values.any()
+    assert table(own.description, "viscosity") is table(base.description, "viscosity")
     assert own.stress_free_temperature(700.0) == 560.0
     sources = {item.name: item.source for item in own.properties()}
     assert sources["yield_stress"] == sources["hardening.linear"] == "case file"
     assert sources["viscosity"] == UNKNOWN_SOURCE
 
     creeping = extended(law="norton", coefficient=1e-36, exponent=5, activation_energy=150e3)
-    assert creeping.description.viscosity is None
+    assert "viscosity" not in creeping.description.model_fields_set
     assert list(law_problems(creeping.description, VISCOPLASTIC)) == []
     assert creeping.description.yield_stress is base.description.yield_stress
 
@@ -307,7 +308,8 @@ def test_an_extended_entry_keeps_what_it_does_not_override() -> None:
     assert extended(liquid="none").liquid is None
     other = extended(liquid={"viscosity": 1e4, "coherency": 0.6}).liquid
     assert other is not None and other.coherency == 0.6
-    assert extended(kinematic_hardening=1e9).description.kinematic_hardening(20.0) == 1e9
+    moving = extended(kinematic_hardening=1e9).description
+    assert table(moving, "kinematic_hardening")(20.0) == 1e9
     with pytest.raises(CaseError, match=r'own.viscosity: acts only with law = "perzyna"'):
         extended(law="norton", coefficient=1e-36, viscosity=1e8)
 

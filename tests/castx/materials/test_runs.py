@@ -7,6 +7,7 @@ import pytest
 from castx.materials.database import database_names
 from castx.materials.flow import VISCOPLASTIC
 from castx.materials.lookup import find_material
+from tests.castx.materials.descriptions import table
 from tests.coupled_cases import ring, simulation
 
 pytestmark = pytest.mark.serial
@@ -26,8 +27,9 @@ def test_a_ring_of_the_alloy_freezes_and_bears_its_stress_of_flow(comm, name) ->
     assert 0.6 < state.totals["casting.solid_fraction"] <= 1.0
     assert abs(state.totals["energy_error"]) < 1e-6
     flow, cold = material.description, state.nodal("casting", "temperature").min()
-    assert flow.yield_stress is not None and flow.viscosity is not None
-    hardened = 0.02 * flow.hardening.linear(cold) + flow.hardening.saturation(cold)
-    overstress = flow.viscosity(cold) * 1e-2 ** (1.0 / flow.exponent(cold))
+    assert flow.yield_stress is not None
+    linear, saturation = (table(flow.hardening, key)(cold) for key in ("linear", "saturation"))
+    hardened = 0.02 * linear + saturation
+    overstress = table(flow, "viscosity")(cold) * 1e-2 ** (1.0 / table(flow, "exponent")(cold))
     stress = state.cellwise("casting", "von_mises")
     assert 2e5 < stress.max() < flow.yield_stress(cold) + hardened + overstress

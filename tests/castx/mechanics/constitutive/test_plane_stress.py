@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from castx.errors import ConvergenceError
 from castx.materials.flow import FlowProperties
+from castx.materials.rules.power_law import PowerLaw
 from castx.mechanics.constitutive import plane_stress
 from castx.mechanics.constitutive.law import Conditions, History, respond
 from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
@@ -23,7 +24,7 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
     G, K = YOUNG / (2 * (1 + poisson)), YOUNG / (3 * (1 - 2 * poisson))
     none, one = np.zeros(COUNT), np.ones(COUNT)
     flow = FlowProperties(
-        G * one, yield_stress * one, hardening * one, none, none, none, viscous * one, 0.3 * one
+        G * one, yield_stress * one, hardening * one, (), none, PowerLaw(viscous * one, 0.3 * one)
     )
     soft, solid = np.full(COUNT, 1 / K), np.ones(COUNT, dtype=bool)
     return Conditions(G * one, flow, one, None, None, soft, soft, none, solid)
