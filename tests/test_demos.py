@@ -16,6 +16,7 @@ from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.report.report import write_report
 from castx.results.files.series import read_series
+from castx.transfer.registry import gap_heat_laws
 
 DEMOS = Path(__file__).parents[1] / "demos"
 pytestmark = pytest.mark.serial
@@ -125,6 +126,8 @@ def test_the_notebook_shows_that_the_gap_delays_solidification():
 
 def test_the_notebook_compares_the_laws_of_an_interface():
     text, pictures = executed("interface_notebook.py")
+    hidden = [law for law in gap_heat_laws() if not re.search(rf"^{law} +\S", text, re.M)]
+    assert not hidden, f"demos/interface_notebook.py does not show the laws {hidden}"
     solid = {
         name.strip(): float(time)
         for name, time in re.findall(r"^(.{24}) 98 % solid after +([\d.]+) s", text, re.M)

@@ -1,7 +1,7 @@
 """Heat-transfer coefficient of a node pair as a function of gap, pressure, temperature and time.
 
 Public: `conductance.Conductance`, `conductance.ConductionLaw`, `conductance.Faces`,
-`declaration.GapHeatLaw`, `declaration.Given`, `declaration.Key`,
+`declaration.GapHeatLaw`, `declaration.Given`, `declaration.HeatKey`,
 `coefficients.closed_coefficient`, `coefficients.pressure_term`, `coefficients.under_pressure`,
 `duals.Dual`, `pair_state.PairState`, `registry.gap_heat_laws`, `registry.law_table`,
 `user_law.UserLaw`

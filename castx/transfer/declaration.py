@@ -21,7 +21,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Key(Generic[T_co]):
+class HeatKey(Generic[T_co]):
     """A key of the case file that describes the heat transfer at an interface.
 
     Attributes:
@@ -88,17 +88,17 @@ class Given:
 
     values: Mapping[str, object]
 
-    def get(self, key: Key[T]) -> T | None:
+    def get(self, key: HeatKey[T]) -> T | None:
         """Return the value of a key, or its default."""
         return cast("T | None", self.values.get(key.name, key.default))
 
-    def need(self, key: Key[T]) -> T:
+    def need(self, key: HeatKey[T]) -> T:
         """Return the value of a key that the law cannot do without, or its default."""
         value = self.get(key)
         assert value is not None
         return value
 
-    def has(self, key: Key[object]) -> bool:
+    def has(self, key: HeatKey[object]) -> bool:
         """Return whether a key is given."""
         return self.get(key) is not None
 
@@ -150,9 +150,9 @@ class GapHeatLaw:
     formula: str = ""
     source: str = ""
     build: Callable[[Given], ConductionLaw] | None = None
-    needed: tuple[Key[object], ...] = ()
-    useful: tuple[Key[object], ...] = ()
-    instead: Mapping[Key[object], tuple[Key[object], ...]] = field(default_factory=dict)
+    needed: tuple[HeatKey[object], ...] = ()
+    useful: tuple[HeatKey[object], ...] = ()
+    instead: Mapping[HeatKey[object], tuple[HeatKey[object], ...]] = field(default_factory=dict)
     problems: Callable[[Given], Iterator[Problem]] = no_problems
     exchange: Literal["law", "perfect", "none"] = "law"
     needs_solid_fraction: bool = False
@@ -168,12 +168,12 @@ class GapHeatLaw:
         refuse_incomplete(f"the gap heat law {self.name!r}", self, required)
 
     @property
-    def keys(self) -> tuple[Key[object], ...]:
+    def keys(self) -> tuple[HeatKey[object], ...]:
         """All keys, the needed ones first."""
         return (*self.needed, *self.useful)
 
     def example(
-        self, choose: Choose = middle, also: Collection[Key[object]] = ()
+        self, choose: Choose = middle, also: Collection[HeatKey[object]] = ()
     ) -> dict[str, object]:
         """Return the heat transfer of an interface as a case gives it, with usual numbers.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from castx.input.entries import Quantity
 from castx.input.units import CONDUCTIVITY, HEAT_TRANSFER, LENGTH
 from castx.input.variation import Variation, Varying
-from castx.transfer.declaration import Key
+from castx.transfer.declaration import HeatKey
 from castx.transfer.surfaces import Coating, ContactConductance, Radiation, Roughness
 
 _COEFFICIENT = Varying(
@@ -17,48 +17,48 @@ _GAS = Varying(
     Quantity(CONDUCTIVITY, above=0.0), ("temperature", "time"), ("mean", "secondary", "primary")
 )
 
-CLOSED: Key[Variation] = Key(
+CLOSED: HeatKey[Variation] = HeatKey(
     "closed",
     "coefficient of touching surfaces without pressure",
     _COEFFICIENT,
     usual=(100.0, 50_000.0),
 )
-OPEN: Key[Variation] = Key(
+OPEN: HeatKey[Variation] = HeatKey(
     "open", "coefficient of the open gap", _COEFFICIENT, usual=(20.0, 100.0)
 )
-GAS_CONDUCTIVITY: Key[Variation] = Key(
+GAS_CONDUCTIVITY: HeatKey[Variation] = HeatKey(
     "gas_conductivity", "conductivity of the gas in gap and roughness", _GAS, usual=(0.02, 0.3)
 )
-TRANSITION: Key[float] = Key(
+TRANSITION: HeatKey[float] = HeatKey(
     "transition",
     "width of gaps over which the bend of the law is rounded",
     Quantity(LENGTH, above=0.0),
     usual=(1e-6, 1e-4),
     default=0.0,
 )
-PRESSURE: Key[ContactConductance] = Key(
+PRESSURE: HeatKey[ContactConductance] = HeatKey(
     "pressure",
     "what contact pressure adds: resistance [m^2*K/W], hardness [Pa], exponent",
     ContactConductance | None,
     usual={"resistance": (2e-5, 2e-3), "hardness": 5e8, "exponent": 0.95},
 )
-ROUGHNESS: Key[tuple[float, ...]] = Key(
+ROUGHNESS: HeatKey[tuple[float, ...]] = HeatKey(
     "roughness",
     "peak-to-valley heights of both surfaces [m]",
     Roughness | None,
     usual=[(5e-6, 5e-5), (5e-6, 5e-5)],
 )
-COATING: Key[Coating] = Key(
+COATING: HeatKey[Coating] = HeatKey(
     "coating",
     "layer on the mould: thickness [m], conductivity [W/m/K]",
     Coating | None,
     usual={"thickness": (5e-5, 5e-4), "conductivity": (0.2, 2.0)},
 )
-RADIATION: Key[Radiation] = Key(
+RADIATION: HeatKey[Radiation] = HeatKey(
     "radiation",
     "across the gap: emissivities of both surfaces",
     Radiation | None,
     usual={"emissivities": [(0.2, 0.9), (0.2, 0.9)]},
 )
-ROUGH: tuple[Key[object], ...] = (ROUGHNESS, COATING)
+ROUGH: tuple[HeatKey[object], ...] = (ROUGHNESS, COATING)
 """Keys that give the resistance of touching surfaces in place of `closed`."""

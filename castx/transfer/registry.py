@@ -9,7 +9,7 @@ from pydantic import create_model
 
 from castx.input.entries import Description
 from castx.input.registry import declarations
-from castx.transfer.declaration import GapHeatLaw, Key
+from castx.transfer.declaration import GapHeatLaw, HeatKey
 
 D = TypeVar("D", bound=Description)
 
@@ -27,13 +27,13 @@ def gap_heat_laws() -> dict[str, GapHeatLaw]:
     return laws
 
 
-def law_keys(laws: dict[str, GapHeatLaw]) -> dict[str, Key[object]]:
+def law_keys(laws: dict[str, GapHeatLaw]) -> dict[str, HeatKey[object]]:
     """Return the keys of laws by name.
 
     Raises:
         TypeError: two laws read keys of one name in different ways.
     """
-    keys: dict[str, Key[object]] = {}
+    keys: dict[str, HeatKey[object]] = {}
     for law in laws.values():
         for key in law.keys:
             if keys.setdefault(key.name, key).entry != key.entry:

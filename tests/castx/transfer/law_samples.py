@@ -9,7 +9,7 @@ import numpy as np
 from castx.case.heat_transfer import InterfaceHeat
 from castx.input.variation import Varying
 from castx.transfer.conductance import Conductance, Faces
-from castx.transfer.declaration import GapHeatLaw, Key
+from castx.transfer.declaration import GapHeatLaw, HeatKey
 from castx.transfer.pair_state import PairState
 from castx.transfer.registry import gap_heat_laws
 
@@ -46,11 +46,11 @@ def varying(law: GapHeatLaw) -> dict[str, Any]:
     return law.example() | {key.name: falling(key) for key in law.needed if over_temperature(key)}
 
 
-def over_temperature(key: Key[object]) -> bool:
+def over_temperature(key: HeatKey[object]) -> bool:
     entry = key.entry
     return isinstance(entry, Varying) and "temperature" in (key.over or entry.over)
 
 
-def falling(key: Key[Any]) -> dict[str, Any]:
+def falling(key: HeatKey[Any]) -> dict[str, Any]:
     low, high = cast("tuple[float, float]", key.usual)
     return {"over": "temperature", "table": [[100, high], [900, low]], "of": "mean"}

@@ -8,7 +8,7 @@ import pytest
 
 from castx.input.entries import Quantity
 from castx.input.units import LENGTH, THERMAL_RESISTANCE
-from castx.transfer.declaration import GapHeatLaw, Given, Key, chosen, middle
+from castx.transfer.declaration import GapHeatLaw, Given, HeatKey, chosen, middle
 from castx.transfer.keys import CLOSED, OPEN, PRESSURE, RADIATION, TRANSITION
 from castx.transfer.laws.limited import LAW as LIMITED
 
@@ -25,7 +25,7 @@ def test_all_that_is_missing_is_named_at_once():
     with pytest.raises(TypeError, match="law 'new' declares no summary, no formula, no source, no"):
         GapHeatLaw(name="new")
     with pytest.raises(TypeError, match="key 'g0' of a gap heat law declares no entry, no usual"):
-        Key("g0", "decay length")
+        HeatKey("g0", "decay length")
 
 
 def test_only_perfect_contact_builds_nothing():
@@ -37,12 +37,12 @@ def test_only_perfect_contact_builds_nothing():
 def test_units_come_from_the_entries():
     assert (CLOSED.text, TRANSITION.text) == ("closed [W/m²/K]", "transition [m]")
     assert (PRESSURE.text, RADIATION.unit) == ("pressure", "")
-    resistance = Key("r", "resistance", Quantity(THERMAL_RESISTANCE), usual=(1e-5, 1e-3))
+    resistance = HeatKey("r", "resistance", Quantity(THERMAL_RESISTANCE), usual=(1e-5, 1e-3))
     assert resistance.text == "r [m² K/W]"
 
 
 def test_given_values_and_defaults():
-    length: Key[float] = Key("g0", "decay length", Quantity(LENGTH), usual=(1e-5, 1e-3))
+    length: HeatKey[float] = HeatKey("g0", "decay length", Quantity(LENGTH), usual=(1e-5, 1e-3))
     given = Given({"g0": 2e-4})
     assert given.need(length) == 2e-4 and given.has(length)
     assert given.need(TRANSITION) == 0.0  # its default

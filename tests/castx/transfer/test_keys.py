@@ -6,12 +6,12 @@ import pytest
 
 from castx.case.heat_transfer import InterfaceHeat
 from castx.transfer import keys
-from castx.transfer.declaration import Key, chosen
+from castx.transfer.declaration import HeatKey, chosen
 from castx.transfer.registry import gap_heat_laws, law_keys
 
 pytestmark = pytest.mark.serial
 
-SHARED = [value for value in vars(keys).values() if isinstance(value, Key)]
+SHARED = [value for value in vars(keys).values() if isinstance(value, HeatKey)]
 
 
 @pytest.mark.parametrize("key", SHARED, ids=lambda key: key.name)

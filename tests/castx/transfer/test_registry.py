@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +18,7 @@ from castx.input.entries import Description, Quantity
 from castx.input.units import HEAT_TRANSFER, LENGTH
 from castx.transfer import keys
 from castx.transfer.conductance import PRIMARY, SECONDARY, SOLID, ConstantConductance
-from castx.transfer.declaration import GapHeatLaw, Key
+from castx.transfer.declaration import GapHeatLaw, HeatKey
 from castx.transfer.registry import gap_heat_laws, law_keys, law_table, with_keys_of_laws
 from tests.castx.transfer.law_samples import (
     BY_GAP,
@@ -44,6 +46,17 @@ def test_every_file_of_the_room_is_a_law():
     assert set(gap_heat_laws()) == files
 
 
+def test_castings_drawn_at_random_have_every_law():
+    path = Path(__file__).parents[3] / "bench/robustness.py"
+    spec = spec_from_file_location("robustness", path)
+    assert spec is not None and spec.loader is not None
+    robustness = module_from_spec(spec)
+    spec.loader.exec_module(robustness)
+    drawn = [robustness.heat_law(random.Random(seed)) for seed in range(300)]
+    missing = set(gap_heat_laws()) - {InterfaceHeat.read(heat).law for heat in drawn}
+    assert not missing, f"bench/robustness.py never draws the laws {sorted(missing)}"
+
+
 def test_two_laws_cannot_read_one_key_in_two_ways():
     other = replace(keys.CLOSED, entry=Quantity(LENGTH))
     laws = {"a": declared(needed=(keys.CLOSED,)), "b": declared(name="b", needed=(other,))}
@@ -58,7 +71,8 @@ def declared(**changes):
 
 def test_keys_of_a_law_become_fields_of_the_case(monkeypatch):
     """A law with a key of its own: read with its unit and bounds, refused in other laws."""
-    own = Key("decay", "gap over which h falls", Quantity(LENGTH, above=0.0), usual=(1e-5, 1e-3))
+    entry = Quantity(LENGTH, above=0.0)
+    own = HeatKey("decay", "gap over which h falls", entry, usual=(1e-5, 1e-3))
     law = declared(needed=(keys.CLOSED, own))
     monkeypatch.setattr("castx.transfer.registry.gap_heat_laws", lambda: {"a": law})
 
