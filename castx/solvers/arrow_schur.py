@@ -1,4 +1,13 @@
-"""Inner solver of the arrow-shaped system of bodies and contact multipliers."""
+"""Inner solver of the arrow-shaped system of bodies and contact multipliers (Chiumenti, section 8).
+
+With one block for each body and contact rows B = ∂(gap)/∂u the system is
+
+    [ A_1           B_1ᵀ ] [ u_1 ]
+    [      A_2      B_2ᵀ ] [ u_2 ]
+    [ B_1  B_2      C    ] [  λ  ].
+
+Source: M. Benzi, G. H. Golub and J. Liesen, Acta Numerica 14 (2005), section 10.2.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +23,11 @@ from castx.solvers.blocks import Block, Blocks, sweep_options
 
 
 class ArrowSchur:
-    """Schur complement field split of bodies and multipliers; the first block is a nest itself.
+    """Schur complement preconditioner of bodies and multipliers, augmented on the closed pairs.
 
-    The block of the bodies is augmented by BᵀW⁻¹B, a penalty on every closed pair, so that the
-    Schur complement is about -W (Benzi, Golub and Liesen 2005, section 10.2); the right-hand side
-    gets BᵀW⁻¹ times that of the multipliers. The bodies are swept one after the other by multigrid.
+    The block A of the bodies becomes A + BᵀW⁻¹B, a penalty on every closed pair, so that the Schur
+    complement is about -W; the right-hand side gets BᵀW⁻¹ times that of the multipliers. A sweep
+    over the bodies (block Gauss-Seidel) solves for A, a division by -W for the multipliers.
 
     Args:
         comm: communicator of the matrix.
@@ -45,7 +54,7 @@ class ArrowSchur:
             "fieldsplit_multipliers_ksp_type": "preonly",
             "fieldsplit_multipliers_pc_type": "jacobi",
         } | options
-        # A multiplier that comes or goes changes the saddle: the split must know.
+        # A pair that closes or opens changes the saddle point: set up anew each time.
         self.most_changed, self.is_exact = 0, False
         self._comm, self._weights = comm, weights
         self._sizes = (sum(body.rows.getLocalSize() for body in bodies), len(weights))
@@ -57,7 +66,7 @@ class ArrowSchur:
         self._parts: list[PETSc.Mat] = []
         self._work: list[PETSc.Vec] = []
 
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Augment the block of the bodies and set up the split."""
         for item in (self._outer, *self._parts):
             if item is not None:
@@ -66,9 +75,9 @@ class ArrowSchur:
         A, Bt = (matrix.createSubMatrix(u, column) for column in (u, multipliers))
         B, C = (matrix.createSubMatrix(multipliers, column) for column in (u, multipliers))
         scaled = self._augment(A, B, Bt)
-        nest = self._blocks.update(A, held[: self._sizes[0]])
+        nest = self._blocks.update(A, constrained[: self._sizes[0]])
         self._outer = PETSc.Mat().createNest([[nest, Bt], [B, C]], comm=self._comm)
-        schur = self._schur_complement(C, held)
+        schur = self._schur_complement(C, constrained)
         first = not self._work
         if first:
             self._work = [A.createVecRight(), C.createVecRight(), matrix.createVecRight()]
@@ -94,9 +103,9 @@ class ArrowSchur:
         inverse.destroy()
         return scaled
 
-    def _schur_complement(self, C: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
+    def _schur_complement(self, C: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
         diagonal = C.getDiagonal()
-        closed = ~held[self._sizes[0] :]
+        closed = ~constrained[self._sizes[0] :]
         diagonal.array[:] = np.where(closed, -self._weights, diagonal.array_r)
         schur = PETSc.Mat().createDiagonal(diagonal)
         schur.assemble()
@@ -121,7 +130,7 @@ class ArrowSchur:
             self._blocks.split(pc.getFieldSplitSchurGetSubKSP()[0].pc)
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """Set x to the result of one application for b."""
+        """Set x to the result of one application to b."""
         u, multiplier, right = self._work
         scaled, bodies = self._parts[4], self._sizes[0]
         right.array[:] = b.array_r

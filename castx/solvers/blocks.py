@@ -1,4 +1,4 @@
-"""Inner solvers of the mechanics: LU for small systems, sweeps over blocks for large ones."""
+"""Inner solvers of the mechanics: LU for small systems, block Gauss-Seidel for large ones."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class DirectSolver:
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
-        most_changed: held unknowns by which a factorisation may fall behind.
+        most_changed: constrained unknowns that may change before a new factorisation.
     """
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
@@ -56,7 +56,7 @@ class DirectSolver:
         self.prefix = prefix
         self._ready = False
 
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Factorise the matrix."""
         self._ksp.setOperators(matrix)
         if not self._ready:
@@ -74,7 +74,7 @@ class DirectSolver:
 
 
 class Block(NamedTuple):
-    """Unknowns that are solved for together, such as those of one body.
+    """Unknowns that one solver solves for, such as those of one body.
 
     Attributes:
         rows: owned global indices, with the block size that all nodes share, if any.
@@ -90,32 +90,32 @@ class Block(NamedTuple):
 class Blocks:
     """The blocks of a matrix as a MatNest, with near-null vectors on its diagonal.
 
-    Each rank holds its part of the first block, then of the second one, and so on.
-
-    Attributes:
-        nest: the MatNest; None for one block.
+    Each rank has its part of the first block, then of the second one, and so on.
 
     Args:
         comm: communicator of the matrix.
-        blocks: the unknowns of the nest, each in one of them.
+        blocks: each unknown of the nest is in one of them.
+
+    Attributes:
+        nest: the MatNest; None for one block.
     """
 
     def __init__(self, comm: MPI.Intracomm, blocks: Sequence[Block]) -> None:
         self._comm, self._given = comm, list(blocks)
         self._rows = [_listed(block.rows) for block in blocks]
         self._matrices: list[list[PETSc.Mat]] = []
-        self._first, self._held = 0, list[BoolArray]()
+        self._first, self._constrained = 0, list[BoolArray]()
         self.nest: PETSc.Mat | None = None
 
-    def update(self, matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
-        """Take over the entries of a matrix; return the nest, or the matrix of the only block."""
+    def update(self, matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
+        """Copy the entries of a matrix; return the nest, or the matrix of the only block."""
         if not self._matrices:
             self._matrices = [
                 [matrix.createSubMatrix(row, column) for column in self._rows]
                 for row in self._rows
             ]
             self._first = matrix.getOwnershipRange()[0]
-            self._held = self._parts(held)
+            self._constrained = self._parts(constrained)
             for b in range(len(self._rows)):
                 self._attach_modes(b)
             if len(self._rows) == 1:
@@ -135,37 +135,37 @@ class Blocks:
         """Whether the matrices exist."""
         return bool(self._matrices)
 
-    def renew_modes(self, held: BoolArray) -> list[int]:
-        """Fit the near-null vectors to what is held now; return blocks whose hierarchy is not.
+    def renew_modes(self, constrained: BoolArray) -> list[int]:
+        """Adapt near-null vectors to constraints; return the blocks whose multigrid is outdated.
 
-        Coarse spaces made when a gap was held do not have its motion.
+        Coarse spaces that were built while a gap was closed lack its motion.
         """
-        parts = self._parts(held)
-        pairs = zip(parts, self._held, strict=True)
+        parts = self._parts(constrained)
+        pairs = zip(parts, self._constrained, strict=True)
         changed = np.array([np.count_nonzero(now != then) for now, then in pairs])
         most = self._comm.allreduce(changed, op=MPI.SUM)
         outdated = [b for b, count in enumerate(most) if count > MOST_CHANGED_IN_SWEEP]
         for b in outdated:
-            self._held[b] = parts[b]
+            self._constrained[b] = parts[b]
             self._attach_modes(b)
         return outdated
 
-    def _parts(self, held: BoolArray) -> list[BoolArray]:
-        """Return what is held in each block."""
-        return [held[rows.getIndices() - self._first] for rows in self._rows]
+    def _parts(self, constrained: BoolArray) -> list[BoolArray]:
+        """Return which unknowns of each block are constrained."""
+        return [constrained[rows.getIndices() - self._first] for rows in self._rows]
 
     def _attach_modes(self, b: int) -> None:
         block, vectors = self._matrices[b][b], []
         for mode in self._given[b].modes:
             vector = block.createVecRight()
-            vector.array[:] = np.where(self._held[b], 0.0, mode)
+            vector.array[:] = np.where(self._constrained[b], 0.0, mode)
             vectors.append(vector)
         if vectors:
             kept = orthonormal(vectors)
             block.setNearNullSpace(PETSc.NullSpace().create(vectors=kept, comm=self._comm))
 
     def split(self, pc: PETSc.PC) -> None:
-        """Make a PC sweep over the blocks one after the other, if there are several."""
+        """Let a PC solve block after block (multiplicative field split), if there are several."""
         if self.nest is None:
             return
         pc.setType("fieldsplit")
@@ -181,14 +181,14 @@ class Blocks:
 
 
 def _listed(rows: PETSc.IS) -> PETSc.IS:
-    """Return the rows one by one: of a range of all rows PETSc makes no copy that it updates."""
+    """Return the rows as a list: of a range of all rows PETSc makes no copy that it updates."""
     listed = PETSc.IS().createGeneral(rows.getIndices(), comm=rows.getComm())
     listed.setBlockSize(rows.getBlockSize())
     return listed
 
 
 def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
-    """Return the options of one multiplicative sweep over blocks, or of the only block."""
+    """Return the options of one block Gauss-Seidel sweep, or those of the only block."""
     if len(blocks) == 1:
         return dict(blocks[0].options)
     options: dict[str, object] = {"ksp_type": "preonly", "pc_type": "fieldsplit"}
@@ -198,12 +198,12 @@ def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
 
 
 class BlockSweep:
-    """One multiplicative sweep over blocks, each with a solver of its own, on a MatNest.
+    """One block Gauss-Seidel sweep, with a solver for each block.
 
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
-        blocks: all unknowns, each in one of them.
+        blocks: each unknown is in one of them.
     """
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, blocks: Sequence[Block]) -> None:
@@ -216,12 +216,12 @@ class BlockSweep:
         self._ksp.setOptionsPrefix(prefix)
         self.prefix = prefix
 
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
-        assembled = self._blocks.update(matrix, held)
+        assembled = self._blocks.update(matrix, constrained)
         if not first:
-            for b in self._blocks.renew_modes(held):
+            for b in self._blocks.renew_modes(constrained):
                 self._solver_of(b).reset()
         self._ksp.setOperators(assembled)
         if first:
@@ -251,12 +251,12 @@ class BlockSweep:
 
 
 class BlockSolver:
-    """Solves for one block of a system, where all other unknowns are held.
+    """Solves for one block of a system, where all other unknowns are constrained.
 
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read at the first set-up.
-        block: the unknowns that are not held.
+        block: the unknowns that are not constrained.
     """
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, block: Block) -> None:
@@ -268,16 +268,16 @@ class BlockSolver:
         self._ksp.setOptionsPrefix(prefix)
         self.prefix = prefix
 
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
-        """Take the block out of the matrix and set up its solver."""
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+        """Extract the block from the matrix and set up its solver."""
         first = not self._blocks.ready
-        self._ksp.setOperators(self._blocks.update(matrix, held))
+        self._ksp.setOperators(self._blocks.update(matrix, constrained))
         if first:
             self._ksp.setFromOptions()
         self._ksp.setUp()
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """Set x to about the solution of the block for b, zero elsewhere."""
+        """Set x to the approximate solution of the block for b, and to zero elsewhere."""
         x.set(0.0)
         right, solution = b.getSubVector(self._rows), x.getSubVector(self._rows)
         self._ksp.solve(right, solution)

@@ -1,4 +1,4 @@
-"""Why a run could not go on, in words: what failed and how often, and what usually helps."""
+"""Says in words why a run could not go on: what failed, how often, and what usually helps."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ EVERYWHERE = (
 
 @dataclass(frozen=True)
 class FailedTry:
-    """A step that was tried in vain.
+    """A step that failed.
 
     Attributes:
         step: its size [s].
@@ -52,7 +52,7 @@ class FailedTry:
 
 
 def diagnosis(time: float, tries: Sequence[FailedTry]) -> str:
-    """Return what was tried from the last accepted state on, and what usually helps.
+    """Return in words which steps were tried from the last accepted state, and what usually helps.
 
     Args:
         time: of the last accepted state [s].

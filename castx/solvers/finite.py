@@ -1,4 +1,4 @@
-"""No state with a number that is none is accepted."""
+"""Refuses states with NaN or infinity."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from castx.errors import ConvergenceError
 
 
 def require_finite(comm: MPI.Intracomm, fields: Mapping[str, Mapping[str, fem.Function]]) -> None:
-    """Check nodal fields of bodies; collective.
+    """Check that nodal fields of bodies hold no NaN and no infinity; collective.
 
     Args:
         comm: ranks.
-        fields: by what they are, then by the name of the body.
+        fields: by the name of the field, then by the name of the body.
 
     Raises:
-        ConvergenceError: names field, body and place; on all ranks.
+        ConvergenceError: names a field, its body and the place; on all ranks.
     """
-    # One sum finds out: what is not finite stays in it.
+    # NaN and infinity stay in a sum.
     sums = sum(float(f.x.array.sum()) for bodies in fields.values() for f in bodies.values())
     if comm.allreduce(bool(np.isfinite(sums)), MPI.LAND):
         return
@@ -37,7 +37,7 @@ def require_finite(comm: MPI.Intracomm, fields: Mapping[str, Mapping[str, fem.Fu
 
 
 def _place(what: str, body: str, function: fem.Function) -> str:
-    """Return where a field is not finite on this rank, nothing where it is."""
+    """Return in words where a field is not finite on this rank; empty if it is."""
     space = function.function_space
     values = function.x.array.reshape(-1, space.dofmap.index_map_bs)
     wrong = np.flatnonzero(~np.isfinite(values).all(axis=1))

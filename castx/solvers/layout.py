@@ -16,18 +16,25 @@ from castx.arrays import IntArray
 
 
 class Layout:
-    """Each rank holds its part of body 0, then of body 1, and so on: the order of a PETSc nest.
+    """Numbers the unknowns of all bodies as a PETSc nest does.
+
+    Each rank has its part of body 0, then of body 1, and so on.
 
     Args:
         comm: ranks.
         node_maps: distribution of the nodes of each body.
         block_sizes: unknowns per node of each body.
+
+    Attributes:
+        first: global number of the first unknown of this rank.
+        size_local: number of unknowns of this rank.
+        size_global: number of all unknowns.
+        offsets: where each body starts among the unknowns of this rank.
     """
 
     def __init__(
         self, comm: MPI.Intracomm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]
     ) -> None:
-        """Gather the ranges of all ranks."""
         self.comm = comm
         self.block_sizes = tuple(block_sizes)
         nodes = np.array([node_map.size_local for node_map in node_maps], dtype=np.int64)
@@ -43,12 +50,12 @@ class Layout:
         self.offsets = tuple(int(o) for o in np.cumsum(self._sizes) - self._sizes)
 
     def dofs(self, body: int, nodes: ArrayLike, component: int | NDArray = 0) -> IntArray:
-        """Global indices of one component at global nodes of a body, whichever rank owns them.
+        """Return the global numbers of one unknown of nodes, whichever rank owns them, shape (n,).
 
         Args:
-            body: index of the body.
-            nodes: (n,) global node numbers.
-            component: one number, or (n,).
+            body: number of the body.
+            nodes: global numbers of its nodes, shape (n,).
+            component: number of the unknown at its node, one or one for each node, shape (n,).
         """
         nodes = np.asarray(nodes, dtype=np.int64)
         first = self._first_nodes[:, body]
@@ -57,11 +64,11 @@ class Layout:
         return (self._starts[owner, body] + within).astype(np.int32)
 
     def local_slice(self, body: int) -> slice:
-        """Where the owned part of a body lies in the local array."""
+        """Return where the unknowns of a body lie among those of this rank."""
         return slice(self.offsets[body], self.offsets[body] + int(self._sizes[body]))
 
     def index_sets(self) -> list[PETSc.IS]:
-        """The owned global indices of each body, with its block size."""
+        """Return the owned global numbers of each body, with its block size."""
         sets = []
         for body, block_size in enumerate(self.block_sizes):
             first = int(self._starts[self.comm.rank, body])
@@ -71,18 +78,12 @@ class Layout:
         return sets
 
     def create_vector(self) -> PETSc.Vec:
-        """A zero vector of all bodies; the caller destroys it."""
+        """Return a zero vector of all bodies; the caller destroys it."""
         return PETSc.Vec().createMPI((self.size_local, self.size_global), comm=self.comm)
 
     def to_functions(self, vector: PETSc.Vec, functions: Sequence[Function]) -> None:
-        """Copy the parts of a vector into one function per body and update their ghosts."""
+        """Copy the parts of a vector into a function of each body and update ghosts; collective."""
         values = vector.getArray(readonly=True)
         for body, function in enumerate(functions):
             function.x.array[: self._sizes[body]] = values[self.local_slice(body)]
             function.x.scatter_forward()
-
-    def from_functions(self, functions: Sequence[Function], vector: PETSc.Vec) -> None:
-        """Copy the owned values of one function per body into a vector."""
-        with vector as values:
-            for body, function in enumerate(functions):
-                values[self.local_slice(body)] = function.x.array[: self._sizes[body]]

@@ -1,6 +1,6 @@
-"""Critical-point line search: how far to go along a Newton step of a nearly convex problem.
+"""Critical-point line search: shortens Newton steps of a problem that is nearly convex.
 
-Source: P. R. Brune, M. G. Knepley, B. F. Smith, X. Tu, SIAM Review 57 (2015), section 4.
+Source: P. R. Brune, M. G. Knepley, B. F. Smith and X. Tu, SIAM Review 57 (2015), section 4, "cp".
 """
 
 from __future__ import annotations

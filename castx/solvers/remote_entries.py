@@ -1,4 +1,4 @@
-"""Entries of a distributed vector that a rank needs or feeds, whoever owns them."""
+"""Reads and writes entries of distributed vectors that other ranks own."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from castx.arrays import FloatArray
 
 
 class RemoteEntries:
-    """Entries of the vectors of one layout at given global numbers.
+    """Gives a rank the entries at given global numbers in all vectors of one layout.
 
     All methods are collective.
 
     Args:
         vector: any vector of the layout.
-        numbers: global numbers, different on all ranks if entries are put, shape (entries,).
+        numbers: global numbers, shape (entries,); no rank may share one with another rank or name
+            it twice where `put` is used.
     """
 
     def __init__(self, vector: PETSc.Vec, numbers: npt.ArrayLike) -> None:
@@ -26,16 +27,16 @@ class RemoteEntries:
         index_set.destroy()
 
     def get(self, vector: PETSc.Vec) -> FloatArray:
-        """Return the entries of a vector."""
+        """Return the entries of a vector, shape (entries,)."""
         self._scatter.scatter(vector, self._local, PETSc.InsertMode.INSERT)
         return self._local.array_r.copy()
 
     def put(self, values: FloatArray, vector: PETSc.Vec) -> None:
-        """Set the entries of a vector."""
+        """Set the entries of a vector to values, shape (entries,)."""
         self._reverse(values, vector, PETSc.InsertMode.INSERT)
 
     def add(self, values: FloatArray, vector: PETSc.Vec) -> None:
-        """Add to the entries of a vector; equal numbers add up."""
+        """Add values, shape (entries,), to the entries of a vector; equal numbers add up."""
         self._reverse(values, vector, PETSc.InsertMode.ADD)
 
     def _reverse(self, values: FloatArray, vector: PETSc.Vec, mode: PETSc.InsertMode) -> None:

@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class SolveReport:
-    """What a converged solve took.
+    """The iterations of a converged solve.
 
     Attributes:
         iterations: Newton iterations.
@@ -144,7 +144,7 @@ class NonlinearSolver:
         return SolveReport(iterations, linear_iterations, residuals)
 
     def _failure(self, error: PETSc.Error) -> BaseException:
-        """Return what is to be raised for an error that stopped PETSc, maybe on this rank alone."""
+        """Return the exception to raise for a failure of PETSc, maybe on this rank alone."""
         cause: BaseException = error
         while isinstance(cause, PETSc.Error) and cause.__cause__ is not None:
             cause = cause.__cause__
@@ -158,7 +158,7 @@ class NonlinearSolver:
         return cause
 
     def _refusal(self, error: PETSc.Error) -> CaseError:
-        """Return what names an option that is wrong; inner solvers read theirs when they solve."""
+        """Return the error that names the wrong option."""
         given = ", ".join(f"{key} = {value!r}" for key, value in self.options.items())
         return CaseError(
             f"PETSc does not take an option of {self.name}: {_last(error)}; correct it or leave "

@@ -1,4 +1,4 @@
-"""Where the largest residual of a problem sits, in words, and where one is not a number."""
+"""Says where the largest residual of a problem is, and where one is not a number."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from castx.arrays import FloatArray
 
 
 class Part(NamedTuple):
-    """A part of a residual on this rank.
+    """A residual on this rank that has one name.
 
     Attributes:
-        name: what it belongs to, such as "body 'casting'".
+        name: its subject, such as "body 'casting'".
         values: shape (places,) or (places, components).
         points: shape (places, dimension) [m].
     """
@@ -27,14 +27,14 @@ class Part(NamedTuple):
 
 
 def worst_place(comm: MPI.Intracomm, parts: Sequence[Part], unit: str) -> str:
-    """Return a text that names the place of the largest value, the same on all ranks; collective.
+    """Return the size and place of the largest residual in words, on all ranks; collective.
 
     Args:
         comm: ranks.
-        parts: all that the residual consists of.
+        parts: the whole residual.
         unit: of its values.
     """
-    # What is not a number counts as largest.
+    # NaN counts as the largest value.
     size, text = -1.0, ""
     for part in parts:
         if not len(part.points):  # numpy cannot divide nothing into rows

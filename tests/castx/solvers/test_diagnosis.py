@@ -2,16 +2,12 @@
 
 import numpy as np
 import pytest
-from dolfinx import fem
 
 from castx.errors import ConvergenceError
 from castx.heat.body import ThermalBody
 from castx.mechanics.body import BodyMechanics
 from castx.solvers.diagnosis import COUPLING, HEAT, MECHANICS, FailedTry, diagnosis
-from castx.solvers.finite import require_finite
-from castx.solvers.worst_place import Part, worst_place
 from tests.castx.checkpoint.test_file import casting
-from tests.castx.fakes import cylinder_mesh
 from tests.coupled_cases import cylinder, merged, states
 
 SHORT = {"time": {"end": 2.0, "first_step": 0.2, "smallest_step": 0.1}}
@@ -76,17 +72,6 @@ def test_a_residual_that_is_not_a_number_is_named(comm, monkeypatch):
     assert "a residual is not a number in body 'mould' (forces) at (0.055, 0.06) m" in text
 
 
-def test_a_state_that_is_not_a_number_is_named_on_all_ranks(comm):
-    mesh = cylinder_mesh(comm)
-    fields = {name: fem.Function(body.nodes) for name, body in mesh.bodies.items()}
-    require_finite(comm, {"temperature": fields})
-    points = mesh.bodies["mould"].points
-    fields["mould"].x.array[np.linalg.norm(points - [0.03, 0.04], axis=1) < 1e-9] = np.inf
-    wrong = r"temperature of body 'mould' is not a finite number at \(0\.03, 0\.04\) m"
-    with pytest.raises(ConvergenceError, match=wrong):
-        require_finite(comm, {"temperature": fields})
-
-
 def test_a_solver_that_breaks_down_counts_as_not_converged(comm, monkeypatch):
     """Conduction that is not a number makes a matrix that cannot be factorised."""
     slope = ThermalBody.conduction_slope
@@ -95,15 +80,3 @@ def test_a_solver_that_breaks_down_counts_as_not_converged(comm, monkeypatch):
     )
     data = merged(cylinder(SHORT), {"coupling": {"scheme": "thermal"}})
     assert "the heat problem" in failure_of(comm, data, HEAT)
-
-
-def test_the_worst_place_is_the_same_on_all_ranks(comm):
-    values = np.array([1.0, 2.0 + comm.rank])
-    points = np.array([[0.0, 0.0], [1.0, float(comm.rank)]])
-    text = worst_place(comm, [Part("body 'a'", values, points)], "W")
-    last = comm.size - 1
-    assert text == f"largest residual {2.0 + last:.3e} W in body 'a' at (1, {last}) m"
-    values[0] = np.nan if comm.rank == last else 0.0
-    text = worst_place(comm, [Part("body 'a'", values, points)], "W")
-    assert text == "a residual is not a number in body 'a' at (0, 0) m"
-    assert worst_place(comm, [], "W") == ""
