@@ -1,16 +1,66 @@
-"""Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it."""
+"""Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it.
 
-from typing import Any
+Public: `run`, `load_case`, `Case`, `Simulation`, `UserLaw`, `ResultsWriter`, `Results`, `draw`,
+`heat_transfer_coefficient`, `gap_heat_laws`, `find_material`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from castx.version import __version__
 
-__all__ = ["__version__", "run"]
+if TYPE_CHECKING:
+    from castx.case.case import Case
+    from castx.case.reading.read import load_case
+    from castx.command.run import run
+    from castx.materials.lookup import find_material
+    from castx.process.simulation import Simulation
+    from castx.report.drawing import draw
+    from castx.report.interface_law import heat_transfer_coefficient
+    from castx.results.reading import Results
+    from castx.results.writing import ResultsWriter
+    from castx.transfer.registry import gap_heat_laws
+    from castx.transfer.user_law import UserLaw
+
+__all__ = [
+    "Case",
+    "Results",
+    "ResultsWriter",
+    "Simulation",
+    "UserLaw",
+    "__version__",
+    "draw",
+    "find_material",
+    "gap_heat_laws",
+    "heat_transfer_coefficient",
+    "load_case",
+    "run",
+]
+
+_MODULES = {
+    "Case": "castx.case.case",
+    "Results": "castx.results.reading",
+    "ResultsWriter": "castx.results.writing",
+    "Simulation": "castx.process.simulation",
+    "UserLaw": "castx.transfer.user_law",
+    "draw": "castx.report.drawing",
+    "find_material": "castx.materials.lookup",
+    "gap_heat_laws": "castx.transfer.registry",
+    "heat_transfer_coefficient": "castx.report.interface_law",
+    "load_case": "castx.case.reading.read",
+    "run": "castx.command.run",
+}
 
 
-def __getattr__(name: str) -> Any:
-    """Load `castx.run` at its first use: the solvers take a second, the version none."""
-    if name == "run":
-        from castx.command.run import run
+def __getattr__(name: str) -> object:
+    """Import a public object at its first use: the solvers take a second, the version none."""
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name]), name)
 
-        return run
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted(__all__)

@@ -41,8 +41,7 @@ from mpi4py import MPI
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case.reading.read import read_case
-from castx.process.simulation import Simulation
+import castx
 
 # %% [markdown]
 # ## Two blocks
@@ -88,7 +87,7 @@ def blocks(size, push, model, tolerance, linear, contact):
         "solver": {"linear": linear, "mechanics_tolerance": tolerance},
         "time": {"end": 1.0, "fixed_step": 1.0},
     }  # fmt: skip
-    simulation = Simulation.from_case(read_case(data, Path("blocks.toml")), MPI.COMM_WORLD)
+    simulation = castx.Simulation.from_case(castx.load_case(data), MPI.COMM_WORLD)
     return simulation.problem.mechanics
 
 
@@ -363,7 +362,7 @@ def run(contact):
     del data["probes"]
     begin, iterations, deepest = time.process_time(), 0, 0.0
     temperatures, gaps = [], []
-    simulation = Simulation.from_case(read_case(data, Path("cylinder.toml")), MPI.COMM_WORLD)
+    simulation = castx.Simulation.from_case(castx.load_case(data), MPI.COMM_WORLD)
     for state in simulation:
         iterations += state.counters.mechanics_iterations
         gap = state.paired("casting/mould", "gap")

@@ -7,18 +7,16 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from castx.case.reading.read import load_case
-from castx.process.simulation import Simulation
-from castx.results.writing import ResultsWriter
+import castx
 
 comm = MPI.COMM_WORLD
-case = load_case(
+case = castx.load_case(
     Path(__file__).with_name("cylinder.toml"),
     overrides=["geometry.size=5e-3", 'output.folder="results/cylinder_driver"'],
 )
-simulation = Simulation.from_case(case, comm)
+simulation = castx.Simulation.from_case(case, comm)
 
-with ResultsWriter(case, simulation.mesh, simulation.pairs) as results:
+with castx.ResultsWriter(case, simulation.mesh, simulation.pairs) as results:
     for state in simulation:
         results.write(state)
         solid = state.totals["casting.solid_fraction"]

@@ -34,10 +34,7 @@ from tempfile import mkdtemp
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.command.run import run
-from castx.report.display import display
-from castx.report.pictures import FieldSeries, View, exaggeration, limits_of, picture
-from castx.results.files.series import read_series
+import castx
 
 folder = Path(mkdtemp())
 coarse = ["geometry.size=5e-3", "time.end=70", "time.temperature_change=40"]
@@ -48,24 +45,24 @@ coarse = ["geometry.size=5e-3", "time.end=70", "time.temperature_change=40"]
 
 # %%
 # %%capture
-run("cylinder.toml", coarse, output=folder / "gap")
+castx.run("cylinder.toml", coarse, output=folder / "gap")
 constant = 'interfaces.0.heat={ law = "constant", closed = 2300 }'
-run("cylinder.toml", [*coarse, constant], output=folder / "constant")
+castx.run("cylinder.toml", [*coarse, constant], output=folder / "constant")
 
 # %% [markdown]
 # ## Cooling curves
 # `probes.csv` has one row per step, `history.csv` the totals of bodies and interfaces.
 
 # %%
-probes = {name: read_series(folder / name / "probes.csv") for name in ("gap", "constant")}
-history = {name: read_series(folder / name / "history.csv") for name in ("gap", "constant")}
+results = {name: castx.Results(folder / name) for name in ("gap", "constant")}
 
 figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
 for name, style in (("gap", "-"), ("constant", "--")):
-    time = probes[name]["time"]
-    upper.plot(time, probes[name]["centre.temperature"], f"C0{style}", label=f"centre, {name}")
-    upper.plot(time, probes[name]["surface.temperature"], f"C1{style}", label=f"surface, {name}")
-    lower.plot(time, 1e6 * probes[name]["gap_mid.gap"], f"C2{style}", label=f"half height, {name}")
+    probes = results[name].probes
+    time = probes["time"]
+    upper.plot(time, probes["centre.temperature"], f"C0{style}", label=f"centre, {name}")
+    upper.plot(time, probes["surface.temperature"], f"C1{style}", label=f"surface, {name}")
+    lower.plot(time, 1e6 * probes["gap_mid.gap"], f"C2{style}", label=f"half height, {name}")
 upper.set_ylabel("temperature [°C]")
 lower.set_ylabel("gap [µm]")
 lower.set_xlabel("time [s]")
@@ -83,7 +80,7 @@ def solidification_time(series):
     return float(np.interp(0.99, series["casting.solid_fraction"], series["time"]))
 
 
-times = {name: solidification_time(series) for name, series in history.items()}
+times = {name: solidification_time(found.history) for name, found in results.items()}
 delay = times["gap"] / times["constant"]
 print(f"99 % solid after {times['constant']:.1f} s with h = h0,")
 print(f"after {times['gap']:.1f} s with the gap")
@@ -94,23 +91,10 @@ print(f"delay: {delay:.2f}")
 # Displacements are drawn larger than they are; colours are the temperature.
 
 # %%
-fields = FieldSeries(folder / "gap", "axisymmetric")
-bodies = fields.read(fields.times[-1])
-view = View.of("axisymmetric", bodies.values())
-factor = exaggeration(view, bodies)
-limits = limits_of([bodies], "temperature", list(bodies))
-with display():
-    image = picture(
-        view,
-        bodies,
-        "temperature",
-        limits,
-        colours="inferno",
-        coloured=list(bodies),
-        exaggeration=factor,
-    )
+gap = results["gap"]
+drawing = castx.draw(gap.grids(), "temperature", gap.model)
 plt.figure(figsize=(6, 6))
-plt.imshow(image)
+plt.imshow(drawing.pixels)
 plt.axis("off")
-plt.title(f"{fields.times[-1]:g} s, displacements × {factor:g}")
+plt.title(f"{gap.times[-1]:g} s, displacements × {drawing.exaggeration:g}")
 plt.show()

@@ -25,19 +25,12 @@
 # open this text as a notebook: `jupytext --to ipynb interface_notebook.py -o interface.ipynb`.
 
 # %%
-from pathlib import Path
-
 from mpi4py import MPI
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from castx.case.heat_transfer import InterfaceHeat
-from castx.case.reading.read import read_case
-from castx.process.simulation import Simulation
-from castx.transfer.conductance import Faces
-from castx.transfer.pair_state import PairState
-from castx.transfer.registry import gap_heat_laws
+import castx
 
 # %% [markdown]
 # ## The laws
@@ -47,14 +40,12 @@ from castx.transfer.registry import gap_heat_laws
 gas = 0.05
 numbers = {"closed": 2300, "open": 500, "gas_conductivity": gas}
 gaps = np.linspace(0.0, 150e-6, 301)
-state = PairState.of(gaps, np.zeros(301))
-faces = Faces.at_temperatures(np.full(301, 600.0), np.full(301, 300.0), 0.0, 0.5)
 plt.figure(figsize=(8, 4), layout="constrained")
-for name, law in gap_heat_laws().items():
+for name, law in castx.gap_heat_laws().items():
     print(f"{name:15s} {law.formula}")
     if law.exchange == "law":
         heat = {key: numbers.get(key, value) for key, value in law.example().items()}
-        h = InterfaceHeat.read(heat).conduction_law()(state, faces).coefficient.value
+        h = castx.heat_transfer_coefficient(heat, gaps, solid_fraction=0.5)
         plt.plot(1e6 * gaps, h, label=name)
 plt.xlabel("gap [µm]")
 plt.ylabel("h [W/m²/K]")
@@ -115,7 +106,7 @@ def case(heat, **changes):
 def run(heat, **changes):
     """Return the history of a run: columns over time."""
     rows = []
-    simulation = Simulation.from_case(read_case(case(heat, **changes), Path("case")), MPI.COMM_SELF)
+    simulation = castx.Simulation.from_case(castx.load_case(case(heat, **changes)), MPI.COMM_SELF)
     for state in simulation:
         at_face = {
             body: state.nodal(body, "temperature")[state.mesh.bodies[body].surface_nodes(other)]

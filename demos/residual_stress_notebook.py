@@ -29,12 +29,7 @@ from matplotlib.colors import Normalize
 from scipy.optimize import brentq, fsolve
 from scipy.special import erf, erfc
 
-from castx.case.reading.read import load_case
-from castx.command.run import run
-from castx.materials.lookup import find_material
-from castx.report.display import display
-from castx.report.pictures import FieldSeries, View, exaggeration, picture
-from castx.results.files.series import read_series
+import castx
 
 folder = Path(mkdtemp())
 
@@ -49,7 +44,7 @@ folder = Path(mkdtemp())
 
 # %%
 # %%capture
-run("solidifying_slab.toml", output=folder / "slab")
+castx.run("solidifying_slab.toml", output=folder / "slab")
 
 # %% [markdown]
 # ### The exact stress
@@ -64,7 +59,7 @@ run("solidifying_slab.toml", output=folder / "slab")
 # the balance of forces $\int \sigma\,\mathrm{d}\xi = 0$.
 
 # %%
-metal = load_case(Path("solidifying_slab.toml")).materials["steel"]
+metal = castx.load_case("solidifying_slab.toml").materials["steel"]
 wall, melting, initial = 1362.0, metal.solidus, 1550.0
 capacity = float(metal.heat_capacity.solid(wall))
 diffusivity = float(metal.conductivity.solid(wall)) / (metal.density * capacity)
@@ -120,8 +115,7 @@ x1, x2 = fsolve(conditions, (0.45, 0.2))
 # ### Computed and exact
 
 # %%
-fields = FieldSeries(folder / "slab", "generalised-plane-strain")
-probes = read_series(folder / "slab" / "probes.csv")
+slab = castx.Results(folder / "slab")
 
 figure, (left, right) = plt.subplots(1, 2, sharey=True, figsize=(11, 4.8), layout="constrained")
 states = {"yields in compression": (0, x2), "elastic": (x2, x1), "yields in tension": (x1, 1)}
@@ -131,11 +125,11 @@ for (state, (low, high)), colour in zip(states.items(), ("C0", "w", "C3"), stric
 left.plot(grid, 1e-6 * yield_stress(grid), "k:", linewidth=1, label="±Y")
 left.plot(grid, -1e-6 * yield_stress(grid), "k:", linewidth=1)
 for index, marker in ((1, "s"), (2, "^"), (4, "o")):
-    time = fields.times[index]
-    cells = fields.read(time)["casting"]
-    xi = cells.cell_centers().points[:, 0] / shell(time)
+    time = slab.times[index]
+    lateral = slab.field("stress", "casting", time)
+    xi = lateral.points[lateral.cells].mean(axis=1)[:, 0] / shell(time)
     solid = xi < 1
-    found = cells["stress"][solid, 1]
+    found = lateral.values[solid, 1]
     left.plot(xi[solid], 1e-6 * found, marker, fillstyle="none", markersize=5, label=f"{time:g} s")
 deviation = np.abs(found - stress(xi[solid], x1, x2)).max() / strength
 left.plot(grid, 1e-6 * stress(grid, x1, x2), "k", linewidth=1, label="exact")
@@ -143,17 +137,17 @@ left.set(xlim=(0, 1), ylim=(-53, 45), ylabel="lateral stress [MPa]", title="acro
 left.set_xlabel("distance from the wall over thickness of the shell, ξ = x/X")
 left.legend(loc="upper right")
 
-depth, time = 1.05e-3, probes["time"]
+depth, time = 1.05e-3, slab.probes["time"]
 passed = (depth / (2 * front_number * np.array([1, x1, x2]))) ** 2 / diffusivity
 right.axvspan(passed[0], passed[1], color="C3", alpha=0.12, linewidth=0)
 right.axvspan(passed[2], 10, color="C0", alpha=0.12, linewidth=0)
-right.plot(time, 1e-6 * probes["point.stress.yy"], "o", fillstyle="none", markersize=5)
+right.plot(time, 1e-6 * slab.probes["point.stress.yy"], "o", fillstyle="none", markersize=5)
 fine = np.linspace(0.01, 10, 500)
 right.plot(fine, 1e-6 * stress(depth / shell(fine), x1, x2), "k", linewidth=1)
 right.set(xlim=(0, 10), xlabel="time [s]", title=f"over time, {1e3 * depth:g} mm from the wall")
 plt.show()
 
-strain = np.interp([1.0, 10.0], time, probes["top.displacement.y"]) / 1e-4
+strain = np.interp([1.0, 10.0], time, slab.probes["top.displacement.y"]) / 1e-4
 print(f"largest deviation of the stress: {100 * deviation:.1f} % of the yield stress at the wall")
 print(f"contraction from 1 to 10 s: {strain[0] - strain[1]:.6f}")
 print(f"                     exact: {-contraction(x1) * np.log(10) / 2:.6f}")
@@ -182,16 +176,15 @@ print(f"                     exact: {-contraction(x1) * np.log(10) / 2:.6f}")
 # %%capture
 laws = ("thermo-elasto-viscoplastic", "thermo-elasto-plastic", "thermo-elastic")
 for law in laws:
-    run("ring_on_core.toml", [f'bodies.0.law="{law}"'], output=folder / law)
+    castx.run("ring_on_core.toml", [f'bodies.0.law="{law}"'], output=folder / law)
 
 # %%
-probes = {law: read_series(folder / law / "probes.csv") for law in laws}
-history = {law: read_series(folder / law / "history.csv") for law in laws}
-alloy = find_material("AlSi7Mg", {})
+rings = {law: castx.Results(folder / law) for law in laws}
+alloy = castx.find_material("AlSi7Mg")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.8), layout="constrained")
 for law, style in zip(laws, ("C3-", "C0--", "k:"), strict=True):
-    found = probes[law]
+    found = rings[law].probes
     left.plot(found["time"], 1e-6 * found["seat.contact_pressure"], style, label=law)
     right.plot(found["ring.temperature"], 1e-6 * found["ring.von_mises"], style)
 left.set(xlim=(0, 600), ylim=(0, 220), xlabel="time [s]", ylabel="contact pressure [MPa]")
@@ -206,7 +199,7 @@ right.text(alloy.solidus - 8, 150, "solidus", rotation=90)
 right.set_title("von Mises stress in the middle of the wall")
 plt.show()
 
-pressures = {law: 1e-6 * probes[law]["seat.contact_pressure"][-1] for law in laws}
+pressures = {law: 1e-6 * rings[law].probes["seat.contact_pressure"][-1] for law in laws}
 for law, pressure in pressures.items():
     print(f"contact pressure at room temperature, {law}: {pressure:.0f} MPa")
 
@@ -224,14 +217,10 @@ for law, pressure in pressures.items():
 
 # %%
 law = "thermo-elasto-viscoplastic"
-fields = FieldSeries(folder / law, "axisymmetric")
-bodies = fields.read(fields.times[-1])
+bodies = rings[law].grids()
 for grid in bodies.values():
     grid["hoop"] = 1e-6 * grid["stress"][:, 2]  # rr, zz, θθ, rz
     grid["percent"] = 100 * grid["plastic_strain"]
-view = View.of("axisymmetric", bodies.values())
-extent = [1e3 * side for k in (0, 1) for side in (view.low[k], view.high[k])]
-factor = exaggeration(view, bodies)
 shown = {
     "hoop": ("hoop stress [MPa]", (-130.0, 130.0), "RdBu_r", list(bodies)),
     "percent": ("plastic strain [%]", (0.3, 0.8), "viridis", ["casting"]),
@@ -239,14 +228,13 @@ shown = {
 figure, axes = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
 for field, panel in zip(shown, axes, strict=True):
     label, limits, colours, coloured = shown[field]
-    with display():
-        image = picture(
-            view, bodies, field, limits, colours=colours, coloured=coloured, exaggeration=factor
-        )
-    panel.imshow(image, extent=extent)
+    drawing = castx.draw(
+        bodies, field, "axisymmetric", limits=limits, colours=colours, coloured=coloured
+    )
+    panel.imshow(drawing.pixels, extent=[1e3 * end for end in drawing.extent])
     panel.set_ylabel("z [mm]")
     figure.colorbar(ScalarMappable(Normalize(*limits), colours), ax=panel, label=label)
-axes[0].set_title(f"ring and core at room temperature, displacements × {factor:g}")
+axes[0].set_title(f"ring and core at room temperature, displacements × {drawing.exaggeration:g}")
 axes[1].set_xlabel("r [mm]")
 plt.show()
 
@@ -268,7 +256,7 @@ plt.show()
 
 areas = ring.compute_cell_sizes()["Area"]
 pull = 1e6 * ring["hoop"] @ areas
-push = history[law]["casting/core.force.r"][-1] / (2 * np.pi)
+push = rings[law].history["casting/core.force.r"][-1] / (2 * np.pi)
 print(f"hoop stress, mean: {ring['hoop'] @ areas / areas.sum():.0f} MPa")
 print(f"force of hoop stress over that of contact: {pull / push:.3f}")
 print(f"plastic strain: {ring['percent'].min():.2f} to {ring['percent'].max():.2f} %")
@@ -290,7 +278,8 @@ def seat(name="", least=-273.0, factor=1.2):
         rows = np.column_stack([at, values]).tolist()
         changes.append(f'materials.changed={{ extends = "AlSi7Mg", {name} = {rows} }}')
         changes.append('bodies.0.material="changed"')
-    found = read_series(run("ring_on_core.toml", changes, output=folder / "data") / "probes.csv")
+    ring = castx.Results(castx.run("ring_on_core.toml", changes, output=folder / "data"))
+    found = ring.probes
     temperature, pressure = found["ring.temperature"], found["seat.contact_pressure"]
     return np.array([np.interp(-400, -temperature, pressure), pressure[-1]])
 

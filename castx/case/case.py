@@ -34,7 +34,15 @@ def _title(value: Any) -> str:
 
 
 class Case(Description):
-    """A whole case in SI units and °C; every attribute bears the name of its key."""
+    """A whole case in SI units and °C; every attribute bears the name of its key.
+
+    >>> import castx
+    >>> case = castx.load_case("cylinder.toml")
+    >>> [body.material for body in case.bodies]
+    ['aluminium', 'steel-H13']
+    >>> case.interfaces[0].name, case.time.end
+    ('casting/mould', 90.0)
+    """
 
     name: Annotated[str, PlainValidator(_title)] = ""
     geometry: Geometry

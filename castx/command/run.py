@@ -30,6 +30,13 @@ def run(
 ) -> Path:
     """Run a case file and return its results folder; collective.
 
+    >>> import castx
+    >>> folder = castx.run("cylinder.toml", ["time.end=0.05", "geometry.size=1e-2"], output="short")
+    t 0 s  step 0  solid 0.0 %
+    t 0.05 s  step 1 (0.05 s)  solid ...
+    >>> sorted(path.name for path in folder.iterdir())
+    ['checkpoint', 'fields', 'history.csv', 'probes.csv', 'run.json']
+
     Args:
         path: the case file.
         overrides: values in place of those of the file, such as "time.end=10".

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from castx.errors import CaseError
@@ -14,15 +15,22 @@ from castx.materials.material import Material
 from castx.materials.sources import Source
 
 
-def find_material(name: str, case_materials: Mapping[str, MaterialDescription]) -> Material:
+def find_material(
+    name: str, case_materials: Mapping[str, MaterialDescription] = MappingProxyType({})
+) -> Material:
     """Return the material a body asks for, with what it extends filled in.
 
     `extends` may name a material of the case or of the database; the material of the case that
     bears the name of a database entry and extends it stands in its place.
 
+    >>> import castx
+    >>> alloy = castx.find_material("AlSi7Mg")
+    >>> alloy.solidus, alloy.liquidus, alloy.description.density
+    (557.0, 613.0, 2680.0)
+
     Args:
         name: as in `bodies[…].material`.
-        case_materials: the `[materials]` of the case.
+        case_materials: the `[materials]` of the case; empty: those of the database alone.
 
     Raises:
         CaseError: no such material.

@@ -13,13 +13,14 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.case.case import Case
+from castx.coupling.building import step_settings
 from castx.coupling.report import CoupledReport
 from castx.coupling.step import CoupledProblem
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.pairing import paired
 from castx.errors import ConvergenceError
-from castx.process.building import process_of, step_settings
+from castx.process.building import process_of
 from castx.process.process import Process
 from castx.process.state import State
 from castx.process.step_control import StepControl, StepSettings
@@ -56,6 +57,17 @@ _log = logging.getLogger(__name__)
 
 class Simulation:
     """A case on its mesh, stepped from the end of filling to the end of the run.
+
+    >>> from mpi4py import MPI
+    >>> import castx
+    >>> case = castx.load_case("cylinder.toml", ["time.end=0.1", "geometry.size=1e-2"])
+    >>> simulation = castx.Simulation.from_case(case, MPI.COMM_SELF)
+    >>> for state in simulation:
+    ...     centre = state.nodal("casting", "temperature").max()
+    ...     print(f"step {state.step} at {state.time:g} s: {centre:.1f} °C")
+    step 0 at 0 s: 670.0 °C
+    step 1 at 0.05 s: 670.0 °C
+    step 2 at 0.1 s: 670.0 °C
 
     Attributes:
         mesh: all bodies.

@@ -19,7 +19,9 @@ from castx.results.files.collection import FieldSeries
 from castx.results.files.folder import RECORD
 from castx.results.files.series import read_series
 from castx.results.files.vtu import VTK_TENSOR
-from castx.results.snapshot import FULLY_SOLID
+
+SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
 
 SAME_TIME = 1e-9
 """Difference of times, as a share of the length of the run, below which they are the same."""
@@ -79,16 +81,16 @@ class Results:
     >>> results = castx.Results(folder)
     >>> results.record["exit"]["reason"], results.bodies
     ('finished', ('casting', 'mould'))
-    >>> float(results.probes["centre.temperature"][0])
-    670.0
-    >>> results.history["casting/mould.power"][-1] > 0.0  # the casting gives off heat [W]
-    True
+    >>> print(f"{results.probes['centre.temperature'][0]:.1f} °C")
+    670.0 °C
+    >>> results.history["step"].tolist()
+    [0.0, 0.05, 0.05]
     >>> temperature = results.field("temperature", "casting")  # at the last time, here 0.1 s
     >>> temperature.values.shape == (len(temperature.points),)
     True
     >>> mould = results.grids(0.0)["mould"]  # for pyvista
-    >>> float(mould["temperature"].max())
-    200.0
+    >>> print(f"{mould['temperature'].max():.1f} °C")
+    200.0 °C
 
     Attributes:
         folder: the results folder.
@@ -143,7 +145,7 @@ class Results:
         return [
             body
             for body in self.bodies
-            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < FULLY_SOLID
+            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
         ]
 
     @cached_property

@@ -37,6 +37,16 @@ class ResultsWriter:
     exception other than ConvergenceError and KeyboardInterrupt may have struck one rank alone, so
     that nothing collective happens after it.
 
+    >>> from mpi4py import MPI
+    >>> import castx
+    >>> case = castx.load_case("cylinder.toml", ["time.end=0.1", "geometry.size=1e-2"])
+    >>> simulation = castx.Simulation.from_case(case, MPI.COMM_SELF)
+    >>> with castx.ResultsWriter(case, simulation.mesh, simulation.pairs) as results:
+    ...     for state in simulation:
+    ...         results.write(state)
+    >>> castx.Results(case.output.folder).history["time"].tolist()
+    [0.0, 0.05, 0.1]
+
     Args:
         case: what is run.
         mesh: the bodies.

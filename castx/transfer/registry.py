@@ -18,6 +18,13 @@ D = TypeVar("D", bound=Description)
 def gap_heat_laws() -> dict[str, GapHeatLaw]:
     """Return all laws by name.
 
+    >>> import castx
+    >>> series = castx.gap_heat_laws()["series"]
+    >>> series.formula
+    'h = 1/(1/closed + g/k) + (1/R)(p/H_e)^b'
+    >>> [key.name for key in series.needed]
+    ['closed', 'gas_conductivity']
+
     Raises:
         TypeError: the file of a law does not declare it completely, or two laws declare keys of one
             name that are read in different ways.

@@ -51,6 +51,21 @@ class UserLaw:
 
     The law is tried when it is made, at closed and open pairs of many temperatures.
 
+    >>> from mpi4py import MPI
+    >>> import castx
+    >>> def through_air(gap, pressure, secondary, primary, time):
+    ...     return 1.0 / (1.0 / 2300.0 + gap / 0.05)
+    >>> case = castx.load_case("cylinder.toml", ["time.end=0.05", "geometry.size=1e-2"])
+    >>> laws = {"casting/mould": castx.UserLaw(through_air)}
+    >>> simulation = castx.Simulation.from_case(case, MPI.COMM_SELF, laws)
+    >>> for state in simulation:
+    ...     coefficient = state.paired("casting/mould", "heat_transfer_coefficient")
+    >>> bool((coefficient <= 2300.0).all())
+    True
+    >>> castx.UserLaw(lambda gap, pressure, secondary, primary, time: -gap)
+    Traceback (most recent call last):
+    castx.errors.CaseError: a heat-transfer coefficient must be finite and not negative; ...
+
     Args:
         coefficient: takes gap [m], contact pressure [Pa], temperatures of the secondary and the
             primary face [°C], each of shape (pairs,), and time [s]; returns h [W/m²/K], (pairs,).

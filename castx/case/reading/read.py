@@ -23,11 +23,11 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
     """Read a case from a file, or from keys and values as a TOML reader hands them out.
 
     >>> import castx
-    >>> case = castx.load_case("cylinder.toml", ["time.end=10", "geometry.size='5 mm'"])
-    >>> case.time.end, case.geometry.size
-    (10.0, 0.005)
+    >>> castx.load_case("cylinder.toml", ["time.end=10"]).time.end
+    10.0
+    >>> sizes = {"length": "20 mm", "width": "5 mm", "size": "1 mm"}
     >>> data = {
-    ...     "geometry": {"generator": "slab", "length": "20 mm", "width": "5 mm", "size": "1 mm"},
+    ...     "geometry": {"generator": "slab", "model": "plane-strain", **sizes},
     ...     "bodies": [{"name": "casting", "material": "Al-pure", "temperature": 700}],
     ...     "time": {"end": "1 min"},
     ... }

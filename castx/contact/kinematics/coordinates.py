@@ -78,8 +78,7 @@ class PairCoordinates:
     def numbering(self) -> Numbering:
         """The rows by the numbers of their secondary nodes and their turn among those of a node."""
         nodes = self.pairs.original_nodes[self.index]
-        bodies = (self.pairs.secondary, self.pairs.primary)
-        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes, bodies)
+        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes)
 
     @property
     def free(self) -> BoolArray:

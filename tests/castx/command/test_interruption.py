@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from castx.command.interruption import Interruption
-from castx.errors import Interrupted
+from castx.command.interruption import Interrupted, Interruption
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
