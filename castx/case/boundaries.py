@@ -32,6 +32,8 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "convection": ("coefficient", "ambient"),
     "radiation": ("emissivity", "ambient"),
 }
+FLUXES = ("flux", "convection", "radiation")
+"""Types of heat conditions that give a flux; several may act on one surface."""
 COEFFICIENT = Varying(
     Quantity(HEAT_TRANSFER, least=0.0), ("temperature", "time"), ("film", "surface"), rows=True
 )

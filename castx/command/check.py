@@ -22,8 +22,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import paired
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
-from castx.heat.law_building import heat_exchange
-from castx.heat.starting import initial_temperatures
+from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
 from castx.process.building import stage_cases
 from castx.report.stages import cycle_text, stage_table

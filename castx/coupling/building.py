@@ -24,13 +24,11 @@ from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import initial_gap
 from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
 from castx.errors import CaseError, MeshError
-from castx.heat.accounts import Accounts
 from castx.heat.body import HeatBody
-from castx.heat.building import surface_heats
+from castx.heat.building import heat_exchange, initial_state, surface_heats
 from castx.heat.interface import HeatExchange
-from castx.heat.law_building import heat_exchange
+from castx.heat.ledger import Accounts
 from castx.heat.problem import HeatProblem
-from castx.heat.starting import initial_state
 from castx.input.problems import among, show
 from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material

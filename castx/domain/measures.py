@@ -18,10 +18,19 @@ from castx.forms import kinematics
 from castx.forms.nodal import nodal_area_vector, nodal_measure
 
 
-def cell_measure(body: BodyMesh, model: str, degree: int) -> kinematics.WeightedMeasure:
-    """Return the weighted measure of the cells of a body, exact for a polynomial degree."""
+def cell_measure(
+    body: BodyMesh, model: str, degree: int | None
+) -> kinematics.WeightedMeasure:
+    """Return the weighted measure of the cells of a body, exact for a polynomial degree.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        degree: of the polynomial; None: as UFL estimates it for each integrand.
+    """
     weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
-    measure = ufl.Measure("dx", domain=body.mesh, metadata={"quadrature_degree": degree})
+    metadata = {} if degree is None else {"quadrature_degree": degree}
+    measure = ufl.Measure("dx", domain=body.mesh, metadata=metadata)
     return kinematics.WeightedMeasure(weight, measure)
 
 
@@ -45,9 +54,15 @@ def surface_measure(
     return kinematics.WeightedMeasure(weight, measure)
 
 
-def nodal_volumes(body: BodyMesh, model: str) -> FloatArray:
-    """Return the volumes of the owned nodes of a body [m³], shape (owned,)."""
-    dx = cell_measure(body, model, 2)
+def nodal_volumes(body: BodyMesh, model: str, degree: int | None = 2) -> FloatArray:
+    """Return the volumes of the owned nodes of a body [m³], shape (owned,).
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        degree: of the quadrature; None: as UFL estimates it.
+    """
+    dx = cell_measure(body, model, degree)
     volumes = _assembled(nodal_measure(ufl.TestFunction(body.nodes), dx.weight, dx.measure))
     return volumes[: body.nodes.dofmap.index_map.size_local]
 

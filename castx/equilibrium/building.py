@@ -44,6 +44,7 @@ from castx.solvers.blocks import (
     BlockSolver,
     BlockSweep,
     DirectSolver,
+    solves_directly,
 )
 from castx.solvers.layout import Layout
 
@@ -162,15 +163,12 @@ def _procedure(
     settings: MechanicsSettings,
 ) -> Procedure:
     prefix, comm, contact = f"{PREFIX}bodies_", made.layout.comm, balance.contact
-    linear = settings.linear
-    if linear == "automatic":
-        dimension = made.bodies[0].mesh.mesh.topology.dim
-        small = made.layout.size_global <= LARGEST_DIRECT[dimension]
-        linear = "direct" if small else "iterative"
+    largest = LARGEST_DIRECT[made.bodies[0].mesh.mesh.topology.dim]
+    direct = solves_directly(settings.linear, made.layout.size_global, largest)
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     inner: InnerSolver
     if chosen is not None:
-        bodies = _body_blocks(made, coordinates, FACTORS if linear == "direct" else MULTIGRID)
+        bodies = _body_blocks(made, coordinates, FACTORS if direct else MULTIGRID)
         blocks = bodies
         if chosen.setting("blocks") == "interface":
             blocks = arrow_blocks(bodies, coordinates)
@@ -182,7 +180,7 @@ def _procedure(
             newton = Newton(balance, solvers, settings.options)
             return BlockIteration(newton, len(blocks), int(chosen.setting("block_iterations")))
         inner = BlockSweep(comm, prefix, blocks)
-    elif linear == "direct":
+    elif direct:
         multipliers = isinstance(contact, MultiplierContact)
         inner = DirectSolver(comm, prefix, 0 if multipliers else MOST_CHANGED)
     else:

@@ -271,7 +271,7 @@ class HeatSystem:
         self.jacobian.matrix.zeroRows(self._fixed_dofs, typical / self.step)
 
     def solid_columns(self, x: PETSc.Vec) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
-        """Return what `castx.heat.solid_feedback` adds to the Jacobian: columns of U and V."""
+        """Return what `castx.heat.interfaces` adds to the Jacobian: columns of U and V."""
         feedback = self.exchanges.feedback
         if not feedback.exchanges:
             return []

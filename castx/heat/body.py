@@ -9,10 +9,9 @@ import ufl
 from dolfinx import fem, la
 
 from castx.arrays import FloatArray, IntArray
+from castx.domain.measures import cell_measure, nodal_areas, nodal_volumes
 from castx.domain.mesh import BodyMesh
-from castx.forms import heat as forms
-from castx.forms.kinematics import weight
-from castx.forms.nodal import nodal_measure
+from castx.forms.heat import conduction
 from castx.materials.conduction_potential import conduction_potential
 from castx.materials.material import Material
 from castx.tables import Table
@@ -53,13 +52,10 @@ class ThermalBody:
         self.index_map = body.nodes.dofmap.index_map
         self.owned = self.index_map.size_local
         self._potential_law = conduction_potential(description.material)
-        self._circumference = weight(model, ufl.SpatialCoordinate(body.mesh))
-        self._surface_measure = ufl.Measure(
-            "ds", domain=body.mesh, subdomain_data=body.facet_tags
-        )
+        self._model = model
         self._create_fields()
         self._create_conduction()
-        self.volumes = self._nodal_weights(ufl.dx(domain=body.mesh))
+        self.volumes = nodal_volumes(body, model, degree=None)
 
     def _create_fields(self) -> None:
         nodes = self.mesh.nodes
@@ -72,7 +68,8 @@ class ThermalBody:
     def _create_conduction(self) -> None:
         nodes = self.mesh.nodes
         theta, v = ufl.TrialFunction(nodes), ufl.TestFunction(nodes)
-        form = fem.form(forms.conduction(theta, v, self._circumference, ufl.dx))
+        dx = cell_measure(self.mesh, self._model, None)
+        form = fem.form(conduction(theta, v, dx.weight, dx.measure))
         matrix = fem.assemble_matrix(form)
         matrix.scatter_reverse()
         self.conduction = matrix.to_scipy()
@@ -83,17 +80,9 @@ class ThermalBody:
         self._theta = la.vector(self.columns)
         self._theta_slope = la.vector(self.columns)
 
-    def _nodal_weights(self, measure: ufl.Measure) -> FloatArray:
-        """Return the integrals of the owned shape functions, times 2πr when axisymmetric."""
-        v = ufl.TestFunction(self.mesh.nodes)
-        form = fem.form(nodal_measure(v, self._circumference, measure))
-        vector = fem.assemble_vector(form)
-        vector.scatter_reverse(la.InsertMode.add)
-        return np.array(vector.array[: self.owned])
-
     def surface_areas(self, surface: str) -> tuple[IntArray, FloatArray]:
         """Return the owned nodes of a surface and the areas they stand for [m²]."""
-        areas = self._nodal_weights(self._surface_measure(self.mesh.surface_tag(surface)))
+        areas = nodal_areas(self.mesh, self._model, surface)
         nodes = self.mesh.surface_nodes(surface)
         nodes = nodes[nodes < self.owned].astype(np.int32)
         return nodes, areas[nodes]

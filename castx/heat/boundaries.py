@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray
-from castx.errors import CaseError
+from castx.case.boundaries import FLUXES, HeatCondition
 from castx.heat.body import ThermalBody
 from castx.input.variation import Variation
 from castx.tables import Table
 from castx.transfer.radiation import emission
-
-Kind = Literal["insulated", "temperature", "flux", "convection", "radiation"]
-
-NEEDED: dict[Kind, tuple[str, ...]] = {
-    "insulated": (),
-    "temperature": ("value",),
-    "flux": ("value",),
-    "convection": ("coefficient", "ambient"),
-    "radiation": ("emissivity", "ambient"),
-}
-FLUXES: tuple[Kind, ...] = ("flux", "convection", "radiation")
-"""Kinds that give a flux; several may act on one surface."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,35 +22,24 @@ class SurfaceHeat:
     Attributes:
         body: name of the body.
         surface: name of the surface.
-        kind: "insulated", "temperature", "flux", "convection" or "radiation".
-        value: over time: the temperature [°C], or the flux into the body [W/m²].
-        coefficient: of the convection, over time or over the temperature of "film" or "surface"
-            [W/m²/K].
-        ambient: temperature of the surroundings over time [°C].
-        emissivity: of the surface over time.
+        condition: what the case says.
         bare: whether the surface has the name of a body, which touched or touches it.
-
-    Raises:
-        CaseError: the kind is unknown, or a number it needs is missing.
     """
 
     body: str
     surface: str
-    kind: Kind
-    value: Table | None = None
-    coefficient: Variation | None = None
-    ambient: Table | None = None
-    emissivity: Table | None = None
+    condition: HeatCondition
     bare: bool = False
 
-    def __post_init__(self) -> None:
-        if self.kind not in NEEDED:
-            raise CaseError(
-                f"{self.name}: no heat condition {self.kind!r}; known are {', '.join(NEEDED)}"
-            )
-        for needed in NEEDED[self.kind]:
-            if getattr(self, needed) is None:
-                raise CaseError(f"{self.name}: the heat condition {self.kind!r} needs {needed!r}")
+    @property
+    def gives_flux(self) -> bool:
+        """Whether the condition gives a flux."""
+        return self.condition.type in FLUXES
+
+    @property
+    def gives_temperature(self) -> bool:
+        """Whether the condition gives the temperature of the surface."""
+        return self.condition.type == "temperature"
 
     @property
     def name(self) -> str:
@@ -144,18 +121,18 @@ class SurfaceRadiation:
         return emissivity * (received - emitted), -emissivity * slope
 
 
-def flux_law(description: SurfaceHeat) -> FluxLaw:
+def flux_law(condition: HeatCondition) -> FluxLaw:
     """Return the law of a condition that gives a flux."""
-    match description.kind:
+    match condition.type:
         case "convection":
-            assert description.coefficient is not None and description.ambient is not None
-            return Convection(description.coefficient, description.ambient)
+            assert condition.coefficient is not None and condition.ambient is not None
+            return Convection(condition.coefficient, condition.ambient)
         case "radiation":
-            assert description.emissivity is not None and description.ambient is not None
-            return SurfaceRadiation(description.emissivity, description.ambient)
+            assert condition.emissivity is not None and condition.ambient is not None
+            return SurfaceRadiation(condition.emissivity, condition.ambient)
         case _:
-            assert description.value is not None
-            return GivenFlux(description.value)
+            assert condition.value is not None
+            return GivenFlux(condition.value)
 
 
 class SurfaceFlux:
@@ -167,10 +144,9 @@ class SurfaceFlux:
     """
 
     def __init__(self, body: ThermalBody, description: SurfaceHeat) -> None:
-        self.name, self.mechanism = description.name, description.kind
         self.body = body
         self.nodes, self.areas = body.surface_areas(description.surface)
-        self.law = flux_law(description)
+        self.law = flux_law(description.condition)
 
     def evaluate(self, start: float, end: float) -> tuple[FloatArray, FloatArray]:
         """Return heat into the nodes over a step [W] and its derivative over temperature [W/K]."""
@@ -187,10 +163,9 @@ class SurfaceTemperature:
     """
 
     def __init__(self, body: ThermalBody, description: SurfaceHeat) -> None:
-        assert description.value is not None
-        self.name, self.mechanism = description.name, description.kind
+        assert description.condition.value is not None
         self.body = body
-        self.value = description.value
+        self.value = description.condition.value
         nodes = body.mesh.surface_nodes(description.surface)
         self.nodes: IntArray = nodes[nodes < body.owned].astype(np.int32)
 

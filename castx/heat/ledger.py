@@ -1,14 +1,108 @@
-"""Book-keeping of heat: what each body holds and what went through each surface and interface."""
+"""Book-keeping of heat: by which ways it enters and leaves bodies, and what each of them holds."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.heat.accounts import Account, Accounts
+from castx.heat.boundaries import SurfaceHeat
+from castx.heat.interface import MECHANISMS
 from castx.stateful import Arrays, Saved
+
+
+@dataclass(frozen=True)
+class Account:
+    """One way by which heat enters or leaves bodies.
+
+    Attributes:
+        energy: names of the totals that count its heat: "mould/outside.heat".
+        power: names of the totals that count its rate: "mould/outside.power".
+        to: the body that the heat enters.
+        origin: the body it comes from; None from outside.
+    """
+
+    energy: tuple[str, ...]
+    power: tuple[str, ...]
+    to: str
+    origin: str | None = None
+
+    @classmethod
+    def through(cls, place: str, mechanism: str, to: str, origin: str | None = None) -> Account:
+        """Return the account of a surface or an interface, or of one mechanism there.
+
+        Args:
+            place: "body/surface" or "secondary/primary".
+            mechanism: its own totals are kept beside those of the place; "": there is only one.
+            to: the body that the heat enters.
+            origin: the body it comes from; None from outside.
+        """
+        energy, power = f"{place}.heat", f"{place}.power"
+        if not mechanism:
+            return cls((energy,), (power,), to, origin)
+        return cls((energy, f"{energy}.{mechanism}"), (power, f"{power}.{mechanism}"), to, origin)
+
+    @classmethod
+    def source(cls, body: str) -> Account:
+        """Return the account of the heat source inside a body."""
+        return cls((f"{body}.source",), (f"{body}.power.source",), body)
+
+    @classmethod
+    def dissipation(cls, body: str) -> Account:
+        """Return the account of the heat that plastic work leaves in a body."""
+        return cls((f"{body}.dissipation",), (f"{body}.power.dissipation",), body)
+
+    @classmethod
+    def renewal(cls, body: str) -> Account:
+        """Return the account of what a new casting brings more than the one it replaces took."""
+        return cls((f"{body}.renewal",), (), body)
+
+
+@dataclass(frozen=True)
+class Accounts:
+    """The accounts of a whole run, of which one stage may use a part.
+
+    Attributes:
+        bodies: all bodies.
+        entries: the accounts, each once.
+    """
+
+    bodies: tuple[str, ...]
+    entries: tuple[Account, ...]
+
+
+def joined_accounts(bodies: Sequence[str], parts: Iterable[Iterable[Account]]) -> Accounts:
+    """Return the accounts of several stages, each once."""
+    found = dict.fromkeys(account for part in parts for account in part)
+    return Accounts(tuple(bodies), tuple(found))
+
+
+def accounts_of(
+    bodies: Sequence[str],
+    surfaces: Sequence[SurfaceHeat],
+    interfaces: Sequence[tuple[str, str]],
+) -> list[Account]:
+    """Return the accounts of a heat problem in the order of its flows.
+
+    Args:
+        bodies: of the problem.
+        surfaces: its heat conditions.
+        interfaces: secondary and primary bodies that exchange heat.
+    """
+    accounts = [Account.source(name) for name in bodies]
+    accounts += [Account.dissipation(name) for name in bodies]
+    ordered = [surface for surface in surfaces if surface.gives_flux]
+    ordered += [surface for surface in surfaces if surface.gives_temperature]
+    places = [surface.place for surface in ordered]
+    for surface in ordered:
+        mechanism = surface.condition.type if places.count(surface.place) > 1 else ""
+        accounts.append(Account.through(surface.place, mechanism, surface.body))
+    for secondary, primary in interfaces:
+        place = f"{secondary}/{primary}"
+        accounts += [Account.through(place, way, primary, secondary) for way in MECHANISMS]
+    return accounts
 
 
 class Ledger:

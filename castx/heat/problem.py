@@ -12,14 +12,12 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.domain.mesh import CastingMesh
 from castx.errors import CaseError, ConvergenceError
-from castx.heat.accounts import Accounts, accounts_of, joined_accounts
 from castx.heat.balance import HeatSystem
 from castx.heat.body import HeatBody, ThermalBody
-from castx.heat.boundaries import FLUXES, SurfaceFlux, SurfaceHeat, SurfaceTemperature
+from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import MECHANISMS, HeatExchange
-from castx.heat.ledger import Ledger
-from castx.heat.newton import adjust_step, converged, jacobian, residual
-from castx.heat.options import PREFIX, default_options
+from castx.heat.ledger import Accounts, Ledger, accounts_of, joined_accounts
+from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.solvers.diagnosis import HEAT
 from castx.solvers.layout import Layout
 from castx.solvers.snes import NonlinearSolver, SolveReport
@@ -42,19 +40,6 @@ class HeatReport:
     iterations: int
     linear_iterations: int
     largest_temperature_change: float
-
-
-@dataclass(frozen=True)
-class Moment:
-    """State at the end of a sub-step.
-
-    Attributes:
-        time: [s].
-        enthalpy: of the owned nodes of each body [J/m³].
-    """
-
-    time: float
-    enthalpy: Mapping[str, FloatArray]
 
 
 class HeatProblem:
@@ -102,8 +87,8 @@ class HeatProblem:
             self._layout,
             self._bodies,
             exchanges,
-            [SurfaceFlux(named[s.body], s) for s in surfaces if s.kind in FLUXES],
-            [SurfaceTemperature(named[s.body], s) for s in surfaces if s.kind == "temperature"],
+            [SurfaceFlux(named[s.body], s) for s in surfaces if s.gives_flux],
+            [SurfaceTemperature(named[s.body], s) for s in surfaces if s.gives_temperature],
         )
         self._solver = NonlinearSolver(
             HEAT,
@@ -229,21 +214,6 @@ class HeatProblem:
             change = np.abs(body.owned_temperature - body.curve.temperature(self._committed[part]))
             largest = max(largest, change[~self._system.driven[part]].max(initial=0.0))
         return max(self._comm.allgather(float(largest)))
-
-    @property
-    def trail(self) -> tuple[Moment, ...]:
-        """States at the ends of the sub-steps of the last trial step."""
-        time, step, substeps = self._tried
-        return tuple(
-            Moment(
-                time + step * k / substeps,
-                {
-                    name: enthalpy[self._layout.local_slice(number)]
-                    for number, name in enumerate(self.temperature)
-                },
-            )
-            for k, enthalpy in enumerate(self._trail, start=1)
-        )
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states at the trial temperatures [W/m²/K].

@@ -17,8 +17,7 @@ from castx.coupling.building import (
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.errors import CaseError
-from castx.heat.building import run_accounts
-from castx.heat.starting import initial_state
+from castx.heat.building import initial_state, run_accounts
 from castx.input.problems import among
 from castx.process.cycles import CycleEnds
 from castx.process.process import Cycling, Process, StageProblem

@@ -32,6 +32,18 @@ FACTORS: Mapping[str, object] = {
 }
 """Sparse LU factorisation (MUMPS) with room for fill-in."""
 
+
+def solves_directly(linear: str, unknowns: int, largest: int) -> bool:
+    """Return whether linear systems are solved by factors.
+
+    Args:
+        linear: "direct", "iterative" or "automatic", by size.
+        unknowns: of all ranks.
+        largest: number of unknowns up to which "automatic" takes factors.
+    """
+    return linear == "direct" or (linear == "automatic" and unknowns <= largest)
+
+
 MOST_CHANGED = 8
 """Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
 

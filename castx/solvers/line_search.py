@@ -48,23 +48,38 @@ def shorten_step(residual: Residual, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNE
         residual(snes, trial, force)
         return float(force.dot(y))
 
-    start, end = float(snes.getFunction()[0].dot(y)), work(1.0)
-    shorten = end * start < 0.0 and abs(end) > ENOUGH * abs(start)
-    if shorten:
-        y.scale(_root(work, start, end))
+    start = float(snes.getFunction()[0].dot(y))
+    # Perfect plasticity has steps of a mechanism, a thousand times too long: not to go at all would
+    # repeat them for ever.
+    part = critical_part(work, start, enough=ENOUGH, precision=1e-2)
+    if part is not None:
+        y.scale(part)
     for vector in (trial, force):
         vector.destroy()
-    return shorten
+    return part is not None
 
 
-def _root(work: Callable[[float], float], start: float, end: float) -> float:
-    known = {0.0: start, 1.0: end}
+def critical_part(
+    work: Callable[[float], float], start: float, *, enough: float, precision: float
+) -> float | None:
+    """Return the part λ of a step at which the work on it vanishes, work(λ) = 0.
+
+    Args:
+        work: of the forces on the step, after a part of it.
+        start: work before the step.
+        enough: part of the first work to which the full step may leave work of the other sign.
+        precision: of λ, relative.
+
+    Returns:
+        λ between 0 and 1; None where the full step leaves little work or none of the other sign.
+    """
+    known = {0.0: start, 1.0: work(1.0)}
+    if known[1.0] * start >= 0.0 or abs(known[1.0]) <= enough * abs(start):
+        return None
 
     def remembered(part: float) -> float:
         if part not in known:
             known[part] = work(part)
         return known[part]
 
-    # Perfect plasticity has steps of a mechanism, a thousand times too long: not to go at all would
-    # repeat them for ever.
-    return float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=1e-2, disp=False))
+    return float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=precision, disp=False))

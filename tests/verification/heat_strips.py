@@ -17,7 +17,7 @@ from castx.heat.problem import HeatProblem
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
-from castx.tables import Table
+from tests.heat_conditions import surface_heat
 from tests.heat_resistance import LAYER
 
 
@@ -49,9 +49,7 @@ def strip(
 
 def wall_at(temperature: float) -> SurfaceHeat:
     """Return the condition of a chilled wall of the casting."""
-    return SurfaceHeat(
-        body="casting", surface="wall", kind="temperature", value=Table.constant(temperature)
-    )
+    return surface_heat("casting/wall", "temperature", value=temperature)
 
 
 def casting_on_mould(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from castx.heat.body import HeatBody
-from castx.heat.boundaries import SurfaceHeat
 from castx.tables import Table
+from tests.heat_conditions import surface_heat
 from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import casting_on_mould, material, profile, strip
 
@@ -33,7 +33,7 @@ def test_flux_and_wall_temperatures(comm, model, cells):
         [HeatBody(name, steel, 20.0) for name in given],
         "law",
         [
-            SurfaceHeat(body=name, surface="far", kind="temperature", value=Table.constant(value))
+            surface_heat(f"{name}/far", "temperature", value=Table.constant(value))
             for name, value in given.items()
         ],
     )

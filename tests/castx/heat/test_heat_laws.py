@@ -12,7 +12,6 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.heat.body import HeatBody
-from castx.heat.boundaries import SurfaceHeat
 from castx.heat.interface import HeatExchange
 from castx.heat.newton import jacobian, residual
 from castx.heat.problem import HeatProblem
@@ -24,6 +23,7 @@ from castx.transfer.conductance import ConstantConductance
 from castx.transfer.pair_state import PairState
 from castx.transfer.patched import PatchedLaw
 from castx.transfer.radiation import STEFAN_BOLTZMANN
+from tests.heat_conditions import surface_heat
 
 ALLOY = {
     "density": 2700.0, "heat_capacity": 1100.0, "conductivity": {"solid": 180.0, "liquid": 90.0},
@@ -52,19 +52,13 @@ def cylinder(comm, size=8e-3):
     return build_mesh(Geometry.model_validate(description), ["casting", "mould"], comm)
 
 
-def constant(value: float) -> Table:
-    return Table.constant(value)
-
-
 SURROUNDINGS = (
-    SurfaceHeat(body="mould", surface="outside", kind="radiation", emissivity=constant(0.8),
-                ambient=constant(30.0)),
-    SurfaceHeat(body="mould", surface="outside", kind="convection", ambient=constant(40.0),
-                coefficient=Variation(Table.from_points([[0, 10], [500, 80]]), "temperature",
-                                      "film")),
-    SurfaceHeat(body="casting", surface="top", kind="convection", ambient=constant(20.0),
-                coefficient=Variation(Table.from_points([[0, 10], [900, 80]]), "temperature",
-                                      "surface")),
+    surface_heat("mould/outside", "radiation", emissivity=0.8, ambient=30.0),
+    surface_heat("mould/outside", "convection", ambient=40.0,
+                 coefficient={"over": "temperature", "table": [[0, 10], [500, 80]]}),
+    surface_heat("casting/top", "convection", ambient=20.0,
+                 coefficient={"over": "temperature", "table": [[0, 10], [900, 80]],
+                              "of": "surface"}),
 )  # fmt: skip
 
 
@@ -255,7 +249,8 @@ def test_linear_solvers_agree_where_a_whole_body_is_felt(comm, linear):
 def test_radiation_to_the_surroundings(comm):
     """A thin shell that only radiates follows ρcV dT/dt = −εσA (T⁴ − T_a⁴), implicit Euler."""
     mesh = cylinder(comm)
-    radiating = replace(SURROUNDINGS[0], ambient=Table.from_points([[0, 30], [100, 400]]))
+    warming = Table.from_points([[0, 30], [100, 400]])
+    radiating = surface_heat("mould/outside", "radiation", emissivity=0.8, ambient=warming)
     heat = problem(mesh, {"law": "none"}, surfaces=[radiating])
     start = heat.totals()["mould.enthalpy"]
     advanced(heat, mesh, [40.0])
@@ -277,10 +272,9 @@ def test_short_bursts_are_not_missed(comm):
     coolant = Table.from_points([[2, 0], [2.001, 400], [3.001, 400], [3.002, 0]])
     mesh = cylinder(comm)
     surfaces = [
-        SurfaceHeat(body="casting", surface="top", kind="flux", value=burst),
-        SurfaceHeat(body="mould", surface="outside", kind="convection",
-                    coefficient=Variation(coolant), ambient=constant(50.0)),
-    ]  # fmt: skip
+        surface_heat("casting/top", "flux", value=burst),
+        surface_heat("mould/outside", "convection", coefficient=coolant, ambient=50.0),
+    ]
     heat = problem(mesh, {"law": "none"}, surfaces=surfaces)
     heat._system.bodies[0].description = replace(
         heat._system.bodies[0].description, heat_source=burst
@@ -298,8 +292,8 @@ def test_short_bursts_are_not_missed(comm):
 def test_coefficient_over_film_or_surface_temperature(comm, of, h):
     mesh = cylinder(comm)
     table = Table.from_points([[0, 40], [500, 110]])
-    condition = replace(SURROUNDINGS[1], coefficient=Variation(table, "temperature", of),
-                        ambient=constant(0.0))  # fmt: skip
+    coefficient = Variation(table, "temperature", of)
+    condition = surface_heat("mould/outside", "convection", coefficient=coefficient, ambient=0.0)
     heat = problem(mesh, {"law": "none"}, surfaces=[condition])
     advanced(heat, mesh, [1e-4])
     area = 2 * np.pi * 0.05 * 0.06

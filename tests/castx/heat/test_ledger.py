@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.heat.accounts import Account, Accounts
-from castx.heat.ledger import Ledger
+from castx.heat.ledger import Account, Accounts, Ledger
 
 pytestmark = pytest.mark.serial
 

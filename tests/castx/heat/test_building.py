@@ -12,7 +12,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError
-from castx.heat.law_building import heat_exchange
+from castx.heat.building import heat_exchange
 from castx.transfer.conductance import Faces
 from castx.transfer.pair_state import PairState
 
