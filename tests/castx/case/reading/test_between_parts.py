@@ -50,8 +50,6 @@ NORTON = {"model": "norton", "coefficient": 1e-8, "exponent": 2, "coherency": 0.
         {"bodies__0__material": "AlCu4.5"},
         {"materials__AlCu4.5": {"extends": "AlCu4.5"}, "bodies__0__material": "AlCu4.5"},
         {**RIGID, "materials__steel__young_modulus": REMOVED},
-        {**RIGID, "interfaces__0__contact": {"method": "rigid"}},
-        {**RIGID, "interfaces__0__contact": {"method": "penalty", "penalty": "2 GPa/mm"}},
     ],
 )
 def test_accepted(changes):
@@ -89,25 +87,6 @@ def test_accepted(changes):
         (
             {"interfaces__0__contact__initial_gap": {"along": "x", "table": [[0, 0], [1, 1]]}},
             'initial_gap.along = "x": coordinates of this model: r, z',
-        ),
-        (
-            {"interfaces__0__contact": {"method": "rigid"}},
-            "needs a rigid primary body; give 'mould' law = ",
-        ),
-        (
-            {"bodies__0__law": "rigid"},
-            'name the bodies the other way round: ["mould", "casting"]',
-        ),
-        ({**RIGID, "bodies__0__law": "rigid"}, 'all bodies are rigid; use "thermal"'),
-        (
-            {**RIGID, "boundaries__0": {"on": "mould/outside", "pressure": 1e5}},
-            "boundaries[0].pressure",
-        ),
-        ({"boundaries__0__on": "mold/outside"}, 'boundaries[0].on = "mold/outside": unknown body'),
-        (
-            {"boundaries__0__on": "mould/outsid"},
-            "[0].on = \"mould/outsid\": no surface 'outsid'; surfaces of 'mould': outside, "
-            'base, top, symmetry-x, symmetry-y, casting (did you mean "outside"?)',
         ),
         (
             {"boundaries__1": {"on": "mould/outside", "heat": {"type": "flux", "value": 1}}},
