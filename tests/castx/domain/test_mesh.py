@@ -201,18 +201,6 @@ def cells_of(mesh):
     return "simplices" if mesh.bodies["mould"].kind.simplex else "quadrilaterals"
 
 
-def test_summary_gives_extent_and_interfaces(quarter):
-    summary = mesh_summary(quarter)
-    assert summary.lowest == pytest.approx((0.0, 0.0, -F))
-    assert summary.highest == pytest.approx((OUT, OUT, H))
-    (interface,) = summary.interfaces
-    assert interface.bodies == CASTING_AND_MOULD
-    assert interface.area == summary.bodies[0].surfaces["mould"]
-    (alone,) = mesh_summary(cylinder(MPI.COMM_SELF, cells=cells_of(quarter))).interfaces
-    assert interface.pairs == alone.pairs
-    assert interface.area == pytest.approx(alone.area, rel=1e-12)
-
-
 def test_surface_nodes_are_all_local_nodes_of_the_surface(quarter):
     for body, surface, holds in (
         ("mould", "outside", lambda x: np.abs(np.hypot(x[:, 0], x[:, 1]) - OUT) < 1e-9),

@@ -12,50 +12,11 @@ from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.patches import pairs_by_patch
-from castx.domain.surface_facets import surface_facets
+from tests.castx.domain.interface_meshes import MESHES, NAMES, box, cup
 from tests.contact_methods import AT_ONCE
-from tests.elastic_bodies import body, elastic, everywhere, generated, heat, problem
+from tests.elastic_bodies import body, elastic, everywhere, heat, problem
 
 SHARP = math.radians(40)
-NAMES = ("casting", "mould")
-
-
-def box(comm, model, cells):
-    sides = [0.04, 0.02, 0.03] if model == "3d" else [0.04, 0.02]
-    return generated(
-        comm, model, "box_in_mould", NAMES, box=sides, wall=0.01, size=0.01, lid=True, cells=cells
-    )
-
-
-def cup(comm, model, **arguments):
-    return generated(
-        comm, model, "cylinder_in_mould", NAMES,
-        radius=0.03, height=0.04, wall=0.01, floor=0.01, size=0.009, **arguments,
-    )  # fmt: skip
-
-
-MESHES = {
-    "box": lambda comm: box(comm, "plane-strain", "simplices"),
-    "box, quadrilaterals": lambda comm: box(comm, "plane-strain", "quadrilaterals"),
-    "box in space": lambda comm: box(comm, "3d", "simplices"),
-    "box in space, hexahedra": lambda comm: box(comm, "3d", "quadrilaterals"),
-    "cup": lambda comm: cup(comm, "axisymmetric"),
-    "cup in space": lambda comm: cup(comm, "3d", sector="quarter"),
-}
-
-
-@pytest.mark.parametrize("name", MESHES)
-def test_facets_have_the_areas_of_assembled_forms(comm, name):
-    mesh = MESHES[name](comm)
-    pairs = node_pairs(mesh, *NAMES)
-    facets = surface_facets(mesh, mesh.bodies["casting"], "mould")
-    count = mesh.bodies["casting"].nodes.dofmap.index_map.size_global
-    areas = np.bincount(facets.nodes.ravel(), facets.areas.ravel(), count)
-    np.testing.assert_allclose(areas[pairs.secondary_nodes], pairs.areas, rtol=1e-10)
-    for k in range(pairs.points.shape[1]):
-        vector = np.bincount(facets.nodes.ravel(), facets.vectors[:, :, k].ravel(), count)
-        found = -vector[pairs.secondary_nodes]
-        np.testing.assert_allclose(found, pairs.area_vectors[:, k], atol=1e-10 * areas.max())
 
 
 @pytest.mark.parametrize("name", MESHES)

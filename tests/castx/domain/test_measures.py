@@ -1,0 +1,113 @@
+"""Volumes, areas and extents of bodies against those of their geometry."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from dolfinx import fem
+
+from castx.domain.measures import (
+    bounding_box,
+    cell_measure,
+    extent,
+    nodal_area_vectors,
+    nodal_areas,
+    nodal_sum,
+    nodal_volumes,
+    surface_measure,
+)
+from castx.errors import MeshError
+from tests.elastic_bodies import generated
+
+R, H, WALL = 0.03, 0.04, 0.01
+VOLUME = {"axisymmetric": pi * R**2 * H, "plane-strain": R * H, "3d": R * H * 0.02}
+MANTLE = {"axisymmetric": 2 * pi * R * H, "plane-strain": H, "3d": H * 0.02}
+models = pytest.mark.parametrize("model", VOLUME)
+both = pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+
+
+def casting(comm, model, cells="simplices"):
+    """Return a body 0 ≤ x ≤ R, 0 ≤ y ≤ H, which is a cylinder when axisymmetric."""
+    if model == "axisymmetric":
+        mesh = generated(
+            comm, model, "cylinder_in_mould", ["casting", "mould"], radius=R, height=H, wall=WALL,
+            size=0.008, cells=cells,
+        )  # fmt: skip
+        return mesh.bodies["casting"], "mould"
+    depth = {"depth": 0.02} if model == "3d" else {}
+    mesh = generated(
+        comm, model, "slab", ["casting"], length=R, width=H, size=0.008, cells=cells, **depth
+    )
+    return mesh.bodies["casting"], "far"
+
+
+@models
+@both
+def test_measures_of_cells_and_surfaces(model, cells, comm):
+    body, side = casting(comm, model, cells)
+    volume = fem.assemble_scalar(fem.form(1.0 * cell_measure(body, model, 2)))
+    assert comm.allreduce(volume) == pytest.approx(VOLUME[model], rel=1e-12)
+    for degree in (2, None):
+        ds = surface_measure(body, model, degree)(body.surface_tag(side))
+        area = fem.assemble_scalar(fem.form(1.0 * ds))
+        assert comm.allreduce(area) == pytest.approx(MANTLE[model], rel=1e-12)
+
+
+@models
+@both
+def test_volumes_of_the_nodes_add_up(model, cells, comm):
+    body, _ = casting(comm, model, cells)
+    volumes = nodal_volumes(body, model)
+    assert len(volumes) == body.nodes.dofmap.index_map.size_local and (volumes > 0).all()
+    assert comm.allreduce(volumes.sum()) == pytest.approx(VOLUME[model], rel=1e-12)
+    # Linear functions are integrated exactly: the centre lies at H/2.
+    moment = comm.allreduce((volumes * body.points[: len(volumes), 1]).sum())
+    assert moment == pytest.approx(VOLUME[model] * H / 2, rel=1e-12)
+
+
+@models
+@both
+@pytest.mark.parametrize("degree", [2, None])
+def test_areas_and_area_vectors_of_the_nodes(model, cells, degree, comm):
+    body, side = casting(comm, model, cells)
+    owned = body.nodes.dofmap.index_map.size_local
+    areas = nodal_areas(body, model, side, degree)
+    vectors = nodal_area_vectors(body, model, side, degree)
+    assert vectors.shape == (len(body.points), body.mesh.geometry.dim)
+    assert comm.allreduce(areas[:owned].sum()) == pytest.approx(MANTLE[model], rel=1e-12)
+    elsewhere = np.abs(body.points[:, 0] - R) > 1e-9
+    assert np.abs(areas[elsewhere]).max(initial=0.0) < 1e-18
+    # The side is plane or a cylinder whose normal is x: vectors are areas along x, ghosts too.
+    np.testing.assert_allclose(vectors[:, 0], areas, atol=1e-12 * MANTLE[model])
+    np.testing.assert_allclose(vectors[:, 1:], 0.0, atol=1e-12 * MANTLE[model])
+
+
+def test_unknown_surfaces_are_refused(comm):
+    body, _ = casting(comm, "plane-strain")
+    for measured in (nodal_areas, nodal_area_vectors):
+        with pytest.raises(MeshError, match="body 'casting' has no surface 'side'"):
+            measured(body, "plane-strain", "side")
+
+
+def test_a_nodal_sum_counts_every_rank_that_has_the_node(comm):
+    body, _ = casting(comm, "plane-strain")
+    sums = nodal_sum(body, np.ones(len(body.points)))
+    numbers = comm.allgather(body.original_nodes)
+    counts = np.bincount(np.concatenate(numbers))
+    np.testing.assert_array_equal(sums, counts[body.original_nodes])
+
+
+def test_boxes_enclose_the_points_of_all_ranks(comm):
+    points = np.array([[comm.rank, -2.0 * comm.rank]])
+    if comm.rank == 1:
+        points = np.empty((0, 2))
+    low, high = bounding_box(points, comm)
+    others = [rank for rank in range(comm.size) if rank != 1]
+    np.testing.assert_array_equal(low, [0.0, -2.0 * others[-1]])
+    np.testing.assert_array_equal(high, [others[-1], 0.0])
+
+
+@models
+def test_the_extent_is_the_longest_edge(model, comm):
+    body, _ = casting(comm, model)
+    assert extent(body.mesh) == pytest.approx(max(R, H))
