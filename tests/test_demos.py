@@ -7,8 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jupytext
-import nbclient
 import numpy as np
 import pytest
 
@@ -17,6 +15,7 @@ from castx.command.run import run
 from castx.report.report import write_report
 from castx.results.files.series import read_series
 from castx.transfer.registry import gap_heat_laws
+from docs.generator.notebooks import execute
 
 DEMOS = Path(__file__).parents[1] / "demos"
 pytestmark = pytest.mark.serial
@@ -106,11 +105,7 @@ def test_a_cover_that_does_not_burn_feeds_less(feeder):
 
 def executed(name):
     """Return the outputs of a notebook and what it printed."""
-    notebook = jupytext.read(DEMOS / name)
-    client = nbclient.NotebookClient(
-        notebook, timeout=500, kernel_name="python3", resources={"metadata": {"path": str(DEMOS)}}
-    )
-    client.execute()
+    notebook = execute(name)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     text = "".join(output.get("text", "") for output in outputs)
     pictures = sum("image/png" in output.get("data", {}) for output in outputs)

@@ -14,6 +14,8 @@ from castx.arrays import FloatArray
 class AugmentedMultipliers:
     """Pressures that take over what the penalty carries, so that the penetration shrinks.
 
+    λ ← ⟨λ - ε g⟩ (Chiumenti, section 7.2, with tension left out).
+
     Args:
         comm: communicator of the pairs.
         rows: number of rows of all interfaces on this rank.

@@ -16,6 +16,8 @@ from castx.stateful import Arrays, Saved
 class Dissipation:
     """Nodal powers that the heat problem takes from the mechanics, committed and trial.
 
+    D = χ s:ε̇_vp [W/m³], χ the share of plastic work that becomes heat.
+
     The heat of a pass feels the plastic work that the pass before has found, that of the first
     pass in a step what the last step had.
 

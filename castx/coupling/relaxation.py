@@ -18,6 +18,8 @@ LEAST_SHARE = 0.1
 class Relaxation:
     """Aitken's dynamic relaxation of a fixed-point iteration (Küttler and Wall 2008).
 
+    x + ω r with r = found − tried and ω ← −ω r_old·(r − r_old)/‖r − r_old‖², within bounds.
+
     Args:
         comm: ranks over which the iterates are spread.
     """

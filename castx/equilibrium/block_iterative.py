@@ -25,6 +25,9 @@ from castx.solvers.layout import Layout
 class BlockIteration:
     """Sweeps over blocks until the forces balance, or as often as is allowed.
 
+    A_b du_b = -r_b for one block b after the other, r_b at the present state of all others
+    (Chiumenti, section 7.3, iterative solution of the arrow-shaped system).
+
     Args:
         newton: solves for one block, of which it knows as many as there are.
         blocks: number of blocks.

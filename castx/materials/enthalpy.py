@@ -111,6 +111,8 @@ def enthalpy_curve(
 ) -> EnthalpyCurve:
     """Build the curve of a material; without solidus, liquidus and law it never melts.
 
+    H(T) = ∫ρ c dT + ρ L (1 − f_s), the integral from 0 °C.
+
     Args:
         density: reference density [kg/m³].
         heat_capacity: per mass [J/kg/K], positive.

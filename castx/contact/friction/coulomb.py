@@ -29,7 +29,7 @@ def turned(vectors: FloatArray, before: FloatArray) -> FloatArray:
 
 
 class SlidingRows:
-    """The directions along the surface of the rows that have friction.
+    """The directions along the surface of the rows that have friction, ‖t‖ ≤ μ p.
 
     Attributes:
         rows: numbers of these rows among all, shape (n,).

@@ -21,6 +21,8 @@ MOST_FORGOTTEN = 20
 class ActiveSet:
     """The closed pairs of all interfaces on this rank.
 
+    They follow from g ≥ 0, p_c ≥ 0, g p_c = 0 (Chiumenti, section 7.1, Kuhn–Tucker conditions).
+
     Attributes:
         closed: closed pairs, shape (pairs,).
         frozen: pairs that do not change until the end of the step, shape (pairs,).

@@ -20,6 +20,8 @@ from castx.solvers.layout import Layout
 class Gaps:
     """The rows of all interfaces, one after the other, on the owners of their secondary nodes.
 
+    g = g0 + n·(u_secondary − u_primary) (Chiumenti, section 7.1, positive when open).
+
     Attributes:
         at_rest: gaps without displacement of any body [m], shape (rows,).
         initial: gaps without displacement of deformable bodies [m], shape (rows,).

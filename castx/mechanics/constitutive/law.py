@@ -229,6 +229,9 @@ class Response(NamedTuple):
 def respond(conditions: Conditions, start: History, strain: FloatArray) -> Response:
     """Return the response to deviatoric strains at the end of the step, shape (points, components).
 
+    Liquid: s = 2 (η/Δt) (e - e_n). Solid: s = 2 G (e - e_birth - e_vp), by `return_mapping` if it
+    flows. Between coherency and full solidity s = w s_solid + (1 - w) s_liquid.
+
     Raises:
         ConvergenceError: the flow rule of a point cannot be solved.
     """

@@ -1,0 +1,1 @@
+"""What turns the code, the registries and the notebooks into pages of the documentation."""

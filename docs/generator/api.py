@@ -1,0 +1,73 @@
+"""Pages of the interface of castx: one for each room, from the docstrings."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from docs.generator.docstrings import restructured
+from docs.generator.rooms import (
+    PROJECT,
+    documented_objects,
+    face,
+    introduction,
+    module_files,
+    rooms,
+)
+
+PAGES = PROJECT / "docs" / "api"
+
+
+def room_page(room: str) -> str:
+    """Return the page of a room: what it holds, then its modules with their public objects."""
+    text, _ = introduction(PROJECT / "castx" / room)
+    name = "castx." + room.replace("/", ".")
+    parts = [_title(name, "="), restructured(text)]
+    parts += [_module_part(f"{name}.{path.stem}", path) for path in module_files(room)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _ground_page() -> str:
+    paths = sorted((PROJECT / "castx").glob("[!_]*.py"))
+    text, _ = introduction(PROJECT / "castx")
+    rows = [f"* ``castx.{name}``: :py:obj:`~{module}.{name}`" for name, module in face()]
+    parts = [_title("castx", "="), restructured(text), "Public objects:", "\n".join(rows)]
+    parts += [_module_part(f"castx.{path.stem}", path) for path in paths]
+    return "\n\n".join(parts) + "\n"
+
+
+def _module_part(module: str, path: Path) -> str:
+    text = ast.get_docstring(ast.parse(path.read_text())) or ""
+    parts = [_title(module, "-"), restructured(text)]
+    for name, node in documented_objects(path):
+        kind = "data"
+        if isinstance(node, ast.ClassDef):
+            kind = "exception" if name.endswith(("Error", "Interrupted", "Refusal")) else "class"
+        elif isinstance(node, ast.FunctionDef):
+            kind = "function"
+        members = "\n   :members:" if kind == "class" else ""
+        parts.append(f".. auto{kind}:: {module}.{name}{members}")
+    return "\n\n".join(parts)
+
+
+def _title(text: str, line: str) -> str:
+    return f"{text}\n{line * len(text)}"
+
+
+def write_pages() -> None:
+    """Write the pages of all rooms and their list; files that stay the same are left alone."""
+    PAGES.mkdir(exist_ok=True)
+    pages = {"castx": _ground_page()}
+    pages |= {room.replace("/", "."): room_page(room) for room in rooms()}
+    rows = "\n".join(f"   {name}" for name in pages)
+    pages["index"] = (
+        f"{_title('Interface', '=')}\n\nThe rooms of castx from the ground up; each imports only"
+        f" from rooms above it in this list.\n\n.. toctree::\n   :maxdepth: 1\n\n{rows}\n"
+    )
+    for name, text in pages.items():
+        path = PAGES / f"{name}.rst"
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)
+    for path in PAGES.glob("*.rst"):
+        if path.stem not in pages:
+            path.unlink()

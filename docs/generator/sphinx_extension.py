@@ -1,0 +1,56 @@
+"""What castx adds to Sphinx: docstrings are plain text, and names of files are links."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from docutils import nodes
+from pydantic import BaseModel
+from sphinx.application import Sphinx
+from sphinx.util.nodes import make_refnode
+
+from docs.generator.docstrings import restructured_lines
+
+PLACE = re.compile(r"((?:castx|forms|meshes)/[\w/]+)\.py:([\w.]+)")
+_BEFORE_NAPOLEON = 400
+
+
+def escape_docstring(
+    app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]
+) -> None:
+    """Turn the plain text of a docstring into reStructuredText."""
+    lines[:] = restructured_lines(lines)
+
+
+def hide_signature(
+    app: Sphinx, what: str, name: str, obj: object, options: object, signature: str, result: str
+) -> tuple[str, str | None] | None:
+    """Leave out the signatures of case-file descriptions: their keys are listed below."""
+    if isinstance(obj, type) and issubclass(obj, BaseModel):
+        return "", None
+    return None
+
+
+def link_places(app: Sphinx, tree: nodes.document, page: str) -> None:
+    """Let texts such as `forms/momentum.py:traction_work` link to the docstring of the object."""
+    objects: Any = app.env.get_domain("py").objects  # type: ignore[attr-defined]
+    for literal in list(tree.findall(nodes.literal)):
+        place = PLACE.fullmatch(literal.astext())
+        if place is None:
+            continue
+        module = place[1].replace("/", ".")
+        name = f"{module if module.startswith('castx') else 'castx.' + module}.{place[2]}"
+        if name in objects:
+            target = objects[name]
+            literal.replace_self(
+                make_refnode(app.builder, page, target.docname, target.node_id, literal.deepcopy())
+            )
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Connect the functions of this module."""
+    app.connect("autodoc-process-docstring", escape_docstring, _BEFORE_NAPOLEON)
+    app.connect("autodoc-process-signature", hide_signature)
+    app.connect("doctree-resolved", link_places)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,163 @@
+"""Tables of the manual that follow from the registries and the database.
+
+A table stands in a page between `<!-- table: NAME -->` and `<!-- end of table -->`. Run
+`python3 -m docs.generator.tables` to write all of them anew; `tests/test_docs.py` compares them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from castx.contact.methods.registry import method_table
+from castx.materials.database import database_entry, database_names
+from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES, RuleRow, rule_table
+from castx.transfer.registry import law_table
+
+PROJECT = Path(__file__).parents[2]
+_MARKED = re.compile(r"(<!-- table: ([\w ]+) -->\n).*?(<!-- end of table -->)", re.S)
+
+
+def contact_methods() -> str:
+    """Return the table of all contact methods."""
+    rows = [
+        (f"`{row.name}`", row.summary.rstrip("."), _names(row.keys), row.advice)
+        for row in method_table()
+    ]
+    return _table(("`method`", "closed pairs", "keys", "use it"), rows)
+
+
+def contact_method_equations() -> str:
+    """Return the formulas of all contact methods and where they stand."""
+    return _equations(method_table(), "castx/contact/methods")
+
+
+def heat_laws() -> str:
+    """Return the table of all gap heat laws."""
+    rows = [
+        (f"`{row.name}`", f"{row.formula}<br>{row.summary}", row.needed or "–", row.useful or "–")
+        for row in law_table()
+    ]
+    return _table(("`law`", "h [W/m²/K]", "keys that it needs", "keys that it may use"), rows)
+
+
+def heat_law_equations() -> str:
+    """Return the formulas of all gap heat laws and where they stand."""
+    return _equations(law_table(), "castx/transfer/laws")
+
+
+class _Row(Protocol):
+    """A row of a registry."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def formula(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+
+
+def _equations(rows: Iterable[_Row], folder: str) -> str:
+    return _table(
+        ("name", "formula", "source", "where"),
+        (
+            (f"`{row.name}`", row.formula, row.source, f"`{folder}/{_file(row.name)}.py`")
+            for row in rows
+        ),
+    )
+
+
+def _file(name: str) -> str:
+    return name.replace("-", "_")
+
+
+def flow_rules() -> str:
+    """Return the table of all flow rules."""
+    return _rules(rule_table(iter(FLOW_RULES.values())), "`law` of the material", "rate of ξ")
+
+
+def hardening_rules() -> str:
+    """Return the table of all hardening rules."""
+    return _rules(rule_table(iter(HARDENING_RULES)), "rule", "hardening")
+
+
+def flow_rule_equations() -> str:
+    """Return the formulas of all flow rules and where they stand."""
+    return _equations(rule_table(iter(FLOW_RULES.values())), "castx/materials/flow_rules")
+
+
+def hardening_rule_equations() -> str:
+    """Return the formulas of all hardening rules and where they stand."""
+    return _equations(rule_table(iter(HARDENING_RULES)), "castx/materials/hardening")
+
+
+def _rules(rows: Iterable[RuleRow], first: str, what: str) -> str:
+    return _table(
+        (first, what, "keys"),
+        (
+            (f"`{row.name}`", f"{row.formula}<br>{row.summary}", ", ".join(row.keys))
+            for row in rows
+        ),
+    )
+
+
+def materials() -> str:
+    """Return the table of the materials of the database, by class."""
+    entries = {name: database_entry(name) for name in database_names()}
+    names = sorted(entries, key=lambda name: (entries[name].material_class, name))
+    rows = [(f"`{name}`", entries[name].material_class, entries[name].summary) for name in names]
+    return _table(("material", "class", "what it is"), rows)
+
+
+def _names(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names) or "–"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join("| " + " | ".join(_cell(text) for text in line) + " |\n" for line in lines)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "contact methods": contact_methods,
+    "contact method equations": contact_method_equations,
+    "heat laws": heat_laws,
+    "heat law equations": heat_law_equations,
+    "flow rules": flow_rules,
+    "flow rule equations": flow_rule_equations,
+    "hardening rules": hardening_rules,
+    "hardening rule equations": hardening_rule_equations,
+    "materials": materials,
+}
+
+
+def with_tables(text: str) -> str:
+    """Return a page with its tables written anew.
+
+    Raises:
+        KeyError: there is no table of a name.
+    """
+    return _MARKED.sub(lambda found: f"{found[1]}{TABLES[found[2]]()}{found[3]}", text)
+
+
+def pages() -> list[Path]:
+    """Return the pages that may hold tables."""
+    return sorted((PROJECT / "docs").glob("*.md")) + sorted((PROJECT / "docs/manual").glob("*.md"))
+
+
+def write_tables() -> None:
+    """Write all tables anew in their pages."""
+    for path in pages():
+        text = path.read_text()
+        if (fresh := with_tables(text)) != text:
+            path.write_text(fresh)
+
+
+if __name__ == "__main__":
+    write_tables()

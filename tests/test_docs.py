@@ -1,0 +1,144 @@
+"""The documentation says what the code does: places, formulas, tables, keys and links are right."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from castx.case.case import Case
+from castx.contact.methods.registry import METHODS
+from castx.input.entries import Description
+from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES
+from castx.transfer.registry import gap_heat_laws
+from docs.generator.rooms import rooms
+from docs.generator.tables import pages, with_tables
+from tests.test_architecture import ORDER
+
+pytestmark = pytest.mark.serial
+
+PROJECT = Path(__file__).parents[1]
+DOCS = PROJECT / "docs"
+WRITTEN = [
+    *(PROJECT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")),
+    *pages(),
+]
+LONGEST_README = 130
+ROW = re.compile(r"^\|[^|\n]*\|([^|\n]*)\| `([\w/]+\.py):?([\w.]*)` \|$", re.M)
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[\w-]*)?\)")
+PLACE = re.compile(
+    r"`((?:castx|forms|meshes|tests|demos|bench|bin|docs)/[\w/.-]*\.\w+)(?::[\w.]+)?`"
+)
+GENERATED = re.compile(r"(\.\./)?(notebooks|api)/")
+
+
+def squeezed(text: str) -> str:
+    return "".join(text.split())
+
+
+def docstring(path: Path, name: str) -> str:
+    """Return the docstring of a class, function or method, without a name that of the file."""
+    node: ast.AST = ast.parse(path.read_text())
+    for part in name.split(".") if name else ():
+        found = [
+            child
+            for child in getattr(node, "body", [])
+            if isinstance(child, ast.ClassDef | ast.FunctionDef) and child.name == part
+        ]
+        if not found:
+            return ""
+        node = found[0]
+    return ast.get_docstring(node) or ""  # type: ignore[arg-type]
+
+
+def equation_rows() -> list[tuple[str, str, str]]:
+    text = (DOCS / "equations.md").read_text()
+    return [(formula.strip(), file, name) for formula, file, name in ROW.findall(text)]
+
+
+def test_there_are_equations_of_every_section():
+    text = (DOCS / "equations.md").read_text()
+    assert len(equation_rows()) >= 45
+    for section in ("2.1", "2.2", "2.3", "4", "5", "7", "8", "9.1", "9.2", "9.3"):
+        assert re.search(rf"^## .*\b{re.escape(section)}\b", text, re.M), section
+
+
+@pytest.mark.parametrize(("formula", "file", "name"), equation_rows())
+def test_equations_stand_where_the_page_says(formula, file, name):
+    path = PROJECT / file
+    assert path.is_file(), f"docs/equations.md: there is no {file}"
+    text = docstring(path, name)
+    assert text, f"docs/equations.md: {file} has no {name} with a docstring"
+    assert squeezed(formula) in squeezed(text), f"the docstring of {name} in {file} lacks {formula}"
+
+
+def registered() -> list[str]:
+    return [*METHODS, *gap_heat_laws(), *FLOW_RULES, *(rule.name for rule in HARDENING_RULES)]
+
+
+@pytest.mark.parametrize("page", ["equations.md", "manual"])
+@pytest.mark.parametrize("name", registered())
+def test_everything_registered_is_in_the_documentation(page, name):
+    place = DOCS / page
+    files = [place] if place.is_file() else sorted(place.glob("*.md"))
+    text = "".join(path.read_text() for path in files)
+    assert f"`{name}`" in text, (
+        f"docs/{page} lacks {name!r}: run bin/with-fenicsx python3 -m docs.generator.tables"
+    )
+
+
+@pytest.mark.parametrize("path", pages(), ids=lambda path: path.name)
+def test_tables_follow_from_the_registries(path):
+    text = path.read_text()
+    assert with_tables(text) == text, "run bin/with-fenicsx python3 -m docs.generator.tables"
+
+
+def case_file_keys(model: type[Description]) -> set[str]:
+    """Return the keys of a description and of all descriptions in it."""
+    found: set[str] = set()
+    waiting: list[object] = [model]
+    seen: set[object] = set()
+    while waiting:
+        item = waiting.pop()
+        if item in seen:
+            continue
+        seen.add(item)
+        waiting += getattr(item, "__args__", ())
+        if isinstance(item, type) and issubclass(item, Description):
+            found |= set(item.model_fields)
+            waiting += [field.annotation for field in item.model_fields.values()]
+    return found
+
+
+def test_the_manual_has_every_key_of_the_case_file():
+    text = "".join(path.read_text() for path in (DOCS / "manual").glob("*.md"))
+    keys = case_file_keys(Case) - {"arguments", "parts"}
+    assert len(keys) > 90
+    assert not sorted(key for key in keys if not re.search(rf"\b{key}\b", text))
+
+
+def test_the_readme_is_short():
+    assert len((PROJECT / "README.md").read_text().splitlines()) <= LONGEST_README
+
+
+def test_architecture_has_the_rooms_in_their_order():
+    order = [room for names in ORDER[1:-1] for room in names.split()]
+    assert rooms() == [room for room in order if (PROJECT / "castx" / room).is_dir()]
+    text = (PROJECT / "ARCHITECTURE.md").read_text()
+    assert [name for name in ORDER[0].split() if f"`{name}`" not in text] == []
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=lambda path: path.name)
+def test_files_that_are_named_exist(path):
+    named = set(PLACE.findall(path.read_text()))
+    named = {name for name in named if "NAME" not in name}
+    assert not sorted(name for name in named if not (PROJECT / name).exists())
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=lambda path: path.name)
+def test_links_lead_somewhere(path):
+    links = [link for link in LINK.findall(path.read_text()) if "://" not in link]
+    links = [link for link in links if not GENERATED.match(link)]
+    assert not [link for link in links if not (path.parent / link).exists()]
