@@ -25,3 +25,7 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, problem: str = "") -> None:
         super().__init__(message)
         self.problem = problem
+
+
+class Interrupted(KeyboardInterrupt):
+    """All ranks stop together between two tries; the state of the last accepted step is whole."""

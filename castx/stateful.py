@@ -28,11 +28,13 @@ class Numbering:
         name: of the kind of entity, such as "nodes of casting"; equal on all ranks.
         numbers: of the local entities, the owned ones first, shape (entities,).
         owned: how many of them this rank owns.
+    bodies: names of the bodies to which they belong, two for pairs.
     """
 
     name: str
     numbers: LongArray
     owned: int
+    bodies: tuple[str, ...]
 
 
 MOST_AT_NODE = 64
@@ -48,14 +50,15 @@ def occurrence(values: npt.NDArray[Any]) -> LongArray:
     return count
 
 
-def numbered_at_nodes(name: str, nodes: LongArray) -> Numbering:
+def numbered_at_nodes(name: str, nodes: LongArray, bodies: tuple[str, ...]) -> Numbering:
     """Return a numbering of owned entities of which several may stand at one node.
 
     Args:
         name: of the kind of entity.
         nodes: number of the node of each entity, fewer than `MOST_AT_NODE` at one, (entities,).
+        bodies: names of the bodies to which the entities belong.
     """
-    return Numbering(name, nodes * MOST_AT_NODE + occurrence(nodes), len(nodes))
+    return Numbering(name, nodes * MOST_AT_NODE + occurrence(nodes), len(nodes), bodies)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +68,21 @@ class Saved:
     Attributes:
         values: rows of the owned entities, rows of ghosts may follow; without a numbering an array
             that is equal on all ranks.
-        numbering: entities of the rows; None: the array belongs to the whole run.
+        numbering: entities of the rows; None: the array has none.
+        bodies: names of the bodies to which an array without entities belongs; none: it belongs to
+            the whole run.
+        of_cycle: whether it starts anew with every cycle, as the time within it does.
     """
 
     values: Array
     numbering: Numbering | None = None
+    bodies: tuple[str, ...] = ()
+    of_cycle: bool = False
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """Names of the bodies to which the array belongs; none: the whole run."""
+        return self.bodies if self.numbering is None else self.numbering.bodies
 
 
 class Stateful(Protocol):
@@ -106,6 +119,6 @@ def restore_parts(parts: Mapping[str, Stateful], arrays: Arrays) -> None:
         part.restore(part_of(arrays, name))
 
 
-def number(value: float) -> Saved:
-    """Return a saved number of the whole run."""
-    return Saved(np.array(value))
+def number(value: float, *, bodies: tuple[str, ...] = (), of_cycle: bool = False) -> Saved:
+    """Return a saved number; the other arguments are the attributes of `Saved`."""
+    return Saved(np.array(value), bodies=bodies, of_cycle=of_cycle)

@@ -12,9 +12,8 @@ from typing import Any, Self
 from castx.case.case import Case
 from castx.case.reading.changes import refuse_changes
 from castx.checkpoint.file import Checkpoint
-from castx.command.interruption import Interrupted
 from castx.environment import versions
-from castx.errors import CaseError, ConvergenceError
+from castx.errors import CaseError, ConvergenceError, Interrupted
 from castx.process.simulation import Simulation
 from castx.results.files.folder import record_of
 from castx.results.writing import ResultsWriter

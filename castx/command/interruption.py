@@ -13,6 +13,8 @@ from typing import Any, Self
 
 from mpi4py import MPI
 
+from castx.errors import Interrupted
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """SIGHUP comes when a terminal is closed; SIGUSR1 is what mpirun hands on without killing its ranks
 and what queues send some time before their end."""
@@ -22,10 +24,6 @@ REMEMBERED = 5
 """Tries from which the time of the next one is estimated."""
 
 log = logging.getLogger(__name__)
-
-
-class Interrupted(KeyboardInterrupt):
-    """All ranks stop together between two tries; the state of the last accepted step is whole."""
 
 
 class Interruption:

@@ -11,7 +11,6 @@ from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.between_parts import starts_solid
-from castx.case.stages import Schedule
 from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.interface import CoupledInterface
@@ -36,24 +35,8 @@ from castx.materials.material import Material
 from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
-from castx.process.step_control import StepSettings
 from castx.tables import Table
 from castx.transfer.conductance import ConductionLaw
-
-
-def step_settings(case: Case) -> StepSettings:
-    """Return what the case asks of the steps; they land on stages and output times."""
-    time, schedule = case.time, Schedule(case.stages, case.time.end)
-    return StepSettings(
-        schedule.end,
-        time.first_step,
-        time.largest_step,
-        time.smallest_step,
-        time.temperature_change,
-        time.fixed_step,
-        case.output.every,
-        schedule.stops,
-    )
 
 
 def build_problem(

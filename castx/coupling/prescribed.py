@@ -102,7 +102,7 @@ class PrescribedTemperatures:
 
     def saved(self) -> dict[str, Saved]:
         """Return the time of the present temperatures [s]."""
-        return {"time": number(self._time)}
+        return {"time": number(self._time, of_cycle=True)}
 
     def restore(self, arrays: Arrays) -> None:
         """Take back the time of the present temperatures."""

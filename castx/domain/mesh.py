@@ -66,13 +66,13 @@ class BodyMesh:
     def node_numbering(self) -> Numbering:
         """The local nodes by their numbers in the mesh before it was distributed."""
         owned = self.nodes.dofmap.index_map.size_local
-        return Numbering(f"nodes of {self.name}", self.original_nodes, owned)
+        return Numbering(f"nodes of {self.name}", self.original_nodes, owned, (self.name,))
 
     @property
     def cell_numbering(self) -> Numbering:
         """The local cells by their numbers in the mesh before it was distributed."""
         owned = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
-        return Numbering(f"cells of {self.name}", self.original_cells, owned)
+        return Numbering(f"cells of {self.name}", self.original_cells, owned, (self.name,))
 
     @property
     def points(self) -> FloatArray:

@@ -45,7 +45,7 @@ class MechanicalMemory:
         parts = {name: saved_parts(body.stateful_parts()) for name, body in self._bodies.items()}
         motion = self._motions(self._equilibrium.committed)
         anchor = self._motions(self._balance.anchor)
-        return {"time": number(self._balance.committed_time)} | joined(
+        return {"time": number(self._balance.committed_time, of_cycle=True)} | joined(
             {"motion": motion, "anchor": anchor, "bodies": joined(parts), "rows": self._rows()}
         )
 

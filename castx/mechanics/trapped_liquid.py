@@ -124,7 +124,7 @@ class Pockets:
         """Return the committed state of trapped liquid and the volume it lacks."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
         return {
-            "volume": number(self.volume),
+            "volume": number(self.volume, bodies=(self._body.name,)),
             "trapped": Saved(self._was_trapped, cells),
             "dilatation": Saved(self._last_dilatation, cells),
             "born": Saved(self._born, cells),

@@ -22,6 +22,7 @@ from castx.input.problems import among
 from castx.process.cycles import CycleEnds
 from castx.process.process import Cycling, Process, StageProblem
 from castx.process.stage_case import stage_case
+from castx.process.step_control import StepSettings
 from castx.transfer.conductance import ConductionLaw
 
 _log = logging.getLogger(__name__)
@@ -108,3 +109,18 @@ def process_of(
     kept = [body.name for body in case.bodies if body.name not in last.renew]
     cycling = Cycling(CycleEnds(mesh, kept), last.renew, last.periodic)
     return Process(schedule, builder, ejected, cycling)
+
+
+def step_settings(case: Case) -> StepSettings:
+    """Return what the case asks of the steps; they land on stages and output times."""
+    time, schedule = case.time, Schedule(case.stages, case.time.end)
+    return StepSettings(
+        schedule.end,
+        time.first_step,
+        time.largest_step,
+        time.smallest_step,
+        time.temperature_change,
+        time.fixed_step,
+        case.output.every,
+        schedule.stops,
+    )

@@ -1,4 +1,4 @@
-"""What of a saved state belongs to which bodies, when the next stage takes it over."""
+"""Handover from one stage to the next: the saved arrays and totals that go on."""
 
 from __future__ import annotations
 
@@ -6,39 +6,29 @@ from collections.abc import Collection, Mapping
 
 from castx.stateful import Saved
 
-OF_BODIES = (
-    "heat/enthalpy/", "dissipation/", "mechanics/motion/", "mechanics/anchor/", "mechanics/bodies/",
-)  # fmt: skip
-OF_INTERFACES = ("interfaces/", "mechanics/rows/")
-CLOCKS = ("heat/time", "mechanics/time")
-"""Times within the cycle."""
-
-
-def owners(name: str) -> tuple[str, ...]:
-    """Return the bodies to which an array of a coupled problem belongs; none: to all together."""
-    for start in OF_BODIES:
-        if name.startswith(start):
-            return (name.removeprefix(start).split("/")[0],)
-    for start in OF_INTERFACES:
-        parts = name.removeprefix(start).split("/")
-        if name.startswith(start) and len(parts) > 2:
-            return tuple(parts[:2])
-    return ()
-
 
 def without(state: Mapping[str, Saved], bodies: Collection[str]) -> dict[str, Saved]:
-    """Return what of a state belongs neither to some bodies nor to the time in the cycle."""
+    """Return the arrays of a state that belong neither to some bodies nor to the cycle that ends.
+
+    Args:
+        state: saved arrays by name.
+        bodies: names of the bodies that are renewed.
+    """
     return {
         name: saved
         for name, saved in state.items()
-        if set(owners(name)).isdisjoint(bodies) and name not in CLOCKS
+        if set(saved.owners).isdisjoint(bodies) and not saved.of_cycle
     }
 
 
 def left_total(name: str, value: float) -> float:
-    """Return a total once its body or interface is gone.
+    """Return a total of a body or interface that is removed.
 
-    Amounts keep their last value, forces and powers are zero, and a gap is not a number.
+    Amounts keep their last value, forces and powers are zero, and gaps are NaN.
+
+    Args:
+        name: column of the total.
+        value: its last value.
     """
     quantity = name.partition(".")[2].partition(".")[0]
     if quantity in ("mean_gap", "max_gap"):

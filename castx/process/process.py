@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import gc
-import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from castx.case.stages import SLACK, Phase, Schedule
@@ -14,16 +13,12 @@ from castx.coupling.step import CoupledProblem
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.errors import CaseError
-from castx.process.cycles import CycleEnds, distance_from_periodic
-from castx.process.ejection import normal_force
+from castx.process.cycles import CycleEnds
+from castx.process.ejection import ejection_forces
+from castx.process.events import Events
 from castx.process.handover import left_total, without
 from castx.results.snapshot import ProcessState
 from castx.stateful import Arrays, Saved, joined, part_of
-
-_log = logging.getLogger(__name__)
-
-SOLID = 1.0 - 1e-6
-"""Solid fraction from which a body counts as solid."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +82,7 @@ class Process:
         self._number = 0
         self._aside: dict[str, Saved] = {}
         self._renewed: frozenset[str] = frozenset()
-        self._events: list[dict[str, Any]] = []
+        self._events = Events()
 
     @property
     def phase(self) -> Phase:
@@ -110,7 +105,7 @@ class Process:
             cycle=phase.cycle,
             cycle_start=phase.cycle_start,
             renewed=self._renewed,
-            events=tuple(self._events),
+            events=tuple(self._events.known),
             staged=len(self.schedule.phases) > 1,
         )
 
@@ -131,12 +126,16 @@ class Process:
         if self._cycling is not None and self.schedule.phases[number].cycle != self.phase.cycle:
             self._renewed = frozenset(self._cycling.renewed)
             known = without(known, self._renewed)
-        forces = self._ejection_forces(self.schedule.phases[number].stage)
+        drawn = self._ejected[self.schedule.phases[number].stage]
+        forces = ejection_forces(self.now.problem, drawn)
         self._begin(number)
         self._take_over(known)
         removed = [name for name in before if name not in self.now.mesh.bodies]
         solid = {name: last.get(f"{name}.solid_fraction", 1.0) for name in removed}
-        self._announce(time, solid, forces)
+        self._events.note_stage(
+            time, self.phase, list(self.now.mesh.bodies),
+            removed=solid, renewed=sorted(self._renewed), forces=forces,
+        )  # fmt: skip
         return True
 
     def _begin(self, number: int) -> None:
@@ -152,53 +151,6 @@ class Process:
         problem.begin_stage(self._renewed)
         self._aside = {name: saved for name, saved in known.items() if name not in fresh}
 
-    def _ejection_forces(self, stage: int) -> dict[str, dict[str, float]]:
-        """Return what draws bodies out of the present state as a stage begins [N]."""
-        forces = {}
-        for body, friction in self._ejected[stage].items():
-            normal = normal_force(self.now.problem, body)
-            forces[body] = {"friction": friction, "normal": normal, "force": friction * normal}
-        return forces
-
-    def _announce(
-        self,
-        time: float,
-        removed: Mapping[str, float],
-        forces: Mapping[str, Mapping[str, float]],
-    ) -> None:
-        """Note a stage that has begun.
-
-        Args:
-            time: when [s].
-            removed: solid fractions of the bodies that it removes.
-            forces: that draw bodies.
-        """
-        there = list(self.now.mesh.bodies)
-        event = {
-            "time": time,
-            "cycle": self.phase.cycle,
-            "stage": self.phase.stage,
-            "bodies": there,
-            "removed": dict(removed),
-            "renewed": sorted(self._renewed),
-            "ejection": forces,
-        }
-        self._events.append(event)
-        _log.info(
-            "t = %g s: cycle %d, stage %d with %s",
-            time, self.phase.cycle, self.phase.stage, ", ".join(there),
-        )  # fmt: skip
-        for body, fraction in removed.items():
-            if fraction < SOLID:
-                text = "%s is removed at t = %g s though only %.1f %% of it is solid"
-                _log.warning(text, body, time, 100.0 * fraction)
-        for body, found in forces.items():
-            _log.info(
-                "%s: about %.3g N to draw it, friction %g times normal forces of %.3g N (without "
-                "draught and adhesion)",
-                body, found["force"], found["friction"], found["normal"],
-            )  # fmt: skip
-
     def end_step(self, time: float) -> None:
         """Look at the cycle if a stage ends with a step that has just been accepted; collective."""
         following = self.schedule.phases[self._number + 1 : self._number + 2]
@@ -210,24 +162,8 @@ class Process:
             return
         if end < (self.phase.cycle_start + self.schedule.cycle_length) * (1 - SLACK):
             return  # the run ends in the middle of a cycle
-        self._note_cycle(time, self._cycling.ends.change(), self._cycling.periodic)
-
-    def _note_cycle(self, time: float, change: float | None, periodic: float) -> None:
-        """Note the end of a cycle, which differs so much from the one before."""
-        earlier = [event["change"] for event in self._events if event.get("change") is not None]
-        distance = distance_from_periodic([*earlier, change])
-        event = {"time": time, "cycle": self.phase.cycle, "change": change, "distance": distance}
-        event["periodic"] = distance is not None and max(distance, change or 0.0) <= periodic
-        self._events.append(event)
-        if change is not None:
-            _log.info(
-                "cycle %d ends within %.3g K of the one before%s: %s (%g K)",
-                self.phase.cycle,
-                change,
-                "" if distance is None else f", about {distance:.3g} K from the periodic state",
-                "periodic" if event["periodic"] else "not periodic yet",
-                periodic,
-            )
+        change = self._cycling.ends.change()
+        self._events.note_cycle(time, self.phase.cycle, change, self._cycling.periodic)
 
     def notes(self) -> dict[str, Any]:
         """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
@@ -236,7 +172,7 @@ class Process:
             "start": self.phase.start,
             "left": self.left,
             "aside": sorted(self._aside),
-            "events": self._events,
+            "events": self._events.known,
         }
 
     def prepare(self, notes: Mapping[str, Any]) -> None:
@@ -255,7 +191,7 @@ class Process:
             )
         whole = self.now.problem.saved()
         self._number, self.left = number, dict(notes["left"])
-        self._events = list(notes["events"])
+        self._events.known = list(notes["events"])
         self._aside = {name: whole[name] for name in notes["aside"]}
         if self.phase.stage > 0:
             self._begin(self._number)
@@ -271,7 +207,7 @@ class Process:
         """Take back a committed state; collective."""
         self.now.problem.restore(part_of(arrays, "problem"))
         aside = part_of(arrays, "aside")
-        self._aside = {n: Saved(aside[n], s.numbering) for n, s in self._aside.items()}
+        self._aside = {n: replace(s, values=aside[n]) for n, s in self._aside.items()}
         if self._cycling is not None:
             self._cycling.ends.restore(part_of(arrays, "cycle"))
 

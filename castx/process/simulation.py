@@ -13,14 +13,13 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.case.case import Case
-from castx.coupling.building import step_settings
 from castx.coupling.report import CoupledReport
 from castx.coupling.step import CoupledProblem
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.pairing import paired
 from castx.errors import ConvergenceError
-from castx.process.building import process_of
+from castx.process.building import process_of, step_settings
 from castx.process.process import Process
 from castx.process.state import State
 from castx.process.step_control import StepControl, StepSettings

@@ -13,7 +13,8 @@ from castx.arrays import FloatArray
 from castx.report.figures import curve_figures, field_figures
 from castx.report.stages import process_rows
 from castx.results.files.folder import REPORT, write_whole
-from castx.results.reading import SOLID, Results
+from castx.results.reading import Results
+from castx.results.snapshot import FULLY_SOLID
 
 ROUNDING = 1e-15
 """Gap that is none [m]."""
@@ -82,7 +83,7 @@ def gap_text(largest: FloatArray) -> str:
 def solid_text(history: Mapping[str, FloatArray], body: str) -> str:
     """Return when a body was all solid, interpolated in its step."""
     time, fraction = history["time"], history[f"{body}.solid_fraction"]
-    solid = np.flatnonzero(fraction >= SOLID)
+    solid = np.flatnonzero(fraction >= FULLY_SOLID)
     if solid.size == 0:
         return f"not yet, {100.0 * fraction[-1]:.1f} % solid at the end"
     return f"between {time[max(solid[0] - 1, 0)]:.4g} and {time[solid[0]]:.4g} s"

@@ -14,8 +14,7 @@ from castx.arrays import FloatArray
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
-from castx.results.pair_fields import on_secondary_nodes
-from castx.results.quantities import CELLWISE, PAIRED
+from castx.results.quantities import CELLWISE, PAIRED, on_secondary_nodes
 from castx.results.snapshot import Snapshot
 from castx.results.solidification import QUANTITIES, Solidification
 
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class State:
+class FieldCopies:
     """Copies of the wanted fields of one moment: arrays of the pieces of this rank by body.
 
     Bodies that are removed have none.
@@ -37,7 +36,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Output:
+class WrittenMoment:
     """A moment on disk.
 
     Attributes:
@@ -81,8 +80,8 @@ class Fields:
             name: [rank for rank, of_rank in enumerate(filled) if of_rank[index]]
             for index, name in enumerate(self._pieces)
         }
-        self._outputs: list[Output] = []
-        self._pending: State | None = None
+        self._outputs: list[WrittenMoment] = []
+        self._pending: FieldCopies | None = None
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step, and write it when its time has come.
@@ -103,9 +102,9 @@ class Fields:
         slack = 1e-9 * self._every
         return (now + slack) // self._every > (self._outputs[-1].time + slack) // self._every
 
-    def _copy(self, snapshot: Snapshot) -> State:
+    def _copy(self, snapshot: Snapshot) -> FieldCopies:
         """Return copies of the wanted fields; collective."""
-        state = State(snapshot.time, phase_of(snapshot))
+        state = FieldCopies(snapshot.time, phase_of(snapshot))
         for body, piece in self._pieces.items():
             if body not in snapshot.mesh.bodies:
                 continue
@@ -145,7 +144,7 @@ class Fields:
                     write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
         self._disk.settle()
         holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
-        self._outputs.append(Output(state.time, holders))
+        self._outputs.append(WrittenMoment(state.time, holders))
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._write_collection()
@@ -159,7 +158,7 @@ class Fields:
 
     def resume(self, notes: Sequence[Mapping[str, Any]]) -> None:
         """Go on behind the outputs of `notes`; pieces of later ones are removed."""
-        self._outputs = [Output(**note) for note in notes]
+        self._outputs = [WrittenMoment(**note) for note in notes]
         if self._comm.rank > 0:
             return
         known = {name for index, _, name in pieces_of(self._outputs)}
@@ -198,7 +197,7 @@ def piece_name(body: str, index: int, rank: int) -> str:
     return f"{body}_{index:05d}_{rank}.vtu"
 
 
-def pieces_of(outputs: Sequence[Output]) -> Iterator[tuple[int, str, str]]:
+def pieces_of(outputs: Sequence[WrittenMoment]) -> Iterator[tuple[int, str, str]]:
     """Yield the number of the output, the body and the name of the file of all pieces."""
     for index, output in enumerate(outputs):
         for body, ranks in output.holders.items():
@@ -206,7 +205,7 @@ def pieces_of(outputs: Sequence[Output]) -> Iterator[tuple[int, str, str]]:
                 yield index, body, piece_name(body, index, rank)
 
 
-def collection(outputs: Sequence[Output]) -> str:
+def collection(outputs: Sequence[WrittenMoment]) -> str:
     """Return the text of the collection of all pieces."""
     lines = ['<VTKFile type="Collection" version="1.0">', "  <Collection>"]
     part, last = 0, -1

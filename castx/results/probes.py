@@ -15,8 +15,7 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.results.files.series import Series, cut_back
 from castx.results.locate import Place, place_in_body, place_on_surface
-from castx.results.pair_fields import on_secondary_nodes
-from castx.results.quantities import CELLWISE, parts
+from castx.results.quantities import CELLWISE, on_secondary_nodes, parts
 from castx.results.snapshot import Snapshot
 
 if TYPE_CHECKING:

@@ -1,6 +1,12 @@
-"""Where the quantities of results live, and how their parts are called."""
+"""Quantities of results: on nodes, cells or pairs, the names of their parts, pairs on nodes."""
 
 from __future__ import annotations
+
+import numpy as np
+from dolfinx import fem
+
+from castx.arrays import FloatArray
+from castx.results.snapshot import Snapshot
 
 CELLWISE = ("stress", "von_mises", "plastic_strain")
 MECHANICAL = ("displacement", "pressure", *CELLWISE)
@@ -23,3 +29,17 @@ def parts(quantity: str, model: str) -> tuple[str, ...]:
             return (*planes, "xz", "yz") if model == "3d" else planes
         case _:
             return ()
+
+
+def on_secondary_nodes(snapshot: Snapshot, interface: str, name: str) -> FloatArray:
+    """Return a quantity of pairs at the nodes of their secondary body, ghosts included: (nodes,).
+
+    The mean by area where a node has several pairs, zero off the interface; collective.
+    """
+    pairs = snapshot.pairs[interface]
+    field = fem.Function(snapshot.mesh.bodies[pairs.secondary].nodes)
+    nodes, areas = pairs.secondary_local, pairs.areas
+    shares = areas / np.bincount(nodes, areas)[nodes]
+    np.add.at(field.x.array, nodes, shares * snapshot.paired(interface, name))
+    field.x.scatter_forward()
+    return field.x.array

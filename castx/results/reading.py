@@ -19,9 +19,7 @@ from castx.results.files.collection import FieldSeries
 from castx.results.files.folder import RECORD
 from castx.results.files.series import read_series
 from castx.results.files.vtu import VTK_TENSOR
-
-SOLID = 1.0 - 1e-6
-"""Solid fraction from which a body counts as solid."""
+from castx.results.snapshot import FULLY_SOLID
 
 SAME_TIME = 1e-9
 """Difference of times, as a share of the length of the run, below which they are the same."""
@@ -145,7 +143,7 @@ class Results:
         return [
             body
             for body in self.bodies
-            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < SOLID
+            if self.history.get(f"{body}.solid_fraction", np.ones(1))[0] < FULLY_SOLID
         ]
 
     @cached_property

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
 
+FULLY_SOLID = 1.0 - 1e-6
+"""Solid fraction from which a body counts as solid."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class StepCounters:

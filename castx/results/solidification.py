@@ -42,7 +42,7 @@ COLDEST, HOTTEST = -273.15, 1e4
 QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama")
 
 
-class EnthalpyCurve(Protocol):
+class FreezingCurve(Protocol):
     """The part of a material's enthalpy curve that is needed here."""
 
     def enthalpy(self, temperature: FloatArray) -> FloatArray:
@@ -52,7 +52,7 @@ class EnthalpyCurve(Protocol):
         """Return solid fractions at enthalpies per volume [J/m³]."""
 
 
-def thresholds_of(curve: EnthalpyCurve) -> FloatArray:
+def thresholds_of(curve: FreezingCurve) -> FloatArray:
     """Return the enthalpies per volume [J/m³] at which a material that melts reaches `LEVELS`."""
     coldest, hottest = (float(curve.enthalpy(np.array(bound))) for bound in (COLDEST, HOTTEST))
 

@@ -78,7 +78,8 @@ class PairCoordinates:
     def numbering(self) -> Numbering:
         """The rows by the numbers of their secondary nodes and their turn among those of a node."""
         nodes = self.pairs.original_nodes[self.index]
-        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes)
+        bodies = (self.pairs.secondary, self.pairs.primary)
+        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes, bodies)
 
     @property
     def free(self) -> BoolArray:

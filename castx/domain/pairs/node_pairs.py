@@ -80,7 +80,9 @@ class NodePairs:
     @property
     def numbering(self) -> Numbering:
         """The pairs by the numbers of their secondary nodes and their turn at them."""
-        return numbered_at_nodes(f"pairs of {self.name}", self.original_nodes)
+        return numbered_at_nodes(
+            f"pairs of {self.name}", self.original_nodes, (self.secondary, self.primary)
+        )
 
 
 def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:

@@ -6,7 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from castx.command.interruption import Interrupted, Interruption
+from castx.command.interruption import Interruption
+from castx.errors import Interrupted
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])

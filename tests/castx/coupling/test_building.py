@@ -9,7 +9,7 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.contact.choice import Contact, common_method
-from castx.coupling.building import build_problem, law_above_solidus, step_settings
+from castx.coupling.building import build_problem, law_above_solidus
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError, MeshError
 from castx.materials.lookup import find_material
@@ -163,23 +163,6 @@ def test_rounding_acts_where_the_gap_is_small(comm):
     rounded = changed(data, "interfaces.0.heat.transition", 2e-5)
     heats = [final_state(comm, case).totals["casting/mould.heat"] for case in (data, rounded)]
     assert heats[1] < (1.0 - 1e-6) * heats[0]
-
-
-def case_of(path: str, value: Any):
-    return read_case(changed(base(), path, value), coupled_cases.Path("case.toml"))
-
-
-@pytest.mark.parametrize(
-    "path, value, name",
-    [
-        ("time.end", 7.0, "end"), ("time.first_step", 0.1, "first"),
-        ("time.largest_step", 3.0, "largest"), ("time.smallest_step", 0.01, "smallest"),
-        ("time.temperature_change", 5.0, "temperature_change"), ("time.fixed_step", 0.5, "fixed"),
-        ("output.every", 0.5, "milestone"),
-    ],
-)  # fmt: skip
-def test_time_reaches_the_step_control(path, value, name):
-    assert getattr(step_settings(case_of(path, value)), name) == value
 
 
 def test_solver_options_reach_their_solvers(comm):

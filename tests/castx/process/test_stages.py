@@ -8,7 +8,6 @@ import pytest
 from castx.case.boundaries import Boundary
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError
-from castx.process.handover import owners, without
 from castx.process.stage_case import replaced
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import (
@@ -19,7 +18,6 @@ from tests.coupled_cases import (
     largest_difference,
     merged,
     nodal,
-    ring,
     simulation,
     states,
 )
@@ -308,18 +306,3 @@ def test_another_length_of_the_cycles_is_refused(comm):
         other.prepare(run.notes())
     run.destroy()
     other.destroy()
-
-
-def test_arrays_know_their_bodies(comm):
-    """What a numbering says of its bodies is what the name says; all else belongs to the run."""
-    run = simulation(comm, merged(ring(), {"materials": {"aluminium": FLOWING}}))
-    saved = run.problem.saved()
-    for name, array in saved.items():
-        if array.numbering is not None:
-            _, _, of = array.numbering.name.partition(" of ")
-            assert owners(name) == tuple(of.split("/")), name
-    assert owners("mechanics/bodies/casting/pockets/volume") == ("casting",)
-    kept = without(saved, ["casting"])
-    assert {owners(name) for name in kept} == {(), ("core",)}
-    assert "mechanics/time" not in kept and "heat/ledger/state" in kept
-    run.destroy()

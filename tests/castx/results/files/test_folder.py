@@ -10,9 +10,13 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.errors import CaseError
-from castx.results.files.folder import claimed_folder, clear_results
-from castx.results.files.lock import FILE as LOCK
-from castx.results.files.lock import FolderLock, own_identity
+from castx.results.files.folder import (
+    LOCK,
+    FolderLock,
+    claimed_folder,
+    clear_results,
+    own_identity,
+)
 from tests.castx.case_data import cylinder
 
 
@@ -90,7 +94,7 @@ def test_a_folder_in_use_is_refused_until_it_is_free(comm, shared_tmp_path):
 HOLDER = """
 import sys, time
 from pathlib import Path
-from castx.results.files.lock import FolderLock
+from castx.results.files.folder import FolderLock
 lock = FolderLock(Path(sys.argv[1]))
 assert lock.acquire() is None
 print("held", flush=True)
@@ -129,7 +133,7 @@ def test_process_and_host_decide_where_files_cannot_be_locked(tmp_path, monkeypa
     def unsupported(*_):
         raise OSError(38, "Function not implemented")
 
-    monkeypatch.setattr("castx.results.files.lock.fcntl.flock", unsupported)
+    monkeypatch.setattr("castx.results.files.folder.fcntl.flock", unsupported)
     (tmp_path / LOCK).write_text(json.dumps(own_identity() | change))
     assert (FolderLock(tmp_path).acquire() is not None) is held
 

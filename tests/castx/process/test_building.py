@@ -1,0 +1,77 @@
+"""The process of a case: its steps, the cases of its stages, its cycles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from castx.case.reading.read import read_case
+from castx.domain.mesh import build_mesh
+from castx.domain.pairs.pairing import paired
+from castx.errors import CaseError
+from castx.process.building import process_of, stage_cases, step_settings
+from castx.transfer.conductance import ConstantConductance
+from tests.coupled_cases import cylinder
+
+pytestmark = pytest.mark.serial
+
+
+
+def case_of(**changes: Any):
+    data = cylinder({"coupling": {"scheme": "thermal"}}, changes, size=0.01)
+    return read_case(data, Path("case.toml"))
+
+
+def meshed(comm, case):
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    return mesh, {interface.name: paired(mesh, interface) for interface in case.interfaces}
+
+
+@pytest.mark.parametrize(
+    "table, key, value, name",
+    [
+        ("time", "end", 7.0, "end"),
+        ("time", "first_step", 0.1, "first"),
+        ("time", "largest_step", 3.0, "largest"),
+        ("time", "smallest_step", 0.01, "smallest"),
+        ("time", "temperature_change", 5.0, "temperature_change"),
+        ("time", "fixed_step", 0.5, "fixed"),
+        ("output", "every", 0.5, "milestone"),
+    ],
+)
+def test_times_of_a_case_reach_the_step_control(table, key, value, name):
+    assert getattr(step_settings(case_of(**{table: {key: value}})), name) == value
+
+
+def test_steps_stop_where_stages_begin():
+    case = case_of(stages=[{"at": 2.0, "remove": ["mould"]}])
+    assert 2.0 in step_settings(case).stops
+
+
+def test_a_removed_body_is_in_no_later_stage(comm):
+    case = case_of(stages=[{"at": 2.0, "remove": ["mould"]}])
+    start, later = stage_cases(case, meshed(comm, case)[0])
+    assert [body.name for body in start.bodies] == ["casting", "mould"]
+    assert [body.name for body in later.bodies] == ["casting"]
+    assert len(start.interfaces) == 1 and not later.interfaces
+
+
+def test_a_process_is_built_with_its_own_laws_stage_by_stage(comm):
+    case = case_of(stages=[{"at": 2.0, "remove": ["mould"]}])
+    mesh, pairs = meshed(comm, case)
+    law = ConstantConductance(123.0)
+    process = process_of(case, mesh, pairs, {"casting/mould": law})
+    interfaces = process.now.problem.interfaces
+    assert 1.0 / interfaces.resistances[0] == pytest.approx(123.0)
+    assert process.proceed(2.0, dict)
+    assert list(process.now.mesh.bodies) == ["casting"] and not process.now.pairs
+    process.destroy()
+
+
+def test_a_law_without_interface_is_refused(comm):
+    case = case_of()
+    mesh, pairs = meshed(comm, case)
+    with pytest.raises(CaseError, match="a law for the interface 'casting/core'"):
+        process_of(case, mesh, pairs, {"casting/core": ConstantConductance(1.0)})
