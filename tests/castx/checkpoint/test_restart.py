@@ -17,7 +17,7 @@ from castx.command.cli import execute
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.results.files.series import read_series
-from tests.castx.command.test_cli import CASE, said, start, wait_for
+from tests.castx.command_line import CASE, said, start, wait_for
 
 OUTPUT = """
 [output]

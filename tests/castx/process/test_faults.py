@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from tests.castx.command.test_cli import CASE, start
+from tests.castx.command_line import CASE, start
 
 pytestmark = pytest.mark.serial
 

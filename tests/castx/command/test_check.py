@@ -1,0 +1,117 @@
+"""What `castx check` tells before anything is solved, and what it refuses."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from castx.case.heat_transfer import InterfaceHeat
+from castx.case.reading.read import load_case
+from castx.command.check import (
+    corner_text,
+    free_text,
+    heat_text,
+    interface_text,
+    material_warnings,
+    size_text,
+    temperature_range,
+)
+from castx.command.cli import execute
+
+
+def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
+    assert execute(["check", str(case_file)], comm) == 0
+    text = said()
+    for name in ("casting/top", "mould/outside", "displacement normal", "9 pairs", "condensed"):
+        assert name in text
+    assert "warning: steel-H13 (mould) has data for less than the temperatures of the case" in text
+    assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
+
+
+def test_check_looks_at_patches_and_temperature_fields(comm, case_file, said):
+    radiation = "interfaces.0.heat.radiation={ emissivities = [0.3, 0.8] }"
+    patch = "interfaces.0.heat.patches=[{ within = { z = [%s, 1] }, closed = 500 }]"
+    given = ["check", str(case_file), "--set", radiation, "--set", patch % 0.01]
+    assert execute(given, comm) == 0
+    assert "limited and radiation, other on 1 of its parts" in said()
+    assert execute(["check", str(case_file), "--set", patch % 0.9], comm) == 2
+    field = 'bodies.0.temperature={ file = "lost.vtu", field = "T" }'
+    assert execute(["check", str(case_file), "--set", field], comm) == 2
+    text = said()
+    assert "heat.patches[0] holds no node" in text
+    assert "initial temperature of 'casting': there is no file" in text
+
+
+@pytest.mark.parametrize(
+    "override, text",
+    [
+        ("bodies.0.material=Al-pur", "unknown material 'Al-pur'"),
+        ("geometry.radius=-1", "must be positive"),
+        ("time.ende=5", "unknown key"),
+    ],
+)
+def test_a_refused_case_is_said_once_without_a_traceback(comm, case_file, said, override, text):
+    assert execute(["check", str(case_file), "--set", override], comm) == 2
+    output = said()
+    assert output.count(text) == 1 and "Traceback" not in output and "castx: " in output
+
+
+def test_a_missing_surface_and_a_missing_file_are_refused(comm, case_file, tmp_path, said):
+    broken = case_file.with_name("broken.toml")
+    if comm.rank == 0:
+        broken.write_text(case_file.read_text().replace("mould/base", "mould/bottom"))
+    comm.Barrier()
+    assert execute(["check", str(broken)], comm) == 2
+    assert "bottom" in said()
+    assert execute(["check", "/nowhere/case.toml"], comm) == 2
+    assert "/nowhere/case.toml" in said()
+
+
+def test_temperatures_of_the_case_are_those_of_bodies_surroundings_and_stages():
+    case = load_case("demos/stages.toml")
+    assert temperature_range(case) == (25.0, 650.0)
+    hotter = load_case("demos/stages.toml", ["stages.1.spray.ambient=[[0, 20], [5, 900]]"])
+    assert temperature_range(hotter) == (20.0, 900.0)
+
+
+def test_a_mould_of_a_melting_metal_is_warned_of_its_stress():
+    case = load_case("demos/stages.toml", ["bodies.1.material=AlSi7Mg"])
+    assert any("core starts solid at 200 °C" in warning for warning in material_warnings(case))
+    given = load_case(
+        "demos/stages.toml",
+        ["bodies.1.material=mine", 'materials.mine={ extends = "AlSi7Mg", stress_free = 200 }'],
+    )
+    assert not any("starts solid" in warning for warning in material_warnings(given))
+
+
+@pytest.mark.parametrize(
+    ("heat", "text"),
+    [
+        (None, "none"),
+        ({"law": "constant", "closed": 100}, "constant"),
+        ({"law": "none", "radiation": {"emissivities": [0.3, 0.8]}}, "none and radiation"),
+        ({"law": "constant", "closed": 100, "patches": [{"on": "a", "closed": 1}] * 2},
+         "constant, other on 2 of its parts"),
+    ],
+)  # fmt: skip
+def test_heat_is_told_in_words(heat, text):
+    assert heat_text(None if heat is None else InterfaceHeat.read(heat)) == text
+
+
+def test_bodies_that_touch_without_an_interface_are_named():
+    case = load_case("demos/stages.toml")
+    sizes = {"pairs": 9, "area": 0.0251327}
+    known = SimpleNamespace(bodies=("core", "casting"), **sizes)
+    assert interface_text(case, known) == (
+        "interface casting/core: 9 pairs, 0.02513 m², contact condensed, heat limited"
+    )
+    unknown = SimpleNamespace(bodies=("core", "die"), **sizes)
+    assert "no interface between core and die" in interface_text(case, unknown)
+
+
+def test_sizes_and_surfaces_are_told_for_each_model():
+    assert "full turn" in size_text("axisymmetric") and "meshed part" in size_text("3d")
+    assert "metre of depth" in size_text("plane-strain")
+    assert free_text("top") == "insulated, free" and "symmetry" in free_text("symmetry-x")
+    assert corner_text((0.0, 0.05)) == "(0, 0.05)"
