@@ -20,17 +20,17 @@ import sys, time
 from pathlib import Path
 from mpi4py import MPI
 import castx.command.cli
-from castx.checkpoint.file import gathering
+from castx.checkpoint.gathering import Gathering
 from castx.mechanics.constitutive import points as material_points
-from castx.heat.problem import body as thermal_body
+from castx.heat.body import ThermalBody
 from castx.errors import ConvergenceError
 from castx.results import fields
 
 PLACES = {
-    "heat": (thermal_body.ThermalBody, "conducted_heat"),
+    "heat": (ThermalBody, "conducted_heat"),
     "law": (material_points, "respond"),
     "fields": (fields, "write_piece"),
-    "checkpoint": (gathering.Gathering, "to_first"),
+    "checkpoint": (Gathering, "to_first"),
 }
 FAULTS = {
     "bug": ZeroDivisionError("a fault"),
