@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from castx.contact.methods.registry import names
+from castx.materials.inelastic import FLOW_RULES
 from castx.transfer.keys import GAS_CONDUCTIVITY, OPEN, RADIATION, ROUGH
 from castx.transfer.registry import gap_heat_laws
 
@@ -41,7 +42,7 @@ ELEMENTS = 7
 PATIENCE = 1800.0
 """Wall clock time after which a run counts as lost [s]."""
 COLUMNS = (
-    ("number", 4), ("generator", 18), ("alloy", 9), ("mould", 13), ("size m", 8), ("h", 7),
+    ("number", 4), ("generator", 18), ("alloy", 18), ("mould", 13), ("size m", 8), ("h", 7),
     ("law of heat", 15), ("law", 27), ("contact", 21), ("steps", 6), ("cuts", 5),
     ("fallbacks", 10), ("passes", 7), ("its", 6), ("reached", 8), ("solid", 6), ("exit", 5),
     ("wall s", 7),
@@ -108,7 +109,8 @@ def casting(dice: random.Random) -> dict[str, Any]:
     law, method = dice.choice(LAWS), dice.choice(METHODS)
     melting = LIQUIDUS[alloy]
     rigid = material == "sand-silica"
-    mould = {"name": other, "material": material, "law": "rigid" if rigid else "thermo-elastic"}
+    law_of_mould = "rigid" if rigid else "thermo-elastic"
+    mould: dict[str, Any] = {"name": other, "material": material, "law": law_of_mould}
     mould["temperature"] = round(dice.uniform(20.0, min(500.0, 0.6 * melting)), 1)
     if not rigid:
         mould["formulation"] = "displacement"
@@ -138,7 +140,18 @@ def casting(dice: random.Random) -> dict[str, Any]:
     }
     if dice.random() < 0.7:
         case["loads"] = {"gravity": [0, 0, -9.81] if "axis" in shape["model"] else [0, -9.81, 0]}
+    if law == "thermo-elasto-viscoplastic":
+        draw_flow(dice, case, alloy)
     return case
+
+
+def draw_flow(dice: random.Random, case: dict[str, Any], alloy: str) -> None:
+    """Let the casting flow by a rule of castx, with its example if it is not that of the alloy."""
+    rule = FLOW_RULES[dice.choice(tuple(FLOW_RULES))]
+    if not rule.is_default:
+        name = f"{alloy} {rule.name}"
+        case["materials"] = {name: {"extends": alloy, "law": rule.name, **rule.example}}
+        case["bodies"][0]["material"] = name
 
 
 def outside(dice: random.Random) -> dict[str, Any]:
@@ -168,7 +181,7 @@ def toml(case: Mapping[str, Any]) -> Iterator[str]:
 
 def keys(table: Mapping[str, Any]) -> str:
     """Return the keys of a table, one in each line."""
-    return "".join(f"{key} = {inline(value)}\n" for key, value in table.items())
+    return "".join(f"{json.dumps(key)} = {inline(value)}\n" for key, value in table.items())
 
 
 def inline(value: Any) -> str:

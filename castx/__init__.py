@@ -1,7 +1,7 @@
 """Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it.
 
 Public: `run`, `load_case`, `Case`, `Simulation`, `UserLaw`, `ResultsWriter`, `Results`, `draw`,
-`heat_transfer_coefficient`, `gap_heat_laws`, `find_material`.
+`heat_transfer_coefficient`, `gap_heat_laws`, `flow_rules`, `find_material`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from castx.case.case import Case
     from castx.case.reading.read import load_case
     from castx.command.run import run
+    from castx.materials.inelastic import flow_rules
     from castx.materials.lookup import find_material
     from castx.process.simulation import Simulation
     from castx.report.drawing import draw
@@ -33,6 +34,7 @@ __all__ = [
     "__version__",
     "draw",
     "find_material",
+    "flow_rules",
     "gap_heat_laws",
     "heat_transfer_coefficient",
     "load_case",
@@ -47,6 +49,7 @@ _MODULES = {
     "UserLaw": "castx.transfer.user_law",
     "draw": "castx.report.drawing",
     "find_material": "castx.materials.lookup",
+    "flow_rules": "castx.materials.inelastic",
     "gap_heat_laws": "castx.transfer.registry",
     "heat_transfer_coefficient": "castx.report.interface_law",
     "load_case": "castx.case.reading.read",

@@ -302,6 +302,22 @@ for name, (hot, cold) in effects.items():
     print(f"{name:26} {hot:+8.1f} % {cold:+7.1f} %")
 
 # %% [markdown]
+# ## Flow rules
+# How fast the metal flows at an overstress is the `law` of its material. All laws that castx has,
+# each with an example of an aluminium alloy at 500 °C: those without a yield stress creep under
+# every stress, the others need a yield stress and flow under what exceeds it.
+
+# %%
+rates = np.logspace(-8, 0, 81)
+fig, ax = plt.subplots(figsize=(7, 4))
+for name, rule in castx.flow_rules().items():
+    ax.loglog(rates, 1e-6 * rule.example_overstress(rates), label=name)
+    print(f"{name:10} {rule.formula:24} {'above a yield stress' if rule.threshold else 'creep'}")
+ax.set(xlabel="strain rate [1/s]", ylabel="overstress [MPa]")
+ax.legend()
+plt.show()
+
+# %% [markdown]
 # ## Which law, then?
 # **The casting.** For the residual stress of the cold part `thermo-elasto-plastic` is often
 # enough: in this ring the cold metal has forgotten what the hot one bore, and the stress is what

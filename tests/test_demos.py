@@ -12,6 +12,7 @@ import pytest
 
 from castx.case.reading.read import load_case
 from castx.command.run import run
+from castx.materials.inelastic import FLOW_RULES
 from castx.report.report import write_report
 from castx.results.files.series import read_series
 from castx.transfer.registry import gap_heat_laws
@@ -161,7 +162,9 @@ def test_the_notebook_explains_residual_stress():
     }
     assert effect["yield stress"][1] > 5.0 * effect["Young's modulus"][1] > 0.0
     assert effect["viscosity"][0] > 4.0 > 1.0 > effect["viscosity"][1]
-    assert pictures == 4
+    for name, rule in FLOW_RULES.items():
+        assert re.search(rf"^{name} +{re.escape(rule.formula)}", text, re.M)
+    assert pictures == 5
 
 
 def test_the_ring_holds_its_core_and_keeps_residual_stress(tmp_path):

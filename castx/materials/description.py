@@ -43,8 +43,8 @@ from castx.materials.inelastic import (
     with_keys,
 )
 from castx.materials.phased import Phased
+from castx.materials.rules.declaration import keys_of
 from castx.materials.rules.key import PeoplesUnit
-from castx.materials.rules.registry import keys_of
 from castx.materials.solid_fraction import TabulatedLaw
 from castx.tables import Table
 

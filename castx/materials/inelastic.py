@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, GetCoreSchemaHandler, create_model
@@ -10,17 +10,18 @@ from pydantic_core import CoreSchema, core_schema
 
 from castx.input.entries import Description
 from castx.input.problems import Problem
+from castx.input.registry import declarations
+from castx.materials.rules.declaration import keys_of
 from castx.materials.rules.flow_rule import FlowRule
 from castx.materials.rules.hardening_rule import HardeningRule
-from castx.materials.rules.key import Key
-from castx.materials.rules.registry import keys_of, rules_of
+from castx.materials.rules.key import RuleKey
 from castx.tables import Table
 
 Model = TypeVar("Model", bound=BaseModel)
 
-_BY_NAME = rules_of("castx.materials.flow_rules", FlowRule)
+_BY_NAME = declarations("castx.materials.flow_rules", "RULE", FlowRule)
 FLOW_RULES: Mapping[str, FlowRule] = {
-    rule.name: rule for rule in sorted(_BY_NAME, key=lambda rule: not rule.is_default)
+    rule.name: rule for rule in sorted(_BY_NAME.values(), key=lambda rule: not rule.is_default)
 }
 """The flow rules by the name of `law`, the default first."""
 
@@ -31,7 +32,7 @@ LIQUID_RULES: Mapping[str, FlowRule] = {
 }
 """The flow rules by which a liquid can flow, by the name of `liquid.model`."""
 
-HARDENING_RULES = rules_of("castx.materials.hardening", HardeningRule)
+HARDENING_RULES = tuple(declarations("castx.materials.hardening", "RULE", HardeningRule).values())
 ISOTROPIC_RULES = tuple(rule for rule in HARDENING_RULES if rule.isotropic)
 KINEMATIC_RULES = tuple(rule for rule in HARDENING_RULES if not rule.isotropic)
 
@@ -39,6 +40,19 @@ RATE_KEYS = keys_of(FLOW_RULES.values())
 """The keys of all flow rules."""
 
 KINEMATIC_KEYS = keys_of(KINEMATIC_RULES)
+
+
+def flow_rules() -> Mapping[str, FlowRule]:
+    """Return all flow rules by name, the default first.
+
+    >>> import castx
+    >>> norton = castx.flow_rules()["norton"]
+    >>> norton.formula
+    'A qⁿ exp(−Q/(R T_K))'
+    >>> norton.needed
+    ('coefficient',)
+    """
+    return FLOW_RULES
 
 
 class RuleRow(NamedTuple):
@@ -59,7 +73,7 @@ class RuleRow(NamedTuple):
     source: str
 
 
-def rule_table(rules: Iterator[FlowRule | HardeningRule]) -> list[RuleRow]:
+def rule_table(rules: Iterable[FlowRule | HardeningRule]) -> list[RuleRow]:
     """Return the rows of a table of rules.
 
     Args:
@@ -73,7 +87,7 @@ def rule_table(rules: Iterator[FlowRule | HardeningRule]) -> list[RuleRow]:
     ]
 
 
-def with_keys(keys: Mapping[str, Key]) -> Callable[[type[Model]], type[Model]]:
+def with_keys(keys: Mapping[str, RuleKey]) -> Callable[[type[Model]], type[Model]]:
     """Return a decorator that adds the keys of rules to a description, as optional fields."""
     fields: dict[str, Any] = {
         name: (
@@ -100,7 +114,7 @@ class KeyEntry:
         key: what is read.
     """
 
-    def __init__(self, key: Key) -> None:
+    def __init__(self, key: RuleKey) -> None:
         self.key = key
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:

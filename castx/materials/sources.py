@@ -19,8 +19,8 @@ from castx.materials.inelastic import (
     KeyEntry,
 )
 from castx.materials.phased import Phased
-from castx.materials.rules.key import Key, PeoplesUnit, unit_text
-from castx.materials.rules.registry import keys_of
+from castx.materials.rules.declaration import keys_of
+from castx.materials.rules.key import PeoplesUnit, RuleKey, unit_text
 from castx.materials.solid_fraction import TabulatedLaw
 from castx.tables import Table
 
@@ -121,7 +121,7 @@ def _units() -> dict[str, Unit]:
 
 
 def _fields(
-    model: type[Description], placed: Mapping[str, Mapping[str, Key]]
+    model: type[Description], placed: Mapping[str, Mapping[str, RuleKey]]
 ) -> Iterator[tuple[str, Sequence[object]]]:
     """Yield the fields of a description with the kinds of their values.
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
-from types import ModuleType
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -29,9 +28,11 @@ PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 Tensor = np.ndarray
 
 
-def reference(law: str) -> ModuleType:
-    """Return the test file of a flow rule."""
-    return import_module(f"tests.castx.materials.flow_rules.test_{law.replace('-', '_')}")
+REFERENCES = {
+    law: import_module(f"tests.castx.materials.flow_rules.test_{law.replace('-', '_')}")
+    for law in FLOW_RULES
+}
+"""The test file of each flow rule."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class Numbers:
 
     def rate(self, f: float) -> float:
         """Rate of the equivalent viscoplastic strain."""
-        return float(reference(self.law).rate(max(f, 0.0), self.values, self.temperature))
+        return float(REFERENCES[self.law].rate(max(f, 0.0), self.values, self.temperature))
 
     def driving_stress(self, rate: float) -> float:
         """Overstress at which the material flows at a rate, the inverse of `rate`."""

@@ -9,17 +9,17 @@ from castx.input.entries import TEMPERATURES, Tabulated
 from castx.input.units import NORTON_COEFFICIENT
 from castx.materials.rules.activation import ACTIVATION_ENERGY, barrier
 from castx.materials.rules.flow_rule import FlowRule, Values
-from castx.materials.rules.key import Key, PeoplesUnit, PlainQuantity
+from castx.materials.rules.key import PeoplesUnit, PlainQuantity, RuleKey
 from castx.materials.rules.power_law import EXPONENT, PowerLaw
 
 LARGEST_LOGARITHM = 690.0
 """Of a resistance that can be represented with room to spare: nothing flows against it."""
 
-COEFFICIENT = Key(
+COEFFICIENT = RuleKey(
     "coefficient",
     "coefficient A",
     Tabulated(PlainQuantity(NORTON_COEFFICIENT, above=0.0), TEMPERATURES),
-    unit="1/(s Pa^exponent)",
+    written_unit="1/(s Pa^exponent)",
     shown=PeoplesUnit("1/(s Pa^n)", 1.0),
 )
 

@@ -7,13 +7,12 @@ from castx.input.entries import over_temperature
 from castx.input.units import STRESS
 from castx.materials.rules.flow_rule import Values
 from castx.materials.rules.hardening_rule import HardeningRule
-from castx.materials.rules.key import Key, PeoplesUnit, unit_text
+from castx.materials.rules.key import PeoplesUnit, RuleKey
 
-LINEAR = Key(
+LINEAR = RuleKey(
     "linear",
     "hardening modulus H",
     over_temperature(STRESS, least=0.0),
-    unit=unit_text(STRESS),
     default=0.0,
     shown=PeoplesUnit("MPa", 1e-6),
 )

@@ -11,18 +11,19 @@ from castx.input.entries import over_temperature
 from castx.input.units import PURE_NUMBER, STRESS
 from castx.materials.rules.flow_rule import Values
 from castx.materials.rules.hardening_rule import HardeningRule
-from castx.materials.rules.key import Key, PeoplesUnit, unit_text
+from castx.materials.rules.key import PeoplesUnit, RuleKey
 from castx.materials.rules.overstress import Points
 
-SATURATION = Key(
+SATURATION = RuleKey(
     "saturation",
     "hardening at saturation R_∞",
     over_temperature(STRESS, least=0.0),
-    unit=unit_text(STRESS),
     default=0.0,
     shown=PeoplesUnit("MPa", 1e-6),
 )
-RATE = Key("rate", "rate of saturation b", over_temperature(PURE_NUMBER, above=0.0), default=0.0)
+RATE = RuleKey(
+    "rate", "rate of saturation b", over_temperature(PURE_NUMBER, above=0.0), default=0.0
+)
 
 
 class VoceCurve(NamedTuple):

@@ -1,5 +1,5 @@
-"""What a flow rule and a hardening rule declare, and how their files are found.
+"""What the files of flow rules and hardening rules declare, and what their formulas build on.
 
-Public: `flow_rule.FlowRule`, `hardening_rule.HardeningRule`, `key.Key`,
-`overstress.Overstress`, `overstress.RateOverstress`, `power_law.PowerLaw`, `registry.rules_of`.
+Public: `flow_rule.FlowRule`, `hardening_rule.HardeningRule`, `key.RuleKey`,
+`overstress.Overstress`, `overstress.RateOverstress`, `power_law.PowerLaw`.
 """

@@ -8,15 +8,14 @@ from castx.arrays import FloatArray
 from castx.input.entries import over_temperature
 from castx.input.units import ABSOLUTE_ZERO
 from castx.input.units import ACTIVATION_ENERGY as ENERGY_PER_MOLE
-from castx.materials.rules.key import Key, PeoplesUnit, unit_text
+from castx.materials.rules.key import PeoplesUnit, RuleKey
 
 GAS_CONSTANT = 8.314462618  # J/mol/K
 
-ACTIVATION_ENERGY = Key(
+ACTIVATION_ENERGY = RuleKey(
     "activation_energy",
     "activation energy Q",
     over_temperature(ENERGY_PER_MOLE, least=0.0),
-    unit=unit_text(ENERGY_PER_MOLE),
     default=0.0,
     shown=PeoplesUnit("kJ/mol", 1e-3),
 )

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from castx.arrays import FloatArray
-from castx.materials.rules.key import Key
+from castx.materials.rules.declaration import check_declaration
+from castx.materials.rules.key import RuleKey
 from castx.materials.rules.overstress import Overstress
-from castx.materials.rules.registry import check_declaration
 from castx.tables import Table
 
 Values = Mapping[str, FloatArray]
@@ -46,7 +48,7 @@ class FlowRule:
     summary: str
     formula: str
     source: str
-    keys: tuple[Key, ...]
+    keys: tuple[RuleKey, ...]
     example: Mapping[str, float]
     threshold: bool
     overstress: Callable[[Values, FloatArray, float], Overstress]
@@ -77,3 +79,13 @@ class FlowRule:
         """
         values = {name: table(temperature) for name, table in self.tables(material).items()}
         return self.overstress(values, temperature, step)
+
+    def example_overstress(self, rate: FloatArray, temperature: float = 500.0) -> FloatArray:
+        """Return the overstress [Pa] of the example at rates [1/s], in their shape.
+
+        Args:
+            rate: of the equivalent viscoplastic strain [1/s].
+            temperature: [°C].
+        """
+        values = {name: np.full_like(rate, value) for name, value in self.example.items()}
+        return self.overstress(values, np.full_like(rate, temperature), 1.0)(rate)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Protocol, Self
 
 from castx.arrays import BoolArray, FloatArray
+from castx.materials.rules.declaration import check_declaration
 from castx.materials.rules.flow_rule import Values
-from castx.materials.rules.key import Key
+from castx.materials.rules.key import RuleKey
 from castx.materials.rules.overstress import Points
-from castx.materials.rules.registry import check_declaration
 from castx.tables import Table
 
 
@@ -74,7 +74,7 @@ class HardeningRule:
     summary: str
     formula: str
     source: str
-    keys: tuple[Key, ...]
+    keys: tuple[RuleKey, ...]
     example: Mapping[str, float]
     isotropic: bool
     modulus: Callable[[Values], FloatArray] | None = None

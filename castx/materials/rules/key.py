@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from castx.errors import CaseError
-from castx.input.entries import Quantity
+from castx.input.entries import Quantity, Tabulated
 from castx.input.units import Dimension
 from castx.tables import Table
 
@@ -33,14 +33,14 @@ class PeoplesUnit:
 
 
 @dataclass(frozen=True)
-class Key:
+class RuleKey:
     """One key of a rule.
 
     Attributes:
         name: in the case file.
         meaning: what it is, with its sign in the formula.
         entry: kind of its values, with dimension and bounds.
-        unit: SI unit, "" for a pure number.
+        written_unit: SI unit where it is not the unit of the entry's dimension.
         default: value where the key is not given; None: the rule needs the key.
         shown: unit in which people state it; None: the SI unit.
     """
@@ -48,9 +48,16 @@ class Key:
     name: str
     meaning: str
     entry: TableEntry
-    unit: str = ""
+    written_unit: str = ""
     default: float | None = None
     shown: PeoplesUnit | None = None
+
+    @property
+    def unit(self) -> str:
+        """SI unit, "" for a pure number."""
+        if self.written_unit or not isinstance(self.entry, Tabulated):
+            return self.written_unit
+        return unit_text(self.entry.value.dimension)
 
     @property
     def default_table(self) -> Table | None:

@@ -9,10 +9,10 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray
 from castx.input.entries import over_temperature
 from castx.input.units import PURE_NUMBER
-from castx.materials.rules.key import Key
+from castx.materials.rules.key import RuleKey
 from castx.materials.rules.overstress import Points
 
-EXPONENT = Key(
+EXPONENT = RuleKey(
     "exponent", "exponent n of the stress", over_temperature(PURE_NUMBER, above=0.0), default=1.0
 )
 

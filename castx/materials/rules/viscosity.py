@@ -7,7 +7,7 @@ from typing import Any
 
 from castx.input.entries import over_temperature
 from castx.input.units import VISCOSITY as PASCAL_SECONDS
-from castx.materials.rules.key import Key, PeoplesUnit
+from castx.materials.rules.key import PeoplesUnit, RuleKey
 from castx.tables import Table
 
 _VISCOSITY = over_temperature(PASCAL_SECONDS, above=0.0)
@@ -34,10 +34,10 @@ class ViscosityEntry:
         return TableInPascalSeconds(table.arguments, table.values)
 
 
-VISCOSITY = Key(
+VISCOSITY = RuleKey(
     "viscosity",
     "viscosity η",
     ViscosityEntry(),
-    unit="Pa s^(1/exponent)",
+    written_unit="Pa s^(1/exponent)",
     shown=PeoplesUnit("MPa s^(1/n)", 1e-6),
 )

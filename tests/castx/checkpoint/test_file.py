@@ -14,6 +14,7 @@ import pytest
 
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError, StorageError
+from castx.materials.inelastic import FLOW_RULES
 from tests.contact_methods import BETWEEN_DEFORMABLE
 from tests.coupled_cases import (
     TIGHT,
@@ -33,10 +34,6 @@ CREEPING_LIQUID = {
 YIELDING = {"yield_stress": [[20.0, 60e6], [640.0, 1e6]], "hardening": 500e6}
 LAWS = ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic")
 FLOWS: dict[str, dict[str, Any]] = {
-    "bingham": {"law": "bingham", "viscosity": 1e8, **YIELDING},
-    "norton": {
-        "law": "norton", "coefficient": 1e-30, "exponent": 3.5, "activation_energy": 5e4,
-    },
     "power": {"law": "perzyna", "viscosity": 1e9, "exponent": 3.0, **YIELDING},
     "voce": {
         "viscosity": 1e8, **YIELDING,
@@ -45,6 +42,10 @@ FLOWS: dict[str, dict[str, Any]] = {
     "kinematic": {"viscosity": 1e8, **YIELDING, "kinematic_hardening": 1e9},
     "creeping liquid": {"viscosity": 1e8, **YIELDING, "liquid": CREEPING_LIQUID},
 }  # fmt: skip
+FLOWS |= {
+    name: {"law": name, **rule.example, **(YIELDING if rule.threshold else {})}
+    for name, rule in FLOW_RULES.items()
+}
 SHORT = {"time": {"end": 3.0, "first_step": 0.2, "largest_step": 0.5}}
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from castx.materials.inelastic import FLOW_RULES as RULES
 from tests import coupled_cases
 from tests.castx.coupling.test_building import changed
 from tests.coupled_cases import final_state, ring
@@ -29,8 +30,11 @@ CREEPING = SOLID | {
 PLASTIC, VISCOPLASTIC = "thermo-elasto-plastic", "thermo-elasto-viscoplastic"
 BASES = {
     "plastic": (PLASTIC, SOLID),
-    "perzyna": (VISCOPLASTIC, PERZYNA),
-    "norton": (VISCOPLASTIC, CREEPING),
+    "viscoplastic": (VISCOPLASTIC, PERZYNA),
+    "creeping liquid": (VISCOPLASTIC, CREEPING),
+}
+BASES |= {
+    name: (VISCOPLASTIC, SOLID | {"law": name, **rule.example}) for name, rule in RULES.items()
 }
 
 
@@ -64,7 +68,7 @@ CHANGES: dict[str, list[tuple[str, Any]]] = {
         ("materials.aluminium.solidification_shrinkage", 0.02),
         ("materials.aluminium.dissipation", 0.5),
     ],
-    "perzyna": [
+    "viscoplastic": [
         ("bodies.0.law", PLASTIC),
         ("materials.aluminium.viscosity", 1e8),
         ("materials.aluminium.exponent", 3.0),
@@ -73,7 +77,7 @@ CHANGES: dict[str, list[tuple[str, Any]]] = {
         ("materials.aluminium.kinematic_hardening", 5e9),
         ("materials.aluminium.dissipation", 0.5),
     ],
-    "norton": [
+    "creeping liquid": [
         ("materials.aluminium.coefficient", 2e-24),
         ("materials.aluminium.exponent", 4.1),
         ("materials.aluminium.activation_energy", 8e4),
@@ -82,6 +86,10 @@ CHANGES: dict[str, list[tuple[str, Any]]] = {
         ("materials.aluminium.liquid.activation_energy", 4e4),
         ("materials.aluminium.liquid.coherency", 0.8),
     ],
+}
+CHANGES |= {
+    name: [(f"materials.aluminium.{key}", 1.2 * value) for key, value in rule.example.items()]
+    for name, rule in RULES.items()
 }
 
 

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import pickle
+import random
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from bench.robustness import casting, toml
+from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from castx.materials.description import MaterialDescription
+from castx.materials.flow import VISCOPLASTIC
+from castx.materials.inelastic import DEFAULT_LAW, FLOW_RULES, HARDENING_RULES, rule_table
 from castx.materials.lookup import find_material
 from tests.castx.materials.descriptions import alloy, described, table
 
@@ -16,6 +23,8 @@ pytestmark = pytest.mark.serial
 
 NORTON = {"law": "norton", "coefficient": 1e-40, "exponent": 5}
 LIQUID = {"coherency": 0.7}
+PROJECT = Path(__file__).parents[3]
+HARDENING = [rule.name for rule in HARDENING_RULES]
 
 
 def test_quantities_carry_units() -> None:
@@ -147,6 +156,42 @@ def test_a_new_law_takes_the_numbers_of_the_old_one_away() -> None:
         material = find_material(name, case).description
         assert (material.law, table(material, "exponent")(20.0)) == ("norton", 5.0)
         assert table(material, "activation_energy")(20.0) == 1e5
+
+
+def test_every_file_is_a_rule() -> None:
+    for folder, rules in (("flow_rules", FLOW_RULES), ("hardening", HARDENING)):
+        files = (PROJECT / "castx/materials" / folder).glob("[!_]*.py")
+        assert {file.stem for file in files} == {name.replace("-", "_") for name in rules}
+
+
+def test_tables_of_rules_have_a_row_for_each() -> None:
+    rows = {row.name: row for row in rule_table(FLOW_RULES.values())}
+    assert list(rows) == list(FLOW_RULES) and next(iter(rows)) == "perzyna"
+    assert rows["norton"].keys == (
+        "coefficient [1/(s Pa^exponent)]", "exponent = 1", "activation_energy [J/mol] = 0",
+    )  # fmt: skip
+    assert [row.name for row in rule_table(HARDENING_RULES)] == ["linear", "prager", "voce"]
+    for row in (*rows.values(), *rule_table(HARDENING_RULES)):
+        assert row.summary.endswith(".") and row.formula and row.source
+
+
+@pytest.mark.parametrize("law", FLOW_RULES)
+def test_every_flow_rule_stands_in_a_notebook_and_in_the_random_castings(law) -> None:
+    notebooks = "".join(path.read_text() for path in (PROJECT / "demos").glob("*_notebook.py"))
+    shown = "in castx.flow_rules().items()" in notebooks or f"`{law}`" in notebooks
+    assert shown, f"no notebook in demos shows the flow rule {law!r}"
+    drawn = [casting(random.Random(f"1/{number}")) for number in range(200)]
+    laws = {material["law"] for case in drawn for material in case.get("materials", {}).values()}
+    flowing = any(case["bodies"][0]["law"] == VISCOPLASTIC for case in drawn)
+    assert law in laws or (law == DEFAULT_LAW and flowing), f"bench/robustness.py draws no {law!r}"
+
+
+def test_a_random_casting_that_creeps_can_be_read() -> None:
+    drawn = (casting(random.Random(f"1/{number}")) for number in range(200))
+    case = next(case for case in drawn if "materials" in case)
+    read = read_case(tomllib.loads("\n".join(toml(case))), Path("random"))
+    (name,) = read.materials
+    assert find_material(name, read.materials).description.law in FLOW_RULES
 
 
 def test_shrinkage_grows_from_coherency_to_the_last_liquid() -> None:

@@ -10,6 +10,7 @@ import pytest
 from castx.arrays import FloatArray
 from castx.equilibrium.problem import MechanicalProblem
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
+from castx.materials.inelastic import FLOW_RULES
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody
@@ -39,18 +40,19 @@ NORTON_LIQUID = {
 }  # fmt: skip
 LAWS: dict[str, tuple[str, dict[str, Any], float]] = {
     "plastic": (PLASTIC, {"hardening": 1e9, "kinematic_hardening": 2e9}, 1.0),
-    "perzyna": (
+    "saturating": (
         VISCOPLASTIC,
         {"hardening": {"saturation": 30e6, "rate": 50.0}, "viscosity": 1e8, "exponent": 4.0},
         1.0,
     ),
-    "bingham": (VISCOPLASTIC, {"law": "bingham", "viscosity": 1e9}, 1.0),
-    "norton": (VISCOPLASTIC, {"law": "norton", "coefficient": 1e-37, "exponent": 4.0}, 1.0),
     "mixture": (PLASTIC, {"hardening": 1e9, **MELTING}, 0.9),
-    "norton liquid": (PLASTIC, {**MELTING, "liquid": NORTON_LIQUID}, 0.2),
+    "creeping liquid": (PLASTIC, {**MELTING, "liquid": NORTON_LIQUID}, 0.2),
     "born": (ELASTIC, MELTING, 0.8),
 }
 """Name of the law, properties and solid fraction of the step."""
+LAWS |= {
+    name: (VISCOPLASTIC, {"law": name, **rule.example}, 1.0) for name, rule in FLOW_RULES.items()
+}
 
 
 class Kind(NamedTuple):
@@ -175,7 +177,7 @@ def sheet(comm, kind: Kind, law: str, properties: dict[str, Any]) -> list[FloatA
     return found
 
 
-@pytest.mark.parametrize("name", ["plastic", "perzyna"])
+@pytest.mark.parametrize("name", ["plastic", "saturating"])
 def test_plane_stress_is_a_sheet_in_space(comm, name):
     law, properties, _ = LAWS[name]
     plane = sheet(comm, Kind("plane-stress", "displacement"), law, properties)
