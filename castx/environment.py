@@ -1,4 +1,4 @@
-"""What castx runs on: versions for the record of a run, and whether the BLAS is slow."""
+"""Versions of the software underneath, and the speed of its BLAS."""
 
 from __future__ import annotations
 
@@ -46,7 +46,11 @@ def blas_advantage() -> float:
 
 
 def blas_warning(advantage: float) -> str | None:
-    """Return what to tell about a BLAS so many times faster than a loop, None if it is good."""
+    """Return a warning about a slow BLAS, or None.
+
+    Args:
+        advantage: how many times faster than a plain loop it is.
+    """
     if advantage > FEWEST_TIMES_FASTER:
         return None
     return (

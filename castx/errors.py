@@ -1,4 +1,4 @@
-"""The ways in which castx refuses or gives up."""
+"""Errors: wrong cases and meshes, full disks, problems that do not converge."""
 
 
 class CaseError(ValueError):
@@ -6,11 +6,11 @@ class CaseError(ValueError):
 
 
 class MeshError(ValueError):
-    """A mesh does not hold what the case asks of it."""
+    """A mesh cannot be made, or does not fit the case."""
 
 
 class StorageError(RuntimeError):
-    """The disk does not take results or checkpoints."""
+    """Results or checkpoints cannot be written."""
 
 
 class ConvergenceError(RuntimeError):
@@ -18,8 +18,7 @@ class ConvergenceError(RuntimeError):
 
     Args:
         message: what happened, where and why.
-        problem: the problem that failed, by a name of `castx.solvers.diagnosis`; "" if it is
-            none of them.
+        problem: name of the failed problem in `castx.solvers.diagnosis`, or "".
     """
 
     def __init__(self, message: str, problem: str = "") -> None:

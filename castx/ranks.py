@@ -8,16 +8,18 @@ import time
 from mpi4py import MPI
 
 GRACE = 5.0
-"""Time in which the other ranks have to come to an end after one has failed [s]."""
+"""Time for the other ranks to end after one has failed [s]."""
 PAUSE = 0.01
+"""Time between two looks at the other ranks [s]."""
 BUG = 1
-"""Exit code of all ranks when one has failed that should not have."""
+"""Exit code of all ranks after a fault of castx itself."""
 
 
 def common_code(verdicts: MPI.Intracomm, code: int) -> int:
-    """Return the largest exit code of all ranks once all have come here; collective.
+    """Return the largest exit code of all ranks; collective.
 
-    A rank that has failed while others wait for it, or for ever, ends them all with its code.
+    A rank that has failed waits for the others for a grace period and then ends them all with its
+    code.
 
     Args:
         verdicts: the ranks, a communicator of its own.
@@ -28,20 +30,19 @@ def common_code(verdicts: MPI.Intracomm, code: int) -> int:
 
 
 def end_unless_all_failed(verdicts: MPI.Intracomm, why: object) -> None:
-    """Wait for the others to fail too; collective for those that have failed.
+    """Wait until all ranks have failed, else abort them; collective for ranks that have failed.
 
-    What should be raised on all ranks or none could otherwise leave the others waiting for ever.
-    A rank that stays alone ends them all.
+    An error that is raised on some ranks only would leave the others waiting for ever.
 
     Args:
         verdicts: the ranks, a communicator of its own.
-        why: what has failed here.
+        why: the failure of this rank.
     """
     _await(verdicts, BUG, GRACE, f": {why}")
 
 
 def _await(verdicts: MPI.Intracomm, code: int, patience: float, why: str = "") -> None:
-    """Return when all ranks have come here; end them when that takes too long."""
+    """Return when all ranks have arrived; abort them when that takes too long."""
     if verdicts.size == 1:
         return
     arrival = verdicts.Ibarrier()

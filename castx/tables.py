@@ -1,4 +1,4 @@
-"""Piecewise linear functions of one variable, the form every material and schedule number takes."""
+"""Piecewise linear functions of one variable, for properties and for values over time."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Table:
         return np.asarray(np.interp(argument, self.arguments, self.values))
 
     def mean(self, start: float, end: float) -> float:
-        """Return the mean value between two arguments, exactly; the value where they are equal."""
+        """Return the exact mean value between two arguments, or the value where they are equal."""
         if end <= start:
             return float(self(end))
         inside = self.arguments[(self.arguments > start) & (self.arguments < end)]
@@ -76,6 +76,6 @@ class Table:
         return float(np.diff(points) @ (values[1:] + values[:-1])) / (2.0 * (end - start))
 
     def derivative(self, argument: Any) -> FloatArray:
-        """Return the slopes at arguments: of the segment above at a point, zero outside."""
+        """Return the slopes at arguments, zero outside; at a point that of the segment above it."""
         slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))
         return np.asarray(slopes[np.searchsorted(self.arguments, argument, side="right")])

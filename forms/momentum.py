@@ -17,12 +17,12 @@ from castx.forms.kinematics import deviator
 
 
 class PointState(NamedTuple):
-    """What the constitutive law hands to the forms.
+    """State of the integration points as the constitutive law gives it to the forms.
 
     Attributes:
         stress: deviatoric stress s at the integration points [Pa], shape (3, 3).
         isotropic: a of the tangent [Pa], 2 G in an elastic point.
-        radial: b of the tangent [Pa]; None where nothing flows.
+        radial: b of the tangent [Pa]; None in elastic bodies.
         direction: n of the tangent, shape (3, 3).
         compressibility: 1/K in the cells [1/Pa], zero in a liquid.
         thermal_strain: volumetric thermal strain e^θ in the cells.
@@ -133,7 +133,7 @@ def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: 
 
 
 def deviatoric_virtual_work(variation: Any, state: PointState, dx: Any) -> Any:
-    """Return ∫ ∇ˢη:s, all that Q1/P0 integrates at the points."""
+    """Return ∫ ∇ˢη:s, the part of Q1/P0 that is integrated at the points."""
     return ufl.inner(state.stress, variation) * dx
 
 

@@ -1,4 +1,4 @@
-"""What a node stands for in integrals over a body: its volume, its area, its normal."""
+"""Volumes, areas and normals of nodes: the integrals of their shape functions."""
 
 from typing import Any
 

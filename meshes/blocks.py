@@ -21,7 +21,7 @@ def slab(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """A casting in 0 <= x <= length, 0 <= y <= width (0 <= z <= depth).
+    """Mesh a casting in 0 <= x <= length, 0 <= y <= width (0 <= z <= depth).
 
     Surfaces: wall (x = 0), far (x = length), bottom (y = 0), top (y = width), in 3-D back (z = 0)
     and front (z = depth). An interface_size applies at the wall.
@@ -57,7 +57,7 @@ def two_slabs(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """A casting in 0 <= x <= length that meets a mould in -mould_length <= x <= 0.
+    """Mesh a casting in 0 <= x <= length that meets a mould in -mould_length <= x <= 0.
 
     Surfaces of both: far, bottom (y = 0), top (y = width), in 3-D back (z = 0), front (z = depth).
 
@@ -93,7 +93,7 @@ def stacked_blocks(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """An upper block that stands on a base of equal or greater width; they meet at height 0.
+    """Mesh an upper block on a base of equal or greater width; they meet at height 0.
 
     The last coordinate points up; blocks are centred at x = 0 (and y = 0 in 3-D). Surfaces: upper:
     top, side; base: bottom, side, shelf (the free part of its top); with symmetry only x >= 0 (y >=
@@ -154,7 +154,7 @@ def _block(under: np.ndarray, above: np.ndarray) -> IntArray:
 
 
 def _stepped(inner: float, outer: float, size: float) -> FloatArray:
-    """Positions from 0 to outer with a node at inner."""
+    """Return positions from 0 to `outer` with a node at `inner`."""
     positions = uniform(inner, size)
     if outer <= inner * (1 + 1e-9):
         return positions
@@ -171,7 +171,7 @@ def _checked_depth(model: str, depth: float | None) -> float | None:
 
 
 def _bars(x: FloatArray, width: float, depth: float | None, size: float, cells: str) -> LinearMesh:
-    """Bodies 0 (x > 0) and 1 (x < 0) over the width and depth."""
+    """Return a mesh of the bodies 0 (x > 0) and 1 (x < 0) over the width and depth."""
     even = cells == SIMPLICES
     mesh = grid(x, uniform(width, size, even), lambda m: (m[:, 0] < 0).astype(int), cells)
     if depth is None:

@@ -23,7 +23,7 @@ def box_in_mould(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """A casting in a mould that is as thick below as on the sides, and with a lid also above.
+    """Mesh a box in a mould that is as thick below as on the sides, and with a lid also above.
 
     The last coordinate points up; the casting is centred at x = 0 (and y = 0 in 3-D) and stands at
     height 0. The mesh is its own mirror image in x = 0 (and y = 0). Surfaces: casting: top, without
@@ -81,7 +81,7 @@ def _check(model: str, box: Sequence[float], wall: float) -> None:
 
 
 def _from_the_middle(half: float, wall: float, sizing: Sizing) -> FloatArray:
-    """Positions from the middle of the casting to the outside of the mould."""
+    """Return positions from the middle of the casting to the outside of the mould."""
     inside = half - graded(half, sizing)[::-1]
     inside[0] = 0.0
     return np.concatenate([inside, half + graded(wall, sizing)[1:]])
@@ -97,7 +97,7 @@ def _levels(height: float, wall: float, lid: bool, sizing: Sizing) -> FloatArray
 
 
 def _line(positions: FloatArray, value: float) -> int:
-    """Number of the grid line at a position."""
+    """Return the number of the grid line at a position."""
     return int(np.abs(positions - value).argmin())
 
 

@@ -24,7 +24,7 @@ def cylinder_in_mould(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """A cylindrical casting, 0 <= z <= height, in a mould with a wall and, with floor > 0, a floor.
+    """Mesh a cylinder, 0 <= z <= height, in a mould with a wall and, with floor > 0, a floor.
 
     Surfaces: casting: top, base (z = 0, part of the interface when there is a floor); mould:
     outside, top, base (z = -floor); in 3-D symmetry-x (x = 0) and symmetry-y (y = 0) of a quarter,

@@ -39,16 +39,24 @@ class Sizing:
             raise ValueError(f"order_of_growth must be positive, got {self.order_of_growth:g}")
 
     def at(self, distance: FloatArray, extent: float) -> FloatArray:
-        """Wanted size at distances from the interface [m]."""
+        """Return the wanted sizes at distances from the interface [m].
+
+        Args:
+            distance: from the interface [m].
+            extent: of the body away from its interface [m].
+        """
         finest = self.size if self.interface_size is None else self.interface_size
         growth = (distance / extent) ** self.order_of_growth
         return (finest + (self.size - finest) * growth).astype(np.float64)
 
 
 def uniform(length: float, size: float, even: bool = False) -> FloatArray:
-    """Equally spaced positions from 0 to length, no farther apart than size.
+    """Return equally spaced positions from 0 to `length`, no farther apart than `size`.
 
-    With `even` the number of intervals is even, so that the pattern of triangles mirrors itself.
+    Args:
+        length: last position [m].
+        size: largest distance [m].
+        even: an even number of intervals, so that the pattern of triangles mirrors itself.
     """
     step = 2 if even else 1
     intervals = step * max(1, math.ceil(length / (step * size) * (1 - 1e-10)))
@@ -56,9 +64,12 @@ def uniform(length: float, size: float, even: bool = False) -> FloatArray:
 
 
 def graded(length: float, sizing: Sizing, extent: float | None = None) -> FloatArray:
-    """Positions from 0 (the interface) to length that follow the sizing.
+    """Return positions from 0 (the interface) to `length` that follow the sizing.
 
-    The extent is that of the body if it goes on beyond the length [m].
+    Args:
+        length: last position [m].
+        sizing: wanted sizes.
+        extent: of a body that goes on beyond the length [m]; None: the length.
     """
     if sizing.interface_size is None:
         return uniform(length, sizing.size)

@@ -1,4 +1,4 @@
-"""Linear meshes of one kind of cell, with what all kinds have in common."""
+"""Linear meshes of one kind of cells: orientation, mirror images, free faces."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SIMPLICES, QUADRILATERALS = "simplices", "quadrilaterals"
-"""What cells a generator makes: triangles and tetrahedra, or quadrilaterals and hexahedra."""
+"""Cells of a generator: triangles and tetrahedra, or quadrilaterals and hexahedra."""
 
 
 @dataclass(frozen=True)
 class GmshCellKind:
-    """How the corners of a kind of cell are arranged, in the numbering of gmsh.
+    """Arrangement of the corners of a kind of cells in the numbering of gmsh.
 
     Args:
         gmsh: gmsh's number of the kind.
@@ -67,7 +67,7 @@ class LinearMesh:
 
     @property
     def kind(self) -> GmshCellKind:
-        """How its cells are arranged."""
+        """Arrangement of the corners of its cells."""
         return KINDS[self.dimension, self.cells.shape[1]]
 
 
@@ -79,7 +79,7 @@ def checked_cells(cells: str) -> str:
 
 
 def compacted(mesh: LinearMesh) -> LinearMesh:
-    """Leave out the points that no cell uses."""
+    """Return the mesh without the points that no cell uses."""
     used, cells = np.unique(mesh.cells, return_inverse=True)
     return LinearMesh(
         mesh.points[used], cells.reshape(mesh.cells.shape), mesh.regions, mesh.order[used]
@@ -87,20 +87,25 @@ def compacted(mesh: LinearMesh) -> LinearMesh:
 
 
 def handedness(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Determinant of the edges at corner 0, positive in a proper cell [m², m³]."""
+    """Return the determinants of the edges at corner 0, positive in proper cells [m², m³]."""
     along = KINDS[points.shape[1], cells.shape[1]].along
     return np.linalg.det(points[cells[:, along]] - points[cells[:, :1]])
 
 
 def oriented(points: FloatArray, cells: IntArray) -> IntArray:
-    """The same cells, positively oriented."""
+    """Return the same cells, positively oriented."""
     kind = KINDS[points.shape[1], cells.shape[1]]
     negative = handedness(points, cells) < 0
     return np.where(negative[:, None], cells[:, kind.mirrored], cells)
 
 
 def mirrored(mesh: LinearMesh, axis: int) -> LinearMesh:
-    """A mesh in coordinate >= 0 with its mirror image in the plane where it is zero."""
+    """Return a mesh on one side of a plane with its mirror image.
+
+    Args:
+        mesh: where the coordinate is not negative.
+        axis: number of the coordinate, zero in the plane.
+    """
     on_plane = np.abs(mesh.points[:, axis]) < 1e-9 * np.ptp(mesh.points[:, axis])
     points = mesh.points.copy()
     points[on_plane, axis] = 0.0
@@ -117,7 +122,7 @@ def mirrored(mesh: LinearMesh, axis: int) -> LinearMesh:
 
 
 def free_faces(mesh: LinearMesh) -> IntArray:
-    """Faces that only one cell has, (faces, nodes)."""
+    """Return the faces of one cell only, (faces, nodes)."""
     faces = np.concatenate([mesh.cells[:, corners] for corners in mesh.kind.faces])
     _, first, count = np.unique(
         np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True

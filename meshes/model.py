@@ -1,4 +1,4 @@
-"""Handing nodes, cells and named faces to gmsh as a discrete model."""
+"""Discrete gmsh models of nodes, cells and named faces."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,17 +14,30 @@ LINE = 1
 
 
 def plane(name: str, axis: int, value: float, tolerance: float) -> Surface:
-    """The surface on which one coordinate has a value [m]."""
+    """Return the surface on which one coordinate has a value.
+
+    Args:
+        name: of the surface.
+        axis: number of the coordinate.
+        value: of the coordinate [m].
+        tolerance: of the value [m].
+    """
     return name, lambda points: np.abs(points[:, axis] - value) < tolerance
 
 
 def round_surface(name: str, radius: float, tolerance: float) -> Surface:
-    """The surface at a distance from the last axis of a 3-D, or the origin of a 2-D mesh [m]."""
+    """Return the surface round the last axis of a 3-D mesh, or the origin of a 2-D one.
+
+    Args:
+        name: of the surface.
+        radius: distance from the axis [m].
+        tolerance: of the radius [m].
+    """
     return name, lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) < tolerance
 
 
 def everything_else(name: str) -> Surface:
-    """The surface that takes what is left."""
+    """Return the surface of all other faces."""
     return name, lambda points: np.ones(len(points), dtype=bool)
 
 
@@ -35,7 +48,7 @@ def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surfa
         mesh: the cells; regions are indices into bodies.
         bodies: names of the physical volumes.
         surfaces: pairs of name and predicate on points; a free face belongs to the first whose
-            predicate holds for all its nodes. Faces between two bodies get no name.
+            predicate is true for all its nodes. Faces between two bodies get no name.
     """
     dim = mesh.dimension
     for region, body in enumerate(bodies):

@@ -17,7 +17,7 @@ CORNER = (3 + math.sqrt(3)) / 6
 
 
 def quarter_o_grid(radii: Radii, sizing: Sizing) -> LinearMesh:
-    """Quadrilaterals of two rings in x, y >= 0, the same when x and y are exchanged.
+    """Return quadrilaterals of two rings in x, y >= 0, the same when x and y are exchanged.
 
     The inner ring is region 0, the outer one 1. Without a bore the inner one has a core of squares.
     Along the interface the quadrilaterals keep to the size; outside of it they are longer.
@@ -50,14 +50,14 @@ def quarter_o_grid(radii: Radii, sizing: Sizing) -> LinearMesh:
 
 
 def _quarter_circle(count: int) -> FloatArray:
-    """2 count + 1 unit vectors from x to y, exactly mirrored about the diagonal."""
+    """Return 2 count + 1 unit vectors from x to y, exactly mirrored about the diagonal."""
     angles = 0.25 * math.pi * np.arange(count) / count
     half = np.column_stack([np.cos(angles), np.sin(angles)])
     return np.concatenate([half, np.full((1, 2), math.sqrt(0.5)), half[::-1, ::-1]])
 
 
 def _core_rim(width: float, count: int) -> FloatArray:
-    """2 count + 1 points from (width, 0) by the corner of the core to (0, width)."""
+    """Return 2 count + 1 points from (width, 0) by the corner of the core to (0, width)."""
     part = np.arange(count)[:, None] / count
     corner = np.full((1, 2), CORNER * width)
     half = (1 - part) * np.array([[width, 0.0]]) + part * corner
@@ -65,14 +65,14 @@ def _core_rim(width: float, count: int) -> FloatArray:
 
 
 def _between(curves: int, nodes: int) -> IntArray:
-    """Quadrilaterals between neighbouring curves, ordered from the inner to the outer one."""
+    """Return quadrilaterals between neighbouring curves, from the inner to the outer ones."""
     curve, k = np.indices((curves - 1, nodes - 1)).reshape(2, -1)
     first = curve * nodes + k
     return np.column_stack([first, first + nodes, first + nodes + 1, first + 1])
 
 
 def _core(width: float, count: int, first: int) -> tuple[FloatArray, IntArray]:
-    """The inner points of the core, to be numbered from `first`, and its cells.
+    """Return the inner points of the core, numbered from `first`, and its cells.
 
     Nodes on the rim are those of the first curve, with the numbers from 0 to 2 count.
     """

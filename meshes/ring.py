@@ -23,7 +23,7 @@ def core_in_ring(
     order_of_growth: float = 1.0,
     cells: str = SIMPLICES,
 ) -> None:
-    """A core, hollow with core_bore > 0, in a ring-shaped casting that shrinks onto it.
+    """Mesh a core, hollow with core_bore > 0, in a ring-shaped casting that shrinks onto it.
 
     Surfaces: core: bore; casting: outside; both: base (z = 0), top (z = height). Plane models mesh
     the quarter cross-section with symmetry-x (x = 0), symmetry-y (y = 0) and no base or top.

@@ -15,7 +15,7 @@ SECTORS = ("full", "half", "quarter")
 def disc(
     radii: Radii, sizing: Sizing, sector: str = "quarter", cells: str = SIMPLICES
 ) -> LinearMesh:
-    """Two concentric rings; the inner one is region 0, the outer one 1.
+    """Return a mesh of two concentric rings; the inner one is region 0, the outer one 1.
 
     The quarter x, y >= 0 is meshed, a half (x >= 0) and the full disc are its mirror images.
 

@@ -25,7 +25,7 @@ def grid(
     cells: str = SIMPLICES,
     corner: tuple[int, int] = (0, 0),
 ) -> LinearMesh:
-    """Quadrilaterals or right-angled triangles on a grid; they mirror themselves about grid lines.
+    """Return quadrilaterals or right-angled triangles on a grid, symmetric about grid lines.
 
     For triangles each rectangle is cut by the diagonal between its even-even and its odd-odd node
     ("union jack"): no obtuse angles at any aspect ratio. Rectangles of a negative region are left
@@ -66,7 +66,7 @@ def _union_jack(i: IntArray, j: IntArray, corner: tuple[int, int], columns: int)
 
 
 def swept(mesh: LinearMesh, z: FloatArray, regions: LayerRegions, corner: int = 0) -> LinearMesh:
-    """Hexahedra from quadrilaterals, or tetrahedra from triangles, moved along z.
+    """Return hexahedra from quadrilaterals, or tetrahedra from triangles, moved along z.
 
     Every other layer of tetrahedra is cut in the mirrored way.
 
@@ -90,7 +90,7 @@ def swept(mesh: LinearMesh, z: FloatArray, regions: LayerRegions, corner: int = 
 
 
 def _layer(mesh: LinearMesh, layer: int, odd: int) -> list[IntArray]:
-    """The cells between two levels, in groups in the order of the plane cells."""
+    """Return the cells between two levels, in groups in the order of the plane cells."""
     count = len(mesh.points)
     if mesh.cells.shape[1] == 4:
         below = mesh.cells + count * layer

@@ -1,4 +1,4 @@
-"""Descriptions of the bodies of a case."""
+"""The bodies of a case: material, initial temperature, constitutive law, elements."""
 
 from __future__ import annotations
 
@@ -30,11 +30,18 @@ def _start_of_history(body: dict[str, Any]) -> InitialTemperature:
 
 
 class Body(Description):
-    """One body: a named volume of the mesh, its material, initial temperature and law.
+    """One body: a named volume of the mesh with its material, temperature at the start and law.
 
-    `temperature` [°C] is the initial one, uniform, along a coordinate or from a file, by default
-    the start of `temperature_history`; `heat_source` [W/m³] over time; `formulation` None: "mixed"
-    on simplices, else "q1p0".
+    Attributes:
+        name: of the volume in the mesh.
+        material: a name of the database or of the case's own materials.
+        temperature_history: prescribed temperature over time [°C].
+        temperature: initial one [°C], uniform, along a coordinate or from a file; by default the
+            start of `temperature_history`.
+        heat_source: over time [W/m³].
+        law: constitutive law.
+        formulation: finite elements of the displacement; None: "mixed" on simplices, else "q1p0".
+        stabilisation: of the mixed formulation.
     """
 
     name: EntryName

@@ -1,4 +1,4 @@
-"""Descriptions of what acts on the outer surfaces of the bodies, and of gravity."""
+"""Conditions on the outer surfaces of the bodies, gravity, and supports of free bodies."""
 
 from __future__ import annotations
 
@@ -43,9 +43,13 @@ _MOST_CONDITIONS = 20
 class HeatCondition(Description):
     """Heat through a surface; every number may be a table over time.
 
-    `value` is a temperature [°C] or a flux into the body [W/m²], by type; `coefficient` [W/m²/K] of
-    convection may instead vary over the temperature of the film, (T + ambient)/2, or of the
-    surface; `ambient` [°C] belongs to convection and radiation, `emissivity` to radiation.
+    Attributes:
+        type: kind of the condition.
+        value: temperature [°C] or heat flux into the body [W/m²], by the type.
+        coefficient: of convection [W/m²/K]; it may instead vary over the temperature of the film,
+            (T + ambient)/2, or of the surface.
+        ambient: temperature of the surroundings, for convection and radiation [°C].
+        emissivity: of the surface, for radiation.
     """
 
     type: Annotated[str, Choice(tuple(_NEEDED))]
@@ -78,7 +82,7 @@ class DisplacementCondition:
     """Prescribed displacement of a surface in one direction.
 
     Args:
-        direction: one of `DIRECTIONS`, or "free": a stage lifts what held the surface.
+        direction: one of `DIRECTIONS`, or "free": a stage lifts the earlier condition.
         value: metres over time, along the direction; None when uniform.
         uniform: all nodes of the surface move equally, with a free resultant.
     """
@@ -131,9 +135,14 @@ def _displacement(direction: str, value: Any) -> DisplacementCondition:
 
 
 class Boundary(Description):
-    """Conditions on one named surface, `on = "body/surface"`.
+    """Conditions on one named surface.
 
-    `pressure` [Pa] over time presses on the surface; `traction` [Pa] has one table per direction.
+    Attributes:
+        on: the surface as "body/surface".
+        heat: heat conditions, which add up.
+        displacement: prescribed displacements by direction.
+        pressure: pressing on the surface, over time [Pa].
+        traction: force per area over time, one table for each direction of the model [Pa].
     """
 
     on: str
@@ -162,7 +171,7 @@ class Boundary(Description):
         return self.on.partition("/")[2]
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield heat conditions that exclude each other, and a boundary that says nothing."""
+        """Yield heat conditions that exclude each other, and a boundary without any condition."""
         types = [condition.type for condition in self.heat]
         for alone in ("insulated", "temperature"):
             if alone in types and len(types) > 1:
@@ -172,7 +181,11 @@ class Boundary(Description):
 
 
 class Loads(Description):
-    """Forces on all bodies: gravity [m/s²], one number per direction of the model after loading."""
+    """Forces on all bodies.
+
+    Attributes:
+        gravity: acceleration [m/s²]; after loading one number for each direction of the model.
+    """
 
     gravity: Annotated[
         tuple[Annotated[float, Quantity(ACCELERATION)], ...], Field(max_length=3)
@@ -191,9 +204,11 @@ def _surface_names(value: Any) -> tuple[str, ...]:
 
 
 class Support(Description):
-    """What holds bodies that nothing else holds.
+    """Supports of bodies that no condition and no contact constrain.
 
-    `in_gate`: surfaces "body/surface" that hold a body only while it has lost all contact.
+    Attributes:
+        mode: whether springs are added automatically.
+        in_gate: surfaces "body/surface" that are fixed only while their body has no contact.
     """
 
     mode: Annotated[str, Choice(("automatic", "none"))] = "automatic"

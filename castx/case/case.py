@@ -1,4 +1,4 @@
-"""The case: everything a case file asks for, as one frozen and validated description."""
+"""The case: everything that a case file asks for, as one frozen and validated description."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _title(value: Any) -> str:
 
 
 class Case(Description):
-    """A whole case in SI units and °C; every attribute bears the name of its key.
+    """A whole case in SI units and °C.
 
     >>> import castx
     >>> case = castx.load_case("cylinder.toml")
@@ -42,6 +42,22 @@ class Case(Description):
     ['aluminium', 'steel-H13']
     >>> case.interfaces[0].name, case.time.end
     ('casting/mould', 90.0)
+
+    Attributes:
+        name: title of the case, by default the name of its file.
+        geometry: a generator with its arguments, or a mesh file.
+        materials: those that the case describes itself, by name.
+        bodies: at least one.
+        interfaces: contact and heat transfer between bodies.
+        boundaries: conditions on the outer surfaces.
+        loads: forces on all bodies.
+        support: of bodies that nothing else constrains.
+        time: span and steps.
+        coupling: of heat and mechanics within a step.
+        solver: linear and nonlinear solvers.
+        output: fields and checkpoints.
+        probes: points whose quantities are recorded.
+        stages: changes in the course of the process.
     """
 
     name: Annotated[str, PlainValidator(_title)] = ""
@@ -75,7 +91,7 @@ class Case(Description):
 
     @property
     def content(self) -> dict[str, Any]:
-        """Keys and values of the file, overrides included, as JSON knows them."""
+        """Keys and values of the file, overrides included, with the types of JSON."""
         content: dict[str, Any] = json.loads(self._content)
         return content
 

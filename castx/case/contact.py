@@ -27,7 +27,7 @@ NONE = "none"
 
 @dataclass(frozen=True)
 class Pairing:
-    """The rule by which an interface is paired.
+    """The rule by which the nodes of an interface find partners and normals.
 
     Attributes:
         normals: "averaged" over the facets round a node, or one for each of the smooth "patches";
@@ -35,7 +35,7 @@ class Pairing:
         sharp_angle: between the normals of neighbouring facets of different patches [rad].
         kind: "node-to-node" for matching meshes, "node-to-face" for others.
         surfaces: from node to face those of the secondary and primary body; None: the shared one.
-        meshed_gap: whether the distance of the meshes counts, from node to face.
+        meshed_gap: whether the distance of the meshes counts as a gap, from node to face.
     """
 
     normals: str = "averaged"
@@ -46,12 +46,12 @@ class Pairing:
 
 
 BY_NODES = Pairing()
-"""The rule where nothing else is said."""
+"""The default rule."""
 
 
 @dataclass(frozen=True, eq=False)
 class InitialGap:
-    """Gap of an interface before anything moves [m]; negative is interference.
+    """Gap of an interface without displacements [m]; negative is interference.
 
     Args:
         table: metres over the coordinate; constant where there is one number.
@@ -113,17 +113,24 @@ def _surfaces(value: Any) -> tuple[str, str] | None:
 
 @with_entries({key.name: (key.kind.read, key.default) for key in keys().values()})
 class InterfaceContact(Description):
-    """How two bodies touch, and the gap they start with.
+    """Mechanical contact of two bodies, and the gap they start with.
 
-    The keys of the methods stand beside these, see `castx.contact.methods`. The methods of
-    `fallback` take over one after the other for a step in which those before have failed.
+    The keys of the methods stand beside these, see `castx.contact.methods`.
 
-    `normals`: "averaged" over the facets of an interface round each node, or at edges and corners
-    one for each of the smooth "patches", whose facets enclose more than the `sharp_angle` [°].
-    Meshes that do not match are paired "node-to-face" between two `surfaces`; there the normals are
-    the mean of both sides or that of the "primary" facet, which are one where meshes match. A gap
-    or overlap between them is one of the bodies, or with `meshed_gap` "ignored" only that of facets
-    that follow a common curved surface. `friction` is Coulomb's coefficient.
+    Attributes:
+        method: name of the contact method, or `NONE`.
+        initial_gap: gap without displacements [m].
+        normals: "averaged" over the facets of the interface round each node, or at edges and
+            corners one for each of the smooth "patches"; from node to face the mean of both sides
+            or that of the "primary" facet, which are one where meshes match.
+        sharp_angle: facets of one patch enclose less than this angle [°].
+        pairing: "node-to-node" for matching meshes, "node-to-face" for others.
+        surfaces: from node to face those of the two bodies; None: the surface they share.
+        meshed_gap: from node to face, whether a gap or overlap between the meshes is one of the
+            bodies, or with "ignored" only that of facets along a common curved surface.
+        friction: Coulomb's coefficient μ.
+        fallback: methods that take over one after the other for a step in which those before have
+            failed.
     """
 
     method: Annotated[str, Choice((*names(), NONE))] = DEFAULT
@@ -165,7 +172,7 @@ class InterfaceContact(Description):
         return {name: getattr(self, name) for name in keys()}
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield numbers that the method or the pairing do not use."""
+        """Yield keys that the method or the pairing do not use."""
         yield from self._pairing_problems()
         problem = friction_problem((self.method, *self.fallback), self.pairing_rule, self.friction)
         if problem and self.method != NONE:
@@ -188,7 +195,13 @@ def _tied(method: str) -> bool:
 
 
 def friction_problem(methods: Collection[str], pairing: Pairing, friction: float) -> str:
-    """Return what keeps an interface from having friction; or nothing."""
+    """Return why an interface cannot have friction, or an empty text.
+
+    Args:
+        methods: the contact method and those that may take over from it.
+        pairing: rule of the interface.
+        friction: Coulomb's coefficient μ.
+    """
     known = names(lambda method: method.friction)
     without = sorted(set(methods) - set(known))
     if friction == 0:
@@ -203,7 +216,14 @@ def friction_problem(methods: Collection[str], pairing: Pairing, friction: float
 
 
 def body_problem(method: str, secondary: str, primary: str, rigid: Collection[str]) -> str:
-    """Return what is wrong with contact between two bodies, of which some are rigid; or nothing."""
+    """Return why two bodies cannot be in contact by a method, or an empty text.
+
+    Args:
+        method: name of the method, or `NONE`.
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        rigid: names of the rigid bodies.
+    """
     if secondary in rigid and primary in rigid:
         return 'both bodies are rigid; use method = "none"'
     if secondary in rigid:

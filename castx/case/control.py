@@ -1,4 +1,4 @@
-"""Descriptions of how a case is run: time steps, coupling of heat and mechanics, solvers."""
+"""How a case is solved: time steps, coupling of heat and mechanics, solvers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _substeps(value: Any) -> str | int:
 
 
 def _options(value: Any) -> PetscOptions:
-    """Return a table of PETSc options that can set solvers but neither run code nor touch files."""
+    """Return PETSc options, which may choose solvers but neither run code nor write files."""
     if not isinstance(value, dict) or len(value) > _MOST_OPTIONS:
         raise CaseError('a table of PETSc options is needed: { ksp_rtol = 1e-8, pc_type = "gamg" }')
     for name, setting in value.items():
@@ -56,10 +56,16 @@ def _thousandth_of_end(time: dict[str, Any]) -> float:
 
 
 class Time(Description):
-    """Span and steps of a run; all times in s, `temperature_change` in K per step.
+    """Span and steps of a run.
 
-    `fixed_step` switches the adaptive control off; `heat_substeps` are heat steps within one
-    mechanical step.
+    Attributes:
+        end: of the run, or where cycles go on longer of the first one [s].
+        largest_step: by default a twentieth of the end [s].
+        first_step: by default a thousandth of the end, or the largest step [s].
+        smallest_step: by default a thousandth of the first one [s].
+        temperature_change: wanted in a step, in any node [K].
+        fixed_step: length of all steps in place of adaptive ones [s].
+        heat_substeps: heat steps within one mechanical step.
     """
 
     end: _Duration
@@ -73,7 +79,7 @@ class Time(Description):
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield steps out of order and step counts beyond all reason."""
+        """Yield steps that exceed larger ones, and far too many steps."""
         if self.first_step > self.largest_step:
             origin = "" if "largest_step" in self.model_fields_set else ", by default end/20"
             text = f"must not exceed largest_step, {self.largest_step:g} s{origin}"
@@ -89,7 +95,10 @@ class Time(Description):
 class Coupling(Description):
     """How heat and mechanics act on each other within a step.
 
-    `tolerance`: relative change of every pair's thermal resistance between passes.
+    Attributes:
+        scheme: which of the two are solved, and in what order.
+        tolerance: relative change of the thermal resistance of every pair between passes.
+        passes: most passes of a step.
     """
 
     scheme: Annotated[
@@ -100,7 +109,16 @@ class Coupling(Description):
 
 
 class Solver(Description):
-    """Linear solver, tolerances of the nonlinear solvers, and PETSc options by their own names."""
+    """Linear and nonlinear solvers.
+
+    Attributes:
+        linear: "direct", "iterative", or by the size of the problem.
+        heat: PETSc options of the heat problem, by their own names.
+        mechanics: those of the mechanical problem.
+        contact: those of the contact problem.
+        heat_tolerance: of the heat balance, relative.
+        mechanics_tolerance: of the balance of forces, relative.
+    """
 
     linear: Annotated[str, Choice(("automatic", "direct", "iterative"))] = "automatic"
     heat: Annotated[PetscOptions, PlainValidator(_options)] = Field({})

@@ -1,4 +1,4 @@
-"""Description of the geometry: a generator of castx.meshes with its arguments, or a mesh file."""
+"""The geometry: a generator of `castx.meshes` with its arguments, or a mesh file."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ class Argument:
 
 @dataclass(frozen=True)
 class Generator:
-    """What a generator takes and which names its mesh has.
+    """Arguments of a generator and names in its mesh.
 
     Args:
         models: models it can be meshed for.
         arguments: its own arguments by name; every generator also takes `COMMON_ARGUMENTS`.
         surfaces: by body; which of them exist depends on model and arguments.
         extents: outer dimensions in the plane, or in space, from the arguments.
-        check: yields what does not fit together in the arguments, by argument.
+        check: yields contradictions of the arguments, by argument.
     """
 
     models: tuple[str, ...]
@@ -215,9 +215,14 @@ def _mesh_file(value: Any) -> Path:
 
 
 class Geometry(Description):
-    """A generator with its arguments, or a gmsh file; the file is an absolute path after loading.
+    """A generator with its arguments, or a gmsh file.
 
-    `arguments` holds what the case gives, in SI; the generator has the defaults of the rest.
+    Attributes:
+        model: "3d", "axisymmetric" or a plane model.
+        generator: a name of `GENERATORS`; None: a file.
+        file: of the mesh, relative to the case file, after loading absolute.
+        parts: not available yet.
+        arguments: of the generator as given, in SI; it has defaults of the others.
     """
 
     model: Annotated[str, Choice(MODELS)]
@@ -259,7 +264,7 @@ class Geometry(Description):
         return GENERATORS[self.generator].surfaces if self.generator is not None else None
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield a missing or doubled source of the mesh and what its arguments cannot mean."""
+        """Yield a missing or doubled source of the mesh, and contradictions of its arguments."""
         if (self.generator is None) == (self.file is None):
             yield Problem((), 'give either a generator or a mesh: file = "part.msh"')
         if self.generator is None:
@@ -287,7 +292,7 @@ class Geometry(Description):
 def _read_arguments(
     generator: Generator, model: str, given: dict[str, Any]
 ) -> tuple[dict[str, Any], list[Problem]]:
-    """Return the checked arguments and what is wrong with the others."""
+    """Return the checked arguments, and the problems of the others."""
     known = {**generator.arguments, **COMMON_ARGUMENTS}
     arguments: dict[str, Any] = {}
     problems = []
@@ -312,9 +317,12 @@ def _read_arguments(
 
 
 def gravity_along(gravity: Sequence[float], model: str) -> tuple[float, ...]:
-    """Return gravity with one number per direction of the model [m/s²].
+    """Return gravity with one number for each direction of the model [m/s²].
 
-    Three numbers are (x, y, z) of space; those without a direction in the model are dropped.
+    Args:
+        gravity: as given: nothing, one number for each direction of the model, or (x, y, z) of
+            space, of which only the directions of the model are kept [m/s²].
+        model: geometric model.
     """
     if not gravity:
         return (0.0,) * (3 if model == "3d" else 2)

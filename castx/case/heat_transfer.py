@@ -1,4 +1,4 @@
-"""Description of the heat transfer between facing surfaces; no dolfinx."""
+"""The heat transfer between facing surfaces, by a law or by several on its parts."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Patch:
     changes: Mapping[str, Any]
     on: str = ""
 
-    def holds(
+    def contains(
         self, points: npt.ArrayLike, marked: Mapping[str, FloatArray]
     ) -> BoolArray:
-        """Return which points (n, gdim) lie in the part.
+        """Return which points lie in the part, shape (n,).
 
         Args:
-            points: of the interface [m].
-            marked: points of the faces between bodies by the name the mesh has for them.
+            points: of the interface, shape (n, gdim) [m].
+            marked: points of the faces that the mesh names between bodies, by name [m].
         """
         inside = np.ones(len(np.asarray(points)), dtype=bool)
         if self.on:
@@ -100,12 +100,20 @@ def _bounds(index: int, axis: str, value: Any) -> tuple[float, float]:
 class InterfaceHeat(Description):
     """Heat transfer between the facing surfaces, q = h (T_secondary − T_primary) + radiation.
 
-    `closed` [W/m²/K] is the coefficient of touching surfaces without pressure; left out, it is 1/R
-    of roughness and coating. `gas_conductivity` [W/m/K] is that of the gas in gap and roughness,
-    `open` [W/m²/K] the coefficient of the open gap, `pressure` adds to closed contact, `transition`
-    [m] is the width of gaps over which the bend of the law is rounded. `patches` are parts of the
-    interface where keys differ; the first that holds a pair counts. Laws may have keys of their
-    own besides.
+    Laws may have further keys of their own.
+
+    Attributes:
+        law: name of the gap heat law.
+        closed: coefficient of touching surfaces without pressure [W/m²/K]; left out, it is 1/R of
+            roughness and coating.
+        open: coefficient of the open gap [W/m²/K].
+        gas_conductivity: of the gas in gap and roughness [W/m/K].
+        transition: width of gaps over which the bend of the law is rounded [m].
+        pressure: conductance that contact pressure adds.
+        roughness: of the surfaces, a resistance of the gas in it.
+        coating: between the surfaces, a resistance.
+        radiation: across the gap.
+        patches: parts of the interface with other keys; the first that contains a pair counts.
     """
 
     law: Annotated[str, Choice(tuple(gap_heat_laws()))]
@@ -121,12 +129,12 @@ class InterfaceHeat(Description):
 
     @property
     def declared(self) -> GapHeatLaw:
-        """What the file of the law declares."""
+        """The declaration of the law."""
         return gap_heat_laws()[self.law]
 
     @property
     def given(self) -> Given:
-        """The keys that are given to the law."""
+        """The keys of the law that the case gives."""
         names = self.model_fields_set - {"law", "patches"}
         return Given({name: getattr(self, name) for name in names})
 
@@ -141,13 +149,13 @@ class InterfaceHeat(Description):
         return [self, *(self.on(patch) for patch in self.patches)]
 
     def conduction_law(self) -> ConductionLaw:
-        """Return the law of the pairs without patches; not for perfect contact."""
+        """Return the law of heat conduction outside the patches, not for perfect contact."""
         build = self.declared.build
         assert build is not None
         return build(self.given)
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield what the law lacks or cannot use."""
+        """Yield keys that the law needs or does not use."""
         found = [*self._key_problems(), *self._roughness_problems(), *self._variation_problems()]
         yield from found
         if not found:
@@ -171,7 +179,7 @@ class InterfaceHeat(Description):
         yield from self._doubled_keys(law)
 
     def _doubled_keys(self, law: GapHeatLaw) -> Iterator[Problem]:
-        """Yield keys whose place another one takes; roughness has its use for the gas still."""
+        """Yield keys that another one replaces, but for the gas that the roughness needs."""
         for key, others in law.instead.items():
             for other in others if self.given.has(key) else ():
                 used = other is keys.GAS_CONDUCTIVITY and self.rough
@@ -215,9 +223,9 @@ class InterfaceHeat(Description):
                 yield Problem(("patches", index, "law"), text)
 
     def on(self, patch: Patch) -> InterfaceHeat:
-        """Return the heat transfer on a patch: these keys and what is different there.
+        """Return the heat transfer on a patch: the keys of the interface, changed by its own.
 
-        A patch with a law of its own takes nothing from here but the radiation.
+        A patch with a law of its own takes over nothing but the radiation.
 
         Raises:
             Refusal: the keys do not fit together.

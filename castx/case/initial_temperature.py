@@ -1,4 +1,4 @@
-"""Description of the temperature of a body at the start; no dolfinx."""
+"""The temperature of a body at the start: uniform, along a coordinate, or from a file."""
 
 from __future__ import annotations
 
@@ -55,45 +55,45 @@ class InitialTemperature:
 
     @property
     def uniform(self) -> float | None:
-        """The one temperature of the body; None: it has several."""
+        """The temperature of a body that is equally warm throughout [°C], else None."""
         if self.table is None or not self.table.is_constant:
             return None
         return float(self.table.values[0])
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Lowest and highest temperature; None before a file is read."""
+        """Lowest and highest temperature [°C]; None for a file."""
         if self.table is None:
             return None
         return float(self.table.values.min()), float(self.table.values.max())
 
     @property
     def hottest(self) -> float:
-        """Highest temperature; infinite before a file is read."""
+        """Highest temperature [°C]; infinite for a file."""
         return math.inf if self.bounds is None else self.bounds[1]
 
     @property
     def is_missing(self) -> bool:
-        """Whether nothing was given."""
+        """Whether there is neither a table nor a file."""
         return self.table is None and self.file is None
 
     @property
     def text(self) -> str:
-        """The temperature in words."""
+        """The temperature as a text for messages."""
         if self.file is not None:
             return f"{self.file.field} of {self.file.path.name}"
         low, high = self.bounds or (math.nan, math.nan)
         return f"{low:g} °C" if low == high else f"{low:g} to {high:g} °C along {self.along}"
 
-    def beside(self, case: Path) -> InitialTemperature:
-        """Return the same with the path of the file, which is relative to that of the case."""
+    def relative_to(self, case: Path) -> InitialTemperature:
+        """Return the same with an absolute path of its file, given relative to the case file."""
         if self.file is None:
             return self
         path = case.resolve().parent / self.file.path
         return replace(self, file=replace(self.file, path=path))
 
     def at(self, points: npt.ArrayLike) -> FloatArray:
-        """Return the temperatures of a table at points (n, gdim) [°C]."""
+        """Return the temperatures of the table at points (n, gdim) [°C], shape (n,)."""
         assert self.table is not None
         return np.asarray(self.table(coordinate(points, self.along)))
 
@@ -102,7 +102,7 @@ MISSING = InitialTemperature(None)
 
 
 def read_initial_temperature(value: Any) -> InitialTemperature:
-    """Return the temperature that a number, { along, table } or { file, field, unit } describes.
+    """Return the temperature described by a number, { along, table } or { file, field, unit }.
 
     Raises:
         Refusal: with the offending key.

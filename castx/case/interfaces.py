@@ -1,4 +1,4 @@
-"""Descriptions of the interfaces between bodies: contact and law of heat transfer."""
+"""The interfaces between bodies: mechanical contact and heat transfer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ from castx.input.entries import Description, EntryName
 
 
 class Interface(Description):
-    """Two bodies that face each other: secondary (casting side), primary (mould side)."""
+    """Two bodies that face each other.
+
+    Attributes:
+        bodies: names of the secondary body (casting side) and the primary one (mould side).
+        contact: mechanical contact.
+        heat: heat transfer; None where no heat is solved for.
+    """
 
     bodies: Annotated[tuple[EntryName, ...], Field(min_length=2, max_length=2)]
     contact: InterfaceContact = InterfaceContact()

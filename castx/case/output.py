@@ -1,4 +1,4 @@
-"""Descriptions of what a run writes: fields, and probes that record single points."""
+"""What a run writes: fields, checkpoints, and probes that record single points."""
 
 from __future__ import annotations
 
@@ -52,9 +52,12 @@ def _folder(value: Any) -> Path:
 class Output(Description):
     """Where and how often results are written.
 
-    `folder` is an absolute path after loading, by default results/NAME-OF-THE-CASE-FILE; `every`
-    [s] between field outputs, None: only the initial and the last state; `checkpoint` [s] between
-    checkpoints, None: every minute of wall clock time, or less often if they take long.
+    Attributes:
+        folder: by default results/NAME-OF-THE-CASE-FILE; after loading an absolute path.
+        every: time between field outputs [s]; None: only the initial and the last state.
+        fields: names of the fields.
+        checkpoint: time between checkpoints [s]; None: every minute of wall clock time, or less
+            often if they take long.
     """
 
     folder: Annotated[Path, PlainValidator(_folder)] = Path("results")
@@ -75,7 +78,15 @@ class Output(Description):
 
 
 class Probe(Description):
-    """A point of a body or of an interface whose quantities are recorded at every step."""
+    """A point of a body or of an interface whose quantities are recorded at every step.
+
+    Attributes:
+        name: in the headings of the columns.
+        body: on which it lies, or None.
+        interface: on which it lies as "secondary/primary", or None.
+        at: coordinates [m].
+        quantities: names of what is recorded.
+    """
 
     name: EntryName
     body: str | None = None
@@ -84,7 +95,7 @@ class Probe(Description):
     quantities: Annotated[tuple[str, ...], Field(min_length=1, max_length=20)]
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield a missing place, and quantities that it does not have."""
+        """Yield a missing or doubled place, and quantities that are not recorded there."""
         if (self.body is None) == (self.interface is None):
             yield Problem((), 'a probe sits either on a body or on an interface: body = "casting"')
             return

@@ -18,7 +18,7 @@ from castx.input.variation import Variation
 from castx.tables import Table
 
 SLACK = 1e-9
-"""Part of a time by which it may miss another and still be the same."""
+"""Relative difference below which two times are the same."""
 
 _FRICTION = Quantity(PURE_NUMBER, least=0.0)
 _MOST_CYCLES = 10_000
@@ -27,7 +27,7 @@ _MOST_BOUNDARIES = 1000
 
 
 def _friction(value: Any) -> dict[str, float] | float:
-    """Return the coefficients of friction of bodies by name, or that of all removed ones."""
+    """Return coefficients of friction by body, or one for all removed bodies."""
     if not isinstance(value, dict):
         try:
             return _FRICTION.read(value)
@@ -46,11 +46,13 @@ def _friction(value: Any) -> dict[str, float] | float:
 
 
 class Spray(Description):
-    """A fluid that cools surfaces instead of what cooled them before, by convection.
+    """A fluid that cools surfaces by convection, in place of their earlier heat conditions.
 
-    `on` names surfaces "body/surface", or bodies with all their surfaces but symmetry planes; by
-    default all that removed bodies have left bare. `coefficient` [W/m²/K] over time or temperature
-    and `ambient` [°C] are those of `HeatCondition`.
+    Attributes:
+        on: surfaces "body/surface", or bodies with all their surfaces but symmetry planes; by
+            default the surfaces that removed bodies have left bare.
+        coefficient: of convection over time or temperature, as in `HeatCondition` [W/m²/K].
+        ambient: temperature of the fluid over time [°C].
     """
 
     on: Annotated[tuple[str, ...], Field(max_length=_MOST_NAMES)] = ()
@@ -59,14 +61,20 @@ class Spray(Description):
 
 
 class Stage(Description):
-    """What changes `at` a time [s] of the cycle, and lasts until a later stage changes it again.
+    """Changes at a time of the cycle, which last until a later stage changes the same again.
 
-    `remove` takes bodies away; `boundaries` replace the conditions of the same kind on the same
-    surface, `displacement = "free"` lifts what held it; `eject` gives the coefficient of friction
-    from which the force to draw a body is estimated: one for all that the stage removes, or one for
-    each name. In the last stage, `repeat` is the number of cycles, `renew` the bodies that each of
-    them starts with anew, and `periodic` [K] the distance from the state to which the cycles tend,
-    estimated from how they change, below which they are called periodic.
+    Attributes:
+        at: time in the cycle [s].
+        remove: bodies that are taken away.
+        boundaries: conditions that replace those of the same kind on the same surface;
+            `displacement = "free"` lifts a prescribed displacement.
+        spray: a fluid that cools surfaces.
+        eject: coefficient of friction from which the force to draw a body is estimated: one for
+            all that the stage removes, or one by body.
+        repeat: number of cycles, in the last stage.
+        renew: bodies that each cycle starts with anew.
+        periodic: estimated distance from the state to which the cycles tend, below which they are
+            called periodic [K].
     """
 
     at: Annotated[float, Quantity(TIME, above=0.0)]
@@ -80,7 +88,7 @@ class Stage(Description):
 
     @property
     def acts(self) -> bool:
-        """Whether anything changes at its time, other than that a cycle ends."""
+        """Whether anything changes at its time except that a cycle ends."""
         asked = (self.spray, self.eject)
         return bool(self.remove or self.boundaries) or any(item is not None for item in asked)
 
@@ -92,7 +100,7 @@ class Stage(Description):
         return {} if self.eject is None else dict.fromkeys(self.remove, self.eject)
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield a stage that says nothing, names given twice, and keys that need `repeat`."""
+        """Yield an empty stage, names given twice, and keys that need `repeat`."""
         if not self.acts and self.repeat is None:
             yield Problem((), "says nothing; give remove, boundaries, spray, eject or repeat")
         for key in ("remove", "renew"):
@@ -130,8 +138,8 @@ class Schedule:
 
     Attributes:
         phases: the phases.
-        stages: number of different ones, the start included.
-        cycles: how often they are gone through.
+        stages: number of different stages, the start included.
+        cycles: number of cycles.
         cycle_length: from cycle to cycle [s].
         end: of the run [s].
 
@@ -166,6 +174,6 @@ class Schedule:
         return tuple(phase.start for phase in self.phases[1:])
 
     def number_at(self, time: float) -> int:
-        """Return the number of the phase to which the step that begins at a time [s] belongs."""
+        """Return the number of the phase of a step that begins at a time [s]."""
         starts = [phase.start for phase in self.phases]
         return bisect_right(starts, time + SLACK * self.end) - 1

@@ -1,4 +1,4 @@
-"""The kinds of linear cells that a mesh may have, in the numbering of DOLFINx."""
+"""Kinds of linear cells, in the numbering of DOLFINx."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ class CellKind:
         return np.array(basix.geometry(basix.CellType[self.name]), dtype=np.float64)
 
     def shape_functions(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the shape functions of the corners and their slopes in the reference cell.
+        """Return the shape functions of the corners and their gradients in the reference cell.
 
         Args:
             points: in the reference cell, (points, dimension).
 
         Returns:
-            Values (points, corners) and slopes (points, corners, dimension).
+            Values (points, corners) and gradients (points, corners, dimension).
         """
         cell_type = basix.CellType[self.name]
         element = basix.create_element(basix.ElementFamily.P, cell_type, 1)
@@ -115,5 +115,5 @@ KINDS = {kind.name: kind for kind in (LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON
 
 
 def kinds_of_dimension(dimension: int) -> list[CellKind]:
-    """Return the kinds that fill a dimension."""
+    """Return the kinds of cells of a dimension."""
     return [kind for kind in KINDS.values() if kind.dimension == dimension]

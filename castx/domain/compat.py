@@ -1,4 +1,4 @@
-"""The only place that knows differences between DOLFINx versions (written for 0.9 to 0.11)."""
+"""All differences between DOLFINx versions (written for 0.9 to 0.11)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def create_linear_mesh(
     kind: str,
     partitioner: Partitioner,
 ) -> Mesh:
-    """Distribute linear cells of one kind; each rank gives any share of points and cells.
+    """Distribute linear cells of one kind, of which each rank gives any share; collective.
 
     Args:
         comm: ranks of the mesh.
@@ -40,13 +40,26 @@ def create_linear_mesh(
 
 
 def destinations(parts: IntArray, offsets: IntArray) -> Any:
-    """Lists of ranks per cell, owner first, in the form that DOLFINx's partitioners return."""
+    """Return lists of ranks for each cell in the form of DOLFINx's partitioners.
+
+    Args:
+        parts: ranks of all cells one after the other, the owner of a cell first.
+        offsets: start of each cell in `parts`, and the end of the last one, shape (cells + 1,).
+    """
     lists = adjacencylist(parts, offsets)
     return getattr(lists, "_cpp_object", lists)
 
 
 def create_submesh(mesh: Mesh, cells: IntArray) -> tuple[Mesh, IntArray, IntArray]:
-    """A mesh of some cells, and the parent's cell and vertex of each cell and vertex."""
+    """Return a mesh of some cells, and the cells and vertices of the parent mesh; collective.
+
+    Args:
+        mesh: the parent mesh.
+        cells: local numbers of its cells.
+
+    Returns:
+        The mesh, and for each local cell and vertex of it that of the parent.
+    """
     dim = mesh.topology.dim
     submesh, cell_map, vertex_map, _ = dolfinx.mesh.create_submesh(mesh, dim, cells)
     return submesh, _parents(submesh, dim, cell_map), _parents(submesh, 0, vertex_map)

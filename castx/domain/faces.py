@@ -13,7 +13,11 @@ INSIDE = -1
 
 
 def face_keys(*groups: LongArray) -> list[LongArray]:
-    """Numbers that are equal for faces with the same nodes; groups of (faces, nodes) arrays."""
+    """Return numbers that are equal for faces with the same nodes, by group.
+
+    Args:
+        groups: nodes of faces in any order, shapes (faces, nodes).
+    """
     faces = np.sort(np.concatenate(groups), axis=1)
     keys = faces[:, 0]
     span = int(faces.max()) + 1
@@ -23,17 +27,25 @@ def face_keys(*groups: LongArray) -> list[LongArray]:
 
 
 def cell_faces(cells: LongArray, faces: LongArray) -> LongArray:
-    """Nodes of the faces of cells, cell by cell in DOLFINx's order, (cells * faces, nodes).
+    """Return the nodes of the faces of cells, cell by cell in the order of DOLFINx.
 
     Args:
         cells: (cells, corners).
         faces: corners of each face of a cell, (faces, nodes).
+
+    Returns:
+        Shape (cells * faces, nodes).
     """
     return cells[:, faces].reshape(-1, faces.shape[1])
 
 
 def neighbours(cells: LongArray, faces: LongArray, source: str) -> LongArray:
-    """The cell across each face, (cells, faces), NO_NEIGHBOUR outside.
+    """Return the cell across each face, (cells, faces), `NO_NEIGHBOUR` outside.
+
+    Args:
+        cells: (cells, corners).
+        faces: corners of each face of a cell, (faces, nodes).
+        source: origin of the mesh, for messages.
 
     Raises:
         MeshError: more than two cells share a face.
@@ -51,7 +63,15 @@ def neighbours(cells: LongArray, faces: LongArray, source: str) -> LongArray:
 
 
 def marked_between(mesh: NamedMesh, across: LongArray) -> dict[str, FloatArray]:
-    """Points (points, gdim) of the named faces that lie between two bodies, by their name [m]."""
+    """Return the points of named faces between two bodies, by name.
+
+    Args:
+        mesh: the mesh.
+        across: the cell across each face, (cells, faces).
+
+    Returns:
+        Shapes (points, gdim) [m].
+    """
     cell_keys, named_keys = face_keys(cell_faces(mesh.cells, mesh.kind.faces), mesh.faces)
     between = (across != NO_NEIGHBOUR) & (mesh.bodies[across] != mesh.bodies[:, None])
     inner = np.isin(named_keys, cell_keys[between.ravel()])
@@ -64,10 +84,15 @@ def marked_between(mesh: NamedMesh, across: LongArray) -> dict[str, FloatArray]:
 
 
 def face_names(mesh: NamedMesh, across: LongArray, source: str) -> LongArray:
-    """What each face of each cell is, (cells, faces).
+    """Return the name of each face of each cell as a number, (cells, faces).
 
-    INSIDE for faces within a body and outer ones without a name; else the index of the surface, or,
-    towards another body, the number of surfaces plus the index of that body.
+    `INSIDE` for faces within a body and outer ones without a name; else the index of the surface,
+    or, towards another body, the number of surfaces plus the index of that body.
+
+    Args:
+        mesh: the mesh.
+        across: the cell across each face, (cells, faces).
+        source: origin of the mesh, for messages.
 
     Raises:
         MeshError: a face has two names.

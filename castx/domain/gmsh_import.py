@@ -1,4 +1,4 @@
-"""Reading named bodies and surfaces out of gmsh, on one rank."""
+"""Named bodies and surfaces of a gmsh model as arrays, on one rank."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class NamedMesh:
 
 
 def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedMesh:
-    """Read the current gmsh model.
+    """Return the mesh of the current gmsh model.
 
     Args:
         body_names: the bodies of the case, in their order.
         dimension: 2 or 3, the dimension of the case's model.
-        source: what the mesh comes from, for messages.
+        source: origin of the mesh, for messages.
 
     Raises:
         MeshError: the model's names, elements or dimension do not fit.
@@ -120,7 +120,7 @@ def _check_numbers(points: FloatArray, tags: LongArray, source: str) -> None:
 
 
 def _groups(dim: int, source: str) -> dict[str, list[int]]:
-    """Physical groups by name: the tags of their entities."""
+    """Return the tags of the entities of physical groups, by name."""
     groups: dict[str, list[int]] = {}
     for _, tag in gmsh.model.getPhysicalGroups(dim):
         name = gmsh.model.getPhysicalName(dim, tag)
@@ -156,7 +156,7 @@ def _check_surfaces(found: Sequence[str], bodies: Sequence[str], source: str) ->
 def _elements(
     kind: CellKind, groups: dict[str, list[int]], source: str
 ) -> tuple[LongArray, LongArray]:
-    """Node tags (elements, corners) and index of the group of each element."""
+    """Return the tags of nodes (elements, corners), and the index of the group of each element."""
     nodes, owners = [np.empty((0, kind.corners), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     name_of: dict[int, str] = {}
     for index, (name, entities) in enumerate(groups.items()):
@@ -186,7 +186,7 @@ def _check_shares(dim: int, bodies: LongArray, names: Sequence[str], source: str
 
 
 def _renumbered(nodes: LongArray, used: LongArray) -> tuple[LongArray, BoolArray]:
-    """Nodes numbered by their place in `used`, and which rows are known completely."""
+    """Return nodes as places in `used`, and which rows have all their nodes there."""
     place = np.minimum(np.searchsorted(used, nodes), len(used) - 1)
     return place, (used[place] == nodes).all(axis=1)
 

@@ -1,4 +1,4 @@
-"""Measures of cells and surfaces of a body that carry the weight of the model."""
+"""Measures of cells and surfaces of a body, and the volumes and areas of its nodes."""
 
 from __future__ import annotations
 
@@ -115,7 +115,12 @@ def _assembled(form: ufl.Form) -> FloatArray:
 
 
 def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
-    """Return at the local nodes the sums of what all ranks have there, shape (nodes,)."""
+    """Return the sums over all ranks of values at the local nodes, shape (nodes,); collective.
+
+    Args:
+        body: mesh of the body.
+        values: of this rank at its local nodes, shape (nodes,).
+    """
     sums = la.vector(body.nodes.dofmap.index_map)
     sums.array[:] = values
     sums.scatter_reverse(la.InsertMode.add)
@@ -145,7 +150,15 @@ def nodal_mean(body: BodyMesh, values: FloatArray) -> FloatArray:
 
 
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest coordinates of the points of all ranks, shape (dimension,)."""
+    """Return the lowest and highest coordinates of the points of all ranks; collective.
+
+    Args:
+        points: of this rank, shape (n, dimension) [m].
+        comm: the ranks.
+
+    Returns:
+        Shapes (dimension,) [m].
+    """
     low = np.ascontiguousarray(points.min(axis=0, initial=np.inf))
     high = np.ascontiguousarray(points.max(axis=0, initial=-np.inf))
     comm.Allreduce(MPI.IN_PLACE, low, op=MPI.MIN)
@@ -154,6 +167,6 @@ def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, F
 
 
 def extent(mesh: Mesh) -> float:
-    """Return the largest edge of the box round a mesh [m]."""
+    """Return the longest edge of the box round a mesh [m]; collective."""
     low, high = bounding_box(np.asarray(mesh.geometry.x, dtype=np.float64), mesh.comm)
     return float((high - low).max())

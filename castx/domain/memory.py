@@ -1,4 +1,4 @@
-"""Whether a mesh fits into memory, estimated before it is made.
+"""Estimates whether a mesh fits into memory before it is made.
 
 Elements are counted on a coarse mesh of the same geometry, with all sizes scaled alike; those of a
 file follow from its length.
@@ -28,7 +28,7 @@ FILE = 40.0
 SAMPLE = 4000
 """Elements of the coarse mesh in a box round the geometry."""
 MOST_FULL = 20.0
-"""More than the elements of any generator per cube of the element size in that box."""
+"""Upper bound of the elements of a generator per cube of the element size in that box."""
 
 _SIZES = ("size", "interface_size")
 
@@ -61,7 +61,14 @@ def refuse_too_large(
 def _refusal(
     geometry: Geometry, body_names: Sequence[str], free: float, computers: int
 ) -> str | None:
-    """Return why a mesh does not fit into the memory of computers; of one without a solution: 0."""
+    """Return why a mesh does not fit into memory, or None.
+
+    Args:
+        geometry: of the mesh.
+        body_names: names of its bodies.
+        free: memory [bytes].
+        computers: number of computers that solve together; 0: only the mesh is made, on one.
+    """
     kind = (geometry.gdim, geometry.arguments.get("cells", "simplices") == "simplices")
     need = SOLVING[kind] / computers if computers else MAKING[kind]
     if geometry.file is None and _most_elements(geometry) * need < free:
@@ -83,7 +90,7 @@ def _refusal(
 
 
 def _box(geometry: Geometry, size: float) -> float:
-    """Return the number of cubes of this size in a box round a generated geometry."""
+    """Return the number of cubes of a size in a box round a generated geometry."""
     extents = GENERATORS[str(geometry.generator)].extents(geometry.arguments)
     extents += [max(extents)] * (geometry.gdim - len(extents))
     return prod(max(extent / size, 1.0) for extent in extents)
@@ -95,7 +102,7 @@ def _most_elements(geometry: Geometry) -> float:
 
 
 def estimated_elements(geometry: Geometry, body_names: Sequence[str]) -> float:
-    """Return about how many elements a geometry has."""
+    """Return an estimate of the number of elements of a geometry."""
     if geometry.file is not None:
         return _length(geometry.file) / FILE
     sizes = {key: geometry.arguments[key] for key in _SIZES if key in geometry.arguments}
@@ -120,7 +127,7 @@ def _length(file: Path) -> int:
 
 
 def available_memory() -> float:
-    """Return the memory that processes can still get on this computer [bytes]."""
+    """Return the free memory of this computer [bytes]."""
     found = [float("inf")]
     for line in _lines(Path("/proc/meminfo")):
         if line.startswith("MemAvailable:"):

@@ -1,4 +1,4 @@
-"""From a geometry to one conforming mesh, and a submesh with named surfaces for each body."""
+"""One conforming mesh of a geometry, and a submesh with named surfaces for each body."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """The part of the mesh that one body fills.
+    """The mesh of one body.
 
     Args:
         name: of the body.
@@ -59,7 +59,7 @@ class BodyMesh:
 
     @property
     def kind(self) -> CellKind:
-        """What its cells are."""
+        """Kind of its cells."""
         return KINDS[self.mesh.topology.cell_name()]
 
     @property
@@ -83,7 +83,7 @@ class BodyMesh:
         return points
 
     def surface_tag(self, name: str) -> int:
-        """The tag of a surface.
+        """Return the tag of a surface.
 
         Raises:
             MeshError: the body has no such surface.
@@ -94,7 +94,7 @@ class BodyMesh:
         return self.surfaces[name]
 
     def surface_nodes(self, name: str) -> IntArray:
-        """Local numbers of the nodes of a surface, ghosts included, ascending.
+        """Return the local nodes of a surface, ghosts included, ascending.
 
         Raises:
             MeshError: the body has no such surface.
@@ -125,7 +125,12 @@ class CastingMesh:
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
-    """Make or read the mesh on rank 0, distribute it and cut it into bodies.
+    """Make or read the mesh on rank 0, distribute it and divide it into bodies; collective.
+
+    Args:
+        geometry: to be meshed.
+        body_names: names of the bodies of the case, in their order.
+        comm: ranks of the mesh.
 
     Raises:
         MeshError: the geometry cannot be meshed, or its names, elements or dimension do not fit the
@@ -166,7 +171,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
 
 @dataclass(frozen=True)
 class _Prepared:
-    """What rank 0 knows before the mesh is distributed."""
+    """The mesh on rank 0 with the destinations of its cells."""
 
     mesh: NamedMesh
     face_names: NDArray[np.int16]
@@ -176,7 +181,7 @@ class _Prepared:
 
 
 def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
-    """Run a task on rank 0; what it raises there is raised as MeshError everywhere."""
+    """Run a task on rank 0, and raise its errors as `MeshError` on all ranks."""
     result, failure, message = None, None, None
     if comm.rank == 0:
         try:
@@ -230,7 +235,7 @@ def _body_mesh(
     names: NDArray[np.int16],
     face_of: Sequence[str],
 ) -> BodyMesh:
-    """Cut out a body.
+    """Return the mesh of a body.
 
     Args:
         parent: the mesh of all bodies.
@@ -262,7 +267,7 @@ def _body_mesh(
 
 
 def _original_vertices(mesh: dolfinx.mesh.Mesh) -> LongArray:
-    """Number of each local vertex in the mesh before it was distributed."""
+    """Return the number of each local vertex in the mesh before it was distributed."""
     topology, geometry = mesh.topology, mesh.geometry
     index_map = topology.index_map(0)
     numbers = np.empty(index_map.size_local + index_map.num_ghosts, dtype=np.int64)
@@ -272,7 +277,7 @@ def _original_vertices(mesh: dolfinx.mesh.Mesh) -> LongArray:
 
 
 def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[IntArray, IntArray]:
-    """Local facets with a name and the index of it, by ascending facet."""
+    """Return the local facets that have a name, ascending, and the indices of their names."""
     dim = mesh.topology.dim
     facets = mesh.topology.connectivity(dim, dim - 1).array.reshape(names.shape)
     facets, first = np.unique(facets[names != INSIDE], return_index=True)
@@ -280,7 +285,7 @@ def _named_facets(mesh: dolfinx.mesh.Mesh, names: NDArray[np.int16]) -> tuple[In
 
 
 def _vertex_nodes(space: fem.FunctionSpace) -> IntArray:
-    """Local node of each local vertex."""
+    """Return the local node of each local vertex."""
     topology = space.mesh.topology
     nodes = np.empty(
         space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32
@@ -290,7 +295,7 @@ def _vertex_nodes(space: fem.FunctionSpace) -> IntArray:
 
 
 def _nodes_on(space: fem.FunctionSpace, vertex_nodes: IntArray, facets: IntArray) -> IntArray:
-    """Local nodes of facets, also where only another rank has the facet; collective."""
+    """Return the local nodes of facets of all ranks; collective."""
     topology = space.mesh.topology
     kind = KINDS[topology.cell_name()]
     corners = topology.connectivity(topology.dim - 1, 0).array.reshape(-1, kind.faces.shape[1])

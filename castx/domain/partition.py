@@ -1,4 +1,4 @@
-"""Which rank owns which cell: every body balanced, facing cells of an interface together."""
+"""Distribution of cells to ranks: every body in equal parts, interfaces undivided."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SKEW = 1e-7
 
 
 def partition(midpoints: FloatArray, bodies: LongArray, across: LongArray, parts: int) -> LongArray:
-    """Assign cells to ranks by recursive coordinate bisection, (cells,).
+    """Return the rank of each cell by recursive coordinate bisection, (cells,).
 
     Cells that face each other across an interface form a cluster with one position and are never
     parted. Of the coordinate directions and their diagonals the one is cut in which every body is
@@ -66,7 +66,7 @@ def _best_half(
     edges: LongArray,
     share: float,
 ) -> BoolArray:
-    """Which of the cells go to the left part, of a share of them all."""
+    """Return which cells belong to the left part, which has a share of them all."""
     best: BoolArray = np.zeros(len(cells), dtype=bool)
     lowest = np.inf
     inside = np.zeros(len(bodies), dtype=bool)
@@ -86,7 +86,7 @@ def _best_half(
 
 
 def _directions(gdim: int) -> Iterator[FloatArray]:
-    """Coordinate directions and diagonals, a little askew so that few positions are equal."""
+    """Yield coordinate directions and diagonals, slightly tilted so that few positions agree."""
     skew = SKEW * np.arange(1, gdim + 1)
     for axis in range(gdim):
         yield np.eye(gdim)[axis] + skew
@@ -96,7 +96,7 @@ def _directions(gdim: int) -> Iterator[FloatArray]:
 
 
 def _cut(along: FloatArray, cluster: LongArray, share: float) -> BoolArray:
-    """Cells below the cut, whole clusters, as near to the share as they allow."""
+    """Return the cells below the cut: whole clusters, as near to the share as possible."""
     order = np.lexsort([cluster, along])
     ends = np.flatnonzero(np.append(np.diff(cluster[order]) != 0, True)) + 1
     cut = ends[np.argmin(np.abs(ends - share * len(cluster)))]
@@ -106,14 +106,22 @@ def _cut(along: FloatArray, cluster: LongArray, share: float) -> BoolArray:
 
 
 def _imbalance(bodies: LongArray, left: BoolArray, share: float) -> float:
-    """Work of the slower part when bodies are worked on in turn; 1 when all are divided evenly."""
+    """Return the relative work of the slower part, body after body; 1 for equal parts."""
     total = np.bincount(bodies)
     below = np.bincount(bodies[left], minlength=len(total))
     return float(np.maximum(below / share, (total - below) / (1 - share)).sum() / len(bodies))
 
 
 def destinations(rank: LongArray, across: LongArray) -> tuple[IntArray, IntArray]:
-    """Ranks that hold each cell, owner first, then ghosts; values and offsets."""
+    """Return the ranks of each cell, its owner first, then those with a ghost of it.
+
+    Args:
+        rank: owner of each cell, (cells,).
+        across: (cells, faces) neighbours, negative outside.
+
+    Returns:
+        Ranks of all cells one after the other, and offsets (cells + 1,).
+    """
     cell, face = np.nonzero(across >= 0)
     holder = rank[across[cell, face]]
     ghost = holder != rank[cell]

@@ -1,4 +1,4 @@
-"""Making or opening the gmsh mesh that a geometry describes, on one rank."""
+"""The gmsh mesh of a geometry, generated or read from a file, on one rank."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
 
 @contextmanager
 def gmsh_session() -> Iterator[None]:
-    """Open a silent gmsh with an empty model; what was there before is left as it was."""
+    """Open a silent gmsh with an empty model, and restore the earlier model afterwards."""
     started = not gmsh.isInitialized()
     if started:
         gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
@@ -41,14 +41,18 @@ def gmsh_session() -> Iterator[None]:
 
 
 def source_of(geometry: Geometry) -> str:
-    """Return what the mesh comes from, for messages."""
+    """Return the origin of a mesh, for messages."""
     if geometry.file is not None:
         return str(geometry.file)
     return f"generator {geometry.generator}"
 
 
 def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
-    """Make or read a mesh with gmsh and check it against the case.
+    """Return the mesh of a geometry, checked against the case.
+
+    Args:
+        geometry: to be meshed.
+        body_names: names of the bodies of the case, in their order.
 
     Raises:
         MeshError: gmsh fails, or names, elements or dimension do not fit.
@@ -88,7 +92,7 @@ def _fill(geometry: Geometry) -> None:
 
 
 def _open(file: Path) -> None:
-    """Read a mesh, and nothing but a mesh.
+    """Read a mesh file without running anything in it.
 
     gmsh takes a file that does not begin like a mesh for a script and runs it, and reads options
     beside the file that may run commands as well; so it gets a copy in a folder of its own.

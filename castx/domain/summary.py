@@ -1,4 +1,4 @@
-"""Sizes of a mesh: what `castx check` shows before anything is solved."""
+"""Sizes of a mesh, shown by `castx check` before anything is solved."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class MeshSummary:
 
 
 def mesh_summary(mesh: CastingMesh) -> MeshSummary:
-    """Measure a mesh; collective, the same on all ranks."""
+    """Return the sizes of a mesh; collective, the same on all ranks."""
     gdim = mesh.parent.geometry.dim
     points = mesh.parent.geometry.x[:, :gdim]
     lowest, highest = np.full(gdim, np.inf), np.full(gdim, -np.inf)
@@ -124,7 +124,7 @@ def _owned_outer_facets(body: BodyMesh) -> IntArray:
 
 
 def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -> FloatArray:
-    """Length, area or volume of cells or facets, times 2πr when axisymmetric."""
+    """Return length, area or volume of cells or facets, times 2πr when axisymmetric."""
     if not len(entities):  # DOLFINx divides by the number of cells
         return np.empty(0)
     kind = body.kind if dim == body.kind.dimension else KINDS[body.kind.face]

@@ -20,7 +20,7 @@ DEGREE = 3
 
 @dataclass(frozen=True)
 class SurfaceFacets:
-    """Facets of all ranks, in an order that differs from run to run with the ranks.
+    """Facets of all ranks, in an order that depends on the number of ranks.
 
     Attributes:
         kind: of the facets.
@@ -101,7 +101,7 @@ def _unit_normal(face: CellKind, points: FloatArray) -> FloatArray:
 
 
 def _normal(jacobians: FloatArray) -> FloatArray:
-    """Return normals as long as the area of ∂x/∂ξ, (facets, points, dimension)."""
+    """Return normals whose length is the area of ∂x/∂ξ, (facets, points, dimension)."""
     if jacobians.shape[2] == 2:
         tangent = jacobians[:, :, :, 0]
         return np.stack((tangent[:, :, 1], -tangent[:, :, 0]), axis=2)

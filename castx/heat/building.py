@@ -112,7 +112,7 @@ def _parts_of_pairs(
                 f"interface {interface.name}: heat.patches[{index}].on = {patch.on!r}: no faces "
                 f"between bodies with this name; {named}"
             )
-        part_of[patch.holds(pairs.points, mesh.marked)] = index + 1
+        part_of[patch.contains(pairs.points, mesh.marked)] = index + 1
     for index in range(len(heat.patches)):
         if mesh.comm.allreduce(int(np.count_nonzero(part_of == index + 1))) == 0:
             raise CaseError(

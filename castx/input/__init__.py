@@ -1,1 +1,7 @@
-"""Kinds of values in a case file: quantities with units, choices, tables, coordinates."""
+"""Kinds of values in a case file: quantities with units, choices, tables, coordinates.
+
+Public: `units.Dimension`, `units.number`, `entries.Description`, `entries.Quantity`,
+`entries.Tabulated`, `entries.Choice`, `entries.Whole`, `entries.Name`, `variation.Variation`,
+`variation.Varying`, `problems.Problem`, `problems.Refusal`, `overrides.apply_overrides`,
+`coordinates.coordinate`, `registry.declarations`.
+"""

@@ -11,10 +11,12 @@ AXES = ("x", "y", "z", "r")
 
 
 def coordinate(points: npt.ArrayLike, axis: str) -> FloatArray:
-    """Return one coordinate of points (n, gdim) [m], shape (n,).
+    """Return one coordinate of points [m], shape (n,).
 
-    In models of two coordinates x and r are the first, y and z the second; in space r is the
-    distance from the z axis.
+    Args:
+        points: shape (n, gdim) [m].
+        axis: one of `AXES`. In models of two coordinates x and r are the first, y and z the second;
+            in space r is the distance from the z axis.
     """
     places = np.asarray(points, dtype=np.float64)
     if axis == "r" and places.shape[1] == 3:

@@ -32,7 +32,7 @@ _DOTTED_NAME = re.compile(r"[\w+-](?:[\w+. -]*[\w+-])?")
 
 
 class Description(BaseModel):
-    """A frozen part of a case; unknown keys and inconsistent values are refused with their path."""
+    """A frozen part of a case that refuses unknown keys and contradictions with their path."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
 
@@ -61,7 +61,7 @@ class Description(BaseModel):
             raise Refusal(translate(error, list(cls.model_fields))) from None
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield what does not fit together although every single value is allowed."""
+        """Yield contradictions between values that are allowed one by one."""
         yield from ()
 
 
@@ -219,7 +219,7 @@ class Choice:
     """One of some names, for `Annotated[str, Choice(...)]`.
 
     Args:
-        names: what can be chosen.
+        names: the allowed ones.
     """
 
     names: tuple[str, ...]
@@ -277,10 +277,10 @@ Temperature = Annotated[float, TEMPERATURES]
 
 
 def over_time(dimension: Dimension, **bounds: float) -> Tabulated:
-    """Return the kind of a number that may be a table over time."""
+    """Return the kind of number that may be a table over time, with bounds as of `Quantity`."""
     return Tabulated(Quantity(dimension, **bounds), TIMES)
 
 
 def over_temperature(dimension: Dimension, **bounds: float) -> Tabulated:
-    """Return the kind of a number that may be a table over temperature."""
+    """Return the kind of number that may be a table over temperature, with bounds as `Quantity`."""
     return Tabulated(Quantity(dimension, **bounds), TEMPERATURES)

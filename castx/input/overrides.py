@@ -1,4 +1,4 @@
-"""Values given on the command line in place of those in the case file: `time.end=10`."""
+"""Values of the command line that replace those of the case file: `time.end=10`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _INDEX = re.compile(r"\[(\d+)\]")
 
 
 def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
-    """Return a copy of a case file's content with some values replaced or added.
+    """Return a copy of the content of a case file with values replaced or added.
 
     A list is entered by its index: `bodies.0.temperature=680` or `bodies[0].temperature=680`. The
     value is written as in the file; the quotes of a text may be left out: `time.end=5 min`.

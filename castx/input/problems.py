@@ -1,4 +1,4 @@
-"""What is wrong with a case file: problems with their key path, and the text that shows them."""
+"""Problems of a case file with their key path, and the message that shows them."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _TEXTS = {
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that keeps a case from being accepted.
+    """One reason to refuse a case.
 
     Args:
         path: keys and list indices that lead to the value.
-        text: what is wrong, what is allowed and the cure.
+        text: the mistake, what is allowed, and the cure.
     """
 
     path: KeyPath
@@ -70,7 +70,7 @@ def refuse(text: str, *path: str | int) -> Refusal:
 
 
 def dotted(path: KeyPath) -> str:
-    """Return a path as `bodies[1].material`, with quotes round keys that need them."""
+    """Return a path in the form `bodies[1].material`, keys in quotes where TOML needs them."""
     parts = ""
     for key in path:
         if isinstance(key, int):
@@ -83,7 +83,7 @@ def dotted(path: KeyPath) -> str:
 
 
 def show(value: Any) -> str:
-    """Return a value as it stands in a case file, shortened."""
+    """Return a value in the notation of a case file, shortened."""
     try:
         text = json.dumps(value, ensure_ascii=False, default=str)
     except (ValueError, RecursionError):
@@ -92,7 +92,13 @@ def show(value: Any) -> str:
 
 
 def among(name: str, known: Sequence[str], *, what: str = "known") -> str:
-    """Return the list of known names and the one nearest to `name`, for the end of a message."""
+    """Return the known names and the nearest one, for the end of a message.
+
+    Args:
+        name: that is not known; "" for no guess.
+        known: the names.
+        what: word before them.
+    """
     if not known:
         return f"{what}: none"
     lower = {entry.lower(): entry for entry in known}
@@ -144,7 +150,7 @@ def summary(source: str, problems: Sequence[Problem], data: Any) -> str:
 
 
 def _line(problem: Problem, data: Any) -> str:
-    """Return `path = value: text`, without what there is not."""
+    """Return `path = value: text`, without a path or value that is missing."""
     where = dotted(problem.path)
     for key in problem.path:
         try:

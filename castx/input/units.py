@@ -26,12 +26,12 @@ _SPELLINGS = str.maketrans({"·": "*", "²": "^2", "³": "^3", "μ": "µ"})
 
 @dataclass(frozen=True)
 class Dimension:
-    """A kind of physical quantity, as people name it.
+    """A kind of physical quantity.
 
     Args:
         name: with its article, for messages ("a length").
-        unit: the SI unit in which castx holds it; "degC" marks absolute temperatures.
-        units: further units people write, for messages.
+        unit: SI unit of the stored number; "degC" marks absolute temperatures.
+        units: units in common use, for messages.
         difference: whether temperatures in it are differences, so that 20 °C means 20 K.
     """
 
@@ -76,7 +76,7 @@ def registry() -> pint.UnitRegistry:
 
 
 def number(value: Any, dimension: Dimension) -> float:
-    """Return a plain number or a string with a unit as a float in the dimension's SI unit.
+    """Return a plain number, or a text with a unit, in the SI unit of a dimension.
 
     Raises:
         CaseError: neither of both, not finite, an unknown unit, the unit of another dimension, or

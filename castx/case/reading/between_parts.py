@@ -1,4 +1,4 @@
-"""What must fit together between the parts of a case."""
+"""Checks between the parts of a case: names, materials, temperatures, surfaces, directions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _COORDINATES = {"3d": ("x", "y", "z", "r"), "axisymmetric": ("r", "z"), "plane":
 
 
 def case_problems(case: Case) -> Iterator[Problem]:
-    """Yield all contradictions between parts that are right in themselves."""
+    """Yield all contradictions between the parts of a case but for its stages."""
     yield from _name_problems(case)
     yield from _material_problems(case)
     yield from _interface_problems(case)
@@ -37,9 +37,9 @@ def case_problems(case: Case) -> Iterator[Problem]:
 
 
 def starts_solid(body: Body, material: MaterialDescription) -> bool:
-    """Return whether a body lies below its solidus at the start, and later if that is prescribed.
+    """Return whether a body is solid at the start, and later too if its temperature is prescribed.
 
-    Such a body, a mould or a chill, may do without the liquid of its material.
+    A solid body, a mould or a chill, needs no liquid of its material.
     """
     history = body.temperature_history
     hottest = body.temperature.hottest if history is None else float(history.values.max())

@@ -1,4 +1,4 @@
-"""In what a case differs from the one of a checkpoint, and whether a run may go on with it."""
+"""Differences between a case and that of a checkpoint, and whether a run may go on with it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ ALLOWED: tuple[KeyPath, ...] = (
     ("probes",),
     ("solver",),
 )
-"""What may change between two parts of a run: neither the model nor the steps that were taken."""
+"""Keys that may change between two parts of a run: neither the model nor the steps taken."""
 
 ABSENT = object()
 
 
 def refuse_changes(before: Mapping[str, Any], now: Mapping[str, Any], source: str) -> None:
-    """Refuse to go on with a case that has become another one.
+    """Refuse to go on with a case whose model or steps have changed.
 
     Args:
         before: keys and values of the case of the checkpoint.
@@ -49,7 +49,7 @@ def refuse_changes(before: Mapping[str, Any], now: Mapping[str, Any], source: st
 
 
 def differences(old: Any, new: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Any]]:
-    """Yield path, old and new value of all that differs; lists of tables are entered."""
+    """Yield path, old and new value of each difference, also inside lists of tables."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for key in [*old, *(key for key in new if key not in old)]:
             yield from differences(old.get(key, ABSENT), new.get(key, ABSENT), (*path, key))

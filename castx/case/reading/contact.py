@@ -25,7 +25,7 @@ def surface_problems(case: Case, place: KeyPath, body: str, surface: str) -> Ite
 
 
 def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Problem]:
-    """Yield what pairs of nodes and faces cannot have."""
+    """Yield contradictions of contact from node to face."""
     contact, place = interface.contact, ("interfaces", index)
     if contact.pairing != "node-to-face":
         return
@@ -40,7 +40,7 @@ def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Prob
 
 
 def rigid_problems(case: Case) -> Iterator[Problem]:
-    """Yield what rigid bodies cannot have."""
+    """Yield contact, loads and supports that rigid bodies cannot have."""
     rigid = {body.name for body in case.bodies if body.law == "rigid"}
     if case.coupling.scheme == "thermal":
         return
@@ -58,7 +58,7 @@ def rigid_problems(case: Case) -> Iterator[Problem]:
 
 
 def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
-    """Yield loads of a boundary that a rigid body does not feel."""
+    """Yield loads of a boundary on a rigid body, where they have no effect."""
     rigid = [body.name for body in case.bodies if body.law == "rigid"]
     for key in ("pressure", "traction"):
         if boundary.body in rigid and getattr(boundary, key):

@@ -20,7 +20,7 @@ _DEEPEST = 20  # levels of nesting
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()) -> Case:
-    """Read a case from a file, or from keys and values as a TOML reader hands them out.
+    """Read a case from a file, or from the keys and values of one.
 
     >>> import castx
     >>> castx.load_case("cylinder.toml", ["time.end=10"]).time.end
@@ -55,7 +55,7 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
 
 
 def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
-    """Return the case that keys and values describe, as a TOML reader or a script hands them out.
+    """Return the case described by keys and values.
 
     Args:
         data: content of a case file.
@@ -80,7 +80,7 @@ def _refuse_contradictions(case: Case) -> None:
 
 
 def _completed(case: Case, path: Path) -> Case:
-    """Return the case with absolute paths, and gravity in the directions of its model."""
+    """Return the case with a name, absolute paths, and gravity in the directions of its model."""
     geometry, output = case.geometry, case.output
     if geometry.file is not None:
         file = path.resolve().parent / geometry.file
@@ -95,7 +95,7 @@ def _completed(case: Case, path: Path) -> Case:
             "output": output.model_copy(update={"folder": folder}),
             "loads": case.loads.model_copy(update={"gravity": gravity}),
             "bodies": tuple(
-                body.model_copy(update={"temperature": body.temperature.beside(path)})
+                body.model_copy(update={"temperature": body.temperature.relative_to(path)})
                 for body in case.bodies
             ),
         }

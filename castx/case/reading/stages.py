@@ -1,4 +1,4 @@
-"""What must fit together between the stages of a case, its bodies and its surfaces."""
+"""Checks of the stages of a case against its bodies and surfaces."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from castx.input.problems import KeyPath, Problem, among
 
 
 def stage_problems(case: Case) -> Iterator[Problem]:
-    """Yield all contradictions of the stages, each as it stands when its time comes."""
+    """Yield all contradictions of the stages, each with the bodies present at its time."""
     present = [body.name for body in case.bodies]
     for index, stage in enumerate(case.stages):
         yield from _time_problems(case, index, stage)
@@ -43,13 +43,13 @@ def _time_problems(case: Case, index: int, stage: Stage) -> Iterator[Problem]:
 def _body_problems(
     case: Case, index: int, stage: Stage, present: Sequence[str]
 ) -> Iterator[Problem]:
-    """Yield wrong names of bodies.
+    """Yield names of bodies that are unknown or absent.
 
     Args:
         case: the case.
         index: number of the stage.
         stage: the stage.
-        present: the bodies that are there before it.
+        present: names of the bodies before it.
     """
     names, place = [body.name for body in case.bodies], ("stages", index)
     for key in ("remove", "renew"):
@@ -119,7 +119,7 @@ def _surface_problems(
 
 
 def _missing(case: Case, place: KeyPath, on: str, present: Sequence[str]) -> Iterator[Problem]:
-    """Yield what is wrong with the name of a surface."""
+    """Yield the name of a surface that is unknown, absent or covered."""
     body, _, surface = on.partition("/")
     names = [item.name for item in case.bodies]
     if body not in present:

@@ -32,7 +32,7 @@ class ClosestPoints:
 
 
 def project(points: FloatArray, corners: FloatArray, normals: FloatArray) -> ClosestPoints:
-    """Project points onto facets.
+    """Return the closest points of a surface to points.
 
     Args:
         points: shape (n, dimension).

@@ -1,9 +1,9 @@
 """Nodes of one body that face the facets of another, for surfaces whose meshes do not match.
 
-Each node is projected once onto the closest point of the other surface: displacements are small. A
-node hands its force to the corners of a facet by its weights there, which are those of a uniform
-pressure only if every facet is divided evenly: forces balance, but the patch test fails elsewhere
-(Taylor and Papadopoulos 1991), and the pressures of single nodes with it, on any mesh.
+Each node is projected once onto the closest point of the other surface: displacements are small.
+The force of a node acts on the corners of its facet by the shape functions there. These forces are
+those of a uniform pressure only if every facet is divided evenly: elsewhere forces balance, but the
+patch test fails (Taylor and Papadopoulos 1991), and single pressures too, however fine the mesh.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from castx.domain.surface_facets import SurfaceFacets, surface_facets
 from castx.errors import MeshError
 
 OVERHANG = 0.05
-"""Distance beside the edge of a surface, in sizes of a facet, from which a node faces nothing.
+"""Distance beside the edge of a surface beyond which a node faces nothing, in sizes of a facet.
 
 The rims of curved surfaces with a gap between them are never quite opposite each other."""
 
@@ -30,7 +30,7 @@ The rims of curved surfaces with a gap between them are never quite opposite eac
 def face_pairs(
     mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
 ) -> NodePairs:
-    """Pair the nodes of a surface with the facets they face.
+    """Return pairs of the nodes of a surface with the facets that they face; collective.
 
     Args:
         mesh: mesh of the bodies.
@@ -60,15 +60,15 @@ def face_pairs(
     found = project(points, facets.points, facets.normals)
     lengths = np.linalg.norm(vectors[local], axis=1, keepdims=True)
     outward = vectors[local] / np.where(lengths > 0, lengths, 1.0)
-    kept = _faces(points, found, facets) & (np.sum(outward * found.normals, axis=1) < 0)
+    kept = _opposite(points, found, facets) & (np.sum(outward * found.normals, axis=1) < 0)
     if mesh.comm.allreduce(int(np.count_nonzero(kept))) == 0:
         raise MeshError(
             f"no node of {secondary}/{name} faces {primary}/{facing}; both surfaces must lie "
             "opposite each other"
         )
     normal = found.normals if rule.normals == "primary" else _unit(found.normals - outward)
-    made = _pairs(own, (secondary, primary, name), facets, found, (local, areas, normal), kept)
-    return made if rule.meshed_gap else replace(made, distances=None)
+    pairs = _pairs(own, (secondary, primary, name), facets, found, (local, areas, normal), kept)
+    return pairs if rule.meshed_gap else replace(pairs, distances=None)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
@@ -76,7 +76,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.where(lengths > 0, lengths, 1.0))
 
 
-def _faces(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
+def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
     """Return which points lie opposite a facet, not beside the edge of the surface."""
     corners = facets.points[found.facet]
     reached = np.einsum("na,nak->nk", found.weights, corners)

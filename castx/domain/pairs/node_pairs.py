@@ -17,13 +17,13 @@ from castx.stateful import Numbering, numbered_at_nodes
 
 @dataclass(frozen=True)
 class NodePairs:
-    """Pairs of nodes, each kept by the rank that owns the secondary's node.
+    """Pairs of nodes, each on the rank that owns its secondary node.
 
     At an edge there may be several pairs of the same nodes, one for each smooth patch.
 
     Args:
         secondary: name of the body whose nodes carry the pairs.
-        primary: name of the other body, whose normal counts.
+        primary: name of the other body, whose outward normal is that of the pairs.
         secondary_nodes: (n,) global node numbers of the secondary body.
         secondary_local: (n,) their local numbers.
         primary_nodes: (n,) global node numbers of the primary body, of any owner.
@@ -79,14 +79,19 @@ class NodePairs:
 
     @property
     def numbering(self) -> Numbering:
-        """The pairs by the numbers of their secondary nodes and their turn at them."""
+        """The pairs by the numbers of their secondary nodes and their order at each node."""
         return numbered_at_nodes(
             f"pairs of {self.name}", self.original_nodes, (self.secondary, self.primary)
         )
 
 
 def node_pairs(mesh: CastingMesh, secondary: str, primary: str) -> NodePairs:
-    """Pair the nodes of the facets that two bodies share.
+    """Return pairs of the nodes that two bodies share; collective.
+
+    Args:
+        mesh: mesh of the bodies.
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
 
     Raises:
         MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
@@ -153,10 +158,10 @@ def pairs_at(
 
 
 def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> LongArray:
-    """Global node of the body at each local vertex of the parent, -1 elsewhere; collective.
+    """Return the global node of a body at each local vertex of the parent, else -1; collective.
 
-    The rank that owns the node tells every rank that knows the vertex: owners of nodes and of
-    vertices differ.
+    Owners of nodes and of vertices differ: the owner of a node sends its number to every rank that
+    has the vertex.
     """
     node_map = body.nodes.dofmap.index_map
     owned = np.arange(node_map.size_local, dtype=np.int32)

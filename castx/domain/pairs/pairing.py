@@ -1,4 +1,4 @@
-"""Pairs of an interface by its rule."""
+"""Pairs of an interface by the rule of its case."""
 
 from __future__ import annotations
 
@@ -24,14 +24,20 @@ def paired(mesh: CastingMesh, interface: Interface) -> NodePairs:
 
 
 def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
-    """Return the gaps of pairs before anything moves [m]: as they are meshed, and as is said."""
+    """Return the gaps of pairs without displacements, the meshed ones and those of the case [m]."""
     return np.asarray(pairs.gap + interface.contact.initial_gap.at(pairs.points))
 
 
 def interface_pairs(
     mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
 ) -> NodePairs:
-    """Return the pairs of two bodies; collective.
+    """Return the pairs of two bodies by a rule; collective.
+
+    Args:
+        mesh: mesh of the bodies.
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        rule: how nodes find partners and normals.
 
     Raises:
         MeshError: the bodies share no surface, its normals cancel at a node, or nothing faces the

@@ -1,4 +1,4 @@
-"""Smooth patches of an interface: at edges and corners a pair for each (Chiumenti, section 5).
+"""Pairs for each smooth patch of an interface at edges and corners (Chiumenti, section 5).
 
 The facets round a node belong to one patch as long as neighbours enclose less than the sharp angle.
 """
@@ -41,7 +41,7 @@ def pairs_by_patch(
     nodes = np.zeros(count, dtype=np.int64)
     nodes[patch] = facets.nodes.ravel()
     low, high = body.nodes.dofmap.index_map.local_range
-    # Equal areas by direction, so that the order hangs on no ranks.
+    # Equal areas are ordered by direction, so that the order does not depend on the ranks.
     directions = np.round(vectors / areas[:, None], 9)
     size = np.round(areas / areas.max(initial=0.0), 9)
     order = np.lexsort((*directions.T, -size, nodes))
@@ -51,9 +51,13 @@ def pairs_by_patch(
 
 
 def corner_patches(facets: SurfaceFacets, sharp_angle: float) -> LongArray:
-    """Return the number of the patch of each corner of each facet, shape (facets * corners,).
+    """Return the patch of each corner of each facet as a number, shape (facets * corners,).
 
     Corners of one patch lie at one node.
+
+    Args:
+        facets: of the interface.
+        sharp_angle: between the normals of neighbouring facets of different patches [rad].
     """
     count, corners = facets.nodes.shape
     items = np.arange(count * corners).reshape(count, corners)

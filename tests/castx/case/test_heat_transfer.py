@@ -34,10 +34,10 @@ def test_patches_take_what_they_do_not_change():
     assert second.law == "constant" and second.gas_conductivity is None
     assert second.closed.of == "secondary"
     plane, space = np.array([[0.5, 0.05], [0.5, 0.1]]), np.array([[0.3, 0.4, 0.08]])
-    np.testing.assert_array_equal(heat.patches[0].holds(plane, {}), [True, False])
-    np.testing.assert_array_equal(heat.patches[0].holds(space, {}), [True])
+    np.testing.assert_array_equal(heat.patches[0].contains(plane, {}), [True, False])
+    np.testing.assert_array_equal(heat.patches[0].contains(space, {}), [True])
     ring = InterfaceHeat.read({**LIMITED, "patches": [{"within": {"r": [0.5, 1]}, "closed": 1}]})
-    np.testing.assert_array_equal(ring.patches[0].holds(space, {}), [True])
+    np.testing.assert_array_equal(ring.patches[0].contains(space, {}), [True])
 
 
 def patched(**keys):
