@@ -28,7 +28,7 @@ class Numbering:
         name: of the kind of entity, such as "nodes of casting"; equal on all ranks.
         numbers: of the local entities, the owned ones first, shape (entities,).
         owned: how many of them this rank owns.
-    bodies: names of the bodies to which they belong, two for pairs.
+        bodies: names of the bodies to which they belong, two for pairs.
     """
 
     name: str

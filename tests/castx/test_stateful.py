@@ -26,11 +26,11 @@ def test_occurrences_are_counted_from_the_start(values):
 
 def test_entities_at_one_node_have_different_numbers_that_depend_on_the_node_alone():
     nodes = np.array([7, 2, 7, 7, 2], dtype=np.int64)
-    numbering = numbered_at_nodes("pairs", nodes)
-    assert (numbering.name, numbering.owned) == ("pairs", 5)
+    numbering = numbered_at_nodes("pairs", nodes, ("a", "b"))
+    assert (numbering.name, numbering.owned, numbering.bodies) == ("pairs", 5, ("a", "b"))
     assert len(set(numbering.numbers.tolist())) == 5
     assert np.array_equal(numbering.numbers // MOST_AT_NODE, nodes)
-    alone = numbered_at_nodes("pairs", nodes[nodes == 7])
+    alone = numbered_at_nodes("pairs", nodes[nodes == 7], ("a", "b"))
     assert np.array_equal(alone.numbers, numbering.numbers[nodes == 7])
 
 
@@ -62,3 +62,10 @@ def test_names_of_parts_are_no_beginnings_of_names():
     assert set(part_of(arrays, "heat")) == {"T", "bodies/H"}
     nested = joined({"heat": {"T": Saved(np.ones(2))}, "mechanics": {"u": Saved(np.ones(3))}})
     assert list(nested) == ["heat/T", "mechanics/u"]
+
+
+def test_an_array_belongs_to_the_bodies_of_its_entities():
+    pairs = numbered_at_nodes("pairs", np.array([1, 2]), ("casting", "mould"))
+    assert Saved(np.ones(2), pairs).owners == ("casting", "mould")
+    assert number(1.0, bodies=("core",)).owners == ("core",)
+    assert number(1.0).owners == ()
