@@ -35,6 +35,7 @@ from castx.materials.material import Material
 from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.solvers.counters import StepCounters
 from castx.tables import Table
 from castx.transfer.conductance import ConductionLaw
 
@@ -64,9 +65,9 @@ def build_problem(
     materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
-    mechanics = None
+    mechanics, counters = None, StepCounters()
     if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
-        mechanics = _mechanics(case, mesh, materials, contacts)
+        mechanics = _mechanics(case, mesh, materials, contacts, counters)
     own = dict(laws or {})
     _check_laws(case, own)
     exchanges = [
@@ -78,7 +79,7 @@ def build_problem(
         heat = PrescribedTemperatures(mesh, given, exchanges)
     else:
         known = initial_state(case.bodies, mesh) if temperatures is None else temperatures
-        heat = _heat(case, mesh, materials, exchanges, known, accounts)
+        heat = _heat(case, mesh, materials, exchanges, known, accounts, counters)
     interfaces = [
         CoupledInterface(
             interface.name,
@@ -91,8 +92,9 @@ def build_problem(
     volumes = {name: nodal_volumes(body, mesh.model) for name, body in mesh.bodies.items()}
     coupling = case.coupling
     return CoupledProblem(
-        mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance, coupling.passes
-    )
+        mesh.comm, heat, mechanics, interfaces, volumes, scheme, coupling.tolerance,
+        coupling.passes, counters,
+    )  # fmt: skip
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
@@ -146,6 +148,7 @@ def _heat(
     exchanges: list[HeatExchange],
     temperatures: Mapping[str, FloatArray],
     accounts: Accounts | None,
+    counters: StepCounters,
 ) -> HeatProblem:
     bodies = [
         HeatBody(b.name, materials[b.name], temperatures[b.name], b.heat_source)
@@ -156,7 +159,7 @@ def _heat(
     return HeatProblem(
         mesh, bodies, exchanges, surface_heats(case, everybody),
         tolerance=solver.heat_tolerance, linear=solver.linear,  # type: ignore[arg-type]
-        options=solver.heat, accounts=accounts,
+        options=solver.heat, accounts=accounts, counters=counters,
     )  # fmt: skip
 
 
@@ -165,6 +168,7 @@ def _mechanics(
     mesh: CastingMesh,
     materials: dict[str, Material],
     contacts: list[Interface],
+    counters: StepCounters,
 ) -> MechanicalProblem:
     bodies = {
         b.name: _mechanical_body(case, mesh, b, materials[b.name])
@@ -181,7 +185,7 @@ def _mechanics(
         case.support.by_body(),
     )
     described = [_contact(i) for i in contacts]
-    return MechanicalProblem(mesh, bodies, displacements, described, settings)
+    return MechanicalProblem(mesh, bodies, displacements, described, settings, counters)
 
 
 def _displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:

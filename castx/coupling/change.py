@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from mpi4py import MPI
 
@@ -13,6 +14,21 @@ from castx.coupling.temperatures import Temperatures
 
 ROUNDING = 1e-12
 """Share of the stored heat below which none moves: at the end of a run the bodies rest."""
+
+
+@dataclass(frozen=True)
+class StepChange:
+    """Change of the state over a step that has converged.
+
+    Attributes:
+        passes: passes between heat and mechanics that it took.
+        temperature: largest change of a node whose temperature is not prescribed [K].
+        solid_fraction: largest change of a node.
+    """
+
+    passes: int
+    temperature: float
+    solid_fraction: float
 
 
 class ThermalChange:

@@ -11,21 +11,20 @@ radiation takes no part, since neither gap nor pressure change it.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.coupling.change import ThermalChange
+from castx.coupling.change import StepChange, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
 from castx.coupling.relaxation import Relaxation, scaling
-from castx.coupling.report import CoupledReport
 from castx.coupling.temperatures import Temperatures
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
+from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import COUPLING
 from castx.solvers.finite import require_finite
 from castx.stateful import Arrays, Saved, Stateful, restore_parts, saved_parts
@@ -40,6 +39,7 @@ class CoupledProblem:
         mechanics: the equilibrium; None: thermal only.
         interfaces: states of the pairs of all interfaces.
         volumes: of the owned nodes of each body [m³].
+        counters: of the present step, all its tries together.
 
     Args:
         comm: ranks.
@@ -50,6 +50,7 @@ class CoupledProblem:
         scheme: "thermal", "mechanical", "one-way", "staggered" or "iterated".
         tolerance: relative change of every resistance between the last two passes.
         most_passes: passes after which the step has failed.
+        counters: of the step, to which heat and mechanics add as well.
     """
 
     def __init__(
@@ -62,9 +63,10 @@ class CoupledProblem:
         scheme: str,
         tolerance: float,
         most_passes: int,
+        counters: StepCounters,
     ) -> None:
         self.comm, self.heat, self.mechanics = comm, heat, mechanics
-        self.volumes = dict(volumes)
+        self.volumes, self.counters = dict(volumes), counters
         self._scheme, self._tolerance, self._most_passes = scheme, tolerance, most_passes
         heated = mechanics.bodies if mechanics and scheme in WITH_FEEDBACK else {}
         self._dissipation = Dissipation(comm, heated)
@@ -88,7 +90,7 @@ class CoupledProblem:
         with np.errstate(divide="ignore"):
             return [np.asarray(scale / h) for scale, h in zip(scales, found, strict=True)]
 
-    def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
+    def advance(self, time: float, step: float, substeps: int) -> StepChange:
         """Find the trial state at the end of a step that starts from the committed state.
 
         Args:
@@ -103,9 +105,9 @@ class CoupledProblem:
         guess = self.interfaces.first_guess(step)
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
-        total = CoupledReport()
-        for _ in range(self._most_passes):
-            total = total.followed_by(self._pass(time, step, substeps, guess, factors))
+        self.counters.begin_try()
+        for number in range(1, self._most_passes + 1):
+            temperature_change = self._pass(time, step, substeps, guess, factors)
             thermal = self.interfaces.thermal()
             found = self.interfaces.resistances = self._resistances(thermal)
             tried = _concatenated(self._resistances(guess, factors))
@@ -114,7 +116,7 @@ class CoupledProblem:
             if self._scheme != "iterated" or change <= self._tolerance:
                 self._require_finite()
                 solid = self._change.largest_of_solid_fraction()
-                return replace(total, solid_fraction_change=solid)
+                return StepChange(number, temperature_change, solid)
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
@@ -135,29 +137,22 @@ class CoupledProblem:
         substeps: int,
         guess: Sequence[PairState],
         factors: Sequence[FloatArray],
-    ) -> CoupledReport:
+    ) -> float:
+        """Solve heat and mechanics once; return the largest change of a temperature [K]."""
+        self.counters.passes += 1
         both = list(zip(self.interfaces.thermal_at_start(), guess, strict=True))
         report = self.heat.advance(
             time, step, both, substeps, self._dissipation.powers, factors
         )
-        heat = CoupledReport(
-            1, report.iterations, temperature_change=report.largest_temperature_change
-        )
-        if self.mechanics is None:
-            return heat
-        self._update_bodies(step)
-        found = self.mechanics.equilibrium.solve(time + step)
-        self.interfaces.update(self.mechanics.contact_states())
-        equilibrium = self.mechanics.equilibrium
-        return replace(
-            heat,
-            mechanics_iterations=found.iterations,
-            linear_iterations=found.linear_iterations,
-            contact_changes=found.contact_changes,
-            frozen_pairs=equilibrium.active.frozen_pairs(),
-            unbalanced=int(not found.balanced),
-            fallbacks=equilibrium.fallbacks,
-        )
+        if self.mechanics is not None:
+            self._update_bodies(step)
+            equilibrium = self.mechanics.equilibrium
+            found = equilibrium.solve(time + step)
+            self.interfaces.update(self.mechanics.contact_states())
+            self.counters.unbalanced += int(not found.balanced)
+            self.counters.frozen_pairs = equilibrium.active.frozen_pairs()
+            self.counters.fallbacks = equilibrium.fallbacks
+        return report.largest_temperature_change
 
     def _update_bodies(self, step: float) -> None:
         if self.mechanics is not None:

@@ -46,6 +46,7 @@ from castx.solvers.blocks import (
     DirectSolver,
     solves_directly,
 )
+from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
 
 LARGEST_DIRECT = {2: 200_000, 3: 12_000}
@@ -82,6 +83,7 @@ class Assembled:
         rigid: rigid bodies by name.
         length: size of the whole [m].
         stiffness: G/L of the stiffest body [Pa/m].
+        counters: of the step, to which the solution adds.
     """
 
     names: Sequence[str]
@@ -90,6 +92,7 @@ class Assembled:
     rigid: Mapping[str, RigidBody]
     length: float
     stiffness: float
+    counters: StepCounters
 
     @property
     def layout(self) -> Layout:
@@ -177,7 +180,7 @@ def _procedure(
                 (_mask(made.layout, block), BlockSolver(comm, f"{prefix}{b}_", block))
                 for b, block in enumerate(blocks)
             ]
-            newton = Newton(balance, solvers, settings.options)
+            newton = Newton(balance, solvers, settings.options, made.counters)
             return BlockIteration(newton, len(blocks), int(chosen.setting("block_iterations")))
         inner = BlockSweep(comm, prefix, blocks)
     elif direct:
@@ -189,7 +192,7 @@ def _procedure(
             inner = ArrowSchur(comm, prefix, blocks, contact.schur_weights())
         else:
             inner = BlockSweep(comm, prefix, blocks)
-    return Newton(balance, [(None, inner)], settings.options)
+    return Newton(balance, [(None, inner)], settings.options, made.counters)
 
 
 def _mask(layout: Layout, block: Block) -> BoolArray:

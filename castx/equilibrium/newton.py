@@ -19,6 +19,7 @@ from castx.equilibrium.linear_system import (
     operator_matrix,
 )
 from castx.errors import ConvergenceError
+from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import MECHANICS
 from castx.solvers.line_search import shorten_step
 from castx.solvers.snes import NonlinearSolver
@@ -68,6 +69,7 @@ class Newton:
         inner: solvers of the assembled linear system, by the unknowns that move; of all if the
             unknowns are None.
         options: PETSc options under `castx_mechanics_`.
+        counters: of the step, to which iterations and changes of pairs are added.
     """
 
     def __init__(
@@ -75,8 +77,9 @@ class Newton:
         balance: Balance,
         inner: Sequence[tuple[BoolArray | None, InnerSolver]],
         options: Mapping[str, Any],
+        counters: StepCounters,
     ) -> None:
-        self.balance = balance
+        self.balance, self._counters = balance, counters
         layout = balance.contact.layout
         self._free = [free for free, _ in inner]
         self._preconditioner = SelectedPreconditioner(
@@ -145,6 +148,9 @@ class Newton:
         except ConvergenceError as error:
             why = self._failure or self.balance.worst_place(self._vector)
             raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
+        finally:
+            self._counters.mechanics_iterations += self._solver.snes.getIterationNumber()
+            self._counters.contact_changes += active.changes
         return EquilibriumReport(
             report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),
             tuple(self._augmentations), linear_solves=tuple(self._linear_solves),

@@ -18,6 +18,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
 from castx.transfer.pair_state import PairState
 
@@ -31,6 +32,7 @@ class MechanicalProblem:
         displacements: displacement conditions by name of the body.
         contacts: interfaces with contact.
         settings: how to solve.
+        counters: of the step, to which the solution adds.
 
     Raises:
         CaseError: contact methods that cannot be combined.
@@ -43,6 +45,7 @@ class MechanicalProblem:
         displacements: Mapping[str, Sequence[SurfaceDisplacement]],
         contacts: Sequence[Contact],
         settings: MechanicsSettings,
+        counters: StepCounters | None = None,
     ) -> None:
         check_bodies(contacts, bodies)
         names = list(bodies)
@@ -73,7 +76,9 @@ class MechanicalProblem:
         length = extent(mesh.parent)
         stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
         self._assembly = BodyAssembly(self.layout, parts)
-        made = Assembled(names, self._assembly, fixed, self.rigid, length, stiffness)
+        made = Assembled(
+            names, self._assembly, fixed, self.rigid, length, stiffness, counters or StepCounters()
+        )
         self.equilibrium = build_methods(made, contacts, self.pairs, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 

@@ -18,6 +18,7 @@ from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import MECHANISMS, HeatExchange
 from castx.heat.ledger import Accounts, Ledger, accounts_of, joined_accounts
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
+from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import HEAT
 from castx.solvers.layout import Layout
 from castx.solvers.snes import NonlinearSolver, SolveReport
@@ -56,6 +57,7 @@ class HeatProblem:
         options: PETSc options without the prefix `castx_heat_`; they override the defaults, but the
             iteration is stopped by `tolerance` alone.
         accounts: of the whole run, if it has other stages; by default the own ones.
+        counters: of the step, to which iterations are added.
 
     Raises:
         CaseError: a body is missing or unknown.
@@ -73,6 +75,7 @@ class HeatProblem:
         linear: Literal["direct", "iterative", "automatic"] = "automatic",
         options: Mapping[str, Any] | None = None,
         accounts: Accounts | None = None,
+        counters: StepCounters | None = None,
     ) -> None:
         self._comm = mesh.comm
         self._bodies = _build_bodies(mesh, bodies, surfaces)
@@ -102,6 +105,7 @@ class HeatProblem:
             converged=partial(converged, self._system, tolerance),
             step_rule=partial(adjust_step, self._system),
         )
+        self._counters = counters or StepCounters()
         self._unknown = self._layout.create_vector()
         self._ledger = self._open_ledger(exchanges, surfaces, accounts)
         self.begin_stage()
@@ -188,6 +192,8 @@ class HeatProblem:
             return self._solver.solve(self._unknown)
         except ConvergenceError as error:
             raise ConvergenceError(f"{error}; {self._worst_node()}", HEAT) from None
+        finally:
+            self._counters.heat_iterations += self._solver.snes.getIterationNumber()
 
     def _worst_node(self) -> str:
         """Say where the residual is largest, the same text on all ranks."""

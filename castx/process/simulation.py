@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import ceil
 from typing import Any, Self
 
@@ -13,7 +14,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.case.case import Case
-from castx.coupling.report import CoupledReport
+from castx.coupling.change import StepChange
 from castx.coupling.step import CoupledProblem
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import build_mesh
@@ -23,7 +24,7 @@ from castx.process.building import process_of, step_settings
 from castx.process.process import Process
 from castx.process.state import State
 from castx.process.step_control import StepControl, StepSettings
-from castx.results.snapshot import StepCounters
+from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import FailedTry, diagnosis
 from castx.stateful import (
     Arrays,
@@ -158,27 +159,30 @@ class Simulation:
         """Take one step, cutting it as long as it fails."""
         begin = clock.perf_counter()
         failed: list[FailedTry] = []
+        self.problem.counters.begin_step()
         within = self.time - self.process.phase.cycle_start
         while True:
             step = self.control.propose(self.time)
             _log.debug("step of %g s from %g s", step, self.time)
             try:
-                report = self.problem.advance(within, step, self._heat_substeps(step))
+                change = self.problem.advance(within, step, self._heat_substeps(step))
             except ConvergenceError as error:
                 _log.debug("the step failed: %s", error)
                 self.problem.rewind()
                 failed.append(FailedTry(step, error))
+                self.problem.counters.cutbacks += 1
                 self._cut(failed)
                 after_failed_try()
                 continue
             break
+        counters = self.problem.counters
         self.problem.commit()
-        self.control.accept(step, report.temperature_change, report.passes <= EASY_PASSES)
-        self._substep_rate = self._wanted_substeps(report) / step
+        self.control.accept(step, change.temperature, change.passes <= EASY_PASSES)
+        self._substep_rate = self._wanted_substeps(change) / step
         self.time = self.control.landed(self.time + step)
         self.step += 1
         self.process.end_step(self.time)
-        return _counters(report, step, clock.perf_counter() - begin, len(failed))
+        return replace(counters, step=step, wall=clock.perf_counter() - begin)
 
     def _cut(self, failed: Sequence[FailedTry]) -> None:
         """Make the next try smaller than the last one, or give up and say why."""
@@ -189,9 +193,9 @@ class Simulation:
             text = f"{error}\n{diagnosis(self.time, failed)}"
             raise ConvergenceError(text, last.error.problem) from last.error
 
-    def _wanted_substeps(self, report: CoupledReport) -> float:
-        by_temperature = report.temperature_change / (CHANGE_PER_SUBSTEP * self._wanted)
-        return max(by_temperature, report.solid_fraction_change / SOLID_PER_SUBSTEP)
+    def _wanted_substeps(self, change: StepChange) -> float:
+        by_temperature = change.temperature / (CHANGE_PER_SUBSTEP * self._wanted)
+        return max(by_temperature, change.solid_fraction / SOLID_PER_SUBSTEP)
 
     def _heat_substeps(self, step: float) -> int:
         """Return the heat steps inside a step: the faster the state changes, the more."""
@@ -239,20 +243,3 @@ class Simulation:
     def destroy(self) -> None:
         """Free what PETSc holds."""
         self.process.destroy()
-
-
-def _counters(
-    report: CoupledReport, step: float, wall: float, cutbacks: int
-) -> StepCounters:
-    return StepCounters(
-        step=step,
-        wall=wall,
-        heat_iterations=report.heat_iterations,
-        mechanics_iterations=report.mechanics_iterations,
-        contact_changes=report.contact_changes,
-        passes=report.passes,
-        cutbacks=cutbacks,
-        frozen_pairs=report.frozen_pairs,
-        unbalanced=report.unbalanced,
-        fallbacks=report.fallbacks,
-    )

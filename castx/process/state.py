@@ -20,7 +20,8 @@ from castx.errors import CaseError
 from castx.mechanics.body import BodyMechanics
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
-from castx.results.snapshot import ProcessState, StepCounters
+from castx.results.snapshot import ProcessState
+from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 
 START, NONE = ProcessState(), MappingProxyType[str, float]({})

@@ -7,20 +7,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from castx.results.files.series import Series, cut_back
-from castx.results.snapshot import Snapshot, StepCounters
+from castx.results.snapshot import Snapshot
+from castx.solvers.counters import StepCounters
 
-COUNTERS = (
-    "step",
-    "heat_iterations",
-    "mechanics_iterations",
-    "contact_changes",
-    "passes",
-    "cutbacks",
-    "wall",
-    "frozen_pairs",
-    "unbalanced",
-    "fallbacks",
-)
+COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))
 BODY_TOTALS = ("solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "power")
 INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
 RUN_TOTALS = ("energy_error", "support_force", "cycle", "stage")
@@ -83,7 +73,7 @@ class History:
             self._totals = ordered_totals(snapshot.totals, self._bodies, self._interfaces)
             columns = ("time", *COUNTERS, *self._totals)
             self._series = Series(self._path, columns, resumed=self._resumed)
-        counters = counter_values(snapshot.counters)
+        counters = dataclasses.astuple(snapshot.counters)
         totals = [snapshot.totals[name] for name in self._totals]
         self._series.append([snapshot.time, *counters, *totals])
 
@@ -91,9 +81,3 @@ class History:
         """Close the file."""
         if self._series is not None:
             self._series.close()
-
-
-def counter_values(counters: StepCounters) -> list[float]:
-    """Return the counters of a step in the order of their columns."""
-    values = dataclasses.asdict(counters)
-    return [values[name] for name in COUNTERS]

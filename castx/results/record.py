@@ -19,17 +19,7 @@ from castx.environment import versions
 from castx.errors import ConvergenceError
 from castx.results.files.folder import write_whole
 from castx.results.snapshot import Snapshot
-
-SUMMED = (
-    "cutbacks",
-    "passes",
-    "heat_iterations",
-    "mechanics_iterations",
-    "contact_changes",
-    "frozen_pairs",
-    "unbalanced",
-    "fallbacks",
-)
+from castx.solvers.counters import StepCounters
 
 
 class Reason(StrEnum):
@@ -73,7 +63,7 @@ class RunRecord:
     description: Mapping[str, Any]
     _started: str = field(default_factory=timestamp)
     _clock: float = field(default_factory=time.perf_counter)
-    _counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", *SUMMED), 0))
+    _counts: dict[str, int] = field(default_factory=lambda: {"steps": 0, **StepCounters().counts()})
     _reached: float = 0.0
     _last: dict[str, float] = field(default_factory=dict)
     _memory: dict[str, int] = field(default_factory=dict)
@@ -89,8 +79,8 @@ class RunRecord:
         self._memory = peak_memory(snapshot.mesh.comm)
         if snapshot.step > 0:
             self._counts["steps"] += 1
-            for name in SUMMED:
-                self._counts[name] += int(getattr(snapshot.counters, name))
+            for name, count in snapshot.counters.counts().items():
+                self._counts[name] += count
 
     def notes(self) -> dict[str, Any]:
         """Return what the record of a run that goes on from here has to know."""

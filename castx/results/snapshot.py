@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from castx.arrays import FloatArray
+from castx.solvers.counters import StepCounters
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
@@ -14,35 +15,6 @@ if TYPE_CHECKING:
 
 FULLY_SOLID = 1.0 - 1e-6
 """Solid fraction from which a body counts as solid."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StepCounters:
-    """What one accepted step took, its rejected tries included.
-
-    Args:
-        step: size of the step [s], 0 for the initial state.
-        wall: wall clock time spent on it [s].
-        heat_iterations: Newton iterations of the heat problem, all passes and tries.
-        mechanics_iterations: the same of the mechanical problem.
-        contact_changes: pairs that changed between open and closed, all tries.
-        passes: thermo-mechanical passes of the accepted try.
-        cutbacks: tries that were rewound before this one.
-        frozen_pairs: pairs that chattered between open and closed and were frozen for the step.
-        unbalanced: equilibria of the accepted try that a block iteration left before they balanced.
-        fallbacks: contact methods that failed in the accepted try before the one that served.
-    """
-
-    step: float = 0.0
-    wall: float = 0.0
-    heat_iterations: int = 0
-    mechanics_iterations: int = 0
-    contact_changes: int = 0
-    passes: int = 0
-    cutbacks: int = 0
-    frozen_pairs: int = 0
-    unbalanced: int = 0
-    fallbacks: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)

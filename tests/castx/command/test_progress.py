@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from castx.command.progress import Progress
-from castx.results.snapshot import StepCounters
+from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot
 
 

@@ -11,6 +11,7 @@ import pytest
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.heat.problem import HeatReport
+from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 from tests import coupled_cases
 from tests.coupled_cases import TIGHT, cylinder, merged, ring
@@ -112,8 +113,8 @@ def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=N
     mechanics = FakeMechanics(slope)
     problem = CoupledProblem(
         MPI.COMM_SELF, heat, mechanics, [interface], {"casting": np.ones(1)}, scheme, tolerance,
-        passes,
-    )
+        passes, StepCounters(),
+    )  # fmt: skip
     return problem, heat, mechanics
 
 
@@ -127,14 +128,26 @@ def self_consistent(step: float, slope: float, before: float = 0.0) -> float:
 def test_iterated_gap_is_self_consistent(slope):
     """Also where the plain iteration diverges: its factor is −slope 0.1 / (1 + g)²."""
     problem, heat, _ = fake_problem(slope=slope)
-    report = problem.advance(0.0, 2.0, 1)
+    passes = problem.advance(0.0, 2.0, 1).passes
     gap = self_consistent(2.0, slope)
     assert problem.states[0].gap == pytest.approx([gap], rel=1e-9)
     assert heat.given[-1][0][1] == pytest.approx([1.0 + gap], rel=1e-9)
-    assert report.passes == len(heat.given) < 15
-    assert report.heat_iterations == 2 * report.passes
-    assert report.mechanics_iterations == report.passes == report.unbalanced
-    assert (report.frozen_pairs, report.fallbacks) == (3, 2)
+    assert passes == len(heat.given) < 15
+    counters = problem.counters
+    assert passes == counters.passes == counters.unbalanced
+    assert (counters.frozen_pairs, counters.fallbacks) == (3, 2)
+
+
+def test_counters_add_up_over_tries_but_for_those_of_the_accepted_one():
+    problem, heat, _ = fake_problem()
+    heat.fails = True
+    with pytest.raises(ConvergenceError):
+        problem.advance(0.0, 2.0, 1)
+    problem.rewind()
+    heat.fails = False
+    passes = problem.advance(0.0, 1.0, 1).passes
+    assert problem.counters.passes == 1 + passes
+    assert problem.counters.unbalanced == passes
 
 
 def test_first_guess_extrapolates_the_gap():

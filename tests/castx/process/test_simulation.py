@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from castx.case.stages import Schedule
-from castx.coupling.report import CoupledReport
+from castx.coupling.change import StepChange
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.process.process import Process, StageProblem
 from castx.process.simulation import MOST_SUBSTEPS, Simulation
 from castx.process.step_control import StepSettings
+from castx.solvers.counters import StepCounters
 from tests import coupled_cases
 from tests.coupled_cases import cylinder, merged
 
@@ -25,16 +26,15 @@ class FakeProblem:
         self.limit, self.change, self.solid = limit, change, solid
         self.tried: list[tuple[float, float, int]] = []
         self.committed: list[float] = []
-        self.rewinds = 0
+        self.rewinds, self.counters = 0, StepCounters()
 
-    def advance(self, time: float, step: float, substeps: int) -> CoupledReport:
+    def advance(self, time: float, step: float, substeps: int) -> StepChange:
         self.tried.append((time, step, substeps))
+        self.counters.passes += 3
+        self.counters.heat_iterations += 7
         if step > self.limit:
             raise ConvergenceError("too large for this problem")
-        return CoupledReport(
-            3, 7, 5, 9, 2, temperature_change=self.change * step,
-            solid_fraction_change=self.solid * step,
-        )  # fmt: skip
+        return StepChange(3, self.change * step, self.solid * step)
 
     def commit(self) -> None:
         time, step, _ = self.tried[-1]
@@ -71,6 +71,16 @@ def test_cutback():
     assert problem.rewinds == len(problem.tried) - len(problem.committed)
     assert sum(s.counters.cutbacks for s in states) == problem.rewinds
     assert states[-1].time == pytest.approx(10.0)
+
+
+def test_counters_include_the_rejected_tries():
+    """Three tries of the first step, each of three passes; later steps count their own."""
+    counters = [state.counters for state in simulation(FakeProblem(limit=0.3))]
+    assert counters[0] == StepCounters()
+    assert (counters[1].passes, counters[1].heat_iterations) == (9, 21)
+    for later in counters[1:]:
+        assert later.passes == 3 * (1 + later.cutbacks)
+        assert later.heat_iterations == 7 * (1 + later.cutbacks)
 
 
 def test_each_try_starts_at_the_accepted_time():

@@ -5,7 +5,7 @@ import pytest
 
 from castx.results.files.series import Series, cut_back, read_series
 from castx.results.history import History, ordered_totals
-from castx.results.snapshot import StepCounters
+from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot
 
 

@@ -11,8 +11,8 @@ from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series
-from castx.results.snapshot import StepCounters
 from castx.results.writing import ResultsWriter, wanted_fields
+from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
 CONTENT = {

@@ -11,25 +11,31 @@ from tests.coupled_cases import cylinder, simulation
 
 
 def first_step(comm, **options):
-    """Return the report of the first coupled step with PETSc options by the part of the solver."""
+    """Return linear and Newton iterations of the mechanics in the first coupled step.
+
+    Args:
+        comm: ranks.
+        options: PETSc options by the part of the solver.
+    """
     run = simulation(comm, cylinder({"solver": {"linear": "direct", **options}}))
-    report = run.problem.advance(0.0, 0.05, 2)
+    equilibrium, reports = run.problem.mechanics.equilibrium, []
+    solve = equilibrium.solve
+    equilibrium.solve = lambda time: reports.append(solve(time)) or reports[-1]
+    run.problem.advance(0.0, 0.05, 2)
     run.destroy()
-    return report
+    return sum(r.linear_iterations for r in reports), sum(r.iterations for r in reports)
 
 
 def test_options_of_the_mechanics_reach_the_outer_krylov_method(comm) -> None:
     exact = first_step(comm)
     loose = first_step(comm, mechanics={"ksp_rtol": 0.5})
-    assert loose.linear_iterations / loose.mechanics_iterations < (
-        exact.linear_iterations / exact.mechanics_iterations
-    )
+    assert loose[0] / loose[1] < exact[0] / exact[1]
 
 
 def test_options_of_the_contact_reach_the_solver_of_the_bodies(comm) -> None:
     exact = first_step(comm)
     rough = first_step(comm, contact={"pc_type": "bjacobi"})
-    assert rough.linear_iterations > 2 * exact.linear_iterations
+    assert rough[0] > 2 * exact[0]
 
 
 def test_options_of_the_heat_reach_its_linear_solver(comm) -> None:
