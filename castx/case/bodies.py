@@ -19,6 +19,7 @@ from castx.input.entries import (
 )
 from castx.input.problems import Problem
 from castx.input.units import HEAT_SOURCE
+from castx.materials.description import MaterialDescription
 from castx.tables import Table
 
 
@@ -59,6 +60,19 @@ class Body(Description):
     ] = "thermo-elastic"
     formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
+
+    def starts_solid(self, material: MaterialDescription) -> bool:
+        """Return whether it is solid at the start, and later too if its temperature is prescribed.
+
+        A solid body, a mould or a chill, needs no liquid of its material.
+
+        Args:
+            material: of the body.
+        """
+        history = self.temperature_history
+        hottest = self.temperature.hottest if history is None else float(history.values.max())
+        freezing = material.freezing_range
+        return freezing is None or hottest < freezing[0]
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield a missing initial temperature."""

@@ -18,6 +18,8 @@ from castx.input.units import LENGTH, PURE_NUMBER
 PLANE_MODELS = ("plane-strain", "plane-stress", "generalised-plane-strain")
 MODELS = ("3d", "axisymmetric", *PLANE_MODELS)
 
+_AXES = {"3d": ("x", "y", "z"), "axisymmetric": ("r", "z")}
+_PLANE_AXES = ("x", "y")
 _GENERATORS_LATER = ("plate_in_mould", "wheel_in_die", "engine_block_in_die")
 _MOST_CELLS = 2e8
 _LENGTH = Quantity(LENGTH, above=0.0)
@@ -256,7 +258,18 @@ class Geometry(Description):
     @property
     def gdim(self) -> int:
         """Number of coordinates."""
-        return 3 if self.model == "3d" else 2
+        return len(_AXES.get(self.model, _PLANE_AXES))
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates along which numbers may vary."""
+        axes = _AXES.get(self.model, _PLANE_AXES)
+        return (*axes, "r") if self.model == "3d" else axes
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the directions of displacements."""
+        return (*_AXES.get(self.model, _PLANE_AXES), "normal", "all")
 
     @property
     def surfaces(self) -> dict[str, tuple[str, ...]] | None:

@@ -14,7 +14,6 @@ from rich.table import Table
 from castx.case.case import Case
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
-from castx.case.reading.between_parts import starts_solid
 from castx.command.range_watch import outside_used_range, ranges_text
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -177,7 +176,7 @@ def material_warnings(case: Case) -> Iterator[str]:
                 "used"
             )
         assembled = material.stress_free is not None or case.coupling.scheme == "thermal"
-        if material.melts and not assembled and starts_solid(body, material.description):
+        if material.melts and not assembled and body.starts_solid(material.description):
             yield (
                 f"{body.name} starts solid at {body.temperature.text}, but is free of stress at "
                 f"the solidus, {material.solidus:g} °C, as a casting is; for a mould or a chill "

@@ -15,7 +15,6 @@ import numpy as np
 
 from castx.case.bodies import Body
 from castx.case.case import Case
-from castx.case.reading.between_parts import starts_solid
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
 from castx.materials.inelastic import FLOW_RULES, KINEMATIC_KEYS
@@ -113,7 +112,7 @@ def used_properties(case: Case, body: Body, material: MaterialDescription) -> se
     if scheme == "thermal":
         return used
     used |= _ELASTIC
-    if body.formulation != "displacement" or not starts_solid(body, material):
+    if body.formulation != "displacement" or not body.starts_solid(material):
         used.add("liquid")
     viscous, rule = body.law == VISCOPLASTIC, FLOW_RULES[material.law]
     if viscous:

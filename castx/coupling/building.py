@@ -10,7 +10,6 @@ from castx.case.bodies import Body
 from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.case.interfaces import Interface
-from castx.case.reading.between_parts import starts_solid
 from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.interface import CoupledInterface
@@ -230,7 +229,7 @@ def _mechanical_body(
 ) -> MechanicalBody:
     formulation = formulation_of(mesh, body)
     if formulation == "displacement" and material.liquid is not None:
-        if not starts_solid(body, material.description):
+        if not body.starts_solid(material.description):
             raise CaseError(
                 f"body {body.name!r} has formulation 'displacement', but its material "
                 f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"

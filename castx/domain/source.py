@@ -60,7 +60,7 @@ def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
     source = source_of(geometry)
     with gmsh_session():
         _fill(geometry)
-        mesh = read_model(body_names, 3 if geometry.model == "3d" else 2, source)
+        mesh = read_model(body_names, geometry.gdim, source)
     inmost = mesh.points[:, 0].min()
     if geometry.model == "axisymmetric" and inmost < -1e-9 * np.ptp(mesh.points[:, 0]):
         raise MeshError(

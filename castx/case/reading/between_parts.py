@@ -17,13 +17,6 @@ from castx.materials.flow import law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 
-_DIRECTIONS = {
-    "3d": ("x", "y", "z", "normal", "all"),
-    "axisymmetric": ("r", "z", "normal", "all"),
-    "plane": ("x", "y", "normal", "all"),
-}
-_COORDINATES = {"3d": ("x", "y", "z", "r"), "axisymmetric": ("r", "z"), "plane": ("x", "y")}
-
 
 def case_problems(case: Case) -> Iterator[Problem]:
     """Yield all contradictions between the parts of a case but for its stages."""
@@ -34,21 +27,6 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
-
-
-def starts_solid(body: Body, material: MaterialDescription) -> bool:
-    """Return whether a body is solid at the start, and later too if its temperature is prescribed.
-
-    A solid body, a mould or a chill, needs no liquid of its material.
-    """
-    history = body.temperature_history
-    hottest = body.temperature.hottest if history is None else float(history.values.max())
-    freezing = material.freezing_range
-    return freezing is None or hottest < freezing[0]
-
-
-def _kind(model: str) -> str:
-    return model if model in _DIRECTIONS else "plane"
 
 
 def _name_problems(case: Case) -> Iterator[Problem]:
@@ -115,7 +93,7 @@ def _body_problems(
         place = ("materials", body.material, key) if stated else ("bodies", index, "material")
         yield Problem(place, f"{key} is {text}; body {body.name!r} needs it for its law")
     if body.formulation == "displacement" and material.liquid is not None:
-        if not starts_solid(body, material):
+        if not body.starts_solid(material):
             text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
             yield Problem(("bodies", index, "formulation"), f'{text}, or liquid = "none" there')
 
@@ -142,7 +120,7 @@ def _temperature_problems(
     case: Case, index: int, body: Body, material: MaterialDescription
 ) -> Iterator[Problem]:
     given, place = body.temperature, ("bodies", index, "temperature")
-    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    coordinates = case.geometry.coordinates
     if given.table is not None and not given.table.is_constant and given.along not in coordinates:
         allowed = among("", coordinates, what="coordinates of this model")
         yield Problem((*place, "along"), allowed)
@@ -159,7 +137,7 @@ def _temperature_problems(
 
 def _interface_problems(case: Case) -> Iterator[Problem]:
     names = [body.name for body in case.bodies]
-    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    coordinates = case.geometry.coordinates
     seen: set[frozenset[str]] = set()
     for index, interface in enumerate(case.interfaces):
         place = ("interfaces", index)
@@ -186,7 +164,7 @@ def _heat_problems(case: Case, index: int, interface: Interface) -> Iterator[Pro
     heat, place = interface.heat, ("interfaces", index, "heat")
     if heat is None:
         return
-    coordinates = _COORDINATES[_kind(case.geometry.model)]
+    coordinates = case.geometry.coordinates
     for number, patch in enumerate(heat.patches):
         for axis in patch.within:
             if axis not in coordinates:
@@ -226,7 +204,7 @@ def _boundary_problems(case: Case) -> Iterator[Problem]:
 
 def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
     """Yield directions of a boundary that the model does not have."""
-    allowed = _DIRECTIONS[_kind(case.geometry.model)]
+    allowed = case.geometry.directions
     for condition in boundary.displacement:
         if condition is not FREE and condition.direction not in allowed:
             known = among("", allowed, what=f"directions of the model {case.geometry.model!r}")

@@ -4,6 +4,7 @@ import pytest
 
 from castx.case.bodies import Body
 from castx.input.problems import Refusal
+from castx.materials.description import MaterialDescription
 
 pytestmark = pytest.mark.serial
 
@@ -28,6 +29,26 @@ def test_a_history_gives_the_temperature_at_the_start():
 def test_a_heat_source_may_change_with_time():
     body = Body.read({**BODY, "heat_source": [[0, "2 kW/m^3"], [10, 0]]})
     assert body.heat_source(5.0) == pytest.approx(1000.0)
+
+
+HISTORY = [[0, 20], ["10 s", 600]]
+
+
+@pytest.mark.parametrize(
+    "temperature, solid",
+    [
+        ({"temperature": 540}, True),
+        ({"temperature": 550}, False),
+        ({"temperature": {"along": "x", "table": [[0, 20], [1, 700]]}}, False),
+        ({"temperature": {"file": "start.vtu", "field": "T"}}, False),
+        ({"temperature": 20, "temperature_history": HISTORY}, False),
+    ],
+)
+def test_a_body_starts_solid_below_its_solidus(temperature, solid):
+    freezing = {"solid_fraction": [[545, 1.0], [615, 0.0]], "latent_heat": "400 kJ/kg"}
+    material = MaterialDescription.read(freezing)
+    assert Body.read({**BODY, **temperature}).starts_solid(material) == solid
+    assert Body.read({**BODY, **temperature}).starts_solid(MaterialDescription.read({}))
 
 
 @pytest.mark.parametrize(

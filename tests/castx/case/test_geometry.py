@@ -4,7 +4,7 @@ import inspect
 
 import pytest
 
-from castx.case.geometry import COMMON_ARGUMENTS, GENERATORS, Geometry
+from castx.case.geometry import COMMON_ARGUMENTS, GENERATORS, Geometry, gravity_along
 from castx.input.problems import Refusal
 from castx.meshes.generators import GENERATORS as MAKERS
 
@@ -162,3 +162,33 @@ def test_all_wrong_arguments_are_reported_together():
         ("wall",),
         ("hieght",),
     }
+
+
+@pytest.mark.parametrize(
+    "model, axes, coordinates",
+    [
+        ("3d", ("x", "y", "z"), ("x", "y", "z", "r")),
+        ("axisymmetric", ("r", "z"), ("r", "z")),
+        ("generalised-plane-strain", ("x", "y"), ("x", "y")),
+    ],
+)
+def test_axes_of_the_models(model, axes, coordinates):
+    geometry = Geometry.read({"model": model, "file": "part.msh"})
+    assert geometry.gdim == len(axes)
+    assert geometry.coordinates == coordinates
+    assert geometry.directions == (*axes, "normal", "all")
+
+
+@pytest.mark.parametrize(
+    "gravity, model, expected",
+    [
+        ((), "3d", (0.0, 0.0, 0.0)),
+        ((), "plane-stress", (0.0, 0.0)),
+        ((1.0, 2.0, 3.0), "3d", (1.0, 2.0, 3.0)),
+        ((0.0, 0.0, -9.81), "axisymmetric", (0.0, -9.81)),
+        ((0.0, -9.81), "axisymmetric", (0.0, -9.81)),
+        ((1.0, -9.81, 0.0), "plane-strain", (1.0, -9.81)),
+    ],
+)
+def test_gravity_has_a_number_for_each_direction(gravity, model, expected):
+    assert gravity_along(gravity, model) == expected

@@ -34,7 +34,7 @@ def test_numbers_tables_and_files():
     assert along.text == "150 to 250 °C along z"
     file = read_initial_temperature({"file": "filling.vtu", "field": "T", "unit": "K"})
     assert (file.bounds, file.hottest, file.text) == (None, np.inf, "T of filling.vtu")
-    assert file.beside(Path("/cases/a.toml")).file.path == Path("/cases/filling.vtu")
+    assert file.relative_to(Path("/cases/a.toml")).file.path == Path("/cases/filling.vtu")
 
 
 @pytest.mark.serial
