@@ -14,7 +14,12 @@ import ufl
 
 
 def weight(model: str, x: Any) -> Any:
-    """Return what multiplies the area element: 2πr when axisymmetric, else 1."""
+    """Return the factor of the area element: 2πr when axisymmetric, else 1.
+
+    Args:
+        model: geometric model.
+        x: position; x[0] is the radius when axisymmetric.
+    """
     return 2 * math.pi * x[0] if model == "axisymmetric" else ufl.as_ufl(1.0)
 
 
@@ -35,7 +40,7 @@ class WeightedMeasure:
 
 
 def strain(u: Any, model: str, x: Any, out_of_plane: Any = 0.0) -> Any:
-    """Return the small strain tensor ∇ˢu, shape (3, 3).
+    """Return the small strain ε = ∇ˢu = (∇u + ∇uᵀ)/2, shape (3, 3), with ε_θθ = u_r/r.
 
     Args:
         u: displacement [m], shape (3,) in the model "3d", else (2,).
@@ -57,7 +62,7 @@ def strain(u: Any, model: str, x: Any, out_of_plane: Any = 0.0) -> Any:
 
 
 def deviator(tensor: Any) -> Any:
-    """Return the deviatoric part of a (3, 3) tensor."""
+    """Return dev(A) = A - tr(A)/3 1 of a (3, 3) tensor."""
     return tensor - ufl.tr(tensor) / 3 * ufl.Identity(3)
 
 

@@ -1,7 +1,13 @@
-"""Quasi-static balance of momentum, with and without a pressure field (Chiumenti, 2.2).
+"""Quasi-static balance of momentum, with and without a pressure field (Chiumenti, section 2.2).
 
-The stress is σ = p 1 + s. The constitutive law gives s at the integration points, and how it
-changes with the strain: ds = a dev(dε) + b n (n:dε), where n is a unit tensor. Tension is positive.
+The strong form is ∇·s + ∇p + b = 0 with σ = p 1 + s, its mixed weak form for all η and q
+
+    ∫ ∇ˢη:s + ∫ p ∇·η = ∫ η·b + ∫_Γ η·t̄ + contact,
+    ∫ q (∇·u - p/K - e^θ) = 0.
+
+Tension is positive; the paper prints +p/K, which holds for a pressure that is positive in
+compression. The constitutive law gives s at the integration points and its change with the strain,
+ds = a dev(dε) + b n (n:dε), where n is a unit tensor.
 
 Strains are (3, 3) tensors of `castx.forms.kinematics`. In plane stress the law also finds ε_zz from
 σ_zz = 0; strains of unknowns and variations are then those in the plane.
@@ -17,7 +23,7 @@ from castx.forms.kinematics import deviator
 
 
 class PointState(NamedTuple):
-    """State of the integration points as the constitutive law gives it to the forms.
+    """Stress, tangent and volume of a body as the constitutive law gives them to the forms.
 
     Attributes:
         stress: deviatoric stress s at the integration points [Pa], shape (3, 3).
@@ -27,7 +33,7 @@ class PointState(NamedTuple):
         compressibility: 1/K in the cells [1/Pa], zero in a liquid.
         thermal_strain: volumetric thermal strain e^θ in the cells.
         out_of_plane: ε_zz of plane stress; None in all other models.
-        trapped: one in liquid that cannot be fed, else zero.
+        trapped: one in trapped liquid, which cannot be fed, else zero.
         trapped_pressure: pressure of trapped liquid [Pa].
     """
 
@@ -43,7 +49,15 @@ class PointState(NamedTuple):
 
 
 def tangent_stress(increment: Any, state: PointState) -> Any:
-    """Return ds = a dev(dε) + b n (n:dε) [Pa], shape (3, 3)."""
+    """Return ds = a dev(dε) + b n (n:dε) [Pa], shape (3, 3).
+
+    The consistent tangent of the radial return: J. C. Simo and T. J. R. Hughes, Computational
+    Inelasticity (1998), section 3.3.2.
+
+    Args:
+        increment: dε, shape (3, 3).
+        state: a, b and n of the integration points.
+    """
     change = state.isotropic * deviator(increment)
     if state.radial is not None:
         n = state.direction
@@ -70,10 +84,10 @@ def _total(strain: Any, state: PointState) -> Any:
 def mixed_internal_virtual_work(
     total: Any, p: Any, variation: Any, q: Any, state: PointState, dx: Any, dx_p: Any
 ) -> Any:
-    """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) (section 2.2, weak form).
+    """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ), the mixed weak form of section 2.2.
 
-    Trapped liquid acts with its given pressure and has (p_trapped - p)/K in place of the last
-    factor: its volume is free.
+    Trapped liquid acts with its given pressure and has (p_trapped - p)/K as the last factor: its
+    volume is free.
 
     Args:
         total: strain ε(u).
@@ -96,7 +110,20 @@ def mixed_internal_virtual_work(
 def mixed_tangent(
     increment: Any, dp: Any, variation: Any, q: Any, state: PointState, dx: Any, dx_p: Any
 ) -> Any:
-    """Return the derivative of `mixed_internal_virtual_work` for changes of strain and pressure."""
+    """Return ∫ ∇ˢη:ds + ∫ dp ∇·η + ∫ q (∇·du - dp/K).
+
+    This is the derivative of `mixed_internal_virtual_work`. In plane stress dε_zz is eliminated by
+    ds_zz + dp = 0.
+
+    Args:
+        increment: strain ε(du).
+        dp: change of the pressure [Pa].
+        variation: strain ε(η).
+        q: variation of the pressure.
+        state: state of the integration points.
+        dx: weighted measure of the terms with s.
+        dx_p: weighted measure of the terms with p or q, exact for linear p.
+    """
     if state.out_of_plane is not None:
         stress = tangent_stress(increment, state)
         normal = -(stress[2, 2] + dp) / _normal_tangent(state)
@@ -109,20 +136,37 @@ def mixed_tangent(
 
 
 def mean_stress(total: Any, state: PointState) -> Any:
-    """Return K (∇·u - e^θ) [Pa] of a compressible body."""
+    """Return p = K (∇·u - e^θ) [Pa] of a compressible body, from the continuity equation."""
     return (ufl.tr(_total(total, state)) - state.thermal_strain) / state.compressibility
 
 
 def displacement_internal_virtual_work(
     total: Any, variation: Any, state: PointState, dx: Any
 ) -> Any:
-    """Return ∫ ∇ˢη:s + ∫ K (∇·u - e^θ) ∇·η."""
+    """Return ∫ ∇ˢη:s + ∫ K (∇·u - e^θ) ∇·η, the weak form of section 2.2 without its pressure.
+
+    Args:
+        total: strain ε(u).
+        variation: strain ε(η).
+        state: state of the integration points, compressible.
+        dx: weighted measure.
+    """
     mean = mean_stress(total, state)
     return (ufl.inner(state.stress, variation) + mean * ufl.tr(variation)) * dx
 
 
 def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: Any) -> Any:
-    """Return the derivative of `displacement_internal_virtual_work` for a change of the strain."""
+    """Return ∫ ∇ˢη:ds + ∫ K ∇·du ∇·η.
+
+    This is the derivative of `displacement_internal_virtual_work`. In plane stress dε_zz is
+    eliminated by ds_zz + K ∇·du = 0.
+
+    Args:
+        increment: strain ε(du).
+        variation: strain ε(η).
+        state: state of the integration points, compressible.
+        dx: weighted measure.
+    """
     K = 1 / state.compressibility
     if state.out_of_plane is not None:
         stress = tangent_stress(increment, state)
@@ -133,30 +177,39 @@ def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: 
 
 
 def deviatoric_virtual_work(variation: Any, state: PointState, dx: Any) -> Any:
-    """Return ∫ ∇ˢη:s, the part of Q1/P0 that is integrated at the points."""
+    """Return ∫ ∇ˢη:s, the part of the weak form of section 2.2 that Q1/P0 takes at the points."""
     return ufl.inner(state.stress, variation) * dx
 
 
 def deviatoric_tangent(increment: Any, variation: Any, state: PointState, dx: Any) -> Any:
-    """Return the derivative of `deviatoric_virtual_work` for a change of the strain."""
+    """Return ∫ ∇ˢη:ds, the derivative of `deviatoric_virtual_work` for a change of the strain."""
     return ufl.inner(tangent_stress(increment, state), variation) * dx
 
 
 def dilatation(increment: Any, cell: Any, dx: Any) -> Any:
-    """Return ∫ ∇·u over the cells, tested with constants (Nagtegaal, Parks and Rice 1974)."""
+    """Return ∫ ∇·u of each cell, the mean dilatation of Q1/P0 times its volume [m³].
+
+    Source: J. C. Nagtegaal, D. M. Parks and J. R. Rice, Computer Methods in Applied Mechanics and
+    Engineering 4 (1974).
+
+    Args:
+        increment: strain ε(u).
+        cell: test function, constant in each cell.
+        dx: weighted measure.
+    """
     return cell * ufl.tr(increment) * dx
 
 
 def body_force_work(eta: Any, body_force: Any, dx: Any) -> Any:
-    """Return ∫ η·b over the weighted measure dx."""
+    """Return ∫ η·b, the work of a force per volume b [N/m³] (section 2.2, right-hand side)."""
     return ufl.inner(body_force, eta) * dx
 
 
 def traction_work(eta: Any, traction: Any, ds: Any) -> Any:
-    """Return ∫_Γ η·t̄ over the weighted surface measure ds."""
+    """Return ∫_Γ η·t̄, the work of a traction t̄ = σ·n [Pa] (section 2.2, right-hand side)."""
     return ufl.inner(traction, eta) * ds
 
 
 def pressure_work(eta: Any, pressure: Any, normal: Any, ds: Any) -> Any:
-    """Return the work -∫_Γ p̄ η·n of a pressure that pushes on a surface."""
+    """Return -∫_Γ p̄ η·n, the work of a pressure p̄ [Pa] that pushes on a surface: t̄ = -p̄ n."""
     return -pressure * ufl.inner(normal, eta) * ds

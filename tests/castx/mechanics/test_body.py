@@ -1,93 +1,24 @@
-"""One body: Jacobian, liquid and birth, loads, and what each parameter does."""
+"""One body: rigid motions, bars with exact stresses, liquid and birth, and trial steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from castx.domain.measures import nodal_mean
-from castx.mechanics.body import BodyMechanics
-from castx.mechanics.description import SurfaceLoad
-from castx.tables import Table
+from tests.castx.mechanics.lone_bodies import MELTING, MODELS, alone, slab_mesh
 from tests.elastic_bodies import (
     STRESS_FREE,
     body,
     elastic,
-    everywhere,
     fixed,
-    generated,
     heat,
     motion,
     places,
     problem,
-    pulled,
-    pushed,
     stresses,
 )
-
-MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
-MELTING = {
-    "solidus": 600.0,
-    "liquidus": 600.0,
-    "latent_heat": 4e5,
-    "liquid": {"viscosity": 2e6, "coherency": 0.7},
-}
-
-
-def slab(comm, model: str = "plane-strain"):
-    depth = {"depth": 0.01} if model == "3d" else {}
-    return generated(
-        comm, model, "slab", ["casting"], length=0.02, width=0.01, size=0.005, **depth
-    )
-
-
-def alone(comm, model: str, **description: Any) -> BodyMechanics:
-    solid = body(elastic(70e9, 0.33, 2e-5), **description)
-    return BodyMechanics(slab(comm, model).bodies["casting"], model, solid)
-
-
-def random_field(part: BodyMechanics, seed: float) -> np.ndarray:
-    """Return values at the local unknowns that depend on the global number only."""
-    index_map, size = part.space.dofmap.index_map, part.block_size
-    local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-    numbers = index_map.local_to_global(local)[:, None] * size + np.arange(size)
-    return np.sin(seed * (1.0 + numbers.ravel()) ** 1.3)
-
-
-@pytest.mark.parametrize(
-    "description",
-    [{"stabilisation": "osgs"}, {"stabilisation": "gls"}, {"formulation": "displacement"}],
-    ids=["osgs", "gls", "displacement"],
-)
-@pytest.mark.parametrize("model", MODELS)
-def test_jacobian_is_the_derivative_of_the_residual(comm, model, description):
-    loads = (pushed("far", 1e6), pulled("wall", *(2e6,) * (3 if model == "3d" else 2)))
-    part = alone(comm, model, loads=loads, body_force=(1e6, -3e6), **description)
-    nodes = len(part.mesh.parent_vertices)
-    temperature = 20 + 300 * np.abs(random_field(part, 0.3)[:nodes])
-    part.update_state(temperature, np.ones(nodes), 1.0)
-    part.set_time(0.0)
-    at, direction, size = random_field(part, 1.1), random_field(part, 2.3), 1e-3
-    part.solution.x.array[:] = at + size * direction
-    after = part.residual()
-    part.solution.x.array[:] = at - size * direction
-    difference = (after - part.residual()) / (2 * size)
-
-    A = part.create_jacobian()
-    part.assemble_jacobian(A)
-    x, y = A.createVecs()
-    owned = x.getLocalSize()
-    x.array[:] = direction[:owned]
-    A.mult(x, y)
-    product = y.array_r.copy()
-    for add_product in part.products():
-        add_product(x.array_r, product)
-    scale = comm.allreduce(np.abs(product).max(initial=0.0), op=max)
-    np.testing.assert_allclose(difference, product, atol=1e-6 * scale, rtol=0)
-    assert A.isSymmetric(1e-6 * scale)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -110,7 +41,7 @@ def test_rigid_motions_are_free_of_force(comm, model):
 
 def stretched(comm, model: str, strain: float, **description: Any):
     """Return a bar between rollers and a displaced end."""
-    mesh = slab(comm, model)
+    mesh = slab_mesh(comm, model)
     direction = "r" if model == "axisymmetric" else "x"
     held = [fixed("wall", direction), fixed("far", direction, 0.02 * strain), fixed("bottom")]
     if model == "3d":
@@ -141,7 +72,7 @@ def test_a_hot_bar_between_walls(comm, model, formulation):
 
 @pytest.mark.parametrize("formulation", ["mixed", "displacement"])
 def test_an_axisymmetric_body_expands_freely(comm, formulation):
-    mesh = slab(comm, "axisymmetric")
+    mesh = slab_mesh(comm, "axisymmetric")
     solid = body(elastic(70e9, 0.33, 2e-5), formulation=formulation)
     made = problem(mesh, {"casting": solid}, {"casting": [fixed("bottom", "z")]})
     heat(made, STRESS_FREE + 100.0)
@@ -167,7 +98,7 @@ def test_stress_components_of_a_shear_in_space(comm):
 
 def solidifying(comm, starts_liquid: bool = True):
     """Return a bar of a melting material between rollers, shortened from the first step on."""
-    mesh = slab(comm)
+    mesh = slab_mesh(comm)
     material = elastic(70e9, 0.33, 2e-5, **MELTING)
     held = [fixed("wall", "x"), fixed("far", "x", -1e-5), fixed("bottom")]
     casting = body(material, stress_free=600.0, starts_liquid=starts_liquid)
@@ -260,54 +191,3 @@ def test_a_trial_step_leaves_no_trace(comm):
     np.testing.assert_allclose(
         made.bodies["casting"].stress(), plain.bodies["casting"].stress(), atol=1.0
     )
-
-
-@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
-def test_loads_follow_their_tables(comm, model):
-    """The resultants of pressure, traction and body force are those of the surfaces."""
-    growing = Table.from_points([[0.0, 0.0], [10.0, 10e6]])
-    loads = (
-        SurfaceLoad("far", pressure=growing),
-        SurfaceLoad("far", traction=(Table.constant(0.0), growing)[: 3 if model == "3d" else 2]
-                    + ((Table.constant(0.0),) if model == "3d" else ())),
-    )  # fmt: skip
-    part = alone(comm, model, loads=loads, body_force=(0.0, 5e6))
-    nodes = len(part.mesh.parent_vertices)
-    part.update_state(np.full(nodes, STRESS_FREE), np.ones(nodes), 1.0)
-    area = {"plane-strain": 0.01, "axisymmetric": 2 * np.pi * 0.02 * 0.01, "3d": 1e-4}[model]
-    volume = {"plane-strain": 2e-4, "axisymmetric": np.pi * 4e-4 * 0.01, "3d": 2e-6}[model]
-    for time in (2.0, 7.0):
-        part.set_time(time)
-        force = -everywhere(comm, part.residual().reshape(-1, part.block_size)).sum(axis=0)
-        assert force[0] == pytest.approx(-1e6 * time * area, rel=1e-10)
-        assert force[1] == pytest.approx(1e6 * time * area + 5e6 * volume, rel=1e-10)
-
-
-VARIATIONS: dict[str, Callable[[], Any]] = {
-    "formulation": lambda: body(elastic(70e9, 0.33, 2e-5), formulation="displacement"),
-    "stabilisation": lambda: body(elastic(70e9, 0.33, 2e-5), stabilisation="gls"),
-    "body_force": lambda: body(elastic(70e9, 0.33, 2e-5), body_force=(1e6, 0.0)),
-    "loads": lambda: body(elastic(70e9, 0.33, 2e-5), loads=(pushed("far", 1e6),)),
-    "stress_free": lambda: body(elastic(70e9, 0.33, 2e-5), stress_free=40.0),
-    "young_modulus": lambda: body(elastic([[0.0, 70e9], [100.0, 40e9]], 0.33, 2e-5)),
-    "poisson_ratio": lambda: body(elastic(70e9, 0.3, 2e-5)),
-    "expansion": lambda: body(elastic(70e9, 0.33, 1e-5)),
-}
-
-
-@pytest.mark.parametrize("name", VARIATIONS)
-def test_every_parameter_changes_the_answer(comm, name):
-    answers = []
-    for solid in (body(elastic(70e9, 0.33, 2e-5)), VARIATIONS[name]()):
-        made = problem(slab(comm), {"casting": solid}, {"casting": [fixed("wall", "all")]})
-        heat(made, lambda x: 20 + 4e3 * x[:, 0])
-        made.equilibrium.solve(0.0)
-        answers.append(everywhere(comm, motion(made, "casting")[:, :2]))
-    change = np.abs(answers[1] - answers[0]).max()
-    assert change > 1e-4 * np.abs(answers[0]).max()
-
-
-def test_cell_values_become_nodal_means(comm):
-    part = alone(comm, "plane-strain")
-    constant = nodal_mean(part.mesh, np.full(len(part.cell_nodes), 3.5))
-    np.testing.assert_allclose(constant, 3.5, rtol=1e-14)

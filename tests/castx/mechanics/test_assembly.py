@@ -1,0 +1,160 @@
+"""Residual and matrix of two bodies in one layout, from what each of them has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.errors import ConvergenceError
+from castx.mechanics.assembly import BodyAssembly
+from castx.mechanics.body import BodyMechanics
+from castx.solvers.layout import Layout
+from tests.castx.mechanics.lone_bodies import (
+    MELTING,
+    POISSON,
+    YOUNG,
+    alone,
+    begin,
+    begin_anywhere,
+    jacobian_times,
+    random_field,
+)
+from tests.elastic_bodies import blocks, body, elastic, pushed
+
+
+@pytest.fixture
+def bodies(comm):
+    """Return a mixed body in generalised plane strain beside one of displacements, both loaded."""
+    mesh, model = blocks(comm, "generalised-plane-strain"), "generalised-plane-strain"
+    metal = elastic(YOUNG, POISSON, 2e-5)
+    descriptions = {
+        "upper": body(metal, loads=(pushed("top", 1e6),)),
+        "base": body(metal, formulation="displacement", loads=(pushed("bottom", 2e6),)),
+    }
+    parts = [BodyMechanics(mesh.bodies[n], model, d) for n, d in descriptions.items()]
+    for part in parts:
+        begin_anywhere(part)
+    return parts
+
+
+def assembled(comm, bodies):
+    """Return the assembly of bodies, with unknowns at random."""
+    maps = [part.space.dofmap.index_map for part in bodies]
+    layout = Layout(comm, maps, [part.block_size for part in bodies])
+    made = BodyAssembly(layout, bodies)
+    fields = [1e-5 * random_field(part, 1.3) for part in bodies]
+    made.unknowns.array[:] = joined(bodies, fields)
+    return made, fields
+
+
+def joined(bodies, fields):
+    """Return the owned parts of fields of the bodies one after the other."""
+    owned = [part.unknowns.owned for part in bodies]
+    return np.concatenate([field[:size] for size, field in zip(owned, fields, strict=True)])
+
+
+def test_residual_is_that_of_each_body(comm, bodies):
+    made, fields = assembled(comm, bodies)
+    found = made.residual().array_r.copy()
+    for part, field in zip(bodies, fields, strict=True):
+        np.testing.assert_allclose(part.solution.x.array, field, rtol=1e-9)
+    alone = [part.residual() for part in bodies]
+    np.testing.assert_array_equal(found, np.concatenate(alone))
+    made.destroy()
+
+
+def test_matrix_has_the_jacobians_on_its_diagonal(comm, bodies):
+    made, fields = assembled(comm, bodies)
+    made.residual()
+    for _ in range(2):
+        A = made.matrix()
+    x, y = A.createVecs()
+    x.array[:] = joined(bodies, fields)
+    A.mult(x, y)
+    product = y.array_r.copy()
+    for correction in made.corrections():
+        correction(x.array_r, product)
+    expected = [jacobian_times(part, field) for part, field in zip(bodies, fields, strict=True)]
+    scale = comm.allreduce(np.abs(product).max(), op=max)
+    np.testing.assert_allclose(product, np.concatenate(expected), atol=1e-12 * scale, rtol=0)
+    for item in (x, y, made):
+        item.destroy()
+
+
+def test_corrections_are_those_of_the_body_with_osgs(comm, bodies):
+    made, fields = assembled(comm, bodies)
+    x = joined(bodies, fields)
+    y = np.zeros_like(x)
+    (correction,) = made.corrections()
+    correction(x, y)
+    own = bodies[0].unknowns.owned
+    assert not y[own:].any()
+    rows = y[:own].reshape(-1, bodies[0].block_size)
+    pressure = bodies[0].unknowns.pressure_component
+    assert comm.allreduce(int(np.count_nonzero(rows[:, pressure]))) > 0
+    assert not np.delete(rows, pressure, axis=1).any()
+    made.destroy()
+
+
+def test_displacements_are_told_from_pressures(comm, bodies):
+    """Displacements and the axial strain count, the pressure of the mixed body does not."""
+    made, _ = assembled(comm, bodies)
+    nodes = [part.owned_nodes for part in bodies]
+    expected = np.concatenate([np.tile([1, 1, 0, 1], nodes[0]), np.tile([1, 1, 1], nodes[1])])
+    np.testing.assert_array_equal(made.displacement_rows(), expected)
+    made.destroy()
+
+
+def test_force_scales_are_the_larger_of_internal_forces_and_loads(comm, bodies):
+    made, _ = assembled(comm, bodies)
+    made.residual()
+    squares = comm.allreduce(np.array([part.force_scale() for part in bodies]))
+    np.testing.assert_allclose(made.force_scales(), np.sqrt(squares.max(axis=1)), rtol=1e-14)
+    made.unknowns.set(0.0)
+    for part in bodies:
+        begin(part, 20.0)
+    made.residual()
+    loads = [np.sqrt(comm.allreduce(p.formulation.forms.load @ p.formulation.forms.load))
+             for p in bodies]  # fmt: skip
+    np.testing.assert_allclose(made.force_scales(), loads, rtol=1e-12)
+    made.destroy()
+
+
+def test_a_failure_on_one_rank_is_raised_on_all(comm, bodies, monkeypatch):
+    def fail():
+        raise ConvergenceError("no stress at a point")
+
+    made, _ = assembled(comm, bodies)
+    if comm.rank == comm.size - 1:
+        monkeypatch.setattr(bodies[1], "update_points", fail)
+    with pytest.raises(ConvergenceError, match="body 'base': no stress at a point"):
+        made.residual()
+    made.destroy()
+
+
+def test_laws_of_all_bodies_decide_what_is_linear(comm, bodies):
+    made, _ = assembled(comm, bodies)
+    assert made.is_linear and made.is_elastic
+    mesh, metal = blocks(comm), elastic(YOUNG, POISSON, 2e-5, **MELTING)
+    liquid = BodyMechanics(mesh.bodies["upper"], "plane-strain", body(metal))
+    other, _ = assembled(comm, [liquid])
+    assert other.is_linear and not other.is_elastic
+    for each in (made, other):
+        each.destroy()
+
+
+def test_only_q1p0_has_pressures_to_improve(comm, bodies):
+    made, _ = assembled(comm, bodies)
+    assert not made.improve_pressures()
+    liquid = alone(
+        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
+        starts_liquid=True,
+    )  # fmt: skip
+    begin(liquid, 640.0, 0.0)
+    other, _ = assembled(comm, [liquid])
+    other.residual()
+    assert other.improve_pressures()
+    begin(liquid, 20.0, 1.0)
+    assert not other.improve_pressures()
+    for each in (made, other):
+        each.destroy()

@@ -1,0 +1,108 @@
+"""The operator Gᵀ M⁻¹ G of OSGS against dense element matrices, and what it must leave alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem, la
+
+from castx.arrays import FloatArray
+from castx.domain.measures import cell_measure
+from castx.domain.mesh import BodyMesh
+from castx.forms import stabilisation
+from castx.mechanics.fixed_directions import FixedDirections
+from castx.mechanics.formulation import BodyUnknowns
+from castx.mechanics.osgs import OrthogonalProjection
+from tests.castx.mechanics.lone_bodies import slab
+
+SHEAR = 26e9
+
+
+def projected(body: BodyMesh, model: str, planes=()):
+    """Return unknowns, a τ that jumps by orders of magnitude, and the assembled operator."""
+    unknowns = BodyUnknowns(body, model, True, SHEAR)
+    tau = fem.Function(fem.functionspace(body.mesh, ("DG", 0)))
+    centres = body.points[body.nodes.dofmap.list].mean(axis=1)
+    tau.x.array[:] = 1e-15 * 10.0 ** np.round(3 * np.abs(np.sin(900 * centres.sum(axis=1))))
+    operator = OrthogonalProjection(unknowns, tau, planes)
+    operator.assemble()
+    return unknowns, tau, operator
+
+
+def product(unknowns: BodyUnknowns, operator: OrthogonalProjection, pressure) -> FloatArray:
+    """Return what the operator adds to the rows of the owned pressures for a pressure [Pa]."""
+    x = np.zeros(unknowns.owned).reshape(-1, unknowns.block_size)
+    x[:, unknowns.dimension] = pressure[: len(x)] / unknowns.pressure_scale
+    y = np.full(x.shape, 3.0)
+    operator.add_product(x.ravel(), y.ravel())
+    assert (np.delete(y, unknowns.dimension, axis=1) == 3.0).all(), "forces stay as they are"
+    return y[:, unknowns.dimension] - 3.0
+
+
+def dense(body: BodyMesh, tau: FloatArray, projectors: FloatArray) -> FloatArray:
+    """Return Gᵀ P M⁻¹ G of a plane body by the gradients of the corners of its triangles."""
+    count = len(body.points)
+    G, M = np.zeros((count, 2, count)), np.zeros(count)
+    for cell, corners in enumerate(body.nodes.dofmap.list):
+        edges = body.points[corners][1:, :2] - body.points[corners][0, :2]
+        area = abs(np.linalg.det(edges)) / 2
+        gradients = np.linalg.inv(edges) @ np.array([[-1.0, 1, 0], [-1, 0, 1]])
+        M[corners] += tau[cell] * area / 3
+        for corner in corners:
+            G[corner][:, corners] += tau[cell] * area / 3 * gradients
+    projection = np.einsum("nij,njp->nip", projectors, G / M[:, None, None])
+    return np.einsum("nip,niq->pq", G, projection)
+
+
+@pytest.mark.serial  # the dense matrix is that of one rank
+def test_operator_is_that_of_dense_element_matrices(comm):
+    body = slab(comm)
+    unknowns, tau, operator = projected(body, "plane-strain")
+    whole = dense(body, tau.x.array, np.tile(np.eye(2), (len(body.points), 1, 1)))
+    pressure = np.sin(1.0 + np.arange(len(body.points)))
+    expected = unknowns.pressure_scale * whole @ pressure
+    found = product(unknowns, operator, pressure)
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.serial
+def test_symmetry_planes_have_no_normal_component(comm):
+    body = slab(comm)
+    nodes = body.surface_nodes("bottom")
+    plane = FixedDirections("bottom", nodes, np.tile([0.0, 1.0], (len(nodes), 1)), symmetry=True)
+    unknowns, tau, operator = projected(body, "plane-strain", [plane])
+    projectors = np.tile(np.eye(2), (len(body.points), 1, 1))
+    projectors[nodes, 1, 1] = 0.0
+    pressure = np.sin(1.0 + np.arange(len(body.points)))
+    expected = unknowns.pressure_scale * dense(body, tau.x.array, projectors) @ pressure
+    found = product(unknowns, operator, pressure)
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
+def test_what_gls_takes_from_a_linear_pressure_comes_back(comm, model):
+    """Π = ∇p wherever p is linear, however τ jumps: nothing is left of the stabilisation."""
+    body = slab(comm, model)
+    unknowns, tau, operator = projected(body, model)
+    p, q = fem.Function(body.nodes), ufl.TestFunction(body.nodes)
+    p.x.array[:] = 1e6 + body.points @ np.array([3e8, -2e8, 1e8])[: body.points.shape[1]]
+    gls = fem.assemble_vector(
+        fem.form(stabilisation.pressure_laplacian(p, q, tau, cell_measure(body, model, 2)))
+    )
+    gls.scatter_reverse(la.InsertMode.add)
+    expected = unknowns.pressure_scale * gls.array[: body.nodes.dofmap.index_map.size_local]
+    found = product(unknowns, operator, p.x.array)
+    scale = comm.allreduce(np.abs(expected).max(initial=0.0), op=max)
+    np.testing.assert_allclose(found, expected, atol=1e-10 * scale, rtol=0)
+    assert scale > 0
+
+
+def test_without_weight_nothing_is_projected(comm):
+    """Inside trapped liquid τ is zero at all cells of a node."""
+    body = slab(comm)
+    unknowns = BodyUnknowns(body, "plane-strain", True, SHEAR)
+    tau = fem.Function(fem.functionspace(body.mesh, ("DG", 0)))
+    operator = OrthogonalProjection(unknowns, tau, ())
+    operator.assemble()
+    assert not product(unknowns, operator, np.sin(np.arange(len(body.points)))).any()

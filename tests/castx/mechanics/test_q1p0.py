@@ -1,0 +1,165 @@
+"""Q1/P0: Jacobian, patch test, and the pressures of cells that are hardly compressible."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+
+from castx.domain.measures import cell_measure
+from castx.mechanics.constitutive.law import Conditions
+from castx.mechanics.q1p0 import SMALLEST_COMPRESSIBILITY, MeanDilatation
+from tests.castx.mechanics.lone_bodies import (
+    LENGTH,
+    MELTING,
+    POISSON,
+    WIDTH,
+    YOUNG,
+    alone,
+    begin,
+    begin_anywhere,
+    check_derivative,
+    inside,
+    move,
+    random_field,
+)
+from tests.elastic_bodies import STRESS_FREE, pushed
+
+MODELS = ("plane-strain", "generalised-plane-strain", "axisymmetric", "3d")
+GRADIENT = 1e-3 * np.array([[2.0, 0.7, -0.4], [0.1, -1.2, 0.3], [0.5, -0.2, 0.9]])
+SHEAR = YOUNG / (2 * (1 + POISSON))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_jacobian_is_the_derivative_of_the_residual(comm, model):
+    part = alone(
+        comm, model, "quadrilaterals", formulation="q1p0", loads=(pushed("far", 1e6),)
+    )
+    begin_anywhere(part)
+    check_derivative(comm, part, 1.0)
+
+
+@pytest.mark.parametrize("closed", [(), ("wall", "far", "bottom", "top")], ids=["fed", "trapped"])
+def test_jacobian_of_a_liquid(comm, closed):
+    part = alone(
+        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
+        closed=closed, starts_liquid=True,
+    )  # fmt: skip
+    begin_anywhere(part, 0.2)
+    check_derivative(comm, part, 1.0)
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_uniform_strain_has_hookes_stress(comm, model):
+    part = alone(comm, model, "quadrilaterals", formulation="q1p0")
+    begin(part, STRESS_FREE + 50.0)
+    move(part, GRADIENT)
+    d = part.dimension
+    elastic = np.zeros((3, 3))
+    elastic[:d, :d] = (GRADIENT + GRADIENT.T)[:d, :d] / 2
+    elastic -= 50.0 * 2e-5 * np.eye(3)
+    first = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+    stress = first * np.trace(elastic) * np.eye(3) + 2 * SHEAR * elastic
+    expected = stress[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    found = part.stress()
+    np.testing.assert_allclose(found, [expected] * len(found), rtol=1e-9, atol=10.0)
+    forces = part.residual().reshape(-1, part.block_size)[:, :d] * inside(part)[:, None]
+    assert np.abs(forces).max(initial=0.0) < 1e-11 * YOUNG * 1e-3 * 0.005 ** (d - 1)
+
+
+class Cells:
+    """Pressures of the cells of a plane slab, with conditions as a test wants them."""
+
+    def __init__(self, comm):
+        self.part = alone(comm, "plane-strain", "quadrilaterals", formulation="displacement")
+        unknowns, cells = self.part.unknowns, fem.functionspace(self.part.mesh.mesh, ("DG", 0))
+        increment = unknowns.strain(ufl.TrialFunction(unknowns.space))
+        dx = cell_measure(self.part.mesh, "plane-strain", 2)
+        self.count = len(self.part.cell_nodes)
+        self.mean = MeanDilatation(
+            self.part.mesh, cells, unknowns.space, increment, dx, SHEAR
+        )
+        self.nothing_given = np.full(self.count, np.nan)
+
+    def begin(self, compressibility: float, free: float = 0.0, given=None) -> None:
+        none, true = np.zeros(0), np.ones(0, dtype=bool)
+        every = np.full(self.count, compressibility)
+        strain = np.full(self.count, free)
+        conditions = Conditions(none, None, none, None, None, every, every, strain, true)
+        self.mean.begin(conditions, self.nothing_given if given is None else given)
+
+
+def test_pressure_of_a_compressible_cell(comm):
+    cells = Cells(comm)
+    cells.begin(1e-11, 2e-3)
+    cells.mean.update(np.full(cells.count, 5e-3))
+    np.testing.assert_allclose(cells.mean.pressure, 3e-3 / 1e-11, rtol=1e-12)
+    assert not cells.mean.iterates
+
+
+def test_pressure_of_an_incompressible_cell_grows_until_its_volume_is_right(comm):
+    """Its pressure grows by dilatation/ĉ in each iteration; a rewind returns to the last commit."""
+    cells, least = Cells(comm), SMALLEST_COMPRESSIBILITY / SHEAR
+    cells.begin(0.0)
+    assert cells.mean.iterates
+    for dilatation, sum_of_all in ((3e-6, 3e-6), (1e-6, 4e-6), (0.0, 4e-6)):
+        cells.mean.update(np.full(cells.count, dilatation))
+        np.testing.assert_allclose(cells.mean.pressure, sum_of_all / least, rtol=1e-12)
+        cells.mean.improve()
+    cells.mean.commit()
+    cells.mean.update(np.full(cells.count, 1e-6))
+    cells.mean.improve()
+    cells.mean.rewind()
+    cells.mean.update(np.zeros(cells.count))
+    np.testing.assert_allclose(cells.mean.pressure, 4e-6 / least, rtol=1e-12)
+
+
+def test_trapped_cells_have_the_pressure_that_is_given(comm):
+    cells = Cells(comm)
+    given = np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan)
+    cells.begin(1e-11, given=given)
+    cells.mean.update(np.full(cells.count, 1e-3))
+    np.testing.assert_allclose(cells.mean.pressure[::2], -7e5)
+    np.testing.assert_allclose(cells.mean.pressure[1::2], 1e8)
+
+
+def test_work_of_the_pressures_is_that_on_the_change_of_volume(comm):
+    """For u = A x and one pressure p the work is p tr(A) V."""
+    cells = Cells(comm)
+    cells.begin(1e-11)
+    cells.mean.update(np.full(cells.count, 2e-3))
+    move(cells.part, GRADIENT)
+    forces = cells.mean.forces()
+    work = comm.allreduce(forces @ cells.part.solution.x.array[: len(forces)])
+    expected = 2e8 * np.trace(GRADIENT[:2, :2]) * LENGTH * WIDTH
+    assert work == pytest.approx(expected, rel=1e-12)
+
+
+def test_state_of_the_pressures_comes_back(comm):
+    cells, other = Cells(comm), Cells(comm)
+    cells.begin(0.0)
+    cells.mean.update(1e-6 * np.arange(cells.count))
+    cells.mean.commit()
+    saved = {name: part.values for name, part in cells.mean.saved().items()}
+    assert list(saved) == ["multiplier"]
+    other.begin(0.0)
+    other.mean.restore(saved)
+    np.testing.assert_array_equal(other.mean.pressure, cells.mean.pressure)
+    for each in (cells, other):
+        each.mean.update(np.full(cells.count, 1e-7))
+    np.testing.assert_array_equal(other.mean.pressure, cells.mean.pressure)
+
+
+def test_multipliers_make_a_liquid_keep_its_volume(comm):
+    """Each turn of the multipliers divides what is left of the dilatation by a large factor."""
+    part = alone(
+        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
+        starts_liquid=True,
+    )  # fmt: skip
+    begin(part, 640.0, 0.0)
+    part.solution.x.array[:] = 1e-6 * random_field(part, 1.7)
+    first = part.stress()[:, :3].mean(axis=1)
+    assert part.improve_pressures()
+    second = part.stress()[:, :3].mean(axis=1)
+    np.testing.assert_allclose(second, 2 * first, rtol=1e-9, atol=1e-6 * np.abs(first).max())
