@@ -11,9 +11,9 @@ each evaluation of the residual. Mixed formulation, default tolerance, multigrid
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from mpi4py import MPI
@@ -61,9 +61,13 @@ class Stopwatch:
         self.calls, self.seconds = self.calls + 1, self.seconds + time.process_time() - begin
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run all sizes and laws and print a line for each."""
-    wanted = [int(argument) for argument in sys.argv[1:]] or [20000, 60000]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("tetrahedra", nargs="*", type=int, default=[20000, 60000])
+    wanted = parser.parse_args(arguments).tetrahedra
     show(COLUMNS)
     for cells in wanted:
         mesh = block(cells)
@@ -109,7 +113,7 @@ def measure(mesh: CastingMesh, law: str) -> tuple[str, ...]:
     flowing = comm.allreduce(int(flowed.sum())) / comm.allreduce(len(flowed))
     equilibrium.destroy()
     spent, own = (comm.allreduce(seconds) / report.iterations for seconds in (spent, own))
-    cells = comm.allreduce(part.cells.dofmap.index_map.size_local)
+    cells = comm.allreduce(part.mesh.mesh.topology.index_map(3).size_local)
     return (
         f"{cells}", law.removeprefix("thermo-elasto-"), f"{flowing:.3f}", f"{report.iterations}",
         f"{report.linear_iterations}", f"{updates}", f"{spent:.2f}", f"{own:.3f}",

@@ -12,9 +12,10 @@ resident sets, which never falls, so each size is best run alone.
 
 from __future__ import annotations
 
+import argparse
 import resource
-import sys
 import time
+from collections.abc import Sequence
 
 from mpi4py import MPI
 
@@ -48,9 +49,13 @@ def metal(name: str, young: float, expansion: float, **more: object) -> Material
     return Material(name, MaterialDescription.read(description))
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run the sizes and print a line for each."""
-    wanted = [int(argument) for argument in sys.argv[1:]] or list(SIZES)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("tetrahedra", nargs="*", type=int, default=list(SIZES))
+    wanted = parser.parse_args(arguments).tetrahedra
     show(COLUMNS)
     for cells in wanted:
         show(measure(SIZES.get(cells) or SIZES[40000] * (40000 / cells) ** (1 / 3)))
@@ -76,8 +81,8 @@ def measure(size: float) -> tuple[str, ...]:
     }  # fmt: skip
     begin = time.process_time()
     made = MechanicalProblem(
-        mesh, bodies, {"mould": [SurfaceDisplacement("base", "all")]}, [Contact(*names)],
-        MechanicsSettings(linear="iterative"),
+        mesh, bodies, {"mould": [SurfaceDisplacement("base", "all")]},
+        [Contact("casting", "mould")], MechanicsSettings(linear="iterative"),
     )
     freeze(made)
     ready = time.process_time()

@@ -9,9 +9,10 @@ sets, which never falls, so each size is best run alone: bench/cylinder.py 20000
 
 from __future__ import annotations
 
+import argparse
 import resource
-import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from mpi4py import MPI
@@ -27,9 +28,13 @@ COLUMNS = (
 )
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run the sizes and print a line for each."""
-    wanted = [int(argument) for argument in sys.argv[1:]] or list(SIZES)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("nodes", nargs="*", type=int, default=list(SIZES))
+    wanted = parser.parse_args(arguments).nodes
     show(COLUMNS)
     for nodes in wanted:
         show(measure(element_size(nodes)))

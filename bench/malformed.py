@@ -8,11 +8,13 @@ said otherwise), all in one process, and prints how often what was at fault.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -57,9 +59,13 @@ class Captured:
         self._stack.close()
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Draw until enough were refused; return 1 when one was not as it should be."""
-    wanted = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("refusals", nargs="?", type=int, default=200)
+    wanted = parser.parse_args(arguments).refusals
     folder = Path(tempfile.mkdtemp(prefix="malformed-"))
     case, part = folder / "case.toml", folder / "part.msh"
     kinds = [("tables", case_tables(), case), ("texts", case_texts(), case)]

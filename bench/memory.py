@@ -9,23 +9,20 @@ first tenth and at the end. It should grow by less than 1 %.
 
 from __future__ import annotations
 
+import argparse
 import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+
+from castx.contact.methods.registry import names
 
 STATM = Path("/proc/self/statm")
 PAGE = 4096
-KINDS = (
-    ("condensed", "direct"),
-    ("condensed", "iterative"),
-    ("multipliers", "direct"),
-    ("multipliers", "iterative"),
-    ("penalty", "direct"),
-    ("augmented-lagrangian", "iterative"),
-    ("block-iterative", "direct"),
-)
+METHODS = names(lambda method: method.fallback)
+KINDS = [(method, linear) for method in METHODS for linear in ("direct", "iterative")]
 CASE = """
 [geometry]
 generator = "cylinder_in_mould"
@@ -68,6 +65,12 @@ checkpoint = {every}
 """
 
 
+def case_text(method: str, linear: str, steps: int) -> str:
+    """Return the case of so many steps."""
+    end = 0.02 * steps
+    return CASE.format(method=method, linear=linear, end=end, every=end / 10)
+
+
 def measure(case: Path, folder: Path, steps: int) -> tuple[float, float]:
     """Run a case in this process; return the resident set [MB] after a tenth and at the end."""
     from castx.command import progress
@@ -78,23 +81,28 @@ def measure(case: Path, folder: Path, steps: int) -> tuple[float, float]:
     def note(self: object, snapshot: object) -> None:
         sizes.append(int(STATM.read_text().split()[1]) * PAGE / 1e6)
 
-    progress.Progress.show = note  # type: ignore[method-assign, assignment]
+    progress.Progress.show = note  # type: ignore[method-assign]
     running.run(case, output=folder)
     return sizes[steps // 10], sizes[-1]
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run each kind in a process of its own; return 1 when one grew by more than 1 %."""
-    if len(sys.argv) == 4:
-        print(json.dumps(measure(Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]))))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("steps", nargs="?", type=int, default=1000)
+    parser.add_argument("--case", type=Path, help=argparse.SUPPRESS)
+    asked = parser.parse_args(arguments)
+    steps = asked.steps
+    if asked.case is not None:  # in a process of its own, see below
+        print(json.dumps(measure(asked.case, asked.case.with_suffix(""), steps)))
         return 0
-    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     root, grown = Path(tempfile.mkdtemp(prefix="memory-")), False
     for method, linear in KINDS:
         case = root / f"{method}-{linear}.toml"
-        end = 0.02 * steps
-        case.write_text(CASE.format(method=method, linear=linear, end=end, every=end / 10))
-        command = [sys.executable, __file__, str(case), str(case.with_suffix("")), str(steps)]
+        case.write_text(case_text(method, linear, steps))
+        command = [sys.executable, __file__, str(steps), "--case", str(case)]
         found = subprocess.run(command, capture_output=True, text=True, check=True)
         early, late = json.loads(found.stdout.splitlines()[-1])
         grown |= late > 1.01 * early

@@ -20,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -238,14 +238,16 @@ def show(cells: Mapping[str, Any]) -> None:
     print("".join(f"{cells.get(name, '')!s:>{width}}" for name, width in COLUMNS), flush=True)
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run the castings; return 1 when one did not reach its end."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("count", nargs="?", type=int, default=60)
     parser.add_argument("seed", nargs="?", type=int, default=1)
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--only", nargs="*", type=int)
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     folder = asked.folder or Path(tempfile.mkdtemp(prefix="robustness-"))
     folder.mkdir(parents=True, exist_ok=True)
     show({name: name for name, _ in COLUMNS})

@@ -1,0 +1,65 @@
+"""Every benchmark can be started: it explains itself, and its cases are accepted."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from castx.case.reading.read import load_case
+
+pytestmark = pytest.mark.serial
+
+BENCH = Path(__file__).parents[1] / "bench"
+
+
+def script(name: str) -> ModuleType:
+    """Return a script as a module."""
+    spec = spec_from_file_location(name, BENCH / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("name", [path.stem for path in sorted(BENCH.glob("*.py"))])
+def test_each_explains_itself(name, capsys):
+    found = script(name)
+    with pytest.raises(SystemExit) as ended:
+        found.main(["--help"])
+    assert ended.value.code == 0
+    said = " ".join(capsys.readouterr().out.split())
+    first = (found.__doc__ or "").partition("\n")[0]
+    assert first.endswith(("?", ".")) and first in said
+
+
+def test_castings_drawn_at_random_are_accepted():
+    robustness = script("robustness")
+    for number in range(60):
+        case = robustness.casting(random.Random(f"1/{number}"))
+        assert tomllib.loads("\n".join(robustness.toml(case))) == case
+        load_case(case)
+
+
+def test_cases_that_are_written_out_are_accepted():
+    memory, restart, cylinder = (script(name) for name in ("memory", "restart", "cylinder"))
+    for method, linear in memory.KINDS:
+        case = load_case(tomllib.loads(memory.case_text(method, linear, 1000)))
+        assert case.time.end == pytest.approx(20.0)
+        assert (case.interfaces[0].contact.method, case.solver.linear) == (method, linear)
+    assert load_case(tomllib.loads(restart.CASE)).output.checkpoint == 0.1
+    size = cylinder.element_size(5400)
+    assert load_case(cylinder.CASE, [f"geometry.size={size}"]).geometry.model == "3d"
+
+
+@pytest.mark.parametrize("name", ["constitutive", "contact"])
+def test_those_that_build_their_problem_themselves_measure_a_tiny_one(name, capsys):
+    found = script(name)
+    found.main(["60"])
+    heading, *lines = capsys.readouterr().out.splitlines()
+    assert heading.split() and lines
+    assert all(float(line.split()[0]) > 10 for line in lines)
