@@ -146,7 +146,7 @@ class Exchanges:
     def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states as the surfaces are now [W/m²/K].
 
-        It is infinite where bodies are bonded and zero where no heat crosses.
+        It is infinite in perfect contact and zero where no heat crosses.
         """
         fixed = {"perfect": np.inf, "none": 0.0}
         return [

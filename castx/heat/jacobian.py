@@ -12,20 +12,20 @@ import numpy.typing as npt
 from castx.arrays import FloatArray, IntArray
 from castx.heat.body import ThermalBody
 from castx.heat.interface import PairExchange
-from castx.heat.perfect_contact import Bonds
+from castx.heat.perfect_contact import NodeGroups
 from castx.solvers.layout import Layout
 
 
 class HeatJacobian:
     """One AIJ matrix over the nodes of all bodies; the pattern is that of the first assembly.
 
-    Rows and columns of bonded nodes add up at the unknown of their group.
+    Rows and columns of nodes in perfect contact add up at the unknown of their group.
 
     Args:
         layout: numbering of the nodes of all bodies.
         bodies: in the order of the layout.
         exchanges: interfaces under a law.
-        bonds: groups of nodes with one unknown.
+        groups: of nodes with one unknown; None: there are none.
     """
 
     def __init__(
@@ -33,10 +33,10 @@ class HeatJacobian:
         layout: Layout,
         bodies: Sequence[ThermalBody],
         exchanges: Sequence[PairExchange],
-        bonds: Bonds | None,
+        groups: NodeGroups | None,
     ) -> None:
         self._layout = layout
-        self._bonds = bonds
+        self._groups = groups
         self._bodies = [self._body_block(number, body) for number, body in enumerate(bodies)]
         self._pairs = [self._pair_block(exchange) for exchange in exchanges]
         self.matrix = self._create_matrix()
@@ -69,7 +69,7 @@ class HeatJacobian:
         return exchange, pointers, columns, rows.ravel()
 
     def _unknowns(self, dofs: IntArray) -> IntArray:
-        return dofs if self._bonds is None else self._bonds.unknowns(dofs)
+        return dofs if self._groups is None else self._groups.unknowns(dofs)
 
     def _create_matrix(self) -> PETSc.Mat:
         size = (self._layout.size_local, self._layout.size_global)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+
+from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.heat.body import ThermalBody
 from castx.heat.boundaries import SurfaceHeat
 from castx.heat.interface import MECHANISMS
 from castx.stateful import Arrays, Saved
@@ -220,3 +223,58 @@ class Ledger:
                     totals[name] = totals.get(name, 0.0) + float(value)
         totals["energy_error"] = float(largest / moved) if moved > 0.0 else 0.0
         return totals
+
+
+class HeatBooks:
+    """Books the heat of the bodies of a stage in a ledger, summed over all ranks.
+
+    Args:
+        comm: all ranks.
+        bodies: of the stage.
+        own: accounts of the stage, in the order in which their heat is booked.
+        run: bodies and accounts of the whole run; None: those of the stage.
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Intracomm,
+        bodies: Sequence[ThermalBody],
+        own: Sequence[Account],
+        run: Accounts | None,
+    ) -> None:
+        self._comm, self._bodies = comm, bodies
+        names = [body.name for body in bodies]
+        run = run or joined_accounts(names, [own])
+        self.ledger = Ledger(run, names, own, self._stored_heat())
+
+    def _stored_heat(self) -> FloatArray:
+        return self._sums(np.array([body.stored_heat() for body in self._bodies]))
+
+    def _sums(self, values: FloatArray) -> FloatArray:
+        """Return the sums over all ranks, the same bits on each."""
+        return np.asarray(sum(self._comm.allgather(values)))
+
+    def begin_stage(self, equalise: Callable[[], FloatArray]) -> None:
+        """Book what renewed bodies have brought, and what evens out where contact is perfect.
+
+        Args:
+            equalise: brings nodes in perfect contact to one temperature; returns the heat through
+                each interface on this rank [J].
+        """
+        self.ledger.renew(self._stored_heat())
+        evened = equalise()
+        through = np.zeros((len(evened), len(MECHANISMS)))
+        through[:, 0] = evened
+        heat = self._sums(np.append(np.zeros(self.ledger.ways - through.size), through))
+        self.ledger.book(self._stored_heat(), heat, float(np.abs(heat).sum()), 0.0)
+
+    def book(self, flows: FloatArray, moved: float, duration: float) -> None:
+        """Book a sub-step.
+
+        Args:
+            flows: rates of heat through the accounts of the stage on this rank [W].
+            moved: rate of the heat that changes place in all [W].
+            duration: of the sub-step [s].
+        """
+        heat = duration * self._sums(flows)
+        self.ledger.book(self._stored_heat(), heat, duration * moved, duration)

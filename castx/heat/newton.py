@@ -8,12 +8,15 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.heat.balance import HeatSystem
+from castx.heat.balance import HeatBalance
 from castx.heat.interfaces import couple_step
 from castx.solvers.blocks import FACTORS, solves_directly
 from castx.solvers.line_search import critical_part
 
 PREFIX = "castx_heat_"
+
+FULL_STEPS = 8
+"""Newton steps of a solve that are taken in full before `shorten_cycling_step` tries them."""
 
 LARGEST_DIRECT = {2: 100_000, 3: 2_000}
 """Unknowns up to which "automatic" solves directly, by dimension of the mesh.
@@ -51,34 +54,32 @@ def default_options(linear: str, unknowns: int, dimension: int) -> dict[str, Any
     return NEWTON | dict(FACTORS if direct else ITERATIVE)
 
 
-FULL_STEPS = 8
-"""Newton steps of a solve that are taken in full before `shorten_cycling_step` looks at them."""
-
-
-def residual(system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
+def residual(balance: HeatBalance, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
     """Fill the residual."""
-    system.evaluate(x)
-    system.gather_residual(F)
+    balance.evaluate(x)
+    balance.gather_residual(F)
 
 
 def jacobian(
-    system: HeatSystem, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat
+    balance: HeatBalance, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat
 ) -> None:
     """Fill the Jacobian."""
-    system.assemble_jacobian(x)
+    balance.assemble_jacobian(x)
 
 
-def adjust_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
-    """Complete the Newton step where interfaces feel a whole body, then shorten it if it cycles."""
-    columns = system.solid_columns(x)
+def adjust_step(balance: HeatBalance, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+    """Add what a solid fraction changes everywhere to the Newton step; shorten one that cycles."""
+    columns = balance.solid_columns(x)
     if columns:
         couple_step(columns, y, snes.ksp)
     for vector in (vector for column in columns for vector in column):
         vector.destroy()
-    return shorten_cycling_step(system, x, y, snes) or bool(columns)
+    return shorten_cycling_step(balance, x, y, snes) or bool(columns)
 
 
-def shorten_cycling_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+def shorten_cycling_step(
+    balance: HeatBalance, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES
+) -> bool:
     """After some full steps, go to the critical point along the Newton step.
 
     The balances are nearly the gradient of a convex potential of the temperatures. Full steps can
@@ -91,40 +92,41 @@ def shorten_cycling_step(system: HeatSystem, x: PETSc.Vec, y: PETSc.Vec, snes: P
     """
     if snes.getIterationNumber() < FULL_STEPS:
         return False
-    system.set_unknown(x)
-    start = system.temperature.copy()
-    change, trial, balance = x.duplicate(), x.duplicate(), x.duplicate()
+    temperature = balance.unknowns.temperature
+    change, trial, force = x.duplicate(), x.duplicate(), x.duplicate()
 
     def work(part: float) -> float:
         trial.waxpy(-part, y, x)
-        system.evaluate(trial)
-        system.gather_residual(balance)
-        return float(balance.dot(change))
+        balance.evaluate(trial)
+        balance.gather_residual(force)
+        return float(force.dot(change))
 
+    balance.unknowns.set(x)
+    start = temperature.array_r.copy()
     trial.waxpy(-1.0, y, x)
-    system.set_unknown(trial)
-    change.array[:] = system.temperature - start
+    balance.unknowns.set(trial)
+    change.array[:] = temperature.array_r - start
     before = work(0.0)
     part = critical_part(work, before, enough=0.0, precision=1e-9) if before < 0.0 else None
     if part is not None:
         y.scale(part)
-    for vector in (change, trial, balance):
+    for vector in (change, trial, force):
         vector.destroy()
     return part is not None
 
 
 def converged(
-    system: HeatSystem,
+    balance: HeatBalance,
     tolerance: float,
     snes: PETSc.SNES,
     iteration: int,
     norms: tuple[float, float, float],
-) -> Any:
+) -> PETSc.SNES.ConvergedReason:
     """Compare the residual with the heat that is moved, not with the first residual."""
     reasons = PETSc.SNES.ConvergedReason
     if not np.isfinite(norms[2]):
         return reasons.DIVERGED_FNORM_NAN
-    balance = system.balance()
-    if balance.residual <= tolerance * balance.moved + balance.rounding:
+    sums = balance.sums()
+    if sums.residual <= tolerance * sums.moved + sums.rounding:
         return reasons.CONVERGED_FNORM_ABS
     return reasons.ITERATING

@@ -61,14 +61,14 @@ def gather_links(
         row[:, 0] = layout.dofs(secondary, pairs.secondary_nodes, 0)
         row[:, 1] = layout.dofs(primary, pairs.primary_nodes, 0)
         row[:, 2:] = secondary, primary, interface
-        # Pairs of several patches at one node are one bond.
+        # Pairs of several patches at one node are one link.
         first = np.sort(np.unique(row[:, 0], return_index=True)[1])
         rows.append(row[first, :].reshape(-1, 5))
     table = np.concatenate(comm.allgather(np.concatenate(rows)))
     return Links(table[:, :2], table[:, 2:4], table[:, 4])
 
 
-class MixedNodes:
+class JoinedNodes:
     """Groups of nodes with the same bodies, and their common temperature.
 
     Args:
@@ -133,14 +133,19 @@ def _plateaus(curve: EnthalpyCurve) -> FloatArray:
     return T[:-1][T[1:] == T[:-1]]
 
 
-class Bonds:
-    """All groups of bonded nodes; a rank works on those whose first node it owns.
+class NodeGroups:
+    """All groups of nodes in perfect contact; a rank works on those whose first node it owns.
 
     Args:
         links: pairs of the perfect interfaces.
         interfaces: number of interfaces, perfect or not.
         bodies: in the order of the layout.
         volumes: the nodes stand for, in the layout.
+
+    Attributes:
+        firsts: places of the first nodes of the groups of this rank, whose unknowns stand for them.
+        idle: places of the members whose own unknown is not used.
+        volumes: that the members of the groups of this rank stand for [m³].
     """
 
     def __init__(
@@ -152,28 +157,27 @@ class Bonds:
         graph = coo_array((np.ones(len(inverse)), inverse.T), shape=(count, count)).tocsr()
         _, labels = connected_components(graph, directed=False)
         _, first = np.unique(labels, return_index=True)
-        self._masters = self._members[first][labels]
+        self._first_members = self._members[first][labels]
         member_bodies = np.empty(count, dtype=np.int64)
         member_bodies[inverse] = links.bodies
 
         start, end = volumes.getOwnershipRange()
-        chosen = np.flatnonzero((self._masters >= start) & (self._masters < end))
-        chosen = chosen[np.lexsort((self._members[chosen], self._masters[chosen]))]
+        chosen = np.flatnonzero((self._first_members >= start) & (self._first_members < end))
+        chosen = chosen[np.lexsort((self._members[chosen], self._first_members[chosen]))]
         self._remote = RemoteEntries(volumes, self._members[chosen].astype(PETSc.IntType))
         _, self._starts, self._groups = np.unique(
-            self._masters[chosen], return_index=True, return_inverse=True
+            self._first_members[chosen], return_index=True, return_inverse=True
         )
-        self.masters = (self._masters[chosen][self._starts] - start).astype(np.int32)
+        self.firsts = (self._first_members[chosen][self._starts] - start).astype(np.int32)
         mine = (self._members >= start) & (self._members < end)
-        self.members = (self._members[mine] - start).astype(np.int32)
-        self.slaves = (self._members[mine & (self._members != self._masters)] - start).astype(
+        self.idle = (self._members[mine & (self._members != self._first_members)] - start).astype(
             np.int32
         )
-        self._create_mixtures(bodies, member_bodies[chosen], self._remote.get(volumes))
+        self._sort_groups(bodies, member_bodies[chosen], self._remote.get(volumes))
         weights = _flow_weights(links, inverse, labels, interfaces)
         self._flow_weights = weights[:, chosen]
 
-    def _create_mixtures(
+    def _sort_groups(
         self, bodies: Sequence[ThermalBody], member_bodies: LongArray, volumes: FloatArray
     ) -> None:
         """Sort the groups by the bodies they join."""
@@ -182,46 +186,46 @@ class Bonds:
         kinds: dict[tuple[int, ...], list[int]] = {}
         for group, (begin, size) in enumerate(zip(self._starts, sizes, strict=True)):
             kinds.setdefault(tuple(member_bodies[begin : begin + size]), []).append(group)
-        self._mixtures = []
+        self._kinds = []
         for kind, groups in kinds.items():
             places = self._starts[groups][:, None] + np.arange(len(kind))
-            nodes = MixedNodes([bodies[k].curve for k in kind], volumes[places])
-            self._mixtures.append((np.array(groups), places, nodes))
+            nodes = JoinedNodes([bodies[k].curve for k in kind], volumes[places])
+            self._kinds.append((np.array(groups), places, nodes))
 
     def unknowns(self, dofs: IntArray) -> IntArray:
         """Return the global number of the unknown that stands for each node."""
         place = np.searchsorted(self._members, dofs)
         place = np.minimum(place, len(self._members) - 1)
-        bonded = self._members[place] == dofs
-        return np.where(bonded, self._masters[place], dofs).astype(PETSc.IntType)
+        joined = self._members[place] == dofs
+        return np.where(joined, self._first_members[place], dofs).astype(PETSc.IntType)
 
-    def mix(self, enthalpy: PETSc.Vec) -> FloatArray:
+    def means(self, enthalpy: PETSc.Vec) -> FloatArray:
         """Return the mean enthalpies of the groups of this rank [J/m³]."""
         return self._sums(self.volumes * self._remote.get(enthalpy)) / self._sums(self.volumes)
 
-    def spread(self, mean: FloatArray, enthalpy: PETSc.Vec, slope: PETSc.Vec) -> None:
+    def set_members(self, mean: FloatArray, enthalpy: PETSc.Vec, slope: PETSc.Vec) -> None:
         """Set the enthalpies of all members, and their derivatives over the mean."""
         enthalpies = np.empty(len(self._groups))
         slopes = np.empty(len(self._groups))
-        for groups, places, nodes in self._mixtures:
+        for groups, places, nodes in self._kinds:
             enthalpies[places], slopes[places] = nodes.split(mean[groups])
         self._remote.put(enthalpies, enthalpy)
         self._remote.put(slopes, slope)
 
-    def collect(self, balance: PETSc.Vec) -> FloatArray:
+    def sums(self, balance: PETSc.Vec) -> FloatArray:
         """Return the sums of a balance over the members of the groups of this rank."""
         return self._sums(self._remote.get(balance))
 
     def means_at(self, temperature: FloatArray) -> FloatArray:
         """Return the mean enthalpies of the groups at temperatures, NaN where that is NaN."""
         means = np.empty_like(temperature)
-        for groups, _, nodes in self._mixtures:
+        for groups, _, nodes in self._kinds:
             means[groups] = nodes.mean(temperature[groups])
         return np.where(np.isnan(temperature), np.nan, means)
 
-    def first_of(self, wanted: PETSc.Vec) -> FloatArray:
+    def first_of(self, given: PETSc.Vec) -> FloatArray:
         """Return for each group the first entry of its members that is not NaN, else NaN."""
-        return self._first(self._remote.get(wanted))[0]
+        return self._first(self._remote.get(given))[0]
 
     def _first(self, values: FloatArray) -> tuple[FloatArray, LongArray]:
         """Return the first number of each group and its place among the members, -1 if none."""
@@ -236,19 +240,19 @@ class Bonds:
         """Set the members of chosen groups to 1 and all other members to 0."""
         self._remote.put(groups[self._groups].astype(np.float64), vector)
 
-    def settle(
-        self, balance: PETSc.Vec, wanted: PETSc.Vec, reaction: PETSc.Vec
+    def heat_through(
+        self, balance: PETSc.Vec, given: PETSc.Vec, reaction: PETSc.Vec
     ) -> FloatArray:
         """Return the heat through each interface on this rank [W], secondary to primary.
 
         Args:
-            balance: heat that leaves each node, without that through the bonds.
-            wanted: prescribed temperatures, NaN elsewhere.
+            balance: heat that leaves each node, without that through perfect contact.
+            given: prescribed temperatures, NaN elsewhere.
             reaction: receives the heat that a prescribed temperature feeds into a group, at the
                 first member that has one; zero at the other members.
         """
         left = self._remote.get(balance)
-        _, places = self._first(self._remote.get(wanted))
+        _, places = self._first(self._remote.get(given))
         fixed = np.flatnonzero(places >= 0)
         fed = np.zeros_like(left)
         fed[places[fixed]] = self._sums(left)[fixed]

@@ -12,11 +12,11 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.domain.mesh import CastingMesh
 from castx.errors import CaseError, ConvergenceError
-from castx.heat.balance import HeatSystem
+from castx.heat.balance import HeatBalance, HeatUnknowns
 from castx.heat.body import HeatBody, ThermalBody
 from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
-from castx.heat.interface import MECHANISMS, HeatExchange
-from castx.heat.ledger import Accounts, Ledger, accounts_of, joined_accounts
+from castx.heat.interface import HeatExchange
+from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import HEAT
@@ -78,68 +78,39 @@ class HeatProblem:
         counters: StepCounters | None = None,
     ) -> None:
         self._comm = mesh.comm
-        self._bodies = _build_bodies(mesh, bodies, surfaces)
+        self._balance = heat_balance(mesh, bodies, exchanges, surfaces)
+        self._unknowns, self._bodies = self._balance.unknowns, self._balance.bodies
+        self._layout = self._balance.layout
         self.temperature = {body.name: body.temperature for body in self._bodies}
         self.enthalpy = {body.name: body.enthalpy for body in self._bodies}
         self.solid_fraction = {body.name: body.solid_fraction for body in self._bodies}
-        self._layout = Layout(
-            mesh.comm, [body.index_map for body in self._bodies], [1] * len(self._bodies)
-        )
-        named = dict(zip(self.temperature, self._bodies, strict=True))
-        self._system = HeatSystem(
-            self._layout,
-            self._bodies,
-            exchanges,
-            [SurfaceFlux(named[s.body], s) for s in surfaces if s.gives_flux],
-            [SurfaceTemperature(named[s.body], s) for s in surfaces if s.gives_temperature],
-        )
+        dimension = mesh.parent.topology.dim
+        defaults = default_options(linear, self._layout.size_global, dimension)
         self._solver = NonlinearSolver(
             HEAT,
             PREFIX,
-            partial(residual, self._system),
-            partial(jacobian, self._system),
-            vector=self._system.residual,
-            matrix=self._system.jacobian.matrix,
-            options=default_options(linear, self._layout.size_global, mesh.parent.topology.dim)
-            | dict(options or {}),
-            converged=partial(converged, self._system, tolerance),
-            step_rule=partial(adjust_step, self._system),
+            partial(residual, self._balance),
+            partial(jacobian, self._balance),
+            vector=self._balance.residual,
+            matrix=self._balance.jacobian.matrix,
+            options=defaults | dict(options or {}),
+            converged=partial(converged, self._balance, tolerance),
+            step_rule=partial(adjust_step, self._balance),
         )
         self._counters = counters or StepCounters()
         self._unknown = self._layout.create_vector()
-        self._ledger = self._open_ledger(exchanges, surfaces, accounts)
+        interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
+        own = accounts_of(list(self.temperature), surfaces, interfaces)
+        self._books = HeatBooks(mesh.comm, self._bodies, own, accounts)
+        self._ledger = self._books.ledger
         self.begin_stage()
-        self._trail: list[FloatArray] = []
+        self._substates: list[FloatArray] = []
         self._tried: tuple[float, float, int] = (0.0, 0.0, 1)
 
-    def _open_ledger(
-        self,
-        exchanges: Sequence[HeatExchange],
-        surfaces: Sequence[SurfaceHeat],
-        run: Accounts | None,
-    ) -> Ledger:
-        names = list(self.temperature)
-        interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
-        own = accounts_of(names, surfaces, interfaces)
-        run = run or joined_accounts(names, [own])
-        return Ledger(run, names, own, self._sums(self._stored_heat()))
-
     def begin_stage(self) -> None:
-        """Book what renewed bodies have brought, and even out nodes that are bonded now."""
-        self._ledger.renew(self._sums(self._stored_heat()))
-        bonded = self._system.mix_bonded()
-        through = np.zeros((len(bonded), len(MECHANISMS)))
-        through[:, 0] = bonded
-        heat = self._sums(np.append(np.zeros(self._ledger.ways - through.size), through))
-        self._ledger.book(self._sums(self._stored_heat()), heat, float(np.abs(heat).sum()), 0.0)
+        """Book what renewed bodies have brought, and even out nodes in perfect contact."""
+        self._books.begin_stage(self._unknowns.equalise)
         self.commit()
-
-    def _stored_heat(self) -> FloatArray:
-        return np.array([body.stored_heat() for body in self._bodies])
-
-    def _sums(self, values: FloatArray) -> FloatArray:
-        """Return the sums over all ranks, the same bits on each."""
-        return np.asarray(sum(self._comm.allgather(values)))
 
     def advance(
         self,
@@ -168,20 +139,20 @@ class HeatProblem:
             ConvergenceError: names body and place of the largest residual.
         """
         self._ledger.rewind()
-        self._system.set_dissipation(dissipation or {})
-        known = self._trail if self._tried == (time, step, substeps) else []
+        self._balance.set_dissipation(dissipation or {})
+        known = self._substates if self._tried == (time, step, substeps) else []
         self._tried = (time, step, substeps)
-        self._trail = []
+        self._substates = []
         state, size = self._committed, step / substeps
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
-            self._system.exchanges.set_states(pairs, k / substeps, factors)
+            self._balance.exchanges.set_states(pairs, k / substeps, factors)
             guess = known[k - 1] if k <= len(known) else state
-            x = self._system.begin(state, guess, time + k * size, size)
+            x = self._balance.begin(state, guess, time + k * size, size)
             report = self._solve(x)
-            state = self._system.enthalpy()
-            self._trail.append(state)
-            self._book(size)
+            state = self._unknowns.enthalpies()
+            self._substates.append(state)
+            self._books.book(self._balance.flows(), self._balance.sums().moved, size)
             iterations += report.iterations
             linear_iterations += report.linear_iterations
         return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
@@ -197,7 +168,7 @@ class HeatProblem:
 
     def _worst_node(self) -> str:
         """Say where the residual is largest, the same text on all ranks."""
-        values = self._system.residual.array_r
+        values = self._balance.residual.array_r
         parts = [
             Part(
                 f"body {body.name!r}",
@@ -208,37 +179,32 @@ class HeatProblem:
         ]
         return worst_place(self._comm, parts, "W")
 
-    def _book(self, size: float) -> None:
-        heat = size * self._sums(self._system.flows())
-        moved = size * self._system.balance().moved
-        self._ledger.book(self._sums(self._stored_heat()), heat, moved, size)
-
     def _largest_temperature_change(self) -> float:
         largest = 0.0
         for number, body in enumerate(self._bodies):
             part = self._layout.local_slice(number)
             change = np.abs(body.owned_temperature - body.curve.temperature(self._committed[part]))
-            largest = max(largest, change[~self._system.driven[part]].max(initial=0.0))
+            largest = max(largest, change[~self._unknowns.prescribed[part]].max(initial=0.0))
         return max(self._comm.allgather(float(largest)))
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states at the trial temperatures [W/m²/K].
 
-        It is infinite where bodies are bonded and zero where no heat crosses.
+        It is infinite in perfect contact and zero where no heat crosses.
 
         Args:
             pairs: state of the pairs of each interface.
         """
-        return self._system.coefficients(pairs)
+        return self._balance.coefficients(pairs)
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
-        self._committed = self._system.enthalpy()
+        self._committed = self._unknowns.enthalpies()
         self._ledger.commit()
 
     def rewind(self) -> None:
         """Return to the committed state."""
-        self._system.set_enthalpy(self._committed)
+        self._unknowns.set_enthalpies(self._committed)
         self._ledger.rewind()
 
     def saved(self) -> dict[str, Saved]:
@@ -266,8 +232,28 @@ class HeatProblem:
     def destroy(self) -> None:
         """Free the PETSc objects."""
         self._solver.destroy()
-        self._system.destroy()
+        self._balance.destroy()
         self._unknown.destroy()
+
+
+def heat_balance(
+    mesh: CastingMesh,
+    bodies: Sequence[HeatBody],
+    exchanges: Sequence[HeatExchange],
+    surfaces: Sequence[SurfaceHeat],
+) -> HeatBalance:
+    """Return the balance of all bodies; arguments as those of `HeatProblem`.
+
+    Raises:
+        CaseError: a body is missing or unknown.
+        MeshError: a body has no such surface.
+    """
+    built = _build_bodies(mesh, bodies, surfaces)
+    named = {body.name: body for body in built}
+    layout = Layout(mesh.comm, [body.index_map for body in built], [1] * len(built))
+    given = [SurfaceTemperature(named[s.body], s) for s in surfaces if s.gives_temperature]
+    fluxes = [SurfaceFlux(named[s.body], s) for s in surfaces if s.gives_flux]
+    return HeatBalance(HeatUnknowns(layout, built, exchanges, given), exchanges, fluxes)
 
 
 def _build_bodies(

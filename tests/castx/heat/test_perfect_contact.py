@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.heat.perfect_contact import Links, MixedNodes, _flow_weights
+from castx.heat.perfect_contact import JoinedNodes, Links, _flow_weights
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 
@@ -29,11 +29,11 @@ MIXTURES = {
 }
 
 
-def mixed(curves) -> tuple[MixedNodes, np.ndarray]:
+def mixed(curves) -> tuple[JoinedNodes, np.ndarray]:
     """Return groups of various volumes and mean enthalpies over the whole range."""
     means = np.linspace(-1e8, 4e9, 400)
     volumes = np.random.default_rng(1).uniform(0.1, 1.0, (len(means), len(curves)))
-    return MixedNodes(curves, volumes), means
+    return JoinedNodes(curves, volumes), means
 
 
 @pytest.mark.parametrize("curves", MIXTURES.values(), ids=MIXTURES)
@@ -59,7 +59,7 @@ def test_derivatives(curves):
 
 
 def test_temperature_stands_still_while_one_member_melts():
-    nodes = MixedNodes((METAL, STEEL), np.array([[1.0, 3.0]] * 3))
+    nodes = JoinedNodes((METAL, STEEL), np.array([[1.0, 3.0]] * 3))
     below, above = (nodes.mean(np.full(3, T))[0] for T in (np.nextafter(660.0, 0.0), 660.0))
     enthalpies, slopes = nodes.split(np.linspace(below, above, 5)[1:-1])
     assert (METAL.temperature(enthalpies[:, 0]) == 660.0).all()

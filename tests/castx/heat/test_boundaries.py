@@ -1,0 +1,128 @@
+"""Heat conditions on surfaces: fluxes, their derivatives, means over a step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from castx.heat.boundaries import SurfaceFlux, flux_law
+from castx.input.variation import Variation
+from castx.tables import Table
+from castx.transfer.radiation import STEFAN_BOLTZMANN
+from tests.castx.heat.heat_cases import (
+    SERIES,
+    advanced,
+    balance_under_law,
+    cylinder,
+    problem_under_law,
+)
+from tests.heat_conditions import surface_heat
+
+
+def test_radiation_to_the_surroundings(comm):
+    """A thin shell that only radiates follows ρcV dT/dt = −εσA (T⁴ − T_a⁴), implicit Euler."""
+    mesh = cylinder(comm)
+    warming = Table.from_points([[0, 30], [100, 400]])
+    radiating = surface_heat("mould/outside", "radiation", emissivity=0.8, ambient=warming)
+    heat = problem_under_law(mesh, {"law": "none"}, surfaces=[radiating])
+    start = heat.totals()["mould.enthalpy"]
+    advanced(heat, mesh, [40.0])
+    outside = heat.temperature["mould"].x.array[mesh.bodies["mould"].surface_nodes("outside")]
+    spread = max(comm.allgather(float(np.abs(outside - outside.mean()).max(initial=0.0))))
+    assert spread < 20.0
+    totals = heat.totals()
+    area = 2 * np.pi * 0.05 * 0.06
+    mean = np.mean(np.concatenate(comm.allgather(outside)))
+    ambient = 30.0 + 0.5 * 148.0  # the mean over the step
+    flux = 0.8 * STEFAN_BOLTZMANN * ((ambient + 273.15) ** 4 - (mean + 273.15) ** 4)
+    assert totals["mould/outside.heat"] == pytest.approx(40.0 * area * flux, rel=0.02)
+    assert totals["mould.enthalpy"] - start == pytest.approx(totals["mould/outside.heat"], rel=1e-7)
+
+
+def test_short_bursts_are_not_missed(comm):
+    """Heat that is on for less than a step: a source, a flux and a coolant, all of it counts."""
+    burst = Table.from_points([[1, 0], [1.1, 5e6], [1.3, 5e6], [1.4, 0]])
+    coolant = Table.from_points([[2, 0], [2.001, 400], [3.001, 400], [3.002, 0]])
+    mesh = cylinder(comm)
+    surfaces = [
+        surface_heat("casting/top", "flux", value=burst),
+        surface_heat("mould/outside", "convection", coefficient=coolant, ambient=50.0),
+    ]
+    heat = problem_under_law(mesh, {"law": "none"}, surfaces=surfaces, source=burst)
+    advanced(heat, mesh, [5.0, 5.0])
+    totals = heat.totals()
+    volume = np.pi * 0.03**2 * 0.06
+    assert totals["casting.source"] == pytest.approx(volume * 5e6 * 0.3, rel=1e-9)
+    assert totals["casting/top.heat"] == pytest.approx(np.pi * 0.03**2 * 5e6 * 0.3, rel=1e-9)
+    cooled = 2 * np.pi * 0.05 * 0.06 * 400.0 * 200.0  # 1 s from 250 to 50 °C
+    assert totals["mould/outside.heat"] == pytest.approx(-cooled, rel=0.1)
+
+
+@pytest.mark.parametrize("of, h", [("film", 57.5), ("surface", 75.0)])
+def test_coefficient_over_film_or_surface_temperature(comm, of, h):
+    mesh = cylinder(comm)
+    table = Table.from_points([[0, 40], [500, 110]])
+    coefficient = Variation(table, "temperature", of)
+    condition = surface_heat("mould/outside", "convection", coefficient=coefficient, ambient=0.0)
+    heat = problem_under_law(mesh, {"law": "none"}, surfaces=[condition])
+    advanced(heat, mesh, [1e-4])
+    area = 2 * np.pi * 0.05 * 0.06
+    assert heat.totals()["mould/outside.power"] == pytest.approx(-area * h * 250.0, rel=1e-4)
+
+
+CONDITIONS = {
+    "flux": {"value": [[0.0, 100.0], [10.0, 300.0]]},
+    "convection": {"coefficient": [[0.0, 50.0], [10.0, 90.0]], "ambient": [[0, 20], [10, 40]]},
+    "radiation": {"emissivity": [[0.0, 0.2], [10.0, 0.6]], "ambient": 500.0},
+}
+
+
+@pytest.mark.serial
+def test_what_is_given_over_time_enters_by_its_mean():
+    """From 2 to 6 s: the means are those at 4 s."""
+    T = np.array([100.0, 900.0])
+    flux, convection, radiation = (law_of(kind)(2.0, 6.0, T)[0] for kind in CONDITIONS)
+    assert flux == pytest.approx([180.0, 180.0])
+    assert convection == pytest.approx(66.0 * (28.0 - T))
+    assert radiation == pytest.approx(0.36 * STEFAN_BOLTZMANN * (773.15**4 - (T + 273.15) ** 4))
+
+
+def law_of(kind, **numbers):
+    return flux_law(surface_heat("mould/outside", kind, **(numbers or CONDITIONS[kind])).condition)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "law",
+    [
+        *(law_of(kind) for kind in CONDITIONS),
+        *(
+            law_of("convection", ambient=50.0, coefficient={
+                "over": "temperature", "table": [[0, 10], [400, 90], [900, 20]], "of": of,
+            })
+            for of in ("film", "surface")
+        ),
+    ],
+)  # fmt: skip
+def test_slopes_of_fluxes_by_differences(law):
+    T, step = np.array([80.0, 300.0, 650.0, 1300.0]), 1e-3
+    rise = (law(2.0, 6.0, T + step)[0] - law(2.0, 6.0, T - step)[0]) / (2 * step)
+    np.testing.assert_allclose(law(2.0, 6.0, T)[1], rise, rtol=1e-6, atol=1e-9)
+
+
+def test_nodes_share_a_surface_by_their_areas(comm):
+    balance = balance_under_law(cylinder(comm, size=8e-3), SERIES)
+    flux = SurfaceFlux(balance.bodies[1], surface_heat("mould/outside", "flux", value=7.0))
+    heat, slope = flux.evaluate(0.0, 1.0)
+    assert comm.allreduce(heat.sum()) == pytest.approx(7.0 * 2 * np.pi * 0.05 * 0.06)
+    assert not slope.any()
+
+
+def test_totals_of_a_surface_towards_a_body_have_a_name_of_their_own():
+    condition = surface_heat("casting/mould", "flux", value=1.0)
+    assert (condition.place, condition.gives_flux) == ("casting/mould", True)
+    bare = replace(condition, bare=True)
+    assert (bare.name, bare.place) == ("casting/mould", "casting/mould.surface")
+    assert surface_heat("casting/top", "temperature", value=20).gives_temperature
