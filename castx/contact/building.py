@@ -13,20 +13,21 @@ from castx.contact.condensed import CondensedContact
 from castx.contact.friction.condensed import CondensedFriction
 from castx.contact.friction.coulomb import SlidingRows
 from castx.contact.friction.penalty import PenaltyFriction
-from castx.contact.kinematics.coordinates import Coordinates
 from castx.contact.kinematics.gaps import Gaps
-from castx.contact.method import ContactSystem
-from castx.contact.methods.description import ContactMethod, UnknownKind
+from castx.contact.kinematics.transform import ConstraintTransform
+from castx.contact.methods.description import ContactMethod, PairLaw, UnknownKind
 from castx.contact.methods.penalty import AUTOMATIC
-from castx.contact.multipliers import MultiplierContact
-from castx.contact.penalty import Multipliers, NoMultipliers, PenaltyContact
-from castx.contact.penalty_stiffness import SofterSide
+from castx.contact.methods.registry import METHODS
+from castx.contact.multipliers import MultiplierContact, MultiplierUnknowns
+from castx.contact.penalty_stiffness import PenaltyStiffness
+from castx.contact.soft import SoftContact
+from castx.contact.system import ContactSystem
 
 
 def contact_system(
     method: ContactMethod,
     contacts: Sequence[Contact],
-    coordinates: Coordinates,
+    transform: ConstraintTransform,
     body_names: Sequence[str],
     gaps: Gaps,
     stiffness: float,
@@ -36,35 +37,60 @@ def contact_system(
     Args:
         method: the method of all of them.
         contacts: the interfaces in the order of the gaps.
-        coordinates: coordinates of the bodies, as the method needs them.
+        transform: change of unknowns of the bodies, as the method needs it.
         body_names: names of the bodies in the order of the layout.
         gaps: the pairs of all interfaces.
         stiffness: G/L of the bodies [Pa/m].
     """
-    sliding = None
+    sliding = []
     if any(c.friction > 0 for c in contacts):
-        sliding = SlidingRows(gaps, [c.friction for c in contacts])
-    if method.unknowns is UnknownKind.GAPS:
-        friction = None
-        if sliding is not None:
-            friction = CondensedFriction(coordinates.layout, gaps, sliding)
-        return CondensedContact(coordinates, gaps, friction)
+        sliding = [SlidingRows(gaps, [c.friction for c in contacts])]
     if method.unknowns is UnknownKind.MULTIPLIERS:
-        return MultiplierContact(coordinates, gaps, stiffness)
-    rows, comm = len(gaps.local), coordinates.layout.comm
-    multipliers: Multipliers = NoMultipliers(rows)
+        unknowns = MultiplierUnknowns(transform, gaps, stiffness)
+        return ContactSystem(MultiplierContact(unknowns, gaps))
+    if method.unknowns is UnknownKind.DISPLACEMENTS:
+        return _soft(method, contacts, transform, body_names, gaps, sliding)
+    friction = [CondensedFriction(transform.layout, gaps, rows) for rows in sliding]
+    return ContactSystem(CondensedContact(transform, gaps), friction)
+
+
+def _soft(
+    method: ContactMethod,
+    contacts: Sequence[Contact],
+    transform: ConstraintTransform,
+    body_names: Sequence[str],
+    gaps: Gaps,
+    sliding: Sequence[SlidingRows],
+) -> ContactSystem:
+    comm = transform.layout.comm
+    multipliers = []
     if method.updates_multipliers:
         chosen = next(c for c in contacts if c.method == method.name)
         every_iteration = chosen.setting("augmentation") == "iteration"
         most = int(chosen.setting("augmentations"))
-        multipliers = AugmentedMultipliers(comm, rows, every_iteration, most)
-    softer = SofterSide(
-        coordinates.layout, body_names, coordinates.dimension, gaps, _given(contacts, gaps)
+        multipliers = [AugmentedMultipliers(comm, gaps, every_iteration, most)]
+    penalty = PenaltyStiffness(
+        transform.layout, body_names, transform.dimension, gaps, _given(contacts, gaps)
     )
-    tractions = None
-    if sliding is not None:
-        tractions = PenaltyFriction(coordinates, body_names, gaps, sliding)
-    return PenaltyContact(coordinates, gaps, softer.evaluate, multipliers, tractions)
+    none = np.zeros(len(gaps.local))
+    pairs = SoftContact(
+        transform, gaps, [_pair_law(method, contact) for contact in contacts],
+        lambda: penalty.springs, multipliers[0].forces if multipliers else lambda: none,
+    )  # fmt: skip
+    friction = [
+        PenaltyFriction(
+            transform, body_names, gaps, rows, pairs.gap_matrix, lambda: penalty.springs
+        )
+        for rows in sliding
+    ]
+    return ContactSystem(pairs, friction, multipliers, penalty)
+
+
+def _pair_law(method: ContactMethod, contact: Contact) -> PairLaw:
+    """Return the law of an interface; rows of tied ones have no force by any law."""
+    make = METHODS[contact.method].pair_law or method.pair_law
+    assert make is not None
+    return make(contact.settings)
 
 
 def _given(contacts: Sequence[Contact], gaps: Gaps) -> FloatArray:

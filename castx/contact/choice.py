@@ -16,8 +16,8 @@ from castx.errors import CaseError
 
 TREATMENTS = {
     UnknownKind.GAPS: Treatment.CONDENSED,
-    UnknownKind.MULTIPLIERS: Treatment.READ,
-    UnknownKind.DISPLACEMENTS: Treatment.READ,
+    UnknownKind.MULTIPLIERS: Treatment.UNCHANGED,
+    UnknownKind.DISPLACEMENTS: Treatment.UNCHANGED,
     UnknownKind.TIED: Treatment.TIED,
 }
 """What the change of unknowns makes of the pairs."""

@@ -8,7 +8,6 @@ with B = -S ∂g/∂u, λ = p_c ≥ 0 and, for a closed pair, B u = S g0; an ope
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 from petsc4py import PETSc
@@ -16,8 +15,10 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
-from castx.contact.kinematics.coordinates import Coordinates
 from castx.contact.kinematics.gaps import Gaps
+from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
+from castx.contact.kinematics.node_rows import owned_nodes
+from castx.contact.kinematics.transform import ConstraintTransform
 from castx.solvers.layout import Layout
 
 AUGMENTATION = 50.0
@@ -30,167 +31,149 @@ class _Part(NamedTuple):
     size_local: int
 
 
-class MultiplierContact:
-    """The unknowns are the coordinates v of the bodies, then a scaled pressure for each pair.
+class MultiplierUnknowns:
+    """The unknowns v of the bodies, then a scaled pressure for each pair.
+
+    Attributes:
+        layout: numbering of all unknowns.
+        bodies: that of v.
+        P: u = P v.
+        B: -S ∂g/∂v in units of `scales`.
+        Bt: its transpose.
+        scales: force per unknown of each pair [N], shape (pairs,).
 
     Args:
-        coordinates: coordinates of all bodies that do not condense the gaps.
+        transform: change of unknowns of all bodies, in which gaps are no unknowns.
         gaps: the pairs of all interfaces.
         stiffness: pressure per length that makes lengths of the multipliers [Pa/m], so that all
             rows are forces.
     """
 
-    follows_set = follows_motion = False
-
-    def __init__(self, coordinates: Coordinates, gaps: Gaps, stiffness: float) -> None:
-        self._gaps, self._bodies = gaps, coordinates.layout
-        self._scales: FloatArray = np.asarray(stiffness * gaps.areas)
-        self._P = coordinates.to_displacements
-        pairs = len(gaps.local)
-        parts = [_Part(coordinates.owned_nodes(b)) for b in range(len(self._bodies.block_sizes))]
-        self.layout = Layout(
-            self._bodies.comm, [*parts, _Part(pairs)], [*self._bodies.block_sizes, 1]
-        )
-        self._size = self._bodies.size_local
-        self._v = self._bodies.create_vector()
-        self._work = self._bodies.create_vector()
-        B = gaps.matrix.matMult(self._P)
-        scale = B.createVecLeft()
-        scale.array[:] = -self._scales
-        B.diagonalScale(scale, None)
+    def __init__(self, transform: ConstraintTransform, gaps: Gaps, stiffness: float) -> None:
+        self._gaps, self.bodies, self.P = gaps, transform.layout, transform.P
+        self.scales: FloatArray = np.asarray(stiffness * gaps.areas)
+        sizes = self.bodies.block_sizes
+        parts = [_Part(owned_nodes(self.bodies, b)) for b in range(len(sizes))]
+        self.layout = Layout(self.bodies.comm, [*parts, _Part(len(gaps.local))], [*sizes, 1])
+        self._v = self.bodies.create_vector()
+        self._work = self.bodies.create_vector()
+        self.B = gaps.matrix.matMult(self.P)
+        scale = self.B.createVecLeft()
+        scale.array[:] = -self.scales
+        self.B.diagonalScale(scale, None)
         scale.destroy()
-        self._B, self._Bt = B, B.copy().transpose()
-        self._pressures = B.createVecLeft()
-        self._C = _zero_diagonal(self._pressures)
+        self.Bt = self.B.copy().transpose()
+        self._pressures = self.B.createVecLeft()
+
+    def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
+        """Set u = P v."""
+        self._v.array[:] = x.array_r[: self.bodies.size_local]
+        self.P.mult(self._v, u)
+
+    def residual(self, x: PETSc.Vec, r: PETSc.Vec) -> FloatArray:
+        """Return Pᵀ(r + Bᵀλ) and -S g, from the residual r of the bodies."""
+        self.P.multTranspose(r, self._work)
+        rows = self._work.array_r.copy()
+        self._pressures.array[:] = x.array_r[self.bodies.size_local :]
+        self.Bt.mult(self._pressures, self._work)
+        rows += self._work.array_r
+        gaps = self.gap_changes(x.array_r) - self.scales * self._gaps.initial
+        return np.concatenate((rows, gaps))
+
+    def gap_changes(self, x: FloatArray) -> FloatArray:
+        """Return B v of owned unknowns x, in the units of `scales`, shape (pairs,)."""
+        self._v.array[:] = x[: self.bodies.size_local]
+        self.B.mult(self._v, self._pressures)
+        return self._pressures.array_r
+
+    def extended(self, v: FloatArray) -> FloatArray:
+        """Return v with zero pressures behind it."""
+        rest = np.zeros((*v.shape[:-1], len(self._gaps.local)))
+        return np.concatenate((v, rest), axis=-1)
+
+    def destroy(self) -> None:
+        """Free matrices and vectors."""
+        for item in (self.B, self.Bt, self._v, self._work, self._pressures):
+            item.destroy()
+
+
+class MultiplierContact:
+    """Open pairs as Dirichlet conditions on their multipliers, λ = 0.
+
+    Attributes:
+        unknowns: those of the bodies and the multipliers.
+
+    Args:
+        unknowns: those of the bodies and the multipliers.
+        gaps: the pairs of all interfaces.
+    """
+
+    follows_set, is_linear = False, True
+
+    def __init__(self, unknowns: MultiplierUnknowns, gaps: Gaps) -> None:
+        self.unknowns, self._gaps = unknowns, gaps
+        self._size = unknowns.bodies.size_local
+        self._C = _zero_diagonal(unknowns.B)
         self._A: PETSc.Mat | None = None
         self._nest: PETSc.Mat | None = None
         self._matrix: PETSc.Mat | None = None
 
-    def prepare(self, A: PETSc.Mat) -> None:
-        """Do nothing: the method has no numbers of its own."""
-
-    def displacements(self, x: PETSc.Vec, u: PETSc.Vec) -> None:
-        """Set the displacements and pressures of all bodies from the unknowns."""
-        self._v.array[:] = x.array_r[: self._size]
-        self._P.mult(self._v, u)
-
-    def residual(self, x: PETSc.Vec, r: PETSc.Vec) -> FloatArray:
-        """Return Pᵀ(r + Bᵀλ) and -S g, from the residual r of the bodies."""
-        self._P.multTranspose(r, self._work)
-        rows = self._work.array_r.copy()
-        self._pressures.array[:] = x.array_r[self._size :]
-        self._Bt.mult(self._pressures, self._work)
-        rows += self._work.array_r
-        self._v.array[:] = x.array_r[: self._size]
-        self._B.mult(self._v, self._pressures)
-        gaps = self._pressures.array_r - self._scales * self._gaps.initial
-        return np.concatenate((rows, gaps))
-
     def update_bodies(self, A: PETSc.Mat) -> None:
         """Take over A as the nest [[PᵀAP, Bᵀ], [B, C]], assembled."""
+        unknowns = self.unknowns
         if self._A is None:
-            self._A = A.ptap(self._P)
-            blocks = [[self._A, self._Bt], [self._B, self._C]]
-            self._nest = PETSc.Mat().createNest(blocks, comm=self._bodies.comm)
+            self._A = A.ptap(unknowns.P)
+            blocks = [[self._A, unknowns.Bt], [unknowns.B, self._C]]
+            self._nest = PETSc.Mat().createNest(blocks, comm=unknowns.layout.comm)
             self._nest.assemble()
             self._matrix = self._nest.convert("aij", PETSc.Mat())
         else:
-            A.ptap(self._P, self._A)
+            A.ptap(unknowns.P, self._A)
             assert self._nest is not None
             self._nest.convert("aij", self._matrix)
 
-    def matrix(self, closed: BoolArray) -> PETSc.Mat:
-        """Return the matrix, whichever pairs are closed: open ones hold their multipliers."""
+    def matrix(self, iterate: PairIterate) -> PETSc.Mat:
+        """Return the matrix, whichever pairs are closed: open ones constrain their multipliers."""
         return self._matrix
 
     def gaps(self, x: PETSc.Vec, u: PETSc.Vec) -> FloatArray:
         """Return the gaps of all pairs [m]."""
         return self._gaps.values(u)
 
-    def trial_forces(
-        self, x: PETSc.Vec, rows: FloatArray, gaps: FloatArray, closed: BoolArray, stiffness: float
-    ) -> FloatArray:
+    def trial_forces(self, iterate: PairIterate) -> FloatArray:
         """Return the multipliers of closed pairs as forces, -stiffness times gap of open ones."""
-        return np.where(closed, x.array_r[self._size :] * self._scales, -stiffness * gaps)
+        carried = iterate.x.array_r[self._size :] * self.unknowns.scales
+        return np.where(iterate.closed, carried, -iterate.stiffness * iterate.gaps)
 
-    def impose(
-        self,
-        x: PETSc.Vec,
-        forces: FloatArray,
-        closed: BoolArray,
-        rows: FloatArray,
-        held: BoolArray,
-        violation: FloatArray,
-    ) -> None:
-        """Mark the multipliers of open pairs, with their values."""
-        open_pairs = self._size + np.flatnonzero(~closed)
-        held[open_pairs] = True
-        violation[open_pairs] = x.array_r[open_pairs]
-
-    def augment(
-        self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
-    ) -> bool:
-        """Return that nothing changed: the multipliers are unknowns."""
-        return False
+    def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
+        """Constrain the multipliers of open pairs at zero."""
+        open_pairs = (self._size + np.flatnonzero(~iterate.closed)).astype(np.int32)
+        rows.constrain(open_pairs, iterate.x.array_r[open_pairs])
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
         """Return the changes of the gaps of closed pairs by motions, shape (motions, closed)."""
         values = np.zeros((len(motions), int(np.count_nonzero(closed))))
         for row in range(len(motions)):
-            self._v.array[:] = motions[row, : self._size]
-            self._B.mult(self._v, self._pressures)
-            values[row] = (self._pressures.array_r / self._scales)[closed]
+            changes = self.unknowns.gap_changes(motions[row]) / self.unknowns.scales
+            values[row] = changes[closed]
         return values
-
-    def to_unknowns(self, coordinates: FloatArray) -> FloatArray:
-        """Return coordinates with zero pressures behind them."""
-        rest = np.zeros((*coordinates.shape[:-1], len(self._gaps.local)))
-        return np.concatenate((coordinates, rest), axis=-1)
 
     def schur_weights(self) -> FloatArray:
         """Return the weights W whose penalty BᵀW⁻¹B is stiff beside the bodies, shape (pairs,)."""
-        return np.asarray(self._scales / AUGMENTATION)
-
-    def state(self, closed: BoolArray) -> BoolArray:
-        """Return nothing: the matrix is one for all sets."""
-        return closed[:0]
-
-    def slide(
-        self, x: PETSc.Vec, rows: FloatArray, forces: FloatArray, closed: BoolArray,
-        stiffness: float, threshold: float, settled: bool,
-    ) -> bool:  # fmt: skip
-        """Return that nothing slips: there is no friction."""
-        return False
-
-    def along_surface(self, x: PETSc.Vec, rows: FloatArray, closed: BoolArray) -> None:
-        """Return nothing: there is no friction."""
-        return None
-
-    def commit(self, x: PETSc.Vec) -> None:
-        """Do nothing: all that lasts is in the unknowns."""
-
-    def rewind(self, x: PETSc.Vec) -> None:
-        """Do nothing, see `commit`."""
-
-    def saved(self) -> dict[str, FloatArray]:
-        """Return nothing, see `commit`."""
-        return {}
-
-    def restore(self, arrays: Mapping[str, FloatArray]) -> None:
-        """Do nothing, see `commit`."""
+        return np.asarray(self.unknowns.scales / AUGMENTATION)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""
-        items = (self._matrix, self._nest, self._A, self._B, self._Bt, self._C, self._v, self._work)
-        for item in (*items, self._pressures):
+        for item in (self._matrix, self._nest, self._A, self._C):
             if item is not None:
                 item.destroy()
+        self.unknowns.destroy()
 
 
-def _zero_diagonal(vector: PETSc.Vec) -> PETSc.Mat:
-    """Return C = 0 with a stored diagonal, on which held multipliers put their identity."""
-    sizes = (vector.getSizes(), vector.getSizes())
-    C = PETSc.Mat().createAIJ(sizes, nnz=1, comm=vector.getComm())
+def _zero_diagonal(rows: PETSc.Mat) -> PETSc.Mat:
+    """Return C = 0 with a stored diagonal, on which constrained multipliers put their identity."""
+    sizes = rows.getSizes()[0]
+    C = PETSc.Mat().createAIJ((sizes, sizes), nnz=1, comm=rows.getComm())
     first, last = C.getOwnershipRange()
     for row in range(first, last):
         C.setValue(row, row, 0.0)

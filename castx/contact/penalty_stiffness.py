@@ -27,8 +27,11 @@ FACTOR = 10.0
 does."""
 
 
-class SofterSide:
+class PenaltyStiffness:
     """Penalties by the softer side, and given ones where there are any.
+
+    Attributes:
+        springs: ε S of all rows as last updated, zero where no pair is free [N/m], shape (rows,).
 
     Args:
         layout: numbering of the displacements of all bodies.
@@ -47,6 +50,7 @@ class SofterSide:
         given: FloatArray,
     ) -> None:
         self._gaps, self._given, self._comm = gaps, given, layout.comm
+        self.springs: FloatArray = np.zeros(len(gaps.free))
         names = list(body_names)
         vector = layout.create_vector()
         self._sides = []
@@ -62,8 +66,12 @@ class SofterSide:
                     self._sides.append((part, entries))
         vector.destroy()
 
-    def evaluate(self, A: PETSc.Mat) -> FloatArray:
-        """Return FACTOR times the stiffness per area of the softer side of each interface."""
+    def update(self, A: PETSc.Mat) -> None:
+        """Evaluate the springs for the present matrix A of the bodies; collective."""
+        self.springs = np.where(self._gaps.free, self.penalties(A) * self._gaps.areas, 0.0)
+
+    def penalties(self, A: PETSc.Mat) -> FloatArray:
+        """Return ε [Pa/m] of all rows: `FACTOR` times the stiffness per area of the softer side."""
         diagonal = A.getDiagonal()
         softest = np.full(len(self._given), np.inf)
         for part, entries in self._sides:

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray
-from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.transform import ConstraintTransform
 from castx.equilibrium.newton import EquilibriumReport, Newton
 from castx.solvers.blocks import FACTORS, Block
 from castx.solvers.layout import Layout
@@ -77,14 +77,14 @@ class BlockIteration:
         self._newton.destroy()
 
 
-def arrow_blocks(bodies: Sequence[Block], coordinates: Coordinates) -> list[Block]:
+def arrow_blocks(bodies: Sequence[Block], transform: ConstraintTransform) -> list[Block]:
     """Return the interiors of the bodies and the nodes of all interfaces as the last block.
 
     Args:
         bodies: the unknowns of each body.
-        coordinates: of all bodies.
+        transform: change of unknowns of all bodies.
     """
-    layout, facing = coordinates.layout, coordinates.facing()
+    layout, facing = transform.layout, transform.facing()
     return [*_interiors(bodies, layout, facing), _interface(layout, facing)]
 
 

@@ -1,34 +1,33 @@
-"""Puts together an equilibrium: coordinates, gaps, contact method, supports and linear solvers."""
+"""Builds an equilibrium: change of unknowns, gaps, contact method, supports, linear solvers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
-
-from petsc4py import PETSc
 
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
-from castx.contact.kinematics.coordinates import Coordinates
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.rigid import RigidBody
 from castx.contact.kinematics.rows import InterfaceRows
-from castx.contact.method import ContactSystem
+from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.methods.registry import METHODS
 from castx.contact.multipliers import MultiplierContact
+from castx.contact.system import ContactSystem
 from castx.domain.measures import nodal_volumes
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.block_iterative import BlockIteration, arrow_blocks
 from castx.equilibrium.equilibrium import Equilibrium, Procedure
-from castx.equilibrium.fallback import MethodsInTurn
-from castx.equilibrium.forces import Balance
+from castx.equilibrium.fallback import FallbackMethods
+from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import InnerSolver
 from castx.equilibrium.newton import PREFIX, Newton
+from castx.equilibrium.supports.acting import Supports
 from castx.equilibrium.supports.in_gates import InGate
 from castx.equilibrium.supports.springs import FIRM, WEAK, FloatingMotions
 from castx.mechanics.assembly import BodyAssembly
@@ -49,6 +48,7 @@ from castx.solvers.blocks import (
 from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
 
+BLOCKS_PREFIX = f"{PREFIX}bodies_"
 LARGEST_DIRECT = {2: 200_000, 3: 12_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 
@@ -73,7 +73,7 @@ class MechanicsSettings:
 
 
 @dataclass(frozen=True)
-class Assembled:
+class DeformableBodies:
     """The deformable bodies, before anything is said about their contact.
 
     Attributes:
@@ -100,21 +100,21 @@ class Assembled:
         return self.assembly.layout
 
     @property
-    def bodies(self) -> Sequence[BodyMechanics]:
+    def parts(self) -> Sequence[BodyMechanics]:
         """The bodies in the order of the layout."""
         return self.assembly.bodies
 
 
 def build_methods(
-    made: Assembled,
+    bodies: DeformableBodies,
     contacts: Sequence[Contact],
     pairs: Sequence[NodePairs],
     settings: MechanicsSettings,
-) -> Equilibrium | MethodsInTurn:
+) -> Equilibrium | FallbackMethods:
     """Return the equilibrium of bodies with contact, by several methods if there are fallbacks.
 
     Args:
-        made: the bodies.
+        bodies: the bodies.
         contacts: interfaces with contact.
         pairs: their node pairs.
         settings: how to solve.
@@ -122,77 +122,94 @@ def build_methods(
     Raises:
         CaseError: contact methods that cannot be combined.
     """
-    first = _build_equilibrium(made, contacts, pairs, settings)
+    first = _build_equilibrium(bodies, contacts, pairs, settings)
     others = [
-        (name, partial(_build_equilibrium, made, found, pairs, settings))
+        (name, partial(_build_equilibrium, bodies, found, pairs, settings))
         for name, found in fallbacks(contacts)
     ]
-    return MethodsInTurn(first, others) if others else first
+    return FallbackMethods(first, others) if others else first
 
 
 def _build_equilibrium(
-    made: Assembled,
+    bodies: DeformableBodies,
     contacts: Sequence[Contact],
     pairs: Sequence[NodePairs],
     settings: MechanicsSettings,
 ) -> Equilibrium:
     method = common_method(contacts)
     rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
-    coordinates = Coordinates(
-        made.layout, made.names, made.bodies[0].dimension, made.fixed, rows,
-        [body.axial for body in made.bodies],
+    transform = ConstraintTransform(
+        bodies.layout, bodies.names, bodies.parts[0].dimension, bodies.fixed, rows,
+        [body.axial for body in bodies.parts],
     )  # fmt: skip
     initial = [p.gap + c.initial_gap(p.points) for c, p in zip(contacts, pairs, strict=True)]
-    gaps = Gaps(made.layout, made.names, coordinates.interfaces, initial, made.rigid)
-    contact = contact_system(method, contacts, coordinates, made.names, gaps, made.stiffness)
-    springs = (WEAK if contacts else FIRM) * made.stiffness / made.length
-    floating = _floating(made, coordinates, contact, springs) if settings.support else None
+    gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, initial, bodies.rigid)
+    contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.stiffness)
+    springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
+    floating = _floating(bodies, transform, contact, springs) if settings.support else None
     gates = [
-        InGate(coordinates, gaps, b, body, settings.in_gate[body.name])
-        for b, body in enumerate(made.bodies)
+        InGate(transform, gaps, b, body, settings.in_gate[body.name])
+        for b, body in enumerate(bodies.parts)
         if body.name in settings.in_gate
     ]
-    balance = Balance(
-        made.assembly, coordinates, gaps, contact, floating, gates, settings.tolerance
+    supports = Supports(transform, bodies.parts, floating, gates, contact.layout.size_local)
+    balance = MomentumBalance(
+        bodies.assembly, transform, gaps, contact, supports, settings.tolerance
     )
-    return Equilibrium(balance, _procedure(made, contacts, coordinates, balance, settings))
+    return Equilibrium(balance, _procedure(bodies, contacts, balance, settings))
 
 
 def _procedure(
-    made: Assembled,
+    bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    coordinates: Coordinates,
-    balance: Balance,
+    balance: MomentumBalance,
     settings: MechanicsSettings,
 ) -> Procedure:
-    prefix, comm, contact = f"{PREFIX}bodies_", made.layout.comm, balance.contact
-    largest = LARGEST_DIRECT[made.bodies[0].mesh.mesh.topology.dim]
-    direct = solves_directly(settings.linear, made.layout.size_global, largest)
+    largest = LARGEST_DIRECT[bodies.parts[0].mesh.mesh.topology.dim]
+    direct = solves_directly(settings.linear, bodies.layout.size_global, largest)
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
-    inner: InnerSolver
     if chosen is not None:
-        bodies = _body_blocks(made, coordinates, FACTORS if direct else MULTIGRID)
-        blocks = bodies
-        if chosen.setting("blocks") == "interface":
-            blocks = arrow_blocks(bodies, coordinates)
-        if chosen.setting("block_solver") == "iteration":
-            solvers = [
-                (_mask(made.layout, block), BlockSolver(comm, f"{prefix}{b}_", block))
-                for b, block in enumerate(blocks)
-            ]
-            newton = Newton(balance, solvers, settings.options, made.counters)
-            return BlockIteration(newton, len(blocks), int(chosen.setting("block_iterations")))
-        inner = BlockSweep(comm, prefix, blocks)
-    elif direct:
-        multipliers = isinstance(contact, MultiplierContact)
-        inner = DirectSolver(comm, prefix, 0 if multipliers else MOST_CHANGED)
-    else:
-        blocks = _body_blocks(made, coordinates, MULTIGRID)
-        if isinstance(contact, MultiplierContact):
-            inner = ArrowSchur(comm, prefix, blocks, contact.schur_weights())
-        else:
-            inner = BlockSweep(comm, prefix, blocks)
-    return Newton(balance, [(None, inner)], settings.options, made.counters)
+        return _by_blocks(bodies, chosen, balance, direct, settings.options)
+    inner = _inner_solver(bodies, balance, direct)
+    return Newton(balance, [(None, inner)], settings.options, bodies.counters)
+
+
+def _inner_solver(
+    bodies: DeformableBodies, balance: MomentumBalance, direct: bool
+) -> InnerSolver:
+    comm, pairs = bodies.layout.comm, balance.contact.pairs
+    if direct:
+        multipliers = isinstance(pairs, MultiplierContact)
+        return DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)
+    blocks = _body_blocks(bodies, balance.transform, MULTIGRID)
+    if isinstance(pairs, MultiplierContact):
+        return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
+    return BlockSweep(comm, BLOCKS_PREFIX, blocks)
+
+
+def _by_blocks(
+    bodies: DeformableBodies,
+    chosen: Contact,
+    balance: MomentumBalance,
+    direct: bool,
+    options: Mapping[str, Any],
+) -> Procedure:
+    """Return the iteration over blocks, or Newton's method with one sweep as preconditioner."""
+    comm = bodies.layout.comm
+    solver_options = FACTORS if direct else MULTIGRID
+    blocks = _body_blocks(bodies, balance.transform, solver_options)
+    if chosen.setting("blocks") == "interface":
+        blocks = arrow_blocks(blocks, balance.transform)
+    if chosen.setting("block_solver") == "preconditioner":
+        sweep = BlockSweep(comm, BLOCKS_PREFIX, blocks)
+        return Newton(balance, [(None, sweep)], options, bodies.counters)
+    solvers = [
+        (_mask(bodies.layout, block), BlockSolver(comm, f"{BLOCKS_PREFIX}{b}_", block))
+        for b, block in enumerate(blocks)
+    ]
+    most = int(chosen.setting("block_iterations"))
+    newton = Newton(balance, solvers, options, bodies.counters)
+    return BlockIteration(newton, len(blocks), most)
 
 
 def _mask(layout: Layout, block: Block) -> BoolArray:
@@ -202,43 +219,42 @@ def _mask(layout: Layout, block: Block) -> BoolArray:
 
 
 def _body_blocks(
-    made: Assembled, coordinates: Coordinates, options: Mapping[str, object]
+    bodies: DeformableBodies, transform: ConstraintTransform, options: Mapping[str, object]
 ) -> list[Block]:
     """Return a block for each body, with the options of its solver."""
-    forward, blocks = coordinates.to_coordinates.mult, []
-    for b, (rows, body) in enumerate(zip(made.layout.index_sets(), made.bodies, strict=True)):
-        own = made.layout.local_slice(b)
-        near_null = near_null_modes(body.unknowns)
-        modes = [_image(made.layout, forward, b, mode)[own] for mode in near_null]
+    blocks = []
+    for b, (rows, body) in enumerate(zip(bodies.layout.index_sets(), bodies.parts, strict=True)):
+        own = bodies.layout.local_slice(b)
+        modes = [
+            transform.unknowns(_extended(bodies.layout, b, mode))[own]
+            for mode in near_null_modes(body.unknowns)
+        ]
         blocks.append(Block(rows, np.array(modes), options))
     return blocks
 
 
 def _floating(
-    made: Assembled, coordinates: Coordinates, contact: ContactSystem, stiffness: float
+    bodies: DeformableBodies,
+    transform: ConstraintTransform,
+    contact: ContactSystem,
+    stiffness: float,
 ) -> FloatingMotions:
-    motions, weights = [], []
-    for b, body in enumerate(made.bodies):
+    motions, weights, layout = [], [], bodies.layout
+    for b, body in enumerate(bodies.parts):
         volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
         for mode in rigid_modes(body.unknowns):
-            motions.append(_image(made.layout, coordinates.to_coordinates.mult, b, mode))
-            transpose = coordinates.to_displacements.multTranspose
-            weights.append(_image(made.layout, transpose, b, volumes * mode))
+            motions.append(transform.unknowns(_extended(layout, b, mode)))
+            weights.append(transform.forces_on_unknowns(_extended(layout, b, volumes * mode)))
     return FloatingMotions(
-        contact.to_unknowns(np.array(motions)),
-        contact.to_unknowns(np.array(weights)),
+        contact.unknowns.extended(np.array(motions)),
+        contact.unknowns.extended(np.array(weights)),
         stiffness,
-        made.layout.comm,
+        layout.comm,
     )
 
 
-def _image(
-    layout: Layout, product: Callable[[PETSc.Vec, PETSc.Vec], None], b: int, values: FloatArray
-) -> FloatArray:
-    x, y = layout.create_vector(), layout.create_vector()
-    x.array[layout.local_slice(b)] = values
-    product(x, y)
-    image = y.array_r.copy()
-    x.destroy()
-    y.destroy()
-    return np.asarray(image)
+def _extended(layout: Layout, b: int, values: FloatArray) -> FloatArray:
+    """Return owned values of one body with zeros for the others."""
+    found = np.zeros(layout.size_local)
+    found[layout.local_slice(b)] = values
+    return found

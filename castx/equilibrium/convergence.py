@@ -1,4 +1,4 @@
-"""When the forces of all bodies balance well enough."""
+"""When the forces of all bodies balance well enough, and where they do so least."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.contact.kinematics.gaps import Gaps
 from castx.mechanics.assembly import BodyAssembly
 from castx.solvers.layout import Layout
+from castx.solvers.worst_place import Part, worst_place
 
 ROUNDING = 2e-14
 """Part of the terms of a row that no iteration takes away from their sum."""
@@ -18,13 +20,14 @@ BODY_SHARE = 1e-4
 """Least part of the largest forces of any body to which those of another are resolved."""
 
 
-class ForceBalance:
-    """Residuals of the bodies against the forces that act in them.
+class ForceConvergence:
+    """Convergence test: the residual of each body relative to its internal forces.
 
     Each body is measured by its own forces: a soft hot casting would have none of its own beside
     those of a stiff mould.
 
     Attributes:
+        tolerance: residual relative to the largest internal, contact or external force.
         weakest: forces in the body with the weakest ones [N].
 
     Args:
@@ -34,7 +37,7 @@ class ForceBalance:
     """
 
     def __init__(self, assembly: BodyAssembly, layout: Layout, tolerance: float) -> None:
-        self._assembly, self._tolerance = assembly, tolerance
+        self._assembly, self.tolerance = assembly, tolerance
         self._parts = [layout.local_slice(k) for k in range(len(layout.block_sizes))]
         self._comm = layout.comm
         self._targets: FloatArray = np.zeros(len(self._parts))
@@ -59,13 +62,13 @@ class ForceBalance:
         # A body set free may end without stress, but with the rounding of what it had.
         self._at_start = size if self._at_start is None else self._at_start
         rounding = ROUNDING * max(size, self._at_start)
-        self._targets = np.maximum(self._tolerance * np.append(forces, rest), rounding)
+        self._targets = np.maximum(self.tolerance * np.append(forces, rest), rounding)
 
     def _norms(self, rows: FloatArray) -> FloatArray:
         squares = np.array([float(rows[part] @ rows[part]) for part in self._parts])
         return np.asarray(np.sqrt(self._comm.allreduce(squares, op=MPI.SUM)))
 
-    def holds(self, residual: PETSc.Vec) -> bool:
+    def is_met(self, residual: PETSc.Vec) -> bool:
         """Return whether the residual of each body is small enough."""
         return bool(np.all(self._norms(residual.array_r) <= self._targets))
 
@@ -73,3 +76,26 @@ class ForceBalance:
     def smallest(self) -> float:
         """Residual that is small enough for every body [N]."""
         return float(self._targets.min())
+
+
+def worst_row(assembly: BodyAssembly, gaps: Gaps, layout: Layout, f: PETSc.Vec) -> str:
+    """Say where a residual is largest, the same text on all ranks; collective.
+
+    Args:
+        assembly: the bodies.
+        gaps: the pairs of all interfaces.
+        layout: of the rows.
+        f: the residual.
+    """
+    parts = []
+    for b, body in enumerate(assembly.bodies):
+        own = f.array_r[layout.local_slice(b)].reshape(-1, body.block_size)
+        points, d = body.mesh.points[: len(own)], body.dimension
+        parts.append(Part(f"body {body.name!r} (forces)", own[:, :d], points))
+        parts.append(Part(f"body {body.name!r} (volumes, axial strain)", own[:, d:], points))
+    rest = f.array_r[assembly.layout.size_local :]
+    for part, interface in zip(gaps.slices, gaps.interfaces, strict=True):
+        if len(rest):
+            points = interface.pairs.points[interface.index]
+            parts.append(Part(f"interface {interface.pairs.name!r}", rest[part], points))
+    return worst_place(layout.comm, parts, "N")

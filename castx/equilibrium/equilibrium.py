@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from castx.arrays import FloatArray
 from castx.contact.kinematics.active_set import ActiveSet
 from castx.contact.kinematics.gaps import Gaps
-from castx.equilibrium.forces import Balance
+from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.newton import EquilibriumReport
 from castx.equilibrium.supports.resultants import Resultant
 
@@ -47,7 +47,7 @@ class Equilibrium:
         procedure: solves it.
     """
 
-    def __init__(self, balance: Balance, procedure: Procedure) -> None:
+    def __init__(self, balance: MomentumBalance, procedure: Procedure) -> None:
         self.balance, self._procedure = balance, procedure
         self.x = balance.contact.layout.create_vector()
         self.committed: FloatArray = self.x.array_r.copy()
@@ -80,18 +80,13 @@ class Equilibrium:
         return self._procedure.solve(self.x)
 
     def adopt(self, other: Equilibrium) -> None:
-        """Take over the committed solution of another contact method for the same bodies."""
-        pairs = ((self.committed, other.committed), (self.balance.anchor, other.balance.anchor))
-        layout, coordinates = self.balance.assembly.layout, self.balance.coordinates
-        u, v = layout.create_vector(), layout.create_vector()
-        for own, given in pairs:
-            v.array[:] = given[: layout.size_local]
-            other.balance.coordinates.to_displacements.mult(v, u)
-            coordinates.to_coordinates.mult(u, v)
+        """Take over the accepted solution of another contact method for the same bodies."""
+        size = self.balance.assembly.layout.size_local
+        origins = self.balance.supports.origin, other.balance.supports.origin
+        for own, given in ((self.committed, other.committed), origins):
+            u = other.balance.transform.displacements(given[:size])
             own[:] = 0.0
-            own[: layout.size_local] = v.array_r
-        u.destroy()
-        v.destroy()
+            own[:size] = self.balance.transform.unknowns(u)
         self.balance.adopt(other.balance)
         self.rewind()
 
@@ -110,14 +105,14 @@ class Equilibrium:
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
-        return self.balance.support_force(self.x)
+        return self.balance.supports.norm(self.x.array_r, self.balance.rows(self.x))
 
     def supports(self) -> dict[str, Resultant]:
         """Return what the supports exert on each body, by its name; collective."""
-        return self.balance.supports(self.x)
+        return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
     def commit(self) -> None:
-        """Make the present solution the one from which the next step starts."""
+        """Accept the present solution as the start of the next step."""
         self.committed = self.x.array_r.copy()
         self.balance.commit(self.x)
         self._procedure.forget()

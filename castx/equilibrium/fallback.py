@@ -1,4 +1,4 @@
-"""Contact methods in turn: when one fails in a step, the next one takes over for this step."""
+"""Fallback methods: when a contact method fails in a step, the next one takes over for it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from castx.arrays import FloatArray
 from castx.contact.kinematics.active_set import ActiveSet
 from castx.contact.kinematics.gaps import Gaps
 from castx.equilibrium.equilibrium import Equilibrium
-from castx.equilibrium.forces import Balance
+from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.newton import EquilibriumReport
 from castx.equilibrium.supports.resultants import Resultant
 from castx.errors import ConvergenceError
@@ -20,7 +20,7 @@ from castx.solvers.diagnosis import MECHANICS
 _log = logging.getLogger(__name__)
 
 
-class MethodsInTurn:
+class FallbackMethods:
     """Equilibria of the same bodies by several contact methods, of which one is at work.
 
     Every step begins with the first method. What has taken over stays until the step is accepted
@@ -35,12 +35,12 @@ class MethodsInTurn:
         self, first: Equilibrium, others: Sequence[tuple[str, Callable[[], Equilibrium]]]
     ) -> None:
         self.first, self._others = first, list(others)
-        self._made: dict[str, Equilibrium] = {}
-        self._turn = 0
+        self._built: dict[str, Equilibrium] = {}
+        self._failed = 0
         self._present = self._shown = first
 
     @property
-    def balance(self) -> Balance:
+    def balance(self) -> MomentumBalance:
         """The nonlinear problem of the method at work."""
         return self._present.balance
 
@@ -74,7 +74,7 @@ class MethodsInTurn:
                 report = self._present.solve(time)
             except ConvergenceError as error:
                 failures.append(str(error))
-                if self._turn == len(self._others):
+                if self._failed == len(self._others):
                     raise ConvergenceError("; then ".join(failures), MECHANICS) from None
                 self._take_over(error)
             else:
@@ -82,19 +82,19 @@ class MethodsInTurn:
                 return report
 
     def _take_over(self, error: ConvergenceError) -> None:
-        name, make = self._others[self._turn]
-        self._turn += 1
+        name, make = self._others[self._failed]
+        self._failed += 1
         _log.warning("contact by %s takes over for this step: %s", name, error)
-        if name not in self._made:
-            self._made[name] = make()
+        if name not in self._built:
+            self._built[name] = make()
         self.first.rewind()
-        self._present = self._made[name]
+        self._present = self._built[name]
         self._present.adopt(self.first)
 
     @property
     def fallbacks(self) -> int:
         """Number of methods that have failed in this step."""
-        return self._turn
+        return self._failed
 
     def pair_values(self) -> tuple[FloatArray, FloatArray]:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
@@ -113,7 +113,7 @@ class MethodsInTurn:
         return self._shown.supports()
 
     def commit(self) -> None:
-        """Make the present solution the one from which the next step starts."""
+        """Accept the present solution as the start of the next step."""
         self._present.commit()
         if self._present is not self.first:
             self.first.adopt(self._present)
@@ -126,9 +126,9 @@ class MethodsInTurn:
         self._shown = self.first
 
     def _start_anew(self) -> None:
-        self._present, self._turn = self.first, 0
+        self._present, self._failed = self.first, 0
 
     def destroy(self) -> None:
         """Free what PETSc holds."""
-        for equilibrium in (self.first, *self._made.values()):
+        for equilibrium in (self.first, *self._built.values()):
             equilibrium.destroy()

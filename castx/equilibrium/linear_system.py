@@ -1,13 +1,14 @@
-"""Linear systems of the mechanics: held unknowns, floating motions, OSGS, direct and multigrid.
+"""Linear systems of the mechanics: constrained unknowns, floating motions, OSGS.
 
-The operator is matrix-free where a matrix would be dense or large: rows of held unknowns are those
-of the identity, OSGS adds its projection, supports their springs. The preconditioner eliminates the
-held unknowns and the floating motions exactly and leaves the assembled rest to an inner solver.
+The operator is matrix-free where a matrix would be dense or large: rows of constrained unknowns are
+those of the identity, OSGS adds its projection, supports their springs. The preconditioner
+eliminates the constrained unknowns and the floating motions exactly and leaves the assembled rest
+to an inner solver.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from mpi4py import MPI
@@ -15,12 +16,10 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray
-from castx.equilibrium.supports.springs import Support
+from castx.arrays import BoolArray
+from castx.equilibrium.supports.springs import SpringSupport
+from castx.mechanics.assembly import Correction
 from castx.solvers.layout import Layout
-
-Correction = Callable[[FloatArray, FloatArray], None]
-"""Adds to its second argument, owned rows, the image of its first."""
 
 OUTDATED, OUTDATED_BY = 1.5, 4
 """Factor and number of iterations by which a set-up may fall behind."""
@@ -32,7 +31,7 @@ class InnerSolver(Protocol):
     Attributes:
         prefix: of its PETSc options.
         defaults: PETSc options without the prefix.
-        most_changed: held unknowns and closed pairs by which a set-up may fall behind.
+        most_changed: constrained unknowns and closed pairs by which a set-up may fall behind.
         is_exact: whether it is worth a new set-up whenever the matrix is a new one.
     """
 
@@ -41,8 +40,8 @@ class InnerSolver(Protocol):
     most_changed: int
     is_exact: bool
 
-    def set_up(self, matrix: PETSc.Mat, held: BoolArray) -> None:
-        """Prepare for a matrix whose held rows and columns are those of a diagonal."""
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+        """Prepare for a matrix whose constrained rows and columns are those of a diagonal."""
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to about the solution for b."""
@@ -56,7 +55,7 @@ class SystemOperator:
 
     Attributes:
         matrix: the assembled part, contact included.
-        held: unknowns whose rows are `stiffness` times those of the identity.
+        constrained: unknowns whose rows are `stiffness` times those of the identity.
         closed: pairs on which the assembled part depends.
         support: springs.
 
@@ -66,21 +65,25 @@ class SystemOperator:
 
     def __init__(self, corrections: Sequence[Correction]) -> None:
         self.matrix: PETSc.Mat | None = None
-        self.held: BoolArray = np.zeros(0, dtype=bool)
+        self.constrained: BoolArray = np.zeros(0, dtype=bool)
         self.closed: BoolArray = np.zeros(0, dtype=bool)
         self.stiffness = 1.0
-        self.support: Support | None = None
+        self.support: SpringSupport | None = None
         self._corrections = corrections
 
-    def hold(
-        self, held: BoolArray, stiffness: float, support: Support | None, closed: BoolArray
+    def constrain(
+        self,
+        constrained: BoolArray,
+        stiffness: float,
+        support: SpringSupport | None,
+        closed: BoolArray,
     ) -> None:
         """Set the unknowns whose rows are `stiffness` times those of the identity, and the rest."""
-        self.held, self.stiffness, self.support = held, stiffness, support
+        self.constrained, self.stiffness, self.support = constrained, stiffness, support
         self.closed = closed
 
     def free_product(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Set y to the product without regard to held unknowns and supports."""
+        """Set y to the product without regard to constrained unknowns and supports."""
         assert self.matrix is not None
         self.matrix.mult(x, y)
         values = y.array
@@ -93,14 +96,14 @@ class SystemOperator:
         values, given = y.array, x.array_r
         if self.support is not None:
             values += self.support.force(given)
-        values[self.held] = self.stiffness * given[self.held]
+        values[self.constrained] = self.stiffness * given[self.constrained]
 
 
 class SystemPreconditioner:
-    """Eliminates held unknowns and floating motions exactly.
+    """Eliminates constrained unknowns and floating motions exactly.
 
-    The inner solver is set up anew only when it has become too far from the matrix: when many more
-    unknowns are held or free, or when the last solve took many more iterations than the first.
+    The inner solver is set up anew only when the matrix has become too different: when many more
+    unknowns are constrained or free, or the last solve took many more iterations than the first.
 
     Args:
         operator: the operator to precondition.
@@ -126,18 +129,18 @@ class SystemPreconditioner:
         assert operator.matrix is not None
         if not self._work:
             self._work = [operator.matrix.createVecRight() for _ in range(3)]
-        held = operator.held.copy()
+        constrained = operator.constrained.copy()
         if operator.support is not None:
-            held[operator.support.pins] = True
-        state = np.concatenate((held, operator.closed))
+            constrained[operator.support.pins] = True
+        state = np.concatenate((constrained, operator.closed))
         if self.is_fresh:
             self._first_iterations = iterations
         self.is_fresh = self._is_outdated(state, iterations)
         if self.is_fresh:
             if self._masked is not None:
                 self._masked.destroy()
-            self._masked = masked(operator.matrix, held)
-            self._inner.set_up(self._masked, held)
+            self._masked = masked(operator.matrix, constrained)
+            self._inner.set_up(self._masked, constrained)
             self._set_up_for = state
 
     def _is_outdated(self, state: BoolArray, iterations: int) -> bool:
@@ -163,20 +166,20 @@ class SystemPreconditioner:
     def apply(self, r: PETSc.Vec, z: PETSc.Vec) -> None:
         """Set z to about the solution of the system for r."""
         operator, (fixed, rest, image) = self._operator, self._work
-        held, support = operator.held, operator.support
-        fixed.array[:] = np.where(held, r.array_r / operator.stiffness, 0.0)
-        rest.array[:] = np.where(held, 0.0, r.array_r)
+        constrained, support = operator.constrained, operator.support
+        fixed.array[:] = np.where(constrained, r.array_r / operator.stiffness, 0.0)
+        rest.array[:] = np.where(constrained, 0.0, r.array_r)
         if fixed.norm(PETSc.NormType.NORM_INFINITY) > 0:
             operator.free_product(fixed, image)
-            rest.array[:] -= np.where(held, 0.0, image.array_r)
+            rest.array[:] -= np.where(constrained, 0.0, image.array_r)
         if support is not None:
             resultants = support.resultants(rest.array_r)
             rest.array[:] -= resultants @ support.weights
-            rest.array[held] = 0.0
+            rest.array[constrained] = 0.0
             rest.array[support.pins] = 0.0
         self._inner.solve(rest, z)
         values = z.array
-        values[held] = fixed.array_r[held]
+        values[constrained] = fixed.array_r[constrained]
         if support is not None:
             values[support.pins] = 0.0
             amplitudes = resultants / support.stiffness - support.amplitudes(values)
@@ -218,18 +221,18 @@ def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
     return matrix
 
 
-def masked(matrix: PETSc.Mat, held: BoolArray) -> PETSc.Mat:
-    """Return a copy in which held rows and columns are those of a diagonal of usual size."""
+def masked(matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
+    """Return a copy in which constrained rows and columns are those of a diagonal of usual size."""
     copy = matrix.copy()
     keep = copy.createVecRight()
-    keep.array[:] = np.where(held, 0.0, 1.0)
+    keep.array[:] = np.where(constrained, 0.0, 1.0)
     diagonal = copy.getDiagonal()
     comm = copy.getComm().tompi4py()
-    sizes = np.abs(diagonal.array_r[~held])
+    sizes = np.abs(diagonal.array_r[~constrained])
     total = comm.allreduce(np.array([sizes.sum(), float(sizes.size)]), op=MPI.SUM)
     copy.diagonalScale(keep, keep)
     mean = total[0] / total[1] if total[1] else 1.0
-    diagonal.array[:] = np.where(held, mean, 0.0)
+    diagonal.array[:] = np.where(constrained, mean, 0.0)
     copy.setDiagonal(diagonal, addv=PETSc.InsertMode.ADD_VALUES)
     keep.destroy()
     diagonal.destroy()

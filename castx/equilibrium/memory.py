@@ -1,11 +1,13 @@
-"""What the equilibrium remembers, as arrays of nodes, cells and pairs.
+"""State of the equilibrium as arrays of nodes, cells and pairs.
 
-Displacements are saved, not the unknowns: which coordinates those are depends on the ranks.
+Displacements are saved, not the unknowns v, which depend on the ranks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+
+import numpy as np
 
 from castx.arrays import FloatArray
 from castx.equilibrium.equilibrium import Equilibrium
@@ -37,34 +39,29 @@ class MechanicalMemory:
     ) -> None:
         self._bodies, self._equilibrium = dict(bodies), equilibrium
         self._balance = equilibrium.balance
-        self._coordinates = self._balance.coordinates
+        self._transform = self._balance.transform
         self._gaps, self._contact = self._balance.gaps, self._balance.contact
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state; collective."""
         parts = {name: saved_parts(body.stateful_parts()) for name, body in self._bodies.items()}
         motion = self._motions(self._equilibrium.committed)
-        anchor = self._motions(self._balance.anchor)
+        origin = self._motions(self._balance.supports.origin)
         return {"time": number(self._balance.committed_time, of_cycle=True)} | joined(
-            {"motion": motion, "anchor": anchor, "bodies": joined(parts), "rows": self._rows()}
+            {"motion": motion, "anchor": origin, "bodies": joined(parts), "rows": self._rows()}
         )
 
     def _motions(self, unknowns: FloatArray) -> dict[str, Saved]:
         """Return the unknowns of the nodes: displacement, scaled pressure, axial strain."""
-        layout = self._coordinates.layout
-        v, u = layout.create_vector(), layout.create_vector()
-        v.array[:] = unknowns[: layout.size_local]
-        self._coordinates.to_displacements.mult(v, u)
-        found = {
+        layout = self._transform.layout
+        u = self._transform.displacements(unknowns[: layout.size_local])
+        return {
             name: Saved(
-                u.array_r[layout.local_slice(b)].reshape(-1, body.block_size).copy(),
+                u[layout.local_slice(b)].reshape(-1, body.block_size).copy(),
                 body.mesh.node_numbering,
             )
             for b, (name, body) in enumerate(self._bodies.items())
         }
-        v.destroy()
-        u.destroy()
-        return found
 
     def _rows(self) -> dict[str, Saved]:
         """Return what belongs to pairs: closed or not, multipliers as far as the method has any."""
@@ -72,7 +69,7 @@ class MechanicalMemory:
             "closed": self._balance.active.committed,
             "at_rest": self._gaps.at_rest,
         }
-        layout = self._coordinates.layout
+        layout = self._transform.layout
         if self._contact.layout.size_global > layout.size_global:
             found["multipliers"] = self._equilibrium.committed[layout.size_local :]
         found |= self._contact.saved()
@@ -92,36 +89,29 @@ class MechanicalMemory:
         self._contact.restore({name: self._of_all(name, rows) for name in self._contact.saved()})
         self._gaps.at_rest[:] = self._of_all("at_rest", rows)
         self._gaps.set_time(self._balance.committed_time)
-        self._restore_unknowns(self._balance.anchor, part_of(arrays, "anchor"))
-        committed, layout = self._equilibrium.committed, self._coordinates.layout
+        self._restore_unknowns(self._balance.supports.origin, part_of(arrays, "anchor"))
+        committed, layout = self._equilibrium.committed, self._transform.layout
         self._restore_unknowns(committed, part_of(arrays, "motion"))
         if self._contact.layout.size_global > layout.size_global:
             committed[layout.size_local :] = self._of_all("multipliers", rows)
 
     def begin_stage(self, renewed: Collection[str]) -> None:
-        """Let new bodies fit to the others, and hold what floats where it is; collective.
+        """Place new bodies against the others, and let springs hold what floats there; collective.
 
         The equilibrium has to be rewound to it.
         """
-        unknowns, layout = self._equilibrium.committed, self._coordinates.layout
-        v, u = layout.create_vector(), layout.create_vector()
-        v.array[:] = unknowns[: layout.size_local]
-        self._coordinates.to_displacements.mult(v, u)
-        self._gaps.fit(u, renewed)
-        self._balance.anchor[: layout.size_local] = unknowns[: layout.size_local]
-        v.destroy()
-        u.destroy()
+        size = self._transform.layout.size_local
+        unknowns = self._equilibrium.committed[:size]
+        self._gaps.place_new_bodies(self._transform.displacements(unknowns), renewed)
+        self._balance.supports.origin[:size] = unknowns
 
     def _restore_unknowns(self, unknowns: FloatArray, motions: Arrays) -> None:
-        layout = self._coordinates.layout
-        u, v = layout.create_vector(), layout.create_vector()
+        layout = self._transform.layout
+        u = np.zeros(layout.size_local)
         for b, name in enumerate(self._bodies):
             part = layout.local_slice(b)
-            u.array[part] = motions[name].ravel()[: part.stop - part.start]
-        self._coordinates.to_coordinates.mult(u, v)
-        unknowns[: layout.size_local] = v.array_r
-        v.destroy()
-        u.destroy()
+            u[part] = motions[name].ravel()[: part.stop - part.start]
+        unknowns[: layout.size_local] = self._transform.unknowns(u)
 
     def _of_all(self, name: str, rows: Arrays) -> Array:
         values: FloatArray = self._gaps.initial.copy()

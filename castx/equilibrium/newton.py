@@ -1,4 +1,4 @@
-"""Newton's method for the balance of forces, with the closed pairs changing between iterations."""
+"""Newton's method for the balance of momentum; pairs close and open between iterations."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray
-from castx.equilibrium.forces import Balance
+from castx.equilibrium.convergence import worst_row
+from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import (
     InnerSolver,
     SelectedPreconditioner,
     SystemPreconditioner,
     operator_matrix,
 )
+from castx.equilibrium.pair_changes import PairChanges
 from castx.errors import ConvergenceError
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import MECHANICS
@@ -74,12 +76,13 @@ class Newton:
 
     def __init__(
         self,
-        balance: Balance,
+        balance: MomentumBalance,
         inner: Sequence[tuple[BoolArray | None, InnerSolver]],
         options: Mapping[str, Any],
         counters: StepCounters,
     ) -> None:
         self.balance, self._counters = balance, counters
+        self._changes = PairChanges(balance)
         layout = balance.contact.layout
         self._free = [free for free, _ in inner]
         self._preconditioner = SelectedPreconditioner(
@@ -146,7 +149,7 @@ class Newton:
         try:
             report = self._solver.solve(x)
         except ConvergenceError as error:
-            why = self._failure or self.balance.worst_place(self._vector)
+            why = self._failure or self._worst_row()
             raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
         finally:
             self._counters.mechanics_iterations += self._solver.snes.getIterationNumber()
@@ -156,14 +159,18 @@ class Newton:
             tuple(self._augmentations), linear_solves=tuple(self._linear_solves),
         )
 
+    def _worst_row(self) -> str:
+        balance = self.balance
+        return worst_row(balance.assembly, balance.gaps, balance.contact.layout, self._vector)
+
     def imbalance(self, x: PETSc.Vec) -> tuple[float, bool]:
         """Return the residual of all unknowns, and whether it is small enough for a set of pairs.
 
         Pairs close and open.
         """
         self.balance.residual(x, self._vector)
-        changed = self.balance.change_set(x, self._vector)
-        return self._vector.norm(), self.balance.holds(self._vector) and not changed
+        changed = self._changes.change_set(x, self._vector)
+        return self._vector.norm(), self.balance.convergence.is_met(self._vector) and not changed
 
     def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
         try:
@@ -177,7 +184,7 @@ class Newton:
         renewed = not self.balance.assembly.is_linear and snes.getIterationNumber() > 0
         self.balance.update_matrix(renewed)
         preconditioner = self._preconditioner.chosen
-        if renewed or self.balance.contact.follows_motion:
+        if renewed or not self.balance.contact.is_linear:
             preconditioner.renew()
         if self._always_fresh:
             preconditioner.discard()
@@ -187,7 +194,7 @@ class Newton:
 
     def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
         """Shorten a step that swings a body through another, or overshoots; say whether it did."""
-        stopped = self.balance.stop_at_contact(x, y)
+        stopped = self._changes.stop_at_contact(x, y)
         if self.balance.assembly.is_linear:
             return stopped
         return shorten_step(self._residual, x, y, snes) or stopped
@@ -195,19 +202,19 @@ class Newton:
     def _converged(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
     ) -> Any:
-        reasons, balance = PETSc.SNES.ConvergedReason, self.balance
+        reasons, limits = PETSc.SNES.ConvergedReason, self.balance.convergence
         if not np.isfinite(norms[2]):
             return reasons.DIVERGED_FNORM_NAN
         x, f = snes.getSolution(), snes.getFunction()[0]
         if iteration > 0:
             self._linear_solves.append(snes.ksp.getIterationNumber())
-        changed = iteration > 0 and balance.change_set(x, f)
+        changed = iteration > 0 and self._changes.change_set(x, f)
         self._residuals.append(f.norm())
-        balanced = balance.holds(f)
-        if iteration > 0 and balance.augment(x, f, balanced and not changed):
+        balanced = limits.is_met(f)
+        if iteration > 0 and self._changes.augment(x, f, balanced and not changed):
             self._augmentations.append(len(self._residuals))
             self._residuals.append(f.norm())
-            balanced = balance.holds(f)
+            balanced = limits.is_met(f)
         if balanced and not changed and iteration > 0:
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
@@ -223,12 +230,12 @@ class Newton:
         Where the next system is another one, what is solved beyond the square of the residual is
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
         """
-        balance = self.balance
+        balance, limits = self.balance, self.balance.convergence
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
-        wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * balance.smallest
+        wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
         share = wanted / norm if norm > 0 else 1e-2
-        if not balance.is_linear and balance.force > 0:
-            share = max(share, min(norm / balance.force, LOOSEST))
+        if not balance.is_linear and limits.weakest > 0:
+            share = max(share, min(norm / limits.weakest, LOOSEST))
         return float(np.clip(share, 1e-12, 1e-2))
 
     def forget(self) -> None:

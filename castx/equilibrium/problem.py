@@ -1,4 +1,4 @@
-"""Puts together the equilibrium of all bodies from descriptions of bodies, supports and contact."""
+"""Builds the equilibrium of all bodies from descriptions of bodies, supports and contact."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.pairing import interface_pairs
-from castx.equilibrium.building import Assembled, MechanicsSettings, build_methods
+from castx.equilibrium.building import DeformableBodies, MechanicsSettings, build_methods
 from castx.equilibrium.memory import MechanicalMemory
 from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
@@ -76,10 +76,10 @@ class MechanicalProblem:
         length = extent(mesh.parent)
         stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
         self._assembly = BodyAssembly(self.layout, parts)
-        made = Assembled(
+        deformable = DeformableBodies(
             names, self._assembly, fixed, self.rigid, length, stiffness, counters or StepCounters()
         )
-        self.equilibrium = build_methods(made, contacts, self.pairs, settings)
+        self.equilibrium = build_methods(deformable, contacts, self.pairs, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 
     @property

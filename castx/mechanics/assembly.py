@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from mpi4py import MPI
@@ -11,11 +11,13 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.equilibrium.linear_system import Correction
 from castx.errors import ConvergenceError
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.formulation import Product
 from castx.solvers.layout import Layout
+
+Correction = Callable[[FloatArray, FloatArray], None]
+"""Adds to its second argument, owned rows, the image of its first."""
 
 
 class BodyAssembly:

@@ -1,7 +1,8 @@
-"""Coulomb friction of node pairs: what its two forms, condensed and by a penalty, share.
+"""Coulomb friction of node pairs: rows and directions, for both its forms.
 
 A closed pair sticks as long as |t| ≤ μ p, t the traction along the surface; one that slips bears
-t = μ p against its motion since the last accepted step (Wriggers 2006, chapter 5).
+t = μ p against its motion since the last accepted step (P. Wriggers, Computational Contact
+Mechanics, 2nd ed. 2006, chapter 5).
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ def unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
     return np.divide(vectors, size, out=otherwise.copy(), where=size > 0)
 
 
-def turned(vectors: FloatArray, before: FloatArray) -> FloatArray:
-    """Return vectors over their lengths, those that have turned back as before."""
+def forward(vectors: FloatArray, before: FloatArray) -> FloatArray:
+    """Return vectors over their lengths, former ones where they vanish or have turned back."""
     found = unit(vectors, before)
     back = np.sum(found * before, axis=1, keepdims=True) < 0.0
     return np.where(back, before, found)
@@ -35,7 +36,7 @@ class SlidingRows:
         rows: numbers of these rows among all, shape (n,).
         coefficient: μ, shape (n,).
         tangents: orthonormal, zero where a motion is not free, shape (n, dimension - 1, dimension).
-        local: local numbers of the motions in the coordinates, -1 where they are none, shape
+        local: local numbers of the motions in v, -1 where they are no unknowns, shape
             (n, dimension - 1).
 
     Args:
@@ -54,9 +55,9 @@ class SlidingRows:
         self.tangents = _of_all(gaps, "tangents")[self.rows]
         self.local = _of_all(gaps, "tangent_local")[self.rows]
 
-    def led(self) -> FloatArray:
+    def primary_motion(self) -> FloatArray:
         """Return how far rigid primary bodies have moved along the tangents [m]."""
-        return np.einsum("nkd,nd->nk", self.tangents, self._gaps.led[self.rows])
+        return np.einsum("nkd,nd->nk", self.tangents, self._gaps.primary_motion[self.rows])
 
     def vectors(self, tractions: FloatArray) -> FloatArray:
         """Return forces along the tangents (n, dimension - 1) as vectors of all rows [N]."""

@@ -1,9 +1,9 @@
 """The primal-dual active set: which pairs are closed (Hintermüller, Ito, Kunisch 2002).
 
-A closed pair that is pulled opens, an open pair that penetrates closes. A set that comes back
-would go round for ever, as happens with pairs of no pressure on a soft liquid; from then on only
-the worst pair changes. If even that brings a set back, the pair chatters: it is frozen for the rest
-of the step in the state in which it violates less.
+A closed pair that is pulled opens, an open pair that penetrates closes. A set that returns would
+cycle for ever, as happens with pairs without pressure on a soft liquid; from then on only the worst
+pair changes. If even then a set returns, the pair chatters: it is frozen for the rest of the step
+in the state in which it violates less.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 
-MOST_FORGOTTEN = 20
-"""Times that what pairs depend on may change before they are kept from going round."""
+MOST_RESTARTS = 20
+"""Times in a solve that cycle detection may restart."""
 
 
 class ActiveSet:
@@ -27,35 +27,35 @@ class ActiveSet:
         closed: closed pairs, shape (pairs,).
         frozen: pairs that do not change until the end of the step, shape (pairs,).
         changes: pairs that have changed since `begin`, on all ranks.
-        cycles: whether a set has come back since `begin`.
+        cycles: whether a set has returned since `begin`.
 
     Args:
         comm: communicator of the pairs.
         initial_gaps: gaps without displacement [m], shape (pairs,).
         free: pairs that carry a constraint, shape (pairs,).
-        keys: one number for each pair by which sets are told apart, shape (pairs,).
+        signatures: one number for each pair by which sets are distinguished, shape (pairs,).
     """
 
     def __init__(
-        self, comm: MPI.Intracomm, initial_gaps: FloatArray, free: BoolArray, keys: FloatArray
+        self, comm: MPI.Intracomm, initial_gaps: FloatArray, free: BoolArray, signatures: FloatArray
     ) -> None:
-        self._comm, self._free, self._keys = comm, free, keys
+        self._comm, self._free, self._signatures = comm, free, signatures
         self.closed: BoolArray = free & (initial_gaps <= 0)
         self._committed = self.closed.copy()
         self.frozen: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
 
     def begin(self) -> None:
-        """Forget the sets seen: a new problem starts from the present one."""
+        """Begin a solve from the present set."""
         self._seen = {self._signature(self.closed)}
         self._left: FloatArray = np.zeros(len(self.closed))
-        self.changes = self._forgotten = 0
+        self.changes = self._restarts = 0
         self.cycles = False
 
-    def forget(self) -> None:
-        """Let sets that were seen come back, a few times: what they depend on has changed."""
-        if self._forgotten < MOST_FORGOTTEN:
-            self._forgotten += 1
+    def restart_cycle_detection(self) -> None:
+        """Let known sets return after the friction state has changed, at most 20 times a solve."""
+        if self._restarts < MOST_RESTARTS:
+            self._restarts += 1
             self._seen = {self._signature(self.closed)}
             self.cycles = False
 
@@ -94,7 +94,7 @@ class ActiveSet:
                 return goes_back
 
     def _is_known(self, wrong: BoolArray) -> bool:
-        """Return whether a change brings a set back."""
+        """Return whether a change leads to a known set."""
         return self.any(wrong) and self._signature(self.closed ^ wrong) in self._seen
 
     def any(self, pairs: BoolArray) -> bool:
@@ -110,8 +110,8 @@ class ActiveSet:
         return chosen
 
     def _signature(self, closed: BoolArray) -> tuple[int, int]:
-        keys = np.round(self._keys[closed] * 2**40).astype(np.int64)
-        both = np.array([len(keys), int(keys.sum())], dtype=np.int64)
+        chosen = np.round(self._signatures[closed] * 2**40).astype(np.int64)
+        both = np.array([len(chosen), int(chosen.sum())], dtype=np.int64)
         total = self._comm.allreduce(both, op=MPI.SUM)
         return int(total[0]), int(total[1])
 
@@ -120,7 +120,7 @@ class ActiveSet:
         return int(self._comm.allreduce(int(np.count_nonzero(self.frozen)), op=MPI.SUM))
 
     def commit(self) -> None:
-        """Make the present set the one to which `rewind` returns."""
+        """Accept the present set as that of the last step."""
         self._committed = self.closed.copy()
         self.frozen[:] = False
 

@@ -1,4 +1,4 @@
-"""Matrices between the displacements of all bodies and the coordinates in which they are read."""
+"""Matrices between the displacements of all bodies and the unknowns of a constraint transform."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from castx.solvers.layout import Layout
 
 
 class BasisMatrices:
-    """R and P of v = R u and u = P v, filled node by node, then by what ties nodes together.
+    """R and P of v = R u and u = P v, filled node by node, then by motions relative to other nodes.
 
     Args:
         layout: numbering of the displacements (and pressures) of all bodies.
@@ -53,7 +53,7 @@ class BasisMatrices:
         return inverse
 
     def tie(self, b: int, nodes: IntArray, slots: IntArray) -> IntArray:
-        """Read a row of nodes relative to the first; return the local numbers that are zero.
+        """Take a row of nodes relative to the first one; return the local numbers that are zero.
 
         Args:
             b: number of the body.
@@ -64,13 +64,13 @@ class BasisMatrices:
         starts = (self._first(b) + nodes * size).astype(np.int32)
         columns = starts[:, None] + np.arange(d, dtype=np.int32)
         own = starts + slots
-        leaders = comm.allgather(
+        firsts = comm.allgather(
             (own[0], columns[0], self._rows[b].rows[nodes[0], slots[0]]) if len(own) else None
         )
-        leader = next((leader for leader in leaders if leader is not None), None)
-        if leader is None:
+        found = next((entry for entry in firsts if entry is not None), None)
+        if found is None:
             return np.zeros(0, dtype=np.int32)
-        first, first_columns, row = leader
+        first, first_columns, row = found
         others = np.flatnonzero(own != first)
         for i in others:
             self._forward.setValues(own[i], first_columns, -row)
@@ -78,7 +78,7 @@ class BasisMatrices:
         return np.asarray(own[others] - self._layout.first, dtype=np.int32)
 
     def tie_component(self, b: int, k: int) -> IntArray:
-        """Read a component of all nodes of a body relative to the first of them.
+        """Take a component of all nodes of a body relative to the first of them.
 
         Returns:
             The local numbers that are zero.
@@ -102,7 +102,7 @@ class BasisMatrices:
         other: int,
         partners: tuple[LongArray, FloatArray],
     ) -> None:
-        """Read rows of nodes of one body relative to points of another.
+        """Take rows of nodes of one body relative to points of another.
 
         Args:
             b: number of the body.

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.arrays import FloatArray, IntArray, LongArray
-from castx.contact.kinematics.coordinates import PairCoordinates
+from castx.contact.kinematics.pair_rows import PairRows
 from castx.contact.kinematics.rigid import RigidBody
 from castx.contact.kinematics.rows import Treatment
 from castx.solvers.layout import Layout
@@ -25,17 +25,18 @@ class Gaps:
     Attributes:
         at_rest: gaps without displacement of any body [m], shape (rows,).
         initial: gaps without displacement of deformable bodies [m], shape (rows,).
-        local: local number of each gap in the coordinates, -1 where none is free, shape (rows,).
+        local: local number of each gap in v, -1 where none is free, shape (rows,).
         tied: rows of tied pairs, which never open, shape (rows,).
         free: rows that may open and close, shape (rows,).
         areas: contact areas [m²], shape (rows,).
         slices: where the rows of each interface are.
-        led: present displacements of rigid primary bodies [m], shape (rows, dimension).
+        primary_motion: present displacements of rigid primary bodies [m], shape (rows,
+            dimension).
 
     Args:
         layout: numbering of the displacements of all bodies.
         body_names: names of the bodies in the order of the layout; others are rigid.
-        interfaces: coordinates of the pairs of each interface.
+        interfaces: rows of the pairs of each interface.
         initial: gaps without displacement of the pairs of each interface [m].
         rigid: rigid bodies by name.
     """
@@ -44,7 +45,7 @@ class Gaps:
         self,
         layout: Layout,
         body_names: Sequence[str],
-        interfaces: Sequence[PairCoordinates],
+        interfaces: Sequence[PairRows],
         initial: Sequence[FloatArray],
         rigid: Mapping[str, RigidBody],
     ) -> None:
@@ -62,7 +63,7 @@ class Gaps:
         ends = np.cumsum([0, *(len(i.local) for i in interfaces)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
         dimension = max((i.normals.shape[1] for i in interfaces), default=0)
-        self.led = np.zeros((len(self.local), dimension))
+        self.primary_motion = np.zeros((len(self.local), dimension))
         self.initial = self.at_rest.copy()
         self.set_time(0.0)
         self.matrix = self._assemble(layout, list(body_names))
@@ -89,23 +90,26 @@ class Gaps:
         return B
 
     def set_time(self, time: float) -> None:
-        """Let rigid bodies take their places at a time [s]."""
+        """Move rigid bodies to their places at a time [s]."""
         self.initial[:] = self.at_rest
         for part, interface in zip(self.slices, self.interfaces, strict=True):
-            led = self._rigid.get(interface.pairs.primary)
-            if led is not None:
-                self.led[part] = led.displacement(time)
-                moved = np.sum(interface.normals * self.led[part], axis=1)
+            rigid = self._rigid.get(interface.pairs.primary)
+            if rigid is not None:
+                self.primary_motion[part] = rigid.displacement(time)
+                moved = np.sum(interface.normals * self.primary_motion[part], axis=1)
                 self.initial[part] = self.at_rest[part] - moved
 
-    def fit(self, u: PETSc.Vec, renewed: Collection[str]) -> None:
-        """Let new bodies lie as they were made against the others where these are now.
+    def place_new_bodies(self, u: FloatArray, renewed: Collection[str]) -> None:
+        """Count the gaps of new bodies from the present places of the others; collective.
 
         Args:
-            u: displacements, none of the new bodies.
+            u: owned displacements of all bodies, none of the new ones.
             renewed: names of the new bodies.
         """
-        self.matrix.mult(u, self._values)
+        displacements = self.matrix.createVecRight()
+        displacements.array[:] = u
+        self.matrix.mult(displacements, self._values)
+        displacements.destroy()
         for part, interface in zip(self.slices, self.interfaces, strict=True):
             if not {interface.pairs.secondary, interface.pairs.primary}.isdisjoint(renewed):
                 self.at_rest[part] -= self._values.array_r[part]
@@ -116,8 +120,8 @@ class Gaps:
         self.matrix.mult(u, self._values)
         return np.asarray(self._values.array_r + self.initial)
 
-    def keys(self) -> FloatArray:
-        """Return a number in (0, 1) for each row that depends on nothing but its place and turn."""
+    def signatures(self) -> FloatArray:
+        """Return a number in (0, 1) for each row that depends on its place and normal alone."""
         place = [i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
                  + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
                  for i in self.interfaces]

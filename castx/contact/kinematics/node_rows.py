@@ -1,4 +1,4 @@
-"""Rows in which the displacement of each node of a body is read."""
+"""Rows in which the displacement of each node of a body is expressed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.solvers.layout import Layout
+
+
+def owned_nodes(layout: Layout, b: int) -> int:
+    """Return the number of nodes of a body that this rank owns."""
+    part = layout.local_slice(b)
+    return (part.stop - part.start) // layout.block_sizes[b]
 
 
 @dataclass

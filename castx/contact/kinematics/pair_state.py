@@ -1,17 +1,17 @@
-"""What the pairs of an interface do once the bodies are in equilibrium."""
+"""State of the pairs of an interface once the bodies are in equilibrium."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
-from castx.contact.kinematics.coordinates import PairCoordinates
+from castx.contact.kinematics.pair_rows import PairRows
 from castx.contact.kinematics.rows import Treatment
 from castx.transfer.pair_state import PairState
 
 
 def contact_state(
-    placed: PairCoordinates,
+    placed: PairRows,
     gap: FloatArray,
     force: FloatArray,
     closed: BoolArray,

@@ -1,4 +1,4 @@
-"""Rigid bodies: out of the equilibrium, at rest or led along a path.
+"""Rigid bodies: not part of the equilibrium, at rest or moved along a path.
 
 Contact with one is a constraint on the other body alone (Chiumenti, end of section 8): in the local
 frame of each node the condensed method needs no coupling, and the contact force is a reaction.
@@ -35,7 +35,7 @@ class RigidBody:
 
 
 def rigid_body(name: str, model: str, conditions: Sequence[SurfaceDisplacement]) -> RigidBody:
-    """Return the body that the displacement conditions on its surfaces lead.
+    """Return the body that moves by the displacement conditions on its surfaces.
 
     Raises:
         CaseError: conditions that a translation cannot follow.

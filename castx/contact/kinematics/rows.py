@@ -1,4 +1,4 @@
-"""Rows in which contact reads node pairs: one for each normal of a pair."""
+"""Rows of node pairs, one for each normal of a pair, and what becomes of them."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class Treatment(Enum):
-    """What the coordinates of the bodies make of the pairs of an interface.
+    """What the change of unknowns makes of the pairs of an interface.
 
-    READ leaves the bodies alone, CONDENSED makes every gap a coordinate, SLIDING the motions along
-    the surface too, TIED makes all relative motions coordinates and holds them.
+    UNCHANGED leaves the unknowns alone, CONDENSED makes every gap an unknown, SLIDING the motions
+    along the surface too, TIED makes all relative motions unknowns and fixes them at zero.
     """
 
-    READ = "read"
+    UNCHANGED = "unchanged"
     CONDENSED = "condensed"
     SLIDING = "sliding"
     TIED = "tied"
@@ -31,18 +31,18 @@ class Treatment(Enum):
 
 @dataclass(frozen=True)
 class InterfaceRows:
-    """The pairs of one interface and what the coordinates make of them.
+    """The pairs of one interface and what the change of unknowns makes of them.
 
     Attributes:
         pairs: the node pairs, one or several at each node.
-        treatment: what the coordinates make of them.
+        treatment: what the change of unknowns makes of them.
     """
 
     pairs: NodePairs
     treatment: Treatment = Treatment.CONDENSED
 
-    def turns(self) -> Iterator[IntArray]:
+    def by_order_at_node(self) -> Iterator[IntArray]:
         """Yield the first pairs of all nodes, then the second ones, and so on."""
-        turn = occurrence(self.pairs.secondary_local)
-        for k in range(int(turn.max(initial=-1)) + 1):
-            yield np.flatnonzero(turn == k).astype(np.int32)
+        order = occurrence(self.pairs.secondary_local)
+        for k in range(int(order.max(initial=-1)) + 1):
+            yield np.flatnonzero(order == k).astype(np.int32)

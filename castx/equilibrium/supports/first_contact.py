@@ -1,4 +1,4 @@
-"""How far a body that only springs hold may move in one Newton step: until it touches.
+"""How far a body held by springs alone may move in one Newton step: until it touches.
 
 Weak springs let a body that has lost its contact swing by metres before they balance its weight.
 Everything on its way would then close at once and be pressed together, which a law that flows
@@ -15,11 +15,12 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
-from castx.contact.method import ContactSystem
-from castx.equilibrium.supports.springs import Support
+from castx.contact.kinematics.iterate import PairIterate
+from castx.contact.system import ContactSystem
+from castx.equilibrium.supports.springs import SpringSupport
 
 
-class Falling:
+class FirstContact:
     """Ends rigid motions at the first contact.
 
     Args:
@@ -31,13 +32,13 @@ class Falling:
         self._contact, self._unknowns = contact, unknowns
 
     def stop(
-        self, support: Support, x: PETSc.Vec, y: PETSc.Vec,
+        self, support: SpringSupport, x: PETSc.Vec, y: PETSc.Vec,
         open_pairs: BoolArray, force: float, stiffness: float,
     ) -> bool:  # fmt: skip
         """Shorten the rigid part of a step to x − y; return whether it has changed; collective.
 
         Args:
-            support: of the motions that nothing else holds.
+            support: springs on the motions that nothing else holds.
             x: unknowns at which the step starts.
             y: the step.
             open_pairs: those that close when they penetrate, shape (pairs,).
@@ -55,8 +56,8 @@ class Falling:
     def _gaps(self, x: PETSc.Vec, step: FloatArray) -> FloatArray:
         place, unknowns = x.duplicate(), self._unknowns.duplicate()
         place.array[:] = x.array_r - step
-        self._contact.displacements(place, unknowns)
-        gaps = self._contact.gaps(place, unknowns)
+        self._contact.unknowns.displacements(place, unknowns)
+        gaps = self._contact.pairs.gaps(place, unknowns)
         for vector in (place, unknowns):
             vector.destroy()
         return gaps
@@ -65,7 +66,9 @@ class Falling:
         """Return the penetrations that give open pairs a force [m]."""
         rows, closed = np.zeros(x.getLocalSize()), np.zeros(pairs, dtype=bool)
         apart, through = (
-            self._contact.trial_forces(x, rows, np.full(pairs, gap), closed, stiffness)
+            self._contact.pairs.trial_forces(
+                PairIterate(x, rows, np.full(pairs, gap), closed, stiffness)
+            )
             for gap in (0.0, -1.0)
         )
         resistance = through - apart

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from mpi4py import MPI
@@ -9,7 +10,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.transform import ConstraintTransform
 from castx.domain.measures import nodal_volumes
 from castx.mechanics.body import BodyMechanics
 
@@ -27,17 +28,17 @@ class Resultant(NamedTuple):
     moment: FloatArray
 
 
-class SupportForces:
-    """Adds up forces on the coordinates of bodies.
+class NodalResultants:
+    """Adds up forces on the unknowns of the bodies.
 
     Args:
-        coordinates: in which the equilibrium is solved.
+        transform: change of unknowns of all bodies.
         bodies: in the order of the layout.
     """
 
-    def __init__(self, coordinates: Coordinates, bodies: list[BodyMechanics]) -> None:
-        self._coordinates, self._bodies = coordinates, bodies
-        self._comm = coordinates.layout.comm
+    def __init__(self, transform: ConstraintTransform, bodies: Sequence[BodyMechanics]) -> None:
+        self._transform, self._bodies = transform, list(bodies)
+        self._comm = transform.layout.comm
         self._arms = [self._arm(body) for body in bodies]
 
     def _arm(self, body: BodyMechanics) -> FloatArray:
@@ -48,25 +49,20 @@ class SupportForces:
         )
         return np.asarray(points - sums[:-1] / sums[-1])
 
-    def resultants(self, forces: FloatArray) -> dict[str, Resultant]:
+    def of(self, forces: FloatArray) -> dict[str, Resultant]:
         """Return the resultants by name of the body; collective.
 
         Args:
-            forces: on the coordinates, conjugate to them, owned part.
+            forces: conjugate to the unknowns v, owned part [N].
         """
-        layout = self._coordinates.layout
-        v, u = layout.create_vector(), layout.create_vector()
-        v.array[:] = forces
-        self._coordinates.to_coordinates.multTranspose(v, u)
+        layout, nodal = self._transform.layout, self._transform.forces_on_nodes(forces)
         found = {}
         for b, body in enumerate(self._bodies):
-            own = u.array_r[layout.local_slice(b)].reshape(-1, body.block_size)
+            own = nodal[layout.local_slice(b)].reshape(-1, body.block_size)
             acting = own[:, : body.dimension]
             force, moment = acting.sum(axis=0), self._moment(body, acting, self._arms[b])
             both = self._comm.allreduce(np.concatenate((force, moment)), op=MPI.SUM)
             found[body.name] = Resultant(both[: len(force)], both[len(force) :])
-        v.destroy()
-        u.destroy()
         return found
 
     def _moment(self, body: BodyMechanics, forces: FloatArray, arms: FloatArray) -> FloatArray:

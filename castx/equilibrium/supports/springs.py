@@ -1,4 +1,4 @@
-"""Weak support of the rigid motions that neither displacement conditions nor closed pairs hold.
+"""Weak support of the rigid motions that neither displacement conditions nor closed pairs fix.
 
 The springs act on these motions only, so that a body which stands on a floor and can slide is held
 sideways and its weight still goes to the floor. In the linear solve they are exact: the resultant
@@ -16,19 +16,19 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
 
-HELD = 1e-8
-"""Sum of squares above which constraint rows hold a motion that moves nodes by about one."""
+CONSTRAINED = 1e-8
+"""Sum of squares above which constraint rows fix a motion that moves nodes by about one."""
 
 TIE = 1e-6
 """Relative difference below which two entries fix a motion equally well."""
 
 WEAK, FIRM = 1e-7, 1.0
-"""Stiffness of the springs per volume, in units of G/L²: where contact may still come to hold a
-body, and where nothing is left for it to fall onto."""
+"""Stiffness of the springs per volume, in units of G/L²: where a body may still come into
+contact, and where nothing is left for it to fall onto."""
 
 
 @dataclass(frozen=True)
-class Support:
+class SpringSupport:
     """Springs on floating motions; all arrays hold the owned part of a vector of unknowns.
 
     Attributes:
@@ -81,30 +81,32 @@ class FloatingMotions:
         self._stiffness = stiffness * volume
         self._weights = weights / volume
 
-    def find(self, held: BoolArray, constraint_values: FloatArray | None = None) -> Support | None:
-        """Return the support of what floats, None if nothing does.
+    def find(
+        self, constrained: BoolArray, constraint_values: FloatArray | None = None
+    ) -> SpringSupport | None:
+        """Return springs on the motions that nothing fixes, None if there are none.
 
         Args:
-            held: owned unknowns that are prescribed.
+            constrained: owned unknowns with a Dirichlet condition.
             constraint_values: values of further constraint rows of this rank for each motion,
                 shape (motions, rows).
         """
-        rows = self.motions[:, held]
+        rows = self.motions[:, constrained]
         if constraint_values is not None:
             rows = np.concatenate((rows, constraint_values), axis=1)
         gram = self._comm.allreduce(rows @ rows.T, op=MPI.SUM)
         values, vectors = np.linalg.eigh(gram)
-        free = vectors[:, values < HELD]
+        free = vectors[:, values < CONSTRAINED]
         if free.shape[1] == 0:
             return None
         motions = free.T @ self.motions
-        motions[:, held] = 0.0
+        motions[:, constrained] = 0.0
         weights = free.T @ self._weights
         inner = self._comm.allreduce(weights @ motions.T, op=MPI.SUM)
         root = np.linalg.inv(np.linalg.cholesky(inner))
         motions, weights = root @ motions, root @ weights
         pins = self._pins(motions)
-        return Support(motions, weights, pins, self._stiffness, self._comm)
+        return SpringSupport(motions, weights, pins, self._stiffness, self._comm)
 
     def _pins(self, motions: FloatArray) -> LongArray:
         """Return owned entries that together fix all motions, by pivoting on the largest.

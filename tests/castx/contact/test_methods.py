@@ -116,15 +116,16 @@ def test_gap_matrix_of_planes(comm):
 
 def test_condensed_matrix_against_dense_products(comm):
     made = ring(comm, "condensed")
-    contact, assembly = made.equilibrium.balance.contact, made.equilibrium.balance.assembly
+    balance = made.equilibrium.balance
+    contact, assembly = balance.contact.pairs, balance.assembly
     assert isinstance(contact, CondensedContact)
-    A, P = assembly.matrix(), contact._P
+    A, P = assembly.matrix(), balance.transform.P
 
     def dense(matrix):
         return np.vstack(comm.allgather(matrix.convert("dense").getDenseArray().copy()))
 
     contact.update_bodies(A)
-    matrix = contact.matrix(made.equilibrium.active.closed)
+    matrix = contact.matrix(balance.present(made.equilibrium.x))
     found, change, original = dense(matrix), dense(P), dense(A)
     expected = change.T @ original @ change
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())

@@ -176,7 +176,7 @@ def test_solver_options_reach_their_solvers(comm):
     equilibrium = problem.mechanics.equilibrium
     assert equilibrium._procedure._solver.snes.getTolerances()[3] == 34
     assert equilibrium._procedure._solver.options["bodies_mat_mumps_icntl_14"] == 35
-    assert equilibrium.balance._forces_in_bodies._tolerance == 1e-7
+    assert equilibrium.balance.convergence.tolerance == 1e-7
 
 
 def test_coupling_numbers_reach_the_coupling(comm):
@@ -190,8 +190,8 @@ def test_support_can_be_switched_off(comm):
     data = changed(base(), "support.mode", "none")
     problems = [coupled_cases.simulation(comm, case).problem for case in (data, base())]
     without, supported = (problem.mechanics.equilibrium for problem in problems)
-    assert without.balance._floating is None
-    assert supported.balance._floating is not None
+    assert without.balance.supports.motions is None
+    assert supported.balance.supports.motions is not None
 
 
 def test_unknown_surface_of_a_file_is_refused(comm, shared_tmp_path):

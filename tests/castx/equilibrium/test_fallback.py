@@ -81,8 +81,8 @@ def test_a_step_fails_when_all_methods_do(comm, monkeypatch):
     before = everywhere(comm, motion(made, "upper"))
     with monkeypatch.context() as patch:
         failing(patch, made.equilibrium.first)
-        made.equilibrium._made["penalty"] = made.equilibrium._others[0][1]()
-        failing(patch, made.equilibrium._made["penalty"])
+        made.equilibrium._built["penalty"] = made.equilibrium._others[0][1]()
+        failing(patch, made.equilibrium._built["penalty"])
         with pytest.raises(ConvergenceError, match="on purpose; then a failure on purpose"):
             made.equilibrium.solve(1.0)
         made.equilibrium.rewind()

@@ -70,7 +70,7 @@ def test_springs_and_held_unknowns_are_eliminated_exactly(comm, method):
     expected = np.linalg.solve(dense_operator(comm, made), everywhere(comm, r.array_r.copy()))
     found = everywhere(comm, z.array_r.copy())
     np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
-    held = everywhere(comm, equilibrium.balance.operator.held)
+    held = everywhere(comm, equilibrium.balance.operator.constrained)
     stiffness = equilibrium.balance.operator.stiffness
     np.testing.assert_allclose(
         found[held], everywhere(comm, r.array_r.copy())[held] / stiffness, rtol=1e-12
@@ -81,7 +81,7 @@ def test_operator_holds_and_supports(comm):
     """Held rows are those of the identity; the springs act on the floating motion alone."""
     made = floating_block(comm)
     A, operator = dense_operator(comm, made), made.equilibrium.balance.operator
-    held = everywhere(comm, operator.held)
+    held = everywhere(comm, operator.constrained)
     identity = operator.stiffness * np.eye(len(A))
     np.testing.assert_array_equal(A[held], identity[held])
     mode = everywhere(comm, operator.support.motions[0].copy())

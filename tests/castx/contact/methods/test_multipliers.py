@@ -13,7 +13,7 @@ pytestmark = pytest.mark.serial
 
 
 def test_the_bodies_are_left_alone():
-    assert Contact("a", "b", METHOD.name).treatment is Treatment.READ
+    assert Contact("a", "b", METHOD.name).treatment is Treatment.UNCHANGED
 
 
 def test_it_has_no_friction():

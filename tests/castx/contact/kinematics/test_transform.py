@@ -1,4 +1,4 @@
-"""Coordinates in which constraints fix single numbers: R and P against an independent path."""
+"""Change of unknowns in which constraints fix single numbers: R and P on an independent path."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.contact.kinematics.coordinates import Coordinates
+from castx.contact.kinematics.node_rows import owned_nodes
 from castx.contact.kinematics.rows import InterfaceRows, Treatment
+from castx.contact.kinematics.transform import ConstraintTransform
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.errors import CaseError
@@ -36,16 +37,16 @@ FREE = {"casting": (), "mould": ()}
 
 
 class Made(NamedTuple):
-    """Coordinates with what they were made from."""
+    """A change of unknowns with what it was made from."""
 
     mesh: CastingMesh
     layout: Layout
     fixed: list
     pairs: list
-    coordinates: Coordinates
+    transform: ConstraintTransform
 
 
-def coordinates(mesh, conditions, contacts, condensed=True, block_sizes=None) -> Made:
+def transformed(mesh, conditions, contacts, condensed=True, block_sizes=None) -> Made:
     names = list(mesh.bodies)
     dimension = 3 if mesh.model == "3d" else 2
     sizes = block_sizes or [dimension + 1 - b % 2 for b in range(len(names))]
@@ -56,9 +57,9 @@ def coordinates(mesh, conditions, contacts, condensed=True, block_sizes=None) ->
         fixed_directions(mesh.bodies[n], mesh.model, conditions.get(n, ())) for n in names
     ]
     pairs = [node_pairs(mesh, *contact) for contact in contacts]
-    treatment = Treatment.CONDENSED if condensed else Treatment.READ
+    treatment = Treatment.CONDENSED if condensed else Treatment.UNCHANGED
     rows = [InterfaceRows(p, treatment) for p in pairs]
-    made = Coordinates(layout, names, dimension, directions, rows)
+    made = ConstraintTransform(layout, names, dimension, directions, rows)
     return Made(mesh, layout, directions, pairs, made)
 
 
@@ -113,12 +114,12 @@ UNIFORM = (SurfaceDisplacement("top", "normal", None),)
 def made(request, comm, shared_tmp_path) -> Made:
     if request.param == "corner":
         held = {"floor": [fixed("bottom", "all")], "wall": [fixed("far", "x")], "casting": UNIFORM}
-        return coordinates(corner(comm, shared_tmp_path), held, CORNER_CONTACTS)
+        return transformed(corner(comm, shared_tmp_path), held, CORNER_CONTACTS)
     mesh = cup(comm, "axisymmetric" if request.param == "axisymmetric" else "3d")
     held = {"mould": [fixed("base")], "casting": UNIFORM}
     if request.param == "tilted ties":
         held["mould"] = [fixed("base"), SurfaceDisplacement("outside", "normal", None)]
-    return coordinates(mesh, held, [NAMES])
+    return transformed(mesh, held, [NAMES])
 
 
 def product_with_vector(matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
@@ -144,20 +145,20 @@ def body_values(made: Made, b: int, values: np.ndarray) -> np.ndarray:
 
 
 def test_transformations_are_inverse(made):
-    both = made.coordinates.to_coordinates.matMult(made.coordinates.to_displacements)
+    both = made.transform.R.matMult(made.transform.P)
     both.shift(-1.0)
     assert both.norm(PETSc.NormType.NORM_INFINITY) < 1e-12
-    other = made.coordinates.to_displacements.matMult(made.coordinates.to_coordinates)
+    other = made.transform.P.matMult(made.transform.R)
     other.shift(-1.0)
     assert other.norm(PETSc.NormType.NORM_INFINITY) < 1e-12
 
 
 def test_free_pairs_have_their_gap_as_coordinate(made, comm):
     u = random_displacement(made.layout)
-    v = product_with_vector(made.coordinates.to_coordinates, u)
+    v = product_with_vector(made.transform.R, u)
     names = list(made.mesh.bodies)
     count = 0
-    for interface in made.coordinates.interfaces:
+    for interface in made.transform.interfaces:
         pairs, free = interface.pairs, interface.free
         secondary = body_values(made, names.index(pairs.secondary), u)[pairs.secondary_nodes]
         primary = body_values(made, names.index(pairs.primary), u)[pairs.primary_nodes]
@@ -169,10 +170,10 @@ def test_free_pairs_have_their_gap_as_coordinate(made, comm):
 
 def test_prescribed_entries_alone_decide_the_conditions(made, comm):
     v = random_displacement(made.layout)
-    held = np.concatenate([p.local for p in made.coordinates.prescribed])
+    held = np.concatenate([p.local for p in made.transform.prescribed])
     assert len(np.unique(held)) == len(held)
     v[held] = 0.0
-    u = product_with_vector(made.coordinates.to_displacements, v)
+    u = product_with_vector(made.transform.P, v)
     for b, conditions in enumerate(made.fixed):
         size = made.layout.block_sizes[b]
         own = u[made.layout.local_slice(b)].reshape(-1, size)
@@ -188,7 +189,7 @@ def test_prescribed_entries_alone_decide_the_conditions(made, comm):
 
 def test_pressures_are_untouched(made):
     u = random_displacement(made.layout)
-    v = product_with_vector(made.coordinates.to_coordinates, u)
+    v = product_with_vector(made.transform.R, u)
     dimension = 3 if made.mesh.model == "3d" else 2
     for b, size in enumerate(made.layout.block_sizes):
         part = made.layout.local_slice(b)
@@ -198,14 +199,14 @@ def test_pressures_are_untouched(made):
 
 def test_tied_nodes_move_equally_and_share_one_free_number(comm):
     mesh = cup(comm, "3d")
-    made = coordinates(mesh, {"casting": UNIFORM}, [])
-    layout, tie = made.layout, made.coordinates.prescribed[-1]
+    made = transformed(mesh, {"casting": UNIFORM}, [])
+    layout, tie = made.layout, made.transform.prescribed[-1]
     v = random_displacement(layout)
-    for prescribed in made.coordinates.prescribed:
+    for prescribed in made.transform.prescribed:
         v[prescribed.local] = 0.0
-    u = product_with_vector(made.coordinates.to_displacements, v)
+    u = product_with_vector(made.transform.P, v)
     nodes = mesh.bodies["casting"].surface_nodes("top")
-    nodes = nodes[nodes < made.coordinates.owned_nodes(0)]
+    nodes = nodes[nodes < owned_nodes(layout, 0)]
     lifted = everywhere(comm, u[layout.local_slice(0)].reshape(-1, layout.block_sizes[0])[nodes, 2])
     assert len(lifted) > 3
     assert np.ptp(lifted) < 1e-14
@@ -216,19 +217,19 @@ def test_tied_nodes_move_equally_and_share_one_free_number(comm):
 def test_several_constraints_at_one_node(comm, shared_tmp_path):
     """The corner node of the casting has two gaps; the wall's under it hangs on the floor too."""
     mesh = corner(comm, shared_tmp_path)
-    made = coordinates(mesh, {}, CORNER_CONTACTS)
+    made = transformed(mesh, {}, CORNER_CONTACTS)
     by_interface = []
-    for interface in made.coordinates.interfaces:
+    for interface in made.transform.interfaces:
         here = np.linalg.norm(interface.pairs.points, axis=1) < 1e-9
         by_interface.append(everywhere(comm, interface.local[here]))
         assert np.all(interface.free)
     assert [len(local) for local in by_interface] == [1, 1, 1]
     assert by_interface[0][0] != by_interface[1][0]
     v = made.layout.create_vector()
-    for interface in made.coordinates.interfaces:
+    for interface in made.transform.interfaces:
         v.array[interface.local] = 1.0
-    u = product_with_vector(made.coordinates.to_displacements, v.array_r)
-    for interface in made.coordinates.interfaces:
+    u = product_with_vector(made.transform.P, v.array_r)
+    for interface in made.transform.interfaces:
         pairs = interface.pairs
         names = list(mesh.bodies)
         moved = body_values(made, names.index(pairs.secondary), u)[pairs.secondary_nodes]
@@ -239,8 +240,8 @@ def test_several_constraints_at_one_node(comm, shared_tmp_path):
 def test_a_pair_that_both_sides_hold_carries_no_constraint(comm, shared_tmp_path):
     mesh = corner(comm, shared_tmp_path)
     held = {"casting": [fixed("top", "x")], "wall": [fixed("cap", "x")]}
-    made = coordinates(mesh, held, CORNER_CONTACTS)
-    wall = made.coordinates.interfaces[0]
+    made = transformed(mesh, held, CORNER_CONTACTS)
+    wall = made.transform.interfaces[0]
     top = np.abs(wall.pairs.points[:, 1] - 1) < 1e-9
     assert comm.allreduce(int(top.sum())) == 1
     assert not np.any(wall.free[top])
@@ -252,14 +253,14 @@ def test_refuses_a_pair_that_only_the_primary_could_open(comm, shared_tmp_path, 
     mesh = corner(comm, shared_tmp_path)
     held = {"casting": [fixed("top", "x")], "wall": [fixed("far", "x")]}
     with pytest.raises(CaseError, match=r"'casting' hold its node at \(0, 1\) m .* with 'wall'"):
-        coordinates(mesh, held, CORNER_CONTACTS, condensed)
-    coordinates(mesh, held, [("wall", "casting"), *CORNER_CONTACTS[1:]], condensed)
+        transformed(mesh, held, CORNER_CONTACTS, condensed)
+    transformed(mesh, held, [("wall", "casting"), *CORNER_CONTACTS[1:]], condensed)
 
 
 def test_normals_lie_in_symmetry_planes_and_areas_are_projected(comm):
     mesh = cup(comm, "3d")
-    made = coordinates(mesh, {}, [NAMES])
-    interface = made.coordinates.interfaces[0]
+    made = transformed(mesh, {}, [NAMES])
+    interface = made.transform.interfaces[0]
     vectors = interface.pairs.area_vectors
     for axis in range(2):
         there = np.abs(interface.pairs.points[:, axis]) < 1e-9
@@ -279,15 +280,15 @@ def test_normals_lie_in_symmetry_planes_and_areas_are_projected(comm):
 
 def test_other_supports_leave_the_normal(comm):
     mesh = cup(comm, "3d", sector="full")
-    made = coordinates(mesh, {"casting": [fixed("top")]}, [NAMES])
-    interface = made.coordinates.interfaces[0]
+    made = transformed(mesh, {"casting": [fixed("top")]}, [NAMES])
+    interface = made.transform.interfaces[0]
     np.testing.assert_array_equal(interface.normals, interface.pairs.normals)
 
 
 def test_refuses_a_uniform_surface_that_is_held(comm):
     held = {"casting": [fixed("top", "z"), *UNIFORM]}
     with pytest.raises(CaseError, match="casting/top normal is uniform, but another condition"):
-        coordinates(cup(comm), held, [])
+        transformed(cup(comm), held, [])
 
 
 def shrunk_on(comm, sector: str, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

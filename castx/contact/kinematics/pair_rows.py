@@ -1,0 +1,59 @@
+"""Rows of the pairs of an interface, and rows that a condition prescribes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.contact.kinematics.rows import Treatment
+from castx.domain.pairs.node_pairs import NodePairs
+from castx.stateful import Numbering, numbered_at_nodes
+from castx.tables import Table
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """Owned entries of v that a condition prescribes, with their displacement over time [m]."""
+
+    local: IntArray
+    value: Table
+
+
+@dataclass(frozen=True)
+class PairRows:
+    """Where the rows of the pairs of one interface stand among the unknowns.
+
+    Attributes:
+        pairs: the node pairs.
+        index: number of the pair of each row, shape (rows,).
+        normals: normals that respect the symmetry planes, shape (rows, dimension).
+        areas: contact areas [m²] that turn forces into pressures, shape (rows,).
+        local: local number in v of each row's gap, shape (rows,); -1 where no normal motion is
+            free.
+        treatment: what the change of unknowns makes of the rows.
+        tangents: orthonormal directions along the surface that are free, zero where there are
+            fewer, shape (rows, dimension - 1, dimension); of tied pairs none.
+        tangent_local: local number in v of the motion along each, -1 where it is no unknown,
+            shape (rows, dimension - 1).
+    """
+
+    pairs: NodePairs
+    index: IntArray
+    normals: FloatArray
+    areas: FloatArray
+    local: IntArray
+    treatment: Treatment
+    tangents: FloatArray
+    tangent_local: IntArray
+
+    @property
+    def numbering(self) -> Numbering:
+        """The rows by the numbers of their secondary nodes and their order at each node."""
+        nodes = self.pairs.original_nodes[self.index]
+        bodies = (self.pairs.secondary, self.pairs.primary)
+        return numbered_at_nodes(f"rows of {self.pairs.name}", nodes, bodies)
+
+    @property
+    def free(self) -> BoolArray:
+        """Which rows carry a constraint."""
+        return self.local >= 0

@@ -1,0 +1,80 @@
+"""Changes of the pairs between Newton iterations: closing, slipping, better multipliers."""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+from castx.equilibrium.forces import MomentumBalance
+from castx.equilibrium.supports.first_contact import FirstContact
+
+NOISE_SHARE, NOISE_FACTOR = 1e-2, 100.0
+"""Forces that are too small to open or close a pair: at most a part of what balances, and no more
+than a multiple of the residual, so that exact solutions see the weight of a body beside far larger
+thermal forces."""
+
+SETTLED = 1e-3
+"""Residual beside the forces in a body from which on pairs may begin to slip or to stick."""
+
+
+class PairChanges:
+    """Changes the state of pairs and supports at an iterate.
+
+    Args:
+        balance: the nonlinear problem.
+    """
+
+    def __init__(self, balance: MomentumBalance) -> None:
+        self._balance = balance
+        self._first_contact = FirstContact(balance.contact, balance.assembly.unknowns)
+
+    def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
+        """Close and open pairs and gates at the present iterate; return whether any did.
+
+        Args:
+            x: the iterate.
+            f: its residual, filled anew if it has changed.
+        """
+        balance, active, limits = self._balance, self._balance.active, self._balance.convergence
+        improved = balance.assembly.improve_pressures()
+        if improved or not balance.is_evaluated_at(x):
+            balance.residual(x, f)
+        noise = min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * f.norm())
+        settled = f.norm() <= SETTLED * max(limits.weakest, limits.smallest)
+        changed = active.update(balance.trial_forces, noise)
+        if balance.contact.slide(balance.present(x), balance.trial_forces, noise, settled):
+            changed = True
+            active.restart_cycle_detection()
+        gripped = balance.supports.change(active.closed, not changed)
+        if not changed and not gripped:
+            return False
+        balance.sum_up_again(x, f)
+        return True
+
+    def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
+        """End the rigid motion of a body on springs, in a step to x − y, where it touches.
+
+        Returns:
+            Whether y has changed.
+        """
+        balance, active = self._balance, self._balance.active
+        springs = balance.operator.support
+        if springs is None:
+            return False
+        open_pairs = balance.gaps.free & ~active.closed & ~active.frozen
+        force = 2 * NOISE_SHARE * balance.convergence.smallest
+        return self._first_contact.stop(springs, x, y, open_pairs, force, balance.stiffness)
+
+    def augment(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
+        """Improve the multipliers of the method, if it has any; return whether they changed.
+
+        Args:
+            x: the iterate.
+            f: its residual, filled anew if it has changed.
+            balanced: whether it is small enough.
+        """
+        balance, enough = self._balance, self._balance.convergence.smallest
+        closed = balance.active.closed
+        if not balance.contact.augment(balance.trial_forces, closed, balanced, enough):
+            return False
+        balance.sum_up_again(x, f)
+        return True
