@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
-from castx.meshes.linear_mesh import SIMPLICES, IntArray, LinearMesh, checked_cells, mirrored
-from castx.meshes.model import everything_else, fill_model, plane
+from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.meshes.grading import Sizing, graded, require_positive, uniform
+from castx.meshes.linear_mesh import SIMPLICES, LinearMesh, checked_cells, mirrored
+from castx.meshes.model import Surface, everything_else, fill_model, plane
 from castx.meshes.structured import grid, swept
 
 
@@ -149,7 +150,7 @@ def _check_blocks(upper: Sequence[float], base: Sequence[float], dim: int) -> No
             )
 
 
-def _block(under: np.ndarray, above: np.ndarray) -> IntArray:
+def _block(under: BoolArray, above: BoolArray) -> LongArray:
     return np.where(above, np.where(under, 0, -1), 1)
 
 
@@ -179,7 +180,7 @@ def _bars(x: FloatArray, width: float, depth: float | None, size: float, cells: 
     return swept(mesh, uniform(depth, size, even), lambda regions, z: regions)
 
 
-def _sides(width: float, depth: float | None, tolerance: float) -> list:
+def _sides(width: float, depth: float | None, tolerance: float) -> list[Surface]:
     sides = [plane("bottom", 1, 0.0, tolerance), plane("top", 1, width, tolerance)]
     if depth is not None:
         sides += [plane("back", 2, 0.0, tolerance), plane("front", 2, depth, tolerance)]

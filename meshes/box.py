@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from castx.meshes.grading import FloatArray, Sizing, graded, require_positive
-from castx.meshes.linear_mesh import SIMPLICES, IntArray, checked_cells, mirrored
+from castx.arrays import FloatArray, LongArray
+from castx.meshes.grading import Sizing, graded, require_positive
+from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
 from castx.meshes.model import everything_else, fill_model, plane
 from castx.meshes.structured import grid, swept
 
@@ -101,6 +102,6 @@ def _line(positions: FloatArray, value: float) -> int:
     return int(np.abs(positions - value).argmin())
 
 
-def _body(middle: FloatArray, half: float, height: float) -> IntArray:
+def _body(middle: FloatArray, half: float, height: float) -> LongArray:
     outside = (middle[:, 0] > half) | (middle[:, 1] < 0) | (middle[:, 1] > height)
     return np.where(outside, MOULD, CASTING)

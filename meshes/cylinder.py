@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from castx.meshes.grading import FloatArray, Sizing, graded, require_positive, uniform
-from castx.meshes.linear_mesh import SIMPLICES, IntArray, checked_cells
+from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.meshes.grading import Sizing, graded, require_positive, uniform
+from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import fill_model, plane, round_surface
 from castx.meshes.round_section import disc
 from castx.meshes.structured import grid, swept
@@ -79,5 +80,5 @@ def _levels(height: float, floor: float, sizing: Sizing) -> FloatArray:
     return np.concatenate([-graded(floor, sizing)[:0:-1], graded(height, sizing)])
 
 
-def _body(in_wall: np.ndarray, in_floor: np.ndarray) -> IntArray:
+def _body(in_wall: BoolArray, in_floor: BoolArray) -> LongArray:
     return np.where(in_wall | in_floor, MOULD, CASTING)

@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from castx.arrays import FloatArray, LongArray
 
 SIMPLICES, QUADRILATERALS = "simplices", "quadrilaterals"
 """Cells of a generator: triangles and tetrahedra, or quadrilaterals and hexahedra."""
@@ -56,9 +54,9 @@ class LinearMesh:
     """
 
     points: FloatArray
-    cells: IntArray
-    regions: IntArray
-    order: IntArray
+    cells: LongArray
+    regions: LongArray
+    order: LongArray
 
     @property
     def dimension(self) -> int:
@@ -86,13 +84,13 @@ def compacted(mesh: LinearMesh) -> LinearMesh:
     )
 
 
-def handedness(points: FloatArray, cells: IntArray) -> FloatArray:
+def handedness(points: FloatArray, cells: LongArray) -> FloatArray:
     """Return the determinants of the edges at corner 0, positive in proper cells [m², m³]."""
     along = KINDS[points.shape[1], cells.shape[1]].along
     return np.linalg.det(points[cells[:, along]] - points[cells[:, :1]])
 
 
-def oriented(points: FloatArray, cells: IntArray) -> IntArray:
+def oriented(points: FloatArray, cells: LongArray) -> LongArray:
     """Return the same cells, positively oriented."""
     kind = KINDS[points.shape[1], cells.shape[1]]
     negative = handedness(points, cells) < 0
@@ -121,7 +119,7 @@ def mirrored(mesh: LinearMesh, axis: int) -> LinearMesh:
     )
 
 
-def free_faces(mesh: LinearMesh) -> IntArray:
+def free_faces(mesh: LinearMesh) -> LongArray:
     """Return the faces of one cell only, (faces, nodes)."""
     faces = np.concatenate([mesh.cells[:, corners] for corners in mesh.kind.faces])
     _, first, count = np.unique(

@@ -5,9 +5,10 @@ from collections.abc import Callable, Sequence
 import gmsh
 import numpy as np
 
-from castx.meshes.linear_mesh import KINDS, FloatArray, IntArray, LinearMesh, free_faces
+from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.meshes.linear_mesh import KINDS, LinearMesh, free_faces
 
-Surface = tuple[str, Callable[[FloatArray], np.ndarray]]
+Surface = tuple[str, Callable[[FloatArray], BoolArray]]
 
 LINE = 1
 """gmsh's number of the linear line."""
@@ -62,7 +63,7 @@ def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surfa
     gmsh.model.mesh.reclassifyNodes()
 
 
-def _add_group(dim: int, tag: int, name: str, cells: IntArray, points: FloatArray | None) -> None:
+def _add_group(dim: int, tag: int, name: str, cells: LongArray, points: FloatArray | None) -> None:
     gmsh.model.addDiscreteEntity(dim, tag)
     if points is not None:
         coordinates = np.zeros((len(points), 3))
@@ -73,10 +74,10 @@ def _add_group(dim: int, tag: int, name: str, cells: IntArray, points: FloatArra
     gmsh.model.addPhysicalGroup(dim, [tag], tag, name=name)
 
 
-def _named_faces(mesh: LinearMesh, surfaces: Sequence[Surface]) -> dict[str, IntArray]:
+def _named_faces(mesh: LinearMesh, surfaces: Sequence[Surface]) -> dict[str, LongArray]:
     faces = free_faces(mesh)
     left = np.ones(len(faces), dtype=bool)
-    named: dict[str, IntArray] = {}
+    named: dict[str, LongArray] = {}
     for name, holds in surfaces:
         taken = left & holds(mesh.points)[faces].all(axis=1)
         left &= ~taken

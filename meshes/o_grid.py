@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from castx.arrays import FloatArray, LongArray
 from castx.meshes.grading import Sizing, graded
-from castx.meshes.linear_mesh import FloatArray, IntArray, LinearMesh
+from castx.meshes.linear_mesh import LinearMesh
 
 Radii = tuple[float, float, float]
 
@@ -39,7 +40,7 @@ def quarter_o_grid(radii: Radii, sizing: Sizing) -> LinearMesh:
     outer_ring = outwards[1:, None, None] * circle
     points = np.concatenate([inner_ring, outer_ring]).reshape(-1, 2)
     cells = _between(len(inwards) + len(outwards) - 1, len(circle))
-    regions: IntArray = np.zeros(len(cells), dtype=np.int64)
+    regions: LongArray = np.zeros(len(cells), dtype=np.int64)
     regions[(len(inwards) - 1) * 2 * count :] = 1
     if bore == 0:
         inside, core = _core(CORE * interface, count, len(points))
@@ -64,14 +65,14 @@ def _core_rim(width: float, count: int) -> FloatArray:
     return np.concatenate([half, corner, half[::-1, ::-1]])
 
 
-def _between(curves: int, nodes: int) -> IntArray:
+def _between(curves: int, nodes: int) -> LongArray:
     """Return quadrilaterals between neighbouring curves, from the inner to the outer ones."""
     curve, k = np.indices((curves - 1, nodes - 1)).reshape(2, -1)
     first = curve * nodes + k
     return np.column_stack([first, first + nodes, first + nodes + 1, first + 1])
 
 
-def _core(width: float, count: int, first: int) -> tuple[FloatArray, IntArray]:
+def _core(width: float, count: int, first: int) -> tuple[FloatArray, LongArray]:
     """Return the inner points of the core, numbered from `first`, and its cells.
 
     Nodes on the rim are those of the first curve, with the numbers from 0 to 2 count.

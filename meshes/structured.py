@@ -4,18 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from castx.meshes.linear_mesh import (
-    QUADRILATERALS,
-    SIMPLICES,
-    FloatArray,
-    IntArray,
-    LinearMesh,
-    compacted,
-    oriented,
-)
+from castx.arrays import FloatArray, LongArray
+from castx.meshes.linear_mesh import QUADRILATERALS, SIMPLICES, LinearMesh, compacted, oriented
 
-Regions = Callable[[FloatArray], IntArray]
-LayerRegions = Callable[[IntArray, float], IntArray]
+Regions = Callable[[FloatArray], LongArray]
+LayerRegions = Callable[[LongArray, float], LongArray]
 
 
 def grid(
@@ -55,7 +48,7 @@ def grid(
     return compacted(LinearMesh(points, oriented(points, corners), region, order))
 
 
-def _union_jack(i: IntArray, j: IntArray, corner: tuple[int, int], columns: int) -> IntArray:
+def _union_jack(i: LongArray, j: LongArray, corner: tuple[int, int], columns: int) -> LongArray:
     right, up = (i - corner[0]) % 2, (j - corner[1]) % 2
     even_i, even_j, odd_i, odd_j = i + right, j + up, i + 1 - right, j + 1 - up
     even, odd = even_i * columns + even_j, odd_i * columns + odd_j
@@ -89,7 +82,7 @@ def swept(mesh: LinearMesh, z: FloatArray, regions: LayerRegions, corner: int = 
     return compacted(LinearMesh(points, cells, np.concatenate(found), order))
 
 
-def _layer(mesh: LinearMesh, layer: int, odd: int) -> list[IntArray]:
+def _layer(mesh: LinearMesh, layer: int, odd: int) -> list[LongArray]:
     """Return the cells between two levels, in groups in the order of the plane cells."""
     count = len(mesh.points)
     if mesh.cells.shape[1] == 4:

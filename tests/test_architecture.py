@@ -57,7 +57,7 @@ ENTRY_POINTS = {PROJECT / "castx/command/cli.py", PROJECT / "castx/command/run.p
 # What the files of these folders may import, beside the small change of the standard library.
 LEGAL_IMPORTS = {
     "forms": {"ufl", "castx.forms"},
-    "meshes": {"gmsh", "numpy", "castx.meshes"},
+    "meshes": {"gmsh", "numpy", "castx.arrays", "castx.meshes"},
 }
 STANDARD_LIBRARY = {
     "__future__",
