@@ -1,4 +1,4 @@
-"""Residual and matrix of all bodies without contact, in the layout of their unknowns."""
+"""Assembles residual and matrix of all bodies without their contact."""
 
 from __future__ import annotations
 
@@ -26,6 +26,9 @@ class BodyAssembly:
     Args:
         layout: numbering of the unknowns of all bodies.
         bodies: the bodies in the order of the layout.
+
+    Attributes:
+        unknowns: where the residual is evaluated, in the layout.
     """
 
     def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
@@ -84,17 +87,17 @@ class BodyAssembly:
         return self.is_linear and all(body.is_compressible for body in self.bodies)
 
     def force_scales(self) -> FloatArray:
-        """Return the forces that act in the bodies [N], shape (bodies,).
+        """Return the size of the forces in each body [N], shape (bodies,); collective.
 
-        Each is the norm of what the cells exert on the nodes or of the loads, the larger. Forces
-        that cancel each other count, so that it has a size where no load acts.
+        It is the larger one of two norms over the nodes: that of the forces of the cells on their
+        nodes, which count although they cancel each other, and that of the loads.
         """
         squares = np.array([body.force_scale() for body in self.bodies])
         total = self.layout.comm.allreduce(squares, op=MPI.SUM)
         return np.asarray(np.sqrt(total.max(axis=1)))
 
     def improve_pressures(self) -> bool:
-        """Take over the pressures of incompressible Q1/P0 cells; return whether there are any."""
+        """Take the pressures of Q1/P0 cells for their multipliers; return whether any has one."""
         improved = [body.improve_pressures() for body in self.bodies]
         return bool(self.layout.comm.allreduce(any(improved), op=MPI.LOR))
 
@@ -109,7 +112,7 @@ class BodyAssembly:
         return rows
 
     def corrections(self) -> list[Correction]:
-        """Return what OSGS adds to the matrix; the pressures are unknowns of every method."""
+        """Return the parts of the Jacobian that the matrix lacks, those of OSGS."""
         return [
             partial(_on_part, self.layout.local_slice(b), product)
             for b, body in enumerate(self.bodies)

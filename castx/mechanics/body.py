@@ -174,9 +174,9 @@ class BodyMechanics:
         return self.formulation.improve_pressures()
 
     def force_scale(self) -> tuple[float, float]:
-        """Return sums of squares over the owned nodes of this rank [N²].
+        """Return sums of squares over the owned nodes [N²], of internal forces and of the loads.
 
-        Of what the cells exert on each node, however much of it cancels, and of the loads.
+        The forces of the cells on a node count although they cancel each other.
         """
         size = np.linalg.norm(self._present_stress()[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
         conditions = self.material.conditions

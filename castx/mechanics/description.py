@@ -1,4 +1,4 @@
-"""What the mechanics must know of a body besides its mesh."""
+"""Description of a body for the mechanics: law, formulation and loads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Directions in which nodes of a body have a prescribed or a common displacement."""
+"""Directions in which the displacement of nodes is prescribed, or common to all of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PARALLEL = 1e-6
 
 @dataclass(frozen=True)
 class FixedDirections:
-    """One direction at each of several nodes of a body.
+    """One direction at each of several nodes of a body, along which the displacement is prescribed.
 
     Attributes:
         name: the surface and direction, for messages.
@@ -40,7 +40,7 @@ class FixedDirections:
     symmetry: bool = False
 
     def cancel(self, vectors: FloatArray, nodes: IntArray, owned: int) -> None:
-        """Remove from sums over a surface what the mirror image behind this one cancels.
+        """Remove from sums over a surface the part that the mirror image behind this one cancels.
 
         Args:
             vectors: at nodes, changed in place, shape (n, dimension).
@@ -81,6 +81,11 @@ def fixed_directions(
     """Return the fixed directions of a body: its conditions, symmetry planes and the axis.
 
     Surfaces named `symmetry-…` have normal displacement 0 unless a condition names them.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        conditions: on the surfaces of the body.
 
     Raises:
         CaseError: a direction that the model does not have.

@@ -22,6 +22,9 @@ class BodyLoads:
         body: mesh of the body.
         model: geometric model.
         description: loads of the body.
+
+    Attributes:
+        body_force: force per volume b [N/m³], for forms.
     """
 
     def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
@@ -48,7 +51,7 @@ class BodyLoads:
             constant.value = values if constant.value.ndim else values[0]
 
     def virtual_work(self, eta: Any) -> Any:
-        """Return the work of all loads on a variation of the displacement."""
+        """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η of the displacement."""
         dx = cell_measure(self._body, self._model, 2)
         ds = surface_measure(self._body, self._model, 2)
         normal = ufl.FacetNormal(self._body.mesh)

@@ -143,7 +143,7 @@ class Q1P0Formulation:
 
 
 class MeanDilatation:
-    """Pressures of the cells of one body and their forces.
+    """Pressures of the cells of one body, from their mean dilatation, and their forces.
 
     Args:
         body: mesh of the body.

@@ -1,4 +1,4 @@
-"""Rigid motions of bodies: what floats without supports, and the near-null space of multigrid."""
+"""Rigid motions of a body: what is free without supports, and the near-null space of multigrid."""
 
 from __future__ import annotations
 
@@ -32,7 +32,11 @@ def rigid_modes(unknowns: BodyUnknowns) -> FloatArray:
 
 
 def near_null_modes(unknowns: BodyUnknowns) -> FloatArray:
-    """Return rigid motions, the radial translation and the constant pressure as owned unknowns."""
+    """Return the near-null space of a body as owned unknowns, shape (modes, owned unknowns).
+
+    These are the rigid motions, in an axisymmetric body the radial translation, and the constant
+    pressure where it is an unknown.
+    """
     modes = [*rigid_modes(unknowns)]
     owned = unknowns.space.dofmap.index_map.size_local
     extra = [0] if unknowns.model == "axisymmetric" else []

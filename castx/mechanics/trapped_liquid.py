@@ -1,9 +1,9 @@
-"""Liquid that no free surface feeds: where it is, and the volume that it lacks.
+"""Trapped liquid, which no free surface feeds: where it is, and the volume that it lacks.
 
 An incompressible pocket inside a shrinking shell would be squeezed to absurd pressures. It keeps
-the pressure it had when it closed instead, and the volume that its shell takes from it or leaves
-empty is booked: the shrinkage porosity. What freezes out of a pocket is born with the volume that
-it has there; else its shell would have to close upon it at once.
+the pressure at which it closed instead, p = p_trapped, and its change of volume is booked: the
+shrinkage porosity. A cell that freezes in a pocket is born with the volumetric strain that it has
+there; else the shell would have to close the pocket in one step.
 """
 
 from __future__ import annotations
@@ -37,14 +37,19 @@ Force = Sequence[float] | Callable[[Any], Any]
 
 
 class Pockets:
-    """State of the trapped liquid of one body.
+    """Pressure and missing volume of the trapped liquid of one body.
 
     Args:
         body: mesh of the body.
         model: geometric model.
         closed: names of the surfaces through which no liquid can follow.
-        body_force: on the liquid [N/m³], which a pocket that is closed from the start carries by
-            its pressure; one that depends on the place is not carried.
+        body_force: on the liquid [N/m³]; a pocket that is closed from the start carries it by a
+            hydrostatic pressure, unless it depends on the position.
+
+    Attributes:
+        trapped: one in the trapped cells of the trial step, else zero.
+        pressure: pressure of trapped liquid at the nodes [Pa].
+        volume: volume that trapped liquid has gained so far, the porosity [m³].
     """
 
     def __init__(
@@ -61,7 +66,7 @@ class Pockets:
             fem.form(ufl.TestFunction(cells) * cell_measure(body, model, 2))
         ).array[: cells.dofmap.index_map.size_local]
         self._was_trapped: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
-        self._held_pressure: FloatArray = np.zeros(len(body.parent_vertices))
+        self._closing_pressure: FloatArray = np.zeros(len(body.parent_vertices))
         self._last_pressure: FloatArray = _hydrostatic(body, body_force)
         self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
         self._born: FloatArray = np.zeros(len(self._cell_nodes))
@@ -85,18 +90,25 @@ class Pockets:
         return np.where(trapped, self.pressure.x.array[self._cell_nodes].mean(axis=1), np.nan)
 
     def update(self, liquid: BoolArray) -> BoolArray:
-        """Find the trapped cells of a trial step; return them, shape (cells,)."""
+        """Find the trapped cells of a trial step and their pressures; collective.
+
+        Args:
+            liquid: whether a cell is a liquid, shape (cells,).
+
+        Returns:
+            Whether a cell is trapped, shape (cells,).
+        """
         trapped = self._paths.trapped(liquid)
         self.trapped.x.array[:], self._liquid = trapped, liquid
-        closing = np.zeros(len(self._held_pressure), dtype=bool)
+        closing = np.zeros(len(self._closing_pressure), dtype=bool)
         closing[self._cell_nodes[trapped & ~self._was_trapped].ravel()] = True
         closing[self._cell_nodes[trapped & self._was_trapped].ravel()] = False
-        self.pressure.x.array[:] = np.where(closing, self._last_pressure, self._held_pressure)
+        self.pressure.x.array[:] = np.where(closing, self._last_pressure, self._closing_pressure)
         return trapped
 
     @property
     def birth_volume(self) -> FloatArray:
-        """Volumetric strain without stress of the solid cells of the trial step, shape (cells,)."""
+        """Volumetric strain at which the solid cells have no stress, shape (cells,)."""
         return np.where(self._liquid, 0.0, self._born)
 
     def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
@@ -111,7 +123,7 @@ class Pockets:
         growth = np.where(trapped, dilatation - self._last_dilatation, 0.0)
         gained = float(self._volumes @ growth[: len(self._volumes)])
         self.volume += self._comm.allreduce(gained, op=MPI.SUM)
-        self._held_pressure = self.pressure.x.array.copy()
+        self._closing_pressure = self.pressure.x.array.copy()
         self._last_pressure, self._last_dilatation = pressure().copy(), dilatation.copy()
         self._was_trapped = trapped
         self._born = np.where(trapped, dilatation, self.birth_volume)
@@ -121,7 +133,7 @@ class Pockets:
         return {"pockets": self}
 
     def saved(self) -> dict[str, Saved]:
-        """Return the committed state of trapped liquid and the volume it lacks."""
+        """Return the committed state and the volume gained so far."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
         return {
             "volume": number(self.volume, bodies=(self._body.name,)),
@@ -129,17 +141,17 @@ class Pockets:
             "dilatation": Saved(self._last_dilatation, cells),
             "born": Saved(self._born, cells),
             "pressure": Saved(self._last_pressure, nodes),
-            "held_pressure": Saved(self._held_pressure, nodes),
+            "held_pressure": Saved(self._closing_pressure, nodes),
         }
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back a committed state."""
+        """Restore a committed state."""
         self.volume = float(arrays["volume"])
         self._was_trapped = arrays["trapped"].astype(bool)
         self._last_dilatation = arrays["dilatation"].copy()
         self._born = arrays["born"].copy()
         self._last_pressure = arrays["pressure"].copy()
-        self._held_pressure = arrays["held_pressure"].copy()
+        self._closing_pressure = arrays["held_pressure"].copy()
 
     def _announce(self, trapped: BoolArray) -> None:
         new = trapped[: len(self._volumes)] & ~self._was_trapped[: len(self._volumes)]
@@ -196,7 +208,7 @@ def _hydrostatic(body: BodyMesh, body_force: Force) -> FloatArray:
 
 
 class FeedingPaths:
-    """Finds the liquid cells of a body that no path of liquid joins to a free surface.
+    """Finds the liquid cells of a body that are not connected to a free surface by liquid.
 
     Args:
         body: mesh of the body.
@@ -238,7 +250,7 @@ class FeedingPaths:
         return trapped
 
     def _regions(self, cells: IntArray) -> tuple[int, IntArray]:
-        """Return the number of regions of cells that share nodes on this rank, and each cell's."""
+        """Return the number of connected regions of cells on this rank, and that of each cell."""
         number, corners = cells.shape
         rows = np.repeat(np.arange(number), corners)
         ones = np.ones(rows.size, dtype=np.int8)
@@ -249,7 +261,7 @@ class FeedingPaths:
         return len(names), inverse.astype(np.int32)
 
     def _reached(self, cells: IntArray) -> BoolArray:
-        """Return the local nodes that cells of any rank have among their corners."""
+        """Return which local nodes are corners of the given cells of any rank; collective."""
         flags = self._fed_nodes
         flags.array[:] = 0
         flags.array[cells.ravel()] = 1

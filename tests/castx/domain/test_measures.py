@@ -12,12 +12,13 @@ from castx.domain.measures import (
     extent,
     nodal_area_vectors,
     nodal_areas,
+    nodal_mean,
     nodal_sum,
     nodal_volumes,
     surface_measure,
 )
 from castx.errors import MeshError
-from tests.elastic_bodies import generated
+from tests.elastic_bodies import everywhere, generated
 
 R, H, WALL = 0.03, 0.04, 0.01
 VOLUME = {"axisymmetric": pi * R**2 * H, "plane-strain": R * H, "3d": R * H * 0.02}
@@ -95,6 +96,19 @@ def test_a_nodal_sum_counts_every_rank_that_has_the_node(comm):
     numbers = comm.allgather(body.original_nodes)
     counts = np.bincount(np.concatenate(numbers))
     np.testing.assert_array_equal(sums, counts[body.original_nodes])
+
+
+@both
+def test_nodal_means_are_those_of_the_cells_of_all_ranks(cells, comm):
+    body, _ = casting(comm, "plane-strain", cells)
+    nodes, points = body.nodes.dofmap.list, body.points
+    values = np.sin(200 * points[nodes].mean(axis=1) @ [2.0, -3.0])
+    owned = body.mesh.topology.index_map(2).size_local
+    corners = everywhere(comm, points[nodes[:owned]])
+    of_all = everywhere(comm, values[:owned])
+    around = (np.abs(corners - points[:, None, None]).max(axis=3) < 1e-9).any(axis=2)
+    expected = around @ of_all / around.sum(axis=1)
+    np.testing.assert_allclose(nodal_mean(body, values), expected, rtol=1e-12, atol=1e-14)
 
 
 def test_boxes_enclose_the_points_of_all_ranks(comm):

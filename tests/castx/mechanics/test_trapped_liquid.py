@@ -11,7 +11,8 @@ import pytest
 
 from castx.case.geometry import Geometry
 from castx.domain.mesh import BodyMesh, build_mesh
-from castx.mechanics.trapped_liquid import FeedingPaths, Pockets
+from castx.mechanics.trapped_liquid import TRAPPED_SHARE, FeedingPaths, NoPockets, Pockets
+from tests.castx.mechanics.lone_bodies import MELTING, alone, begin, inside
 
 RADIUS, HEIGHT, SIZE = 0.03, 0.06, 0.004
 
@@ -115,6 +116,58 @@ def test_a_pocket_that_is_closed_from_the_start_carries_its_weight(casting) -> N
     assert np.allclose(pockets.pressure.x.array, -2700 * 9.81 * depth, rtol=1e-12, atol=1e-9)
     weightless = Pockets(casting, "axisymmetric", shut)
     assert weightless.update(everywhere).all() and not weightless.pressure.x.array.any()
+
+
+def shut_slab(comm, properties, **more):
+    """Return a slab that is closed all around and carries its weight."""
+    around = ("wall", "far", "bottom", "top")
+    return alone(
+        comm, properties=properties, closed=around, body_force=(0.0, -26.5e3), **more
+    )
+
+
+def test_trapped_liquid_balances_its_weight_without_moving(comm):
+    """Its pressure acts as a load, and p = p_trapped replaces the continuity equation."""
+    part = shut_slab(comm, MELTING, starts_liquid=True)
+    begin(part, 640.0, 0.0)
+    solid = part.material.conditions.solid_compressibility
+    np.testing.assert_allclose(part.material.compressibility.x.array, TRAPPED_SHARE * solid)
+    depth = 0.01 - part.mesh.points[:, 1]
+    values = part.solution.x.array.reshape(-1, part.block_size)
+    values[:, 2] = -26.5e3 * depth / part.unknowns.pressure_scale
+    residual = part.residual().reshape(-1, part.block_size)
+    force = 26.5e3 * 0.01 * 0.005
+    assert np.abs(residual[:, :2] * inside(part)[:, None]).max(initial=0.0) < 1e-10 * force
+    values[:, 2] *= 2.0
+    wrong = part.residual().reshape(-1, part.block_size)
+    assert np.abs(residual[:, 2]).max(initial=0.0) < 1e-9 * comm.allreduce(
+        np.abs(wrong[:, 2]).max(initial=0.0), op=MPI.MAX
+    )
+    np.testing.assert_allclose(wrong[:, :2], residual[:, :2], atol=1e-12 * force)
+
+
+def test_pressures_of_trapped_cells_are_means_of_their_nodes(casting) -> None:
+    r, z = midpoints(casting).T
+    core = (r < RADIUS / 2) & (np.abs(z - HEIGHT / 2) < HEIGHT / 4)
+    pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
+    pressure = 1e5 * (1.0 + casting.points[:, 1] / HEIGHT)
+    pockets.update(r < RADIUS)
+    pockets.commit(partial(np.copy, pressure), np.zeros(len(r)))
+    pockets.update(core)
+    expected = np.where(core, 1e5 * (1.0 + z / HEIGHT), np.nan)
+    np.testing.assert_allclose(pockets.cell_pressures(), expected, rtol=1e-12)
+
+
+def test_a_body_that_never_is_a_liquid_traps_nothing(comm) -> None:
+    part = shut_slab(comm, {})
+    begin(part, 640.0, 0.0)
+    assert part.unfed_volume is None
+    assert list(part.stateful_parts()) == ["points"]
+    before = part.material.compressibility.x.array.copy()
+    stands_for = NoPockets(len(part.cell_nodes))
+    stands_for.begin(part.material)
+    np.testing.assert_array_equal(part.material.compressibility.x.array, before)
+    assert np.isnan(stands_for.cell_pressures()).all()
 
 
 def owned(body: BodyMesh) -> int:
