@@ -1,8 +1,8 @@
-"""What `castx check` finds out before anything is solved."""
+"""The command `castx check`: what a case and its mesh contain, before anything is solved."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from mpi4py import MPI
 
@@ -17,7 +17,7 @@ from castx.case.interfaces import Interface
 from castx.command.range_watch import outside_used_range, ranges_text
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
-from castx.domain.mesh import build_mesh
+from castx.domain.mesh import CastingMesh, build_mesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import paired
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
@@ -31,26 +31,50 @@ from castx.results.probes import readings_of
 def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
+    Args:
+        case: the case.
+        comm: the ranks to share the mesh.
+        console: where to show what was found.
+
     Raises:
-        CaseError: a probe lies outside its body, cells do not serve a formulation, an initial
-            temperature cannot be read, a patch of an interface holds no node, or a stage cannot be
+        CaseError: a probe lies outside its body, cells do not suit a formulation, an initial
+            temperature cannot be read, a patch of an interface has no node, or a stage cannot be
             run as described.
-        MeshError: the mesh does not hold what the case asks of it.
+        MeshError: the mesh lacks what the case asks of it.
     """
     names = [body.name for body in case.bodies]
     refuse_too_large(case.geometry, names, comm, solved=False)
     mesh = build_mesh(case.geometry, names, comm)
     pairs = {item.name: paired(mesh, item) for item in case.interfaces}
     stages = stage_cases(case, mesh)
+    formulations = _formulations(case, mesh, pairs)
+    _show_mesh(case, mesh_summary(mesh), formulations, console)
+    for described in case.interfaces:
+        if described.contact.pairing == "node-to-face":
+            console.print(faces_text(described, pairs[described.name], comm), markup=False)
+    _show_course(case, stages, console)
+    for warning in material_warnings(case):
+        console.print(f"warning: {warning}", markup=False, style="yellow")
+    console.print("the case can be run", markup=False)
+
+
+def _formulations(
+    case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
+) -> list[str]:
+    """Return the formulations of the bodies, and refuse what the mesh does not fit; collective."""
     for probe in case.probes:
         readings_of(probe, mesh, pairs)
     for body in case.bodies:
         if body.temperature.file is not None:
-            initial_temperatures(body.temperature, mesh.bodies[body.name], comm)
+            initial_temperatures(body.temperature, mesh.bodies[body.name], mesh.comm)
     for described in case.interfaces:
         heat_exchange(described, pairs[described.name], mesh)
-    formulations = [formulation_of(mesh, body) for body in case.bodies]
-    summary = mesh_summary(mesh)
+    return [formulation_of(mesh, body) for body in case.bodies]
+
+
+def _show_mesh(
+    case: Case, summary: MeshSummary, formulations: Sequence[str], console: Console
+) -> None:
     box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
     console.print(f"{case.name}: {case.geometry.model}, {box}", markup=False)
     console.print(body_table(case, summary, formulations))
@@ -58,20 +82,17 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     console.print(size_text(case.geometry.model), markup=False)
     for interface in summary.interfaces:
         console.print(interface_text(case, interface), markup=False)
-    for described in case.interfaces:
-        if described.contact.pairing == "node-to-face":
-            console.print(faces_text(described, pairs[described.name], comm), markup=False)
+
+
+def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
     if len(stages) > 1:
         console.print(stage_table(case, stages))
     if case.stages and case.stages[-1].repeat is not None:
         console.print(cycle_text(case), markup=False)
-    for warning in material_warnings(case):
-        console.print(f"warning: {warning}", markup=False, style="yellow")
-    console.print("the case can be run", markup=False)
 
 
 def corner_text(corner: Sequence[float]) -> str:
-    """Return a point as people write it."""
+    """Return a corner of the bounding box, such as "(0, 0.05)"."""
     return f"({', '.join(f'{value:g}' for value in corner)})"
 
 
@@ -94,7 +115,7 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
 
 
 def size_text(model: str) -> str:
-    """Return what volumes and areas count for in a model."""
+    """Return in words to which part of a casting volumes and areas refer in a model."""
     match model:
         case "axisymmetric":
             return "volumes and areas are those of the full turn"
@@ -105,7 +126,7 @@ def size_text(model: str) -> str:
 
 
 def surface_table(case: Case, summary: MeshSummary) -> Table:
-    """Return the named surfaces with their areas and what the case asks of them."""
+    """Return the named surfaces with their areas and boundary conditions."""
     table = Table("surface", "area, m²", "conditions", box=SIMPLE_HEAD)
     conditions = {
         boundary.on: ", ".join(
@@ -128,7 +149,7 @@ def surface_table(case: Case, summary: MeshSummary) -> Table:
 
 
 def free_text(surface: str) -> str:
-    """Return what holds on a surface of which the case says nothing."""
+    """Return the conditions on a surface without any in the case."""
     if surface.startswith("symmetry-"):
         return "insulated, displacement normal (symmetry)"
     return "insulated, free"
@@ -164,7 +185,7 @@ def heat_text(heat: InterfaceHeat | None) -> str:
 
 
 def material_warnings(case: Case) -> Iterator[str]:
-    """Yield what the temperatures of a case may ask of materials outside their ranges."""
+    """Yield warnings of materials whose data or stress-free temperature may not suit the case."""
     low, high = temperature_range(case)
     for body in case.bodies:
         material = find_material(body.material, case.materials)

@@ -1,4 +1,4 @@
-"""The command `castx`, and the exit codes that belong to what happened: the same on all ranks."""
+"""The command `castx` and its exit codes, which are the same on all ranks."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
 
 
 def prepare_logging(comm: MPI.Intracomm) -> None:
-    """Let rank 0 show the messages of castx, the others only what goes wrong badly."""
+    """Show the messages of castx on rank 0, and on other ranks critical ones only."""
     console = console_of(comm, stderr=True)
     handler = RichHandler(console=console, show_time=False, show_path=False)
     level = logging.INFO if comm.rank == 0 else logging.CRITICAL
@@ -131,7 +131,7 @@ def prepare_logging(comm: MPI.Intracomm) -> None:
 
 
 def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
-    """Let rank 0 show the messages of these details, and of no others."""
+    """Show on rank 0 the messages of these details, and of no others."""
     for detail in Detail:
         level = logging.DEBUG if detail in details and comm.rank == 0 else logging.NOTSET
         for module in detail.modules:

@@ -1,4 +1,4 @@
-"""Stopping a run from outside: all ranks together, between two tries, with their files finished."""
+"""Interruption of a run by signals or a time limit, on all ranks together and between two tries."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 
 
 class Interruption:
-    """Turns signals and a time limit into an Interrupted that all ranks raise after a try.
+    """Raises `Interrupted` on all ranks after a try when a signal came or the time is up.
 
     A signal may reach one rank only, in the middle of a solve in which the others wait for it.
     Asked again with Ctrl-C more than a second later, the run stops at once.
@@ -79,7 +79,7 @@ class Interruption:
             raise KeyboardInterrupt
 
     def check(self) -> None:
-        """Raise on all ranks when any of them was asked to stop; collective.
+        """Raise `Interrupted` on all ranks if any of them received a signal; collective.
 
         Raises:
             Interrupted: says why.
@@ -89,7 +89,11 @@ class Interruption:
             raise Interrupted("stopped by a signal")
 
     def after_try(self) -> None:
-        """Do the same after a try of a step, and also when there is no time for another one."""
+        """Raise `Interrupted` after a try also if the time limit allows no other one; collective.
+
+        Raises:
+            Interrupted: says why.
+        """
         before = self._last
         self.check()
         self._tries.append(self._last - before)

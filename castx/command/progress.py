@@ -24,7 +24,7 @@ REMEMBERED = 8
 
 
 class Progress:
-    """Shows every accepted step.
+    """Shows each accepted step, with the wall clock time left.
 
     Args:
         end: end of the run [s].
@@ -95,7 +95,7 @@ def freezing_body(snapshot: Snapshot) -> str | None:
 
 
 def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) -> str:
-    """Return one step as a line."""
+    """Return one accepted step as a line."""
     counters = snapshot.counters
     parts = [f"t {snapshot.time:.4g} s", f"step {snapshot.step}"]
     if snapshot.step > 0:

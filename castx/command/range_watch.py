@@ -1,7 +1,7 @@
-"""Temperatures that leave the range for which the data of a material hold.
+"""Warnings of temperatures outside the range for which the data of a material are valid.
 
-A table goes on with its last value there. `castx check` says what the temperatures named in a case
-may leave, a run what they have left, once for each material.
+Outside its range a table continues with its last value. `castx check` compares the ranges with the
+temperatures named in the case, a run with the temperatures that occur, once for each material.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
 
 
 class RangeWatch:
-    """Warns when a run leaves the range of a property that it uses, once for each material.
+    """Warns once for each material when its temperature leaves the range of a property in use.
 
     Args:
         case: what is run.
@@ -45,8 +45,8 @@ class RangeWatch:
         }
         self._warned: set[str] = set()
 
-    def look(self, snapshot: Snapshot) -> None:
-        """Look at the temperatures after an accepted step; collective."""
+    def check(self, snapshot: Snapshot) -> None:
+        """Compare the temperatures after an accepted step with the ranges; collective."""
         if len(self._warned) == len(self._materials):
             return
         for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
@@ -86,7 +86,15 @@ class RangeWatch:
 def outside_used_range(
     case: Case, body: Body, material: Material, low: float, high: float
 ) -> list[OutsideRange]:
-    """Return the properties that a body uses and temperatures [°C] take out of their range."""
+    """Return the properties in use by a body that are not valid at all of some temperatures.
+
+    Args:
+        case: the case.
+        body: one of its bodies.
+        material: of the body.
+        low: lowest temperature [°C].
+        high: highest temperature [°C].
+    """
     used = used_properties(case, body, material.description)
     return [
         item
@@ -96,7 +104,7 @@ def outside_used_range(
 
 
 def ranges_text(found: Sequence[OutsideRange]) -> str:
-    """Return properties by the range for which they hold."""
+    """Return in words which properties are valid in which range of temperature."""
     groups: dict[tuple[float, float], list[str]] = {}
     for item in found:
         groups.setdefault(item.valid, []).append(item.property)
@@ -106,7 +114,13 @@ def ranges_text(found: Sequence[OutsideRange]) -> str:
 
 
 def used_properties(case: Case, body: Body, material: MaterialDescription) -> set[str]:
-    """Return the keys of its material that a body reads and that vary with temperature."""
+    """Return the keys of the temperature-dependent properties in use by a body.
+
+    Args:
+        case: the case.
+        body: one of its bodies.
+        material: of the body.
+    """
     scheme = case.coupling.scheme
     used = set() if scheme == "mechanical" else set(_HEAT)
     if scheme == "thermal":

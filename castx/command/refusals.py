@@ -1,4 +1,4 @@
-"""What the commands refuse in the same way."""
+"""Refusals that several commands have in common."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ from castx.input.units import TIME
 
 
 def seconds(option: str, text: str) -> float:
-    """Return the value of an option that is a time.
+    """Return the value of an option that is a time [s].
+
+    Args:
+        option: its name, for the message.
+        text: a number of seconds, or one with a unit.
 
     Raises:
         CaseError: it is none.
@@ -30,7 +34,15 @@ def seconds(option: str, text: str) -> float:
 
 
 def on_first_rank(comm: MPI.Intracomm, action: Callable[[], None]) -> None:
-    """Do something on rank 0, and raise on all ranks what it refuses."""
+    """Do something on rank 0 and raise its refusal on all ranks; collective.
+
+    Args:
+        comm: the ranks.
+        action: what rank 0 does.
+
+    Raises:
+        CaseError, MeshError: what the action has raised.
+    """
     refusal: CaseError | MeshError | None = None
     if comm.rank == 0:
         try:
@@ -43,7 +55,7 @@ def on_first_rank(comm: MPI.Intracomm, action: Callable[[], None]) -> None:
 
 @contextmanager
 def naming(case_file: Path) -> Iterator[None]:
-    """Put the case file in front of refusals that do not name it."""
+    """Name the case file in front of refusals that do not name it."""
     try:
         yield
     except (CaseError, MeshError) as error:

@@ -1,4 +1,4 @@
-"""A case from its file to its results folder."""
+"""A run: from a case file to a results folder."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def run(
 
     Raises:
         CaseError: the case, its output folder, its checkpoint or a probe cannot be accepted.
-        MeshError: the mesh does not hold what the case asks of it.
+        MeshError: the mesh lacks what the case asks of it.
         ConvergenceError: even the smallest step failed; the last accepted state is on disk.
         StorageError: the disk does not take the results; the last checkpoint is on disk.
         KeyboardInterrupt: a signal or the time limit asked to stop; the last accepted state is on
@@ -68,7 +68,17 @@ def with_output(case: Case, folder: Path) -> Case:
 def run_case(
     case: Case, comm: MPI.Intracomm, restart: bool = False, time_limit: float | None = None
 ) -> Path:
-    """Run a case and return its results folder; collective. Arguments and errors as in `run`."""
+    """Run a case and return its results folder; collective.
+
+    Args:
+        case: the case.
+        comm: the ranks to run on.
+        restart: go on from the checkpoint in the results folder, on any number of ranks.
+        time_limit: wall clock time before which to stop [s].
+
+    Raises:
+        CaseError, MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `run`.
+    """
     with Interruption(comm, time_limit) as interruption, claimed_folder(case, comm) as folder:
         checkpoint = Checkpoint(folder, comm)
         header = header_to_restart_from(case, checkpoint) if restart else None
@@ -98,7 +108,7 @@ def _solve(
             results.write(snapshot)
             checkpoints.write_when_due()
             progress.show(snapshot)
-            ranges.look(snapshot)
+            ranges.check(snapshot)
             if snapshot.step == 0:
                 interruption.check()
             elif not simulation.is_finished:

@@ -1,4 +1,4 @@
-"""Where castx writes for people: rank 0 only, plainly when it does not see their terminal."""
+"""The console of castx: rank 0 only, and without colours where output is no terminal."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class Panel:
         lines: ordinates by the name of the curve.
         levels: thin horizontal lines, by name.
         logarithmic: whether the ordinate is.
-        steps: whether values hold for the whole step before.
+        steps: whether each value is that of the whole step before.
         least: height that the ordinate has at least, so that round-off is drawn as zero.
     """
 
@@ -62,7 +62,12 @@ class Panel:
 
 
 def curves(time: FloatArray, panels: Sequence[Panel]) -> bytes:
-    """Return diagrams over the same time [s], one below the other, as PNG."""
+    """Return diagrams over the same time [s], one below the other, as PNG.
+
+    Args:
+        time: (steps,) [s].
+        panels: the diagrams, whose lines are (steps,).
+    """
     with figure(8.0, 0.5 + 2.6 * len(panels)) as (canvas, stream):
         axes = canvas.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, panel in zip(axes, panels, strict=True):
@@ -75,13 +80,13 @@ def curves(time: FloatArray, panels: Sequence[Panel]) -> bytes:
 
 @contextmanager
 def figure(width: float, height: float) -> Iterator[tuple[Figure, io.BytesIO]]:
-    """Provide a figure in our style [inch] and somewhere to save it."""
+    """Provide a figure of a size [inch] in the style of the report, and a stream to save it to."""
     with mpl.rc_context(STYLE):
         yield Figure(figsize=(width, height), layout="constrained"), io.BytesIO()
 
 
 def draw(axis: Axes, time: FloatArray, panel: Panel) -> None:
-    """Draw one diagram."""
+    """Draw one diagram over time [s]."""
     for name, values in panel.lines.items():
         axis.plot(time, values, label=name, drawstyle="steps-pre" if panel.steps else "default")
     for name, level in panel.levels.items():
@@ -142,7 +147,7 @@ def row(
 
 
 def trimmed(images: Sequence[Image]) -> list[Image]:
-    """Return pictures of one size without the white rim that all of them have."""
+    """Return pictures of one size without their common white margin."""
     drawn = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
     rows, columns = (np.flatnonzero(drawn.any(axis=axis)) for axis in (1, 0))
     if rows.size == 0:

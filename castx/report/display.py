@@ -19,9 +19,9 @@ PR_SET_PDEATHSIG = 1
 
 @contextmanager
 def display() -> Iterator[None]:
-    """Provide a display for VTK: a server of our own where Xvfb is installed, else the user's.
+    """Provide a display for VTK: a new server where Xvfb is installed, else that of the user.
 
-    Our own is preferred, because VTK ends the whole process when DISPLAY names a server that does
+    A new one is preferred, because VTK ends the whole process when DISPLAY names a server that does
     not answer. All plotters must be closed inside.
 
     Raises:

@@ -74,7 +74,13 @@ def curve_figures(run: Results) -> list[Figure]:
 def columns(
     series: Mapping[str, FloatArray], ending: str, factor: float = 1.0
 ) -> dict[str, FloatArray]:
-    """Return the columns NAME.ending of a series by NAME, times a factor."""
+    """Return the columns "NAME.ending" of a series by NAME.
+
+    Args:
+        series: columns by name.
+        ending: last part of their names.
+        factor: on the values.
+    """
     suffix = f".{ending}"
     return {
         name.removesuffix(suffix): factor * values
@@ -214,7 +220,7 @@ TOPICS = (
 
 
 def field_figures(run: Results) -> list[Figure]:
-    """Return the pictures of the fields that a run has written."""
+    """Return the figures of the written fields."""
     times = chosen_times(run.times)
     states = [run.grids(time) for time in times]
     with display():
@@ -224,7 +230,14 @@ def field_figures(run: Results) -> list[Figure]:
 def topic_figures(
     run: Results, topic: Topic, times: Sequence[float], states: Sequence[State]
 ) -> Iterator[Figure]:
-    """Yield the figure of a field, if it was written."""
+    """Yield the figure of a field if it was written and varies.
+
+    Args:
+        run: the results.
+        topic: the field.
+        times: of the pictures [s].
+        states: the bodies at these times.
+    """
     bodies = run.freezing if topic.melting else list(states[0])
     model = run.model
     if topic.final:

@@ -1,7 +1,7 @@
 """Pictures of written fields, drawn off-screen with pyvista.
 
-They are made inside `castx.report.display.display()` and are arrays of pixels (height, width, 3);
-the colour bar is left to whoever puts them into a figure.
+They are drawn inside `castx.report.display.display()`, as arrays of pixels (height, width, 3)
+without a colour bar.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ PIXELS = 900
 """Largest side of a picture."""
 
 SHADING = {"ambient": 0.7, "diffuse": 0.35}
-"""Little, so that colours can be read off faces of any direction."""
+"""Weak, so that colours can be read on faces of any direction."""
 
 NEUTRAL = "#c9ccd1"
 EDGE = "#30343a"
@@ -32,7 +32,7 @@ VISIBLE_DISPLACEMENT = 0.06
 
 @dataclass(frozen=True)
 class View:
-    """How the bodies are looked at, the same at all times.
+    """The camera, which is the same at all times.
 
     Args:
         model: of the run; axisymmetric bodies are shown with their mirror image.
@@ -164,13 +164,13 @@ def picture(
 
 
 def add_lines(plotter: pyvista.Plotter, lines: pyvista.PolyData, colour: str, width: int) -> None:
-    """Add lines unless there are none."""
+    """Add lines to a picture, unless there are none."""
     if lines.n_points > 0:
         plotter.add_mesh(lines, color=colour, line_width=width, lighting=False)
 
 
 def outline(surface: pyvista.PolyData) -> pyvista.PolyData:
-    """Return the rim and the sharp edges of a surface."""
+    """Return the boundary and the sharp edges of a surface."""
     return surface.extract_feature_edges(
         feature_angle=40.0, manifold_edges=False, non_manifold_edges=False
     )
@@ -184,7 +184,12 @@ def deformed(grid: pyvista.UnstructuredGrid, factor: float) -> pyvista.Unstructu
 
 
 def exaggeration(view: View, grids: Mapping[str, pyvista.UnstructuredGrid]) -> float:
-    """Return a round factor that makes the displacements visible, 0 where there are none."""
+    """Return a round factor that makes the displacements visible; 0: there are none.
+
+    Args:
+        view: the camera, whose size counts.
+        grids: the bodies.
+    """
     largest = max(
         (
             float(np.linalg.norm(grid["displacement"], axis=1).max())
@@ -206,9 +211,13 @@ def limits_of(
     bodies: Sequence[str],
     share: float = 1.0,
 ) -> tuple[float, float] | None:
-    """Return the smallest and the largest value of a field in bodies over states, None if missing.
+    """Return the smallest and the largest value of a field, None where there is none.
 
-    `share` leaves out the largest values that only few points or cells have.
+    Args:
+        states: the bodies at some times.
+        field: array of points or cells.
+        bodies: names of those that count.
+        share: of the values that count; the largest ones beyond it are left out.
     """
     grids = [state[name] for state in states for name in bodies if name in state]
     values = [grid[field] for grid in grids if field in grid.array_names]
@@ -219,6 +228,6 @@ def limits_of(
 
 
 def chosen_times(times: Sequence[float]) -> list[float]:
-    """Return up to four of the times, near 1/9, 2/9, 4/9 and all of the last one."""
+    """Return up to four of the times: the last one, and those nearest to 1/9, 2/9 and 4/9 of it."""
     wanted = [share * times[-1] for share in (1 / 9, 2 / 9, 4 / 9, 1.0)]
     return sorted({min(times, key=lambda time: abs(time - share)) for share in wanted})

@@ -17,7 +17,7 @@ from castx.results.reading import Results
 from castx.results.snapshot import FULLY_SOLID
 
 ROUNDING = 1e-15
-"""Gap that is none [m]."""
+"""Round-off: a gap that counts as zero [m]."""
 
 
 def write_report(folder: Path) -> Path:
@@ -44,7 +44,7 @@ def write_report(folder: Path) -> Path:
 
 
 def summary(run: Results) -> list[tuple[str, str]]:
-    """Return the numbers that matter, as pairs of name and text."""
+    """Return the most important numbers of a run, as pairs of name and text."""
     record, history = run.record, run.history
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
     for body in run.freezing:
@@ -73,7 +73,7 @@ def summary(run: Results) -> list[tuple[str, str]]:
 
 
 def gap_text(largest: FloatArray) -> str:
-    """Return the last largest gap; a removed body has none."""
+    """Return the largest gap at the end, or before a body was removed."""
     known = largest[np.isfinite(largest)]
     when = "at the end" if np.isfinite(largest[-1]) else "before a body was removed"
     gap = known[-1] if known[-1] > ROUNDING else 0.0

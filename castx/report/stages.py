@@ -1,4 +1,4 @@
-"""The stages of a case as `castx check` shows them, and as the report looks back on them."""
+"""Stages and cycles in words, for `castx check` and for the report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from castx.case.stages import Schedule, Stage
 
 
 def stage_table(case: Case, stages: Sequence[Case]) -> Table:
-    """Return when stages begin, with which bodies, and what changes.
+    """Return a table of the stages: when they begin, their bodies, and what changes.
 
     Args:
         case: the case.
@@ -46,7 +46,7 @@ def _changes(stage: Stage) -> Iterator[str]:
 
 
 def cycle_text(case: Case) -> str:
-    """Return how long the cycles of a case go on."""
+    """Return in words how many cycles a case has, and how long they are."""
     schedule, last = Schedule(case.stages, case.time.end), case.stages[-1]
     renewed = f"{', '.join(last.renew)} new in each" if last.renew else "all bodies go on"
     return (
@@ -56,7 +56,7 @@ def cycle_text(case: Case) -> str:
 
 
 def process_rows(events: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Yield what a run says of its stages, as pairs of name and text.
+    """Yield the stages, ejections and cycles of a run, as pairs of name and text.
 
     Args:
         events: those of run.json.

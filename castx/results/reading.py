@@ -29,7 +29,7 @@ NEAR = 0.25
 
 
 class Columns(dict[str, FloatArray]):
-    """Arrays by name, which name what there is when asked for something else."""
+    """Arrays by name; a missing one is refused with the names of those that exist."""
 
     def __missing__(self, name: str) -> FloatArray:
         raise CaseError(f"there is no {name!r}; {among(name, list(self), what='there are')}")
@@ -71,7 +71,7 @@ class InterfaceFields:
 
 
 class Results:
-    """The results folder of a run, finished or still going on, of any number of ranks.
+    """The results folder of a run on any number of ranks, finished or still going on.
 
     >>> import castx
     >>> folder = castx.run("cylinder.toml", ["time.end=0.1", "geometry.size=1e-2"])
@@ -238,7 +238,7 @@ class Results:
         return np.asarray(grid.points[:, : self._dimension], dtype=np.float64)
 
     def _components(self, values: FloatArray) -> FloatArray:
-        """Return a field with the components that castx gives it, in its order."""
+        """Return a vector or tensor with the components of the model, in the order of castx."""
         if values.ndim == 2 and values.shape[1] == 3:
             return values[:, : self._dimension]
         if values.ndim == 2 and values.shape[1] == 6:

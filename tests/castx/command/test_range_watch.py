@@ -63,7 +63,7 @@ def rising(low: float, high: float, x: FloatArray) -> FloatArray:
 def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
     watch = RangeWatch(case_of(), comm)
     for snapshot in snapshots(comm, (200, 590), (200, 605), (200, 650), (15, 900)):
-        watch.look(snapshot)
+        watch.check(snapshot)
     if comm.rank > 0:
         assert heard == []
         return
@@ -80,7 +80,7 @@ def test_bodies_of_one_material_share_their_warning(comm, heard):
     changes = {"bodies__0__material": "steel-H13", "coupling__scheme": "thermal"}
     watch = RangeWatch(case_of(**changes), comm)
     for snapshot in snapshots(comm, (200, 620), (200, 640)):
-        watch.look(snapshot)
+        watch.check(snapshot)
     assert len(heard) == (comm.rank == 0)
 
 
@@ -126,7 +126,7 @@ def test_a_range_is_that_of_the_table_in_a_case_file(comm, heard):
                "bodies__1__material": "steel"}  # fmt: skip
     watch = RangeWatch(case_of(**changes), comm)
     for snapshot in snapshots(comm, (100, 300), (100, 301)):
-        watch.look(snapshot)
+        watch.check(snapshot)
     (message,) = heard
     assert "steel (mould) is at 100 to 301 °C" in message and "conductivity (100 to" in message
     assert np.isfinite(watch._materials["steel"].conductivity(301.0, 1.0))
