@@ -14,6 +14,7 @@ from castx.materials.flow import (
     liquid_flow,
     solid_flow,
 )
+from castx.materials.inelastic import LIQUID_RULES
 from tests.castx.materials.descriptions import alloy
 
 pytestmark = pytest.mark.serial
@@ -82,6 +83,18 @@ def test_what_a_law_needs_is_enough() -> None:
 
 
 @pytest.mark.parametrize("liquid", [None, {"viscosity": 1e6, "coherency": 0.7}])
-def test_only_a_norton_liquid_flows_by_its_rule(liquid) -> None:
-    with pytest.raises(CaseError, match=r"'alloy' has no liquid with model = \"norton\""):
+def test_a_newtonian_liquid_flows_by_no_rule(liquid) -> None:
+    models = " or ".join(f'"{name}"' for name in LIQUID_RULES)
+    with pytest.raises(CaseError, match=f"'alloy' has no liquid with model = {models}$"):
         liquid_flow(alloy(liquid=liquid), MODULUS, TEMPERATURE, 1.0)
+
+
+@pytest.mark.parametrize("name", LIQUID_RULES)
+def test_a_liquid_flows_by_the_rule_of_its_model(name) -> None:
+    rule, increment = LIQUID_RULES[name], np.array([1e-3, 1e-3])
+    material = alloy(liquid={"model": name, "coherency": 0.7, **rule.example})
+    properties = liquid_flow(material, MODULUS, TEMPERATURE, 0.5)
+    values = {key: np.full(2, value) for key, value in rule.example.items()}
+    expected = rule.overstress(values, TEMPERATURE, 0.5)(increment)
+    np.testing.assert_array_equal(properties.overstress(increment), expected)
+    assert not properties.yield_stress.any() and not properties.kinematic_modulus.any()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import random
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,16 +16,36 @@ from castx.case.reading.read import read_case
 from castx.errors import CaseError
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import VISCOPLASTIC
-from castx.materials.inelastic import DEFAULT_LAW, FLOW_RULES, HARDENING_RULES, rule_table
+from castx.materials.inelastic import (
+    DEFAULT_LAW,
+    FLOW_RULES,
+    HARDENING_RULES,
+    LIQUID_RULES,
+    rule_table,
+    rules_with,
+)
 from castx.materials.lookup import find_material
+from castx.materials.rules.flow_rule import FlowRule
 from tests.castx.materials.descriptions import alloy, described, table
 
 pytestmark = pytest.mark.serial
 
 NORTON = {"law": "norton", "coefficient": 1e-40, "exponent": 5}
 LIQUID = {"coherency": 0.7}
+ENERGY = "activation_energy"
 PROJECT = Path(__file__).parents[3]
 HARDENING = [rule.name for rule in HARDENING_RULES]
+
+
+def users(key: str, rules: Mapping[str, FlowRule]) -> str:
+    """Return the rules that read a key, as messages name them."""
+    return " or ".join(f'"{rule}"' for rule in rules_with(key, rules))
+
+
+def test_rules_with_a_key() -> None:
+    assert {"perzyna", "norton"} <= set(rules_with("exponent", FLOW_RULES))
+    assert rules_with("viscosity", FLOW_RULES) == ["perzyna", "bingham"]
+    assert "perzyna" not in rules_with("exponent", LIQUID_RULES)
 
 
 def test_quantities_carry_units() -> None:
@@ -91,10 +112,13 @@ def test_a_viscosity_with_unit_needs_a_linear_law(viscosity) -> None:
         (NORTON | {"activation_energy": "1 J/kg"}, r"^activation_energy: 'J/kg' is not a unit"),
         (NORTON | {"viscosity": 1e9}, r"^viscosity: acts only with law = \"perzyna\" or \"bingham"),
         ({"coefficient": 1e-40}, r"^coefficient: acts only with law = \"norton\", and here it is"),
-        ({"activation_energy": 1e5}, r"^activation_energy: acts only with law = \"norton\""),
+        (
+            {"activation_energy": 1e5},
+            rf"^activation_energy: acts only with law = {users(ENERGY, FLOW_RULES)}",
+        ),
         (
             {"law": "bingham", "viscosity": 1e9, "exponent": 2},
-            r"^exponent: acts only with law = \"perzyna\" or \"norton\", .* here it is \"bingham\"",
+            rf"^exponent: acts only with law = {users('exponent', FLOW_RULES)}, .* \"bingham\"",
         ),
         ({"yield_stress": -1}, r"^yield_stress: must be at least 0"),
         ({"hardening": [[20, 1e9], [90, -1]]}, r"^hardening\[1\]: must be at least 0"),
@@ -120,7 +144,7 @@ def test_a_viscosity_with_unit_needs_a_linear_law(viscosity) -> None:
         ),
         (
             {"liquid": LIQUID | {"viscosity": 1e6, "exponent": 2}},
-            r"^liquid.exponent: acts only with model = \"norton\", and here it is \"viscous\"",
+            rf"^liquid.exponent: acts only with model = {users('exponent', LIQUID_RULES)}, and here",
         ),
         (
             {"liquid": LIQUID | {"model": "norton", "coefficient": 1e-8, "viscosity": 1e6}},
