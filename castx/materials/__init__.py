@@ -2,6 +2,7 @@
 
 Public: `material.Material`, `description.MaterialDescription`, `lookup.find_material`,
 `database.database_entry`, `database.database_names`, `enthalpy.EnthalpyCurve`,
-`conduction_potential.ConductionPotential`, `flow.FlowProperties`, `inelastic.FLOW_RULES`,
-`inelastic.HARDENING_RULES`, `inelastic.rule_table`.
+`conduction_potential.ConductionPotential`, `thermal_strain.volumetric_thermal_strain`,
+`flow.FlowProperties`, `inelastic.FLOW_RULES`, `inelastic.HARDENING_RULES`,
+`inelastic.flow_rules`, `inelastic.rule_table`.
 """

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.phased import Phased
-from castx.materials.solid_fraction import Piece, SolidFractionLaw, linear_piece
+from castx.materials.solid_fraction import FractionPiece, SolidFractionLaw, linear_piece
 
 CURVE_TOLERANCE = 1e-5
 """Largest distance of the stored curve from the law [K]."""
@@ -165,7 +165,7 @@ def _breaks(heat_capacity: Phased, solidus: float | None, liquidus: float | None
 
 
 def _sampled(
-    piece: Piece, breaks: FloatArray, density: float, heat_capacity: Phased, latent: float
+    piece: FractionPiece, breaks: FloatArray, density: float, heat_capacity: Phased, latent: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return knots of a piece: temperatures, enthalpies counted from its start, fractions."""
     points, weights = np.polynomial.legendre.leggauss(5)

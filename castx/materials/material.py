@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -156,55 +156,11 @@ class Material:
             return np.ones_like(temperature)
         return fraction_at(self.solid_fraction, self.solidus, self.liquidus, temperature)
 
-    def conductivity_at(self, enthalpy: Any) -> tuple[FloatArray, FloatArray]:
-        """Return k [W/m/K] and dk/dH = ∂k/∂T T'(H) + ∂k/∂f_s f_s'(H) at enthalpies [J/m³]."""
-        curve = self.enthalpy
-        temperature, fraction = curve.temperature(enthalpy), curve.solid_fraction(enthalpy)
-        over_temperature, over_fraction = self.conductivity.derivatives(temperature, fraction)
-        slope = over_temperature * curve.temperature_slope(
-            enthalpy
-        ) + over_fraction * curve.solid_fraction_slope(enthalpy)
-        return self.conductivity(temperature, fraction), np.asarray(slope)
-
     def stress_free_temperature(self, initial: float) -> float:
         """Return the stress-free temperature [°C] of a body with this initial temperature."""
         if self.stress_free is not None:
             return self.stress_free
         return initial if self.solidus is None else self.solidus
-
-    def volumetric_thermal_strain(self, temperature: Any, stress_free: float) -> FloatArray:
-        """Return e^θ = 3[α(T)(T − T_ref) − α(T_sf)(T_sf − T_ref)], expansion positive.
-
-        Zero above T_sf in a material that melts, and everywhere without `expansion`.
-
-        Args:
-            temperature: T [°C].
-            stress_free: T_sf [°C], see `stress_free_temperature`; also the default of T_ref.
-        """
-        temperature = np.asarray(temperature, dtype=np.float64)
-        if self.expansion is None:
-            return np.zeros_like(temperature)
-        reference = stress_free if self.expansion_reference is None else self.expansion_reference
-        born = self.expansion(stress_free) * (stress_free - reference)
-        strain = 3.0 * (self.expansion(temperature) * (temperature - reference) - born)
-        if self.melts:
-            strain = np.where(temperature > stress_free, 0.0, strain)
-        return np.asarray(strain)
-
-    def shrinkage_strain(self, solid_fraction: Any) -> FloatArray:
-        """Return the volumetric strain of solidification, to be added to the thermal one.
-
-        It begins at coherency and reaches −solidification_shrinkage where all is solid; in a
-        material without `liquid` it begins with the first solid.
-
-        Args:
-            solid_fraction: f_s, array of any shape.
-        """
-        begin = 0.0 if self.liquid is None else self.liquid.coherency
-        if begin == 1.0:
-            return np.zeros_like(solid_fraction, dtype=np.float64)
-        share = (np.asarray(solid_fraction) - begin) / (1.0 - begin)
-        return np.asarray(-self.description.solidification_shrinkage * np.clip(share, 0.0, 1.0))
 
     def without_liquid(self) -> Material:
         """Return the material with the solid's elastic law at every temperature."""

@@ -32,12 +32,3 @@ class Phased:
             solid_fraction * self.solid(temperature)
             + (1.0 - np.asarray(solid_fraction)) * self.liquid(temperature)
         )
-
-    def derivatives(self, temperature: Any, solid_fraction: Any) -> tuple[FloatArray, FloatArray]:
-        """Return the partial derivatives over temperature [per K] and over solid fraction."""
-        fraction = np.asarray(solid_fraction)
-        over_temperature = fraction * self.solid.derivative(temperature) + (
-            1.0 - fraction
-        ) * self.liquid.derivative(temperature)
-        over_fraction = self.solid(temperature) - self.liquid(temperature)
-        return np.asarray(over_temperature), np.asarray(over_fraction)

@@ -16,7 +16,7 @@ from castx.arrays import FloatArray
 
 
 @dataclass(frozen=True)
-class Piece:
+class FractionPiece:
     """Interval of temperature [°C] on which the solid fraction is smooth."""
 
     start: float
@@ -27,7 +27,7 @@ class Piece:
 class SolidFractionLaw(Protocol):
     """Anything that says how the solid fraction falls from solidus to liquidus."""
 
-    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+    def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return the smooth pieces that fill [solidus, liquidus]; none when the two are equal."""
         ...
 
@@ -43,21 +43,21 @@ def fraction_at(
     return fraction
 
 
-def linear_piece(start: float, end: float, first: float, last: float) -> Piece:
+def linear_piece(start: float, end: float, first: float, last: float) -> FractionPiece:
     """Return the piece on which the fraction runs straight from `first` to `last`."""
 
     def fraction(temperature: FloatArray) -> FloatArray:
         weight = (temperature - start) / (end - start)
         return first * (1.0 - weight) + last * weight
 
-    return Piece(start, end, fraction)
+    return FractionPiece(start, end, fraction)
 
 
 @dataclass(frozen=True)
 class LinearLaw:
     """Solid fraction linear in temperature; also the law of an isothermal change."""
 
-    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+    def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return one straight piece."""
         return (linear_piece(solidus, liquidus, 1.0, 0.0),) if solidus < liquidus else ()
 
@@ -77,7 +77,7 @@ class LeverLaw:
     partition_coefficient: float
     melting_point: float
 
-    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+    def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return the curved piece, and one fully solid piece below the equilibrium solidus."""
 
         def fraction(temperature: FloatArray) -> FloatArray:
@@ -87,10 +87,10 @@ class LeverLaw:
         depression = self.melting_point - liquidus
         equilibrium = self.melting_point - depression / self.partition_coefficient
         if equilibrium <= solidus:
-            return (Piece(solidus, liquidus, fraction),)
+            return (FractionPiece(solidus, liquidus, fraction),)
         return (
             linear_piece(solidus, equilibrium, 1.0, 1.0),
-            Piece(equilibrium, liquidus, fraction),
+            FractionPiece(equilibrium, liquidus, fraction),
         )
 
 
@@ -109,14 +109,14 @@ class ScheilLaw:
     partition_coefficient: float
     melting_point: float
 
-    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+    def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return one curved piece."""
 
         def fraction(temperature: FloatArray) -> FloatArray:
             ratio = (self.melting_point - temperature) / (self.melting_point - liquidus)
             return 1.0 - ratio ** (1.0 / (self.partition_coefficient - 1.0))
 
-        return (Piece(solidus, liquidus, fraction),)
+        return (FractionPiece(solidus, liquidus, fraction),)
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class TabulatedLaw:
         """Highest temperature of the table [°C]."""
         return self.rows[-1][0]
 
-    def pieces(self, solidus: float, liquidus: float) -> tuple[Piece, ...]:
+    def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return one straight piece between each two rows of different temperature."""
         neighbours = zip(self.rows[:-1], self.rows[1:], strict=True)
         return tuple(

@@ -14,6 +14,7 @@ from castx.errors import CaseError
 from castx.materials.flow import VISCOPLASTIC, isotropic_hardening, law_problems, solid_flow
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.material import Material
+from castx.materials.thermal_strain import volumetric_thermal_strain
 from castx.report.curves import COLOURS, DOTS_PER_INCH, figure
 from castx.tables import Table
 
@@ -211,7 +212,7 @@ def strain_diagram(material: Material, temperature: FloatArray, valid: Range | N
     """Return the linear thermal strain from the stress-free temperature, and the mean expansion."""
     assert material.expansion is not None
     stress_free = material.stress_free_temperature(20.0)
-    strain = 100.0 / 3.0 * material.volumetric_thermal_strain(temperature, stress_free)
+    strain = 100.0 / 3.0 * volumetric_thermal_strain(material, temperature, stress_free)
     mean = tabled(material.expansion, temperature, 1e6, valid)
     lines = [Line(temperature, strain, f"from {stress_free:g} °C", valid)]
     return Diagram("thermal strain [%]", lines, ("mean expansion [µm/m/K]", mean, None))

@@ -19,8 +19,9 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.equilibrium.equilibrium import EquilibriumReport
-from castx.mechanics.constitutive import law as constitutive
-from castx.mechanics.constitutive.law import SMALLEST_SECANT, Law
+from castx.mechanics.constitutive import response
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.constitutive.response import SMALLEST_SECANT
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
@@ -131,7 +132,7 @@ def test_the_secant_modulus_smooths_the_pressure_of_deep_flow(
     moved = SurfaceDisplacement("right", "y", Table.from_points([[0.0, 0.0], [STEPS, 30.0]]))
     alternating = []
     for least in (SMALLEST_SECANT, 1.0):
-        monkeypatch.setattr(constitutive, "SMALLEST_SECANT", least)
+        monkeypatch.setattr(response, "SMALLEST_SECANT", least)
         made = problem(
             mesh, {"membrane": MechanicalBody(law, **KINDS[kind])},
             {"membrane": [fixed("left", "all"), moved]}, tolerance=1e-6,

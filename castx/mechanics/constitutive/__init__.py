@@ -1,5 +1,5 @@
 """Stress at a point: the law of a body, the return mapping of J2 viscoplasticity, and the history.
 
-Public: `law.Law`, `law.respond`, `return_mapping.return_mapping`, `points.MaterialPoints`,
-`integration_points.IntegrationPoints`, `plane_stress.normal_strain`.
+Public: `law.Law`, `history.PointHistory`, `response.respond`, `return_mapping.return_mapping`,
+`points.MaterialPoints`, `integration_points.IntegrationPoints`, `plane_stress.normal_strain`.
 """

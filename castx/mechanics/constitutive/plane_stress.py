@@ -8,7 +8,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
-from castx.mechanics.constitutive.law import Response
+from castx.mechanics.constitutive.response import Response
 
 MOST_ITERATIONS = 50
 ROUNDING = 1e-13

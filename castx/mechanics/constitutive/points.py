@@ -1,4 +1,4 @@
-"""The law of one body as functions for the forms: state, history and what both give in a step."""
+"""Stress, tangent and history of the integration points of a body, as functions for the forms."""
 
 from __future__ import annotations
 
@@ -10,16 +10,11 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.forms import kinematics
 from castx.forms.momentum import PointState
+from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
-from castx.mechanics.constitutive.law import (
-    Conditions,
-    History,
-    Law,
-    Response,
-    respond,
-    secant_softening,
-)
+from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
+from castx.mechanics.constitutive.response import Response, respond, secant_softening
 from castx.stateful import Arrays, Saved
 
 
@@ -46,24 +41,24 @@ class MaterialPoints:
         self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
         self.secant_modulus = fem.Function(cells)
         self.out_of_plane = points.scalar() if points.model == "plane-stress" else None
-        self.history = History.initial(points, starts_liquid)
+        self.history = PointHistory.initial(points, starts_liquid)
         self._start = self.history
         self._conditions: Conditions | None = None
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
         self._free_volume: FloatArray = np.zeros(points.cells)
-        self._committed: tuple[History, Conditions, float, FloatArray] | None = None
+        self._committed: tuple[PointHistory, Conditions, float, FloatArray] | None = None
 
     @property
     def conditions(self) -> Conditions:
-        """What the law is in the present trial step."""
+        """Coefficients of the law in the present trial step."""
         assert self._conditions is not None
         return self._conditions
 
     @property
     def response(self) -> Response:
-        """What the law answered to the last strain."""
+        """Stress and tangent for the last strain."""
         assert self._response is not None
         return self._response
 
@@ -101,20 +96,20 @@ class MaterialPoints:
         """Volumetric thermal strain of the cells alone, shape (cells,)."""
         return self.conditions.thermal_strain - self._free_volume
 
-    def _use(self, start: History, conditions: Conditions, step: float) -> None:
+    def _use(self, start: PointHistory, conditions: Conditions, step: float) -> None:
         self._start, self._conditions, self._step = start, conditions, step
         self.compressibility.x.array[:] = conditions.compressibility
         self.thermal_strain.x.array[:] = conditions.thermal_strain
         self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
 
     def _secant(self, c: Conditions) -> FloatArray:
-        """Return the shear modulus by which the step is stabilised, known at its start."""
+        """Return the shear modulus G of the stabilisation τ, known at the start of the step."""
         solid = self._start.softening * c.shear_modulus
         liquid = solid if c.liquid_modulus is None else c.liquid_modulus
         return c.solid_share * solid + (1 - c.solid_share) * liquid
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
-        """Find stress and tangent for a total strain at the end of the step.
+        """Update stress and tangent for a total strain at the end of the step.
 
         Args:
             strain: shape (points, components); in plane stress ε_zz is found here.
@@ -166,15 +161,15 @@ class MaterialPoints:
         return found
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back the history with which the next step starts."""
+        """Restore the history with which the next step starts."""
         self.history, self._committed = self.history.restored(arrays), None
         if self.out_of_plane is not None:
             self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
 
     def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
+        """Accept the trial state as the start of the next step."""
         strain, response = deviatoric(self._strain), self.response
-        self.history = History(
+        self.history = PointHistory(
             self._start.birth,
             response.plastic,
             response.equivalent,
@@ -186,9 +181,9 @@ class MaterialPoints:
         self._committed = self._start, self.conditions, self._step, compressibility
 
     def rewind(self) -> None:
-        """Answer again as at the end of the last accepted step.
+        """Return to the end of the last accepted step.
 
-        Its own start is needed for that: what is viscous would go on flowing from its end.
+        It is evaluated from its own start: from its end, a viscous material would flow on.
         """
         if self._committed is not None:
             start, conditions, step, compressibility = self._committed

@@ -13,8 +13,10 @@ from castx.errors import ConvergenceError
 from castx.materials.flow import FlowProperties
 from castx.materials.rules.power_law import PowerLaw
 from castx.mechanics.constitutive import plane_stress
-from castx.mechanics.constitutive.law import Conditions, History, respond
+from castx.mechanics.constitutive.history import PointHistory
+from castx.mechanics.constitutive.law import Conditions
 from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
+from castx.mechanics.constitutive.response import respond
 
 YOUNG, YIELD = 60e9, 60e6
 COUNT = 50
@@ -30,9 +32,9 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
     return Conditions(G * one, flow, one, None, None, soft, soft, none, solid)
 
 
-def history() -> History:
+def history() -> PointHistory:
     none = np.zeros((COUNT, 4))
-    return History(none, none, none[:, 0], none, none[:, 0] + 1, np.ones(COUNT, dtype=bool))
+    return PointHistory(none, none, none[:, 0], none, none[:, 0] + 1, np.ones(COUNT, dtype=bool))
 
 
 @settings(max_examples=40)

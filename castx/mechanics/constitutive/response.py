@@ -1,0 +1,129 @@
+"""Deviatoric stress and tangent at the integration points: solid, liquid, and mixture of both."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.mechanics.constitutive.history import PointHistory
+from castx.mechanics.constitutive.law import Conditions
+from castx.mechanics.constitutive.return_mapping import (
+    plastic_work,
+    return_mapping,
+    tensor_norm,
+    viscoplastic_strain,
+)
+
+SMALLEST_SECANT = 1e-3
+"""Least part of G to which plastic flow takes the secant modulus of the stabilisation."""
+
+
+class Response(NamedTuple):
+    """Deviatoric stress and tangent at the points: ds/de = isotropic I + radial n ⊗ n.
+
+    Attributes:
+        stress: s [Pa], shape (points, components).
+        isotropic: [Pa], shape (points,).
+        radial: [Pa], shape (points,).
+        direction: n, shape (points, components).
+        plastic: viscoplastic strain of the solid at the end of the step.
+        equivalent: its equivalent.
+        work: plastic work per volume in the step [J/m³], shape (points,).
+    """
+
+    stress: FloatArray
+    isotropic: FloatArray
+    radial: FloatArray
+    direction: FloatArray
+    plastic: FloatArray
+    equivalent: FloatArray
+    work: FloatArray
+
+
+def respond(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
+    """Return the response to deviatoric strains at the end of the step, shape (points, components).
+
+    Liquid: s = 2 (η/Δt) (e - e_n). Solid: s = 2 G (e - e_birth - e_vp), by `return_mapping` if it
+    flows. Between coherency and full solidity s = w s_solid + (1 - w) s_liquid.
+
+    Raises:
+        ConvergenceError: the flow rule of a point cannot be solved.
+    """
+    response = _solid_response(conditions, start, strain)
+    share = conditions.solid_share
+    if conditions.liquid_modulus is None and conditions.liquid_flow is None:
+        return response
+    if (share == 1.0).all():
+        return response
+    return _mixture(response, share, *_liquid_response(conditions, start, strain))
+
+
+def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
+    G, flow = conditions.shear_modulus, conditions.flow
+    trial = (2 * G)[:, None] * (strain - start.birth - start.plastic)
+    none = np.zeros(len(G))
+    if flow is None:
+        return Response(
+            trial, 2 * G, none, np.zeros_like(trial), start.plastic, start.equivalent, none
+        )
+    back = (2 / 3 * flow.kinematic_modulus)[:, None] * start.plastic
+    returned = return_mapping(trial, back, start.equivalent, flow)
+    return Response(
+        returned.stress, returned.isotropic, returned.radial, returned.direction,
+        start.plastic + viscoplastic_strain(returned), start.equivalent + returned.increment,
+        plastic_work(returned),
+    )  # fmt: skip
+
+
+def _liquid_response(
+    conditions: Conditions, start: PointHistory, strain: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    change = strain - start.strain
+    modulus, flow = conditions.liquid_modulus, conditions.liquid_flow
+    if flow is None:
+        assert modulus is not None
+        none = np.zeros(len(modulus))
+        return (2 * modulus)[:, None] * change, 2 * modulus, none, np.zeros_like(change)
+    trial = (2 * conditions.shear_modulus)[:, None] * change
+    returned = return_mapping(trial, np.zeros_like(trial), np.zeros(len(trial)), flow)
+    return returned.stress, returned.isotropic, returned.radial, returned.direction
+
+
+def _mixture(
+    solid: Response,
+    share: FloatArray,
+    stress: FloatArray,
+    isotropic: FloatArray,
+    radial: FloatArray,
+    direction: FloatArray,
+) -> Response:
+    w, rest = share[:, None], (1 - share)[:, None]
+    # Trial stresses of both phases differ where the solid has a past. The tangent of a mixture
+    # keeps the direction of the phase that bears more of the radial part.
+    use_solid = share * np.abs(solid.radial) >= (1 - share) * np.abs(radial)
+    return solid._replace(
+        stress=w * solid.stress + rest * stress,
+        isotropic=share * solid.isotropic + (1 - share) * isotropic,
+        radial=np.where(use_solid, share * solid.radial, (1 - share) * radial),
+        direction=np.where(use_solid[:, None], solid.direction, direction),
+        plastic=np.where(w > 0, solid.plastic, 0.0),
+        equivalent=np.where(share > 0, solid.equivalent, 0.0),
+        work=share * solid.work,
+    )
+
+
+def secant_softening(
+    response: Response, conditions: Conditions, start: PointHistory, strain: FloatArray
+) -> FloatArray:
+    """Return ‖s‖/(2 G ‖e − e_birth‖), the secant modulus over the elastic one, shape (points,).
+
+    The stabilisation τ of the next step takes G times this factor, see `forms/stabilisation`.
+    """
+    stretch = strain - start.birth
+    share = np.where(conditions.solid_share > 0, conditions.solid_share, 1.0)
+    elastic = 2 * share * conditions.shear_modulus * tensor_norm(stretch)
+    stress = tensor_norm(response.stress)
+    found = np.divide(stress, elastic, out=np.ones_like(elastic), where=elastic > 0)
+    return np.clip(found, SMALLEST_SECANT, 1.0)

@@ -1,0 +1,100 @@
+"""Integration points: weights of the models, interpolation, and integrals over the ranks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import ufl
+
+from castx.domain.mesh import BodyMesh
+from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
+from tests.elastic_bodies import generated
+
+LENGTH, WIDTH, DEPTH = 0.02, 0.01, 0.008
+MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
+CELLS = ("simplices", "quadrilaterals")
+
+
+def slab(comm, model: str, cells: str) -> BodyMesh:
+    depth: dict[str, Any] = {"depth": DEPTH} if model == "3d" else {}
+    mesh = generated(
+        comm, model, "slab", ["casting"], length=LENGTH, width=WIDTH, size=0.004, cells=cells,
+        **depth,
+    )  # fmt: skip
+    return mesh.bodies["casting"]
+
+
+def made(comm, model: str, cells: str) -> tuple[BodyMesh, IntegrationPoints]:
+    body = slab(comm, model, cells)
+    return body, IntegrationPoints(body, model, 2)
+
+
+def owned(body: BodyMesh, points: IntegrationPoints) -> int:
+    return body.mesh.topology.index_map(body.mesh.topology.dim).size_local
+
+
+@pytest.mark.parametrize("cells", CELLS)
+@pytest.mark.parametrize("model", MODELS)
+def test_weights_sum_to_the_volume(comm, model, cells):
+    """A plane body is 1 m thick; a turned one has 2π r, here ∫ 2π r dr over the length."""
+    body, points = made(comm, model, cells)
+    volume = comm.allreduce(points.weights[: owned(body, points)].sum())
+    expected = {"3d": LENGTH * WIDTH * DEPTH, "axisymmetric": np.pi * LENGTH**2 * WIDTH}
+    assert volume == pytest.approx(expected.get(model, LENGTH * WIDTH), rel=1e-12)
+    area = comm.allreduce((points.sizes[: owned(body, points)] ** body.mesh.geometry.dim).sum())
+    assert area == pytest.approx(LENGTH * WIDTH * (DEPTH if model == "3d" else 1.0), rel=1e-12)
+    assert points.components == (6 if model == "3d" else 4)
+    assert points.count == points.cells * points.per_cell == points.weights.size
+
+
+@pytest.mark.parametrize("cells", CELLS)
+def test_nodal_values_reach_the_points_as_ufl_evaluates_them(comm, cells):
+    body, points = made(comm, "plane-strain", cells)
+    x = body.nodes.tabulate_dof_coordinates()
+    values = 3.0 + 20.0 * x[:, 0] - 7.0 * x[:, 1]
+    place = ufl.SpatialCoordinate(body.mesh)
+    exact = points.evaluate(points.expression(3.0 + 20.0 * place[0] - 7.0 * place[1])).ravel()
+    np.testing.assert_allclose(points.from_nodes(values), exact, rtol=1e-12)
+
+
+@pytest.mark.parametrize("cells", CELLS)
+def test_means_and_values_of_cells(comm, cells):
+    """The mean of r weighted by r over each cell, by an integral of higher degree."""
+    body, points = made(comm, "axisymmetric", cells)
+    r = ufl.SpatialCoordinate(body.mesh)[0]
+    at_points = points.evaluate(points.expression(r)).ravel()
+    fine = IntegrationPoints(body, "axisymmetric", 5)
+    r_fine = fine.by_cell(fine.evaluate(fine.expression(r)).ravel())
+    expected = (fine.weights * r_fine).sum(axis=1) / fine.weights.sum(axis=1)
+    np.testing.assert_allclose(points.cell_means(at_points), expected, rtol=1e-12)
+    tensors = at_points[:, None] * np.arange(1.0, 5.0)
+    np.testing.assert_allclose(points.cell_means(tensors), expected[:, None] * np.arange(1.0, 5.0))
+    numbers = np.arange(float(points.cells))
+    spread = points.from_cells(numbers)
+    assert spread.shape == (points.count,)
+    np.testing.assert_allclose(points.cell_means(spread), numbers, rtol=1e-12)
+    np.testing.assert_array_equal(points.by_cell(spread), np.tile(numbers, (points.per_cell, 1)).T)
+
+
+@pytest.mark.parametrize("cells", CELLS)
+@pytest.mark.parametrize("model", MODELS)
+def test_integrals_at_nodes_sum_to_the_integral(comm, model, cells):
+    """The shape functions sum to one: Σ_i ∫ N_i v = ∫ v, here of v = x."""
+    body, points = made(comm, model, cells)
+    x = points.evaluate(points.expression(ufl.SpatialCoordinate(body.mesh)[0])).ravel()
+    nodes = len(body.nodes.tabulate_dof_coordinates())
+    total = comm.allreduce(points.to_nodes(x, nodes).sum())
+    exact = {"3d": LENGTH**2 / 2 * WIDTH * DEPTH, "axisymmetric": 2 / 3 * np.pi * LENGTH**3 * WIDTH}
+    assert total == pytest.approx(exact.get(model, LENGTH**2 / 2 * WIDTH), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("model", "formulation", "cells", "degree"),
+    [("plane-strain", "mixed", "simplices", 1), ("plane-stress", "mixed", "simplices", 2),
+     ("plane-stress", "displacement", "simplices", 1),
+     ("plane-strain", "q1p0", "quadrilaterals", 2)],
+)  # fmt: skip
+def test_degree_of_the_rule(comm, model, formulation, cells, degree):
+    assert quadrature_degree(slab(comm, model, cells), model, formulation) == degree

@@ -1,0 +1,146 @@
+"""Stress and tangent at points: liquid, mixture, solid, and the secant modulus."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.materials.flow import PLASTIC
+from castx.mechanics.constitutive.history import PointHistory
+from castx.mechanics.constitutive.law import Conditions, Law
+from castx.mechanics.constitutive.response import (
+    SMALLEST_SECANT,
+    Response,
+    respond,
+    secant_softening,
+)
+from castx.mechanics.constitutive.return_mapping import tensor_norm
+from tests.castx.mechanics.constitutive.metals import (
+    COHERENCY,
+    FLOWING,
+    NEWTONIAN,
+    NORTON,
+    POISSON,
+    SHRINKAGE,
+    VISCOSITY,
+    YOUNG,
+    G,
+    K,
+    after,
+    at,
+    metal,
+    strains,
+)
+from tests.elastic_bodies import elastic
+
+
+def test_a_liquid_is_viscous_and_incompressible(points):
+    law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
+    before, strain = strains(points, 0.1, 1), strains(points, 0.1, 2)
+    history = PointHistory.initial(points, liquid=True)._replace(strain=before)
+    for step in (0.1, 2.0):
+        c = at(points, law, 0.3, step=step)
+        found = respond(c, history.start(c.coherent, points), strain)
+        np.testing.assert_allclose(found.stress, 2 * VISCOSITY / step * (strain - before))
+        assert not c.coherent.any()
+        assert c.compressibility.max() == c.thermal_strain.max() == found.work.max() == 0.0
+        assert c.solid_compressibility == pytest.approx(1 / K)
+        assert found.equivalent.max() == np.abs(found.plastic).max() == 0.0
+
+
+def test_a_norton_liquid_creeps(points):
+    """Along the change of strain; q/(3G) + A Δt qⁿ is its equivalent over the step."""
+    law = Law(metal(**NORTON), 560.0, PLASTIC)
+    before, strain, step = strains(points, 0.1, 1), strains(points, 0.1, 2), 0.5
+    c = at(points, law, 0.0, step=step)
+    history = PointHistory.initial(points, liquid=True)._replace(strain=before)
+    found = respond(c, history.start(c.coherent, points), strain)
+    q = np.sqrt(1.5) * tensor_norm(found.stress)
+    change = strain - before
+    equivalent = np.sqrt(2 / 3) * tensor_norm(change)
+    np.testing.assert_allclose(q / (3 * G) + step * 1e-20 * q**3, equivalent, rtol=1e-10)
+    along = found.stress / tensor_norm(found.stress)[:, None]
+    np.testing.assert_allclose(along, change / tensor_norm(change)[:, None], atol=1e-10)
+    assert found.equivalent.max() == 0.0
+
+
+def mixed(points, law: Law, solid_fraction: float) -> tuple[Conditions, Response]:
+    """Return what a freezing cell does that has been a solid, and has been strained, before."""
+    past = at(points, law, 0.95)
+    history = PointHistory.initial(points, liquid=False).start(past.coherent, points)
+    history = after(points, past, history, strains(points, 2e-3, 1))
+    c = at(points, law, solid_fraction)
+    return c, respond(c, history.start(c.coherent, points), strains(points, 2e-3, 2))
+
+
+@pytest.mark.parametrize("name", ["thermo-elastic", PLASTIC])
+@pytest.mark.parametrize("liquid", [NEWTONIAN, NORTON], ids=["newtonian", "norton"])
+def test_the_mixture_is_continuous_from_liquid_to_solid(points, liquid, name):
+    law = Law(metal(**liquid), 560.0, name)
+    fractions = np.linspace(COHERENCY, 1.0, 41)
+    states = [mixed(points, law, fraction) for fraction in fractions]
+    for quantity in (
+        lambda c, r: r.stress, lambda c, r: r.isotropic, lambda c, r: c.compressibility,
+        lambda c, r: c.thermal_strain, lambda c, r: r.work,
+    ):  # fmt: skip
+        values = np.array([quantity(c, r) for c, r in states])
+        assert np.abs(np.diff(values, axis=0)).max() <= 0.05 * np.abs(values).max()
+    solid, nearly = mixed(points, law, 1.0), mixed(points, law, 1.0 - 1e-9)
+    np.testing.assert_allclose(nearly[1].stress, solid[1].stress, rtol=1e-6, atol=1.0)
+    assert solid[0].compressibility == pytest.approx(1 / K)
+    assert solid[0].thermal_strain == pytest.approx(-SHRINKAGE)
+    first, last_liquid = mixed(points, law, COHERENCY), mixed(points, law, COHERENCY - 1e-9)
+    assert first[0].coherent.all() and not last_liquid[0].coherent.any()
+    assert first[0].compressibility.max() == first[0].thermal_strain.max() == 0.0
+    np.testing.assert_allclose(first[1].stress, last_liquid[1].stress, rtol=1e-12)
+    half = mixed(points, law, (1 + COHERENCY) / 2)[0]
+    assert half.compressibility == pytest.approx(0.5 / K)
+    assert half.thermal_strain == pytest.approx(-0.5 * SHRINKAGE)
+
+
+def test_the_mixture_shares_its_stress(points):
+    law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
+    (_, solid), (_, liquid), (_, mixture) = (
+        mixed(points, law, fraction) for fraction in (1.0, COHERENCY, 0.9)
+    )
+    w = 0.3 / 0.4
+    expected = w * solid.stress + (1 - w) * liquid.stress
+    np.testing.assert_allclose(mixture.stress, expected, rtol=1e-10, atol=1e-3)
+    np.testing.assert_allclose(mixture.work, w * solid.work, rtol=1e-12)
+    np.testing.assert_array_equal(mixture.equivalent, solid.equivalent)
+    assert solid.equivalent.min() > 0
+
+
+def test_softening_is_the_secant_modulus(points):
+    law = Law(metal(), 560.0, PLASTIC)
+    c, start = at(points, law, 1.0), PointHistory.initial(points, liquid=False)
+    for size in (1e-5, 1e-3, 1e-2, 1e4):
+        strain = strains(points, size)
+        found = respond(c, start, strain)
+        secant = tensor_norm(found.stress) / (2 * tensor_norm(strain))
+        expected = np.maximum(secant / G, SMALLEST_SECANT)
+        softening = secant_softening(found, c, start, strain)
+        np.testing.assert_allclose(softening, expected, rtol=1e-12)
+        assert softening.max() <= 1.0
+        assert size > 1e-5 or softening.min() == pytest.approx(1.0, abs=1e-12)
+    still = np.zeros((points.count, 4))
+    assert np.all(secant_softening(respond(c, start, still), c, start, still) == 1.0)
+
+
+@pytest.mark.parametrize(
+    "key, value",
+    [("young_modulus", 50e9), ("poisson_ratio", 0.35), ("yield_stress", 10e6),
+     ("hardening", 2e9), ("kinematic_hardening", 1e9)],
+)  # fmt: skip
+def test_every_constant_of_the_solid_acts(points, key, value):
+    given = {"young_modulus": YOUNG, "poisson_ratio": POISSON, **FLOWING}
+    strain, start = strains(points, 0.01), PointHistory.initial(points, liquid=False)
+    found = []
+    for constants in (given, {**given, key: value}):
+        rest = dict(constants)
+        law = Law(elastic(rest.pop("young_modulus"), rest.pop("poisson_ratio"), **rest), 20.0,
+                  PLASTIC)  # fmt: skip
+        c = at(points, law, 1.0)
+        half = after(points, c, start, strain / 2)
+        found.append(respond(c, half, strain[::-1]).stress)
+    assert np.abs(found[1] - found[0]).max() > 1e-3 * np.abs(found[0]).max()
