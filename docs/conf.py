@@ -13,6 +13,7 @@ from castx.version import __version__  # noqa: E402
 from docs.generator import api, verification  # noqa: E402
 
 project = "castx"
+highlight_language = "text"  # indented blocks of docstrings are formulas
 copyright = "the castx authors, LGPL-3.0-or-later"
 release = __version__
 extensions = [
@@ -32,11 +33,15 @@ myst_heading_anchors = 4
 autodoc_member_order = "bysource"
 suppress_warnings = ["ref.python"]  # the same short name in two rooms, in a type
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {
+    name: name for name in ("FloatArray", "BoolArray", "IntArray", "LongArray")
+}
 python_use_unqualified_type_names = True
 maximum_signature_line_length = 88
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+napoleon_attr_annotations = False  # those of case-file descriptions hold their checks
 toc_object_entries = False
 
 html_theme = "furo"

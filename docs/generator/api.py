@@ -10,6 +10,7 @@ from docs.generator.rooms import (
     PROJECT,
     documented_objects,
     face,
+    first_sentence,
     introduction,
     module_files,
     rooms,
@@ -20,17 +21,32 @@ PAGES = PROJECT / "docs" / "api"
 
 def room_page(room: str) -> str:
     """Return the page of a room: what it holds, then its modules with their public objects."""
-    text, _ = introduction(PROJECT / "castx" / room)
+    text, public = introduction(PROJECT / "castx" / room)
     name = "castx." + room.replace("/", ".")
     parts = [_title(name, "="), restructured(text)]
+    if public:
+        parts += ["Public objects:", "\n".join(_public_item(name, listed) for listed in public)]
     parts += [_module_part(f"{name}.{path.stem}", path) for path in module_files(room)]
     return "\n\n".join(parts) + "\n"
+
+
+def _public_item(room: str, listed: str) -> str:
+    module, _, name = listed.rpartition(".")
+    full = ".".join(part for part in (room, module) if part)
+    return f"* :py:obj:`{listed} <{full}.{name}>`: {_sentence(full, name)}"
+
+
+def _sentence(module: str, name: str) -> str:
+    return restructured(first_sentence(module, name))
 
 
 def _ground_page() -> str:
     paths = sorted((PROJECT / "castx").glob("[!_]*.py"))
     text, _ = introduction(PROJECT / "castx")
-    rows = [f"* ``castx.{name}``: :py:obj:`~{module}.{name}`" for name, module in face()]
+    rows = [
+        f"* :py:obj:`castx.{name} <{module}.{name}>`: {_sentence(module, name)}"
+        for name, module in face()
+    ]
     parts = [_title("castx", "="), restructured(text), "Public objects:", "\n".join(rows)]
     parts += [_module_part(f"castx.{path.stem}", path) for path in paths]
     return "\n\n".join(parts) + "\n"
@@ -39,14 +55,9 @@ def _ground_page() -> str:
 def _module_part(module: str, path: Path) -> str:
     text = ast.get_docstring(ast.parse(path.read_text())) or ""
     parts = [_title(module, "-"), restructured(text)]
-    for name, node in documented_objects(path):
-        kind = "data"
-        if isinstance(node, ast.ClassDef):
-            kind = "exception" if name.endswith(("Error", "Interrupted", "Refusal")) else "class"
-        elif isinstance(node, ast.FunctionDef):
-            kind = "function"
-        members = "\n   :members:" if kind == "class" else ""
-        parts.append(f".. auto{kind}:: {module}.{name}{members}")
+    for item in documented_objects(path):
+        members = "\n   :members:" if item.kind == "class" else ""
+        parts.append(f".. auto{item.kind}:: {module}.{item.name}{members}")
     return "\n\n".join(parts)
 
 
@@ -59,9 +70,9 @@ def write_pages() -> None:
     PAGES.mkdir(exist_ok=True)
     pages = {"castx": _ground_page()}
     pages |= {room.replace("/", "."): room_page(room) for room in rooms()}
-    rows = "\n".join(f"   {name}" for name in pages)
+    rows = "\n".join(f"   {name.replace('.', '/')} <{name}>" for name in pages)
     pages["index"] = (
-        f"{_title('Interface', '=')}\n\nThe rooms of castx from the ground up; each imports only"
+        f"{_title('Reference', '=')}\n\nThe rooms of castx from the ground up; each imports only"
         f" from rooms above it in this list.\n\n.. toctree::\n   :maxdepth: 1\n\n{rows}\n"
     )
     for name, text in pages.items():

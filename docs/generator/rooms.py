@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 PROJECT = Path(__file__).parents[2]
 _ROW = re.compile(r"^\| `([\w/]+)/` \|", re.M)
@@ -44,15 +45,45 @@ def face() -> list[tuple[str, str]]:
     return sorted((name, module) for name, module in found if module.count(".") > 1)
 
 
-def documented_objects(path: Path) -> Iterator[tuple[str, ast.stmt]]:
-    """Yield the public classes, functions and explained constants of a module, with their names."""
+class Documented(NamedTuple):
+    """A public object of a module.
+
+    Attributes:
+        name: in its module.
+        kind: "class", "exception", "function" or "data".
+        text: its docstring.
+    """
+
+    name: str
+    kind: str
+    text: str
+
+
+def documented_objects(path: Path) -> Iterator[Documented]:
+    """Yield the public classes, functions and explained constants of a module."""
     body = ast.parse(path.read_text()).body
     for node, following in zip(body, [*body[1:], None], strict=True):
-        if isinstance(node, ast.ClassDef | ast.FunctionDef):
-            if not node.name.startswith("_"):
-                yield node.name, node
-        elif isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
-            target = node.targets[0] if isinstance(node, ast.Assign) else node
-            name = getattr(target, "id", getattr(getattr(target, "target", None), "id", "_"))
-            if not name.startswith("_"):
-                yield name, node
+        found = _documented(node, following)
+        if found is not None and not found.name.startswith("_"):
+            yield found
+
+
+def _documented(node: ast.stmt, following: ast.stmt | None) -> Documented | None:
+    if isinstance(node, ast.FunctionDef):
+        return Documented(node.name, "function", ast.get_docstring(node) or "")
+    if isinstance(node, ast.ClassDef):
+        is_error = any("Error" in ast.unparse(base) for base in node.bases)
+        kind = "exception" if is_error else "class"
+        return Documented(node.name, kind, ast.get_docstring(node) or "")
+    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
+    text = getattr(getattr(following, "value", None), "value", None)
+    if isinstance(target, ast.Name) and isinstance(following, ast.Expr) and isinstance(text, str):
+        return Documented(target.id, "data", text)
+    return None
+
+
+def first_sentence(module: str, name: str) -> str:
+    """Return the first line of the docstring of an object; empty if it has none."""
+    path = PROJECT / f"{module.replace('.', '/')}.py"
+    texts = [item.text for item in documented_objects(path) if item.name == name]
+    return texts[0].partition("\n")[0] if texts else ""

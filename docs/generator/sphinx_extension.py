@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from enum import Enum
 from typing import Any
 
 from docutils import nodes
@@ -26,8 +27,9 @@ def escape_docstring(
 def hide_signature(
     app: Sphinx, what: str, name: str, obj: object, options: object, signature: str, result: str
 ) -> tuple[str, str | None] | None:
-    """Leave out the signatures of case-file descriptions: their keys are listed below."""
-    if isinstance(obj, type) and issubclass(obj, BaseModel):
+    """Leave out signatures that say nothing: of case-file descriptions, enumerations, protocols."""
+    empty = isinstance(obj, type) and issubclass(obj, BaseModel | Enum)
+    if empty or getattr(obj, "_is_protocol", False):
         return "", None
     return None
 

@@ -37,7 +37,12 @@ def contact_method_equations() -> str:
 def heat_laws() -> str:
     """Return the table of all gap heat laws."""
     rows = [
-        (f"`{row.name}`", f"{row.formula}<br>{row.summary}", row.needed or "–", row.useful or "–")
+        (
+            f"`{row.name}`",
+            f"{row.formula}<br>{row.summary}",
+            _keys(row.needed.split(", ")),
+            _keys(row.useful.split(", ")),
+        )
         for row in law_table()
     ]
     return _table(("`law`", "h [W/m²/K]", "keys that it needs", "keys that it may use"), rows)
@@ -97,7 +102,7 @@ def _rules(rows: Iterable[RuleRow], first: str, what: str) -> str:
     return _table(
         (first, what, "keys"),
         (
-            (f"`{row.name}`", f"{row.formula}<br>{row.summary}", ", ".join(row.keys))
+            (f"`{row.name}`", f"{row.formula}<br>{row.summary}", _keys(row.keys))
             for row in rows
         ),
     )
@@ -109,6 +114,11 @@ def materials() -> str:
     names = sorted(entries, key=lambda name: (entries[name].material_class, name))
     rows = [(f"`{name}`", entries[name].material_class, entries[name].summary) for name in names]
     return _table(("material", "class", "what it is"), rows)
+
+
+def _keys(texts: Iterable[str]) -> str:
+    """Return keys, some with units and defaults, such as "exponent = 1", as code and text."""
+    return ", ".join(re.sub(r"^\w+", r"`\g<0>`", text) for text in texts if text) or "–"
 
 
 def _names(names: Iterable[str]) -> str:
