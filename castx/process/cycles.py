@@ -30,7 +30,7 @@ class CycleEnds:
         }
         self._last = dict(self._now)
 
-    def look(self, temperature: Mapping[str, fem.Function]) -> None:
+    def note(self, temperature: Mapping[str, fem.Function]) -> None:
         """Note the temperatures of the bodies that are there at the end of a stage [°C]."""
         for name, numbering in self._numberings.items():
             if name in temperature:

@@ -157,7 +157,7 @@ class Process:
         end = following[0].start if following else self.schedule.end
         if self._cycling is None or abs(time - end) > SLACK * self.schedule.end:
             return
-        self._cycling.ends.look(self.now.problem.heat.temperature)
+        self._cycling.ends.note(self.now.problem.heat.temperature)
         if following and following[0].cycle == self.phase.cycle:
             return
         if end < (self.phase.cycle_start + self.schedule.cycle_length) * (1 - SLACK):

@@ -1,1 +1,6 @@
-"""Folders, tables and fields on disk."""
+"""Files of a results folder: the folder and its lock, tables, fields, failures of the disk.
+
+Public: `folder.claimed_folder`, `folder.clear_results`, `folder.record_of`, `folder.write_whole`,
+`folder.FolderLock`, `disk.Disk`, `series.Series`, `series.read_series`,
+`collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`.
+"""

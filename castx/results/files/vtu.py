@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,9 +21,11 @@ from castx.arrays import FloatArray, IntArray, LongArray
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
 
-Int64Array = LongArray
 VTK_TENSOR = [0, 1, 2, 3, 5, 4]
 """From xx yy zz xy xz yz to VTK's order of a symmetric tensor, xx yy zz xy yz xz."""
+
+OWN_ERRORS = 20000
+"""Codes of VTK's own errors begin here, below are those of the system."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +41,9 @@ class Piece:
     """
 
     cells: int
-    nodes: Int64Array
+    nodes: LongArray
     points: FloatArray
-    connectivity: Int64Array
+    connectivity: LongArray
     kind: int
 
     @classmethod
@@ -104,7 +107,10 @@ def write_piece(
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     writer.SetCompressorTypeToZLib()
-    if writer.Write() != 1:
+    written, code = writer.Write(), writer.GetErrorCode()
+    if 0 < code < OWN_ERRORS:
+        raise OSError(code, os.strerror(code), str(path))
+    if written != 1 or code != 0 or not path.exists():  # VTK returns 1 where it finds no folder
         raise OSError(f"cannot write {path}")
 
 

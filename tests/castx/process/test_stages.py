@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.case.boundaries import Boundary
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError
-from castx.process.stage_case import replaced
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import (
     TIGHT,
@@ -116,19 +114,6 @@ def test_a_spray_cools_as_convection_does(comm, coefficient):
         np.testing.assert_array_equal(found, nodal(by_hand, "casting", "temperature"))
     dry = nodal(final_state(comm, thermal(OPENING)), "casting", "temperature")
     assert dry.min() - found.min() > (3.0 if coefficient < 1000 else 50.0)
-
-
-def test_boundaries_replace_those_of_the_same_kind():
-    def given(**conditions) -> Boundary:
-        return Boundary.read({"on": "casting/top", **conditions})
-
-    old = [given(heat=AIR), given(displacement={"normal": 0})]
-    (hot,) = replaced(old, [given(heat={"type": "insulated"})])
-    assert hot.heat[0].type == "insulated" and hot.displacement == old[1].displacement
-    (free,) = replaced(old, [given(displacement="free")])
-    assert free.displacement == () and free.heat == old[0].heat
-    (loaded,) = replaced(old, [given(pressure=1e5)])
-    assert loaded.pressure is not None and loaded.heat and loaded.displacement
 
 
 @pytest.mark.parametrize("gravity", [pytest.param(0.0, marks=pytest.mark.serial), 9.81])

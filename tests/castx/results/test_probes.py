@@ -2,13 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from castx.domain.cell_kinds import KINDS
 from castx.errors import CaseError
 from castx.results.files.series import read_series
-from castx.results.locate import interpolation_weights
 from castx.results.probes import Probes
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh, fake_probe
 
@@ -86,23 +82,6 @@ def test_linear_fields_are_exact_in_space(cells, comm, shared_tmp_path):
         exact = 7.0 + np.array(point) @ [1e3, -3e3, 5e3]
         assert series[f"p{i}.temperature"] == pytest.approx([exact], abs=1e-9)
     assert series["g.gap"] == pytest.approx([1e-3 * 0.0131], rel=1e-9)
-
-
-@given(st.data())
-@pytest.mark.parametrize("kind", KINDS)
-def test_weights_are_those_of_the_place_in_a_skewed_cell(kind, data):
-    cell = KINDS[kind]
-    moves = st.lists(st.floats(-0.2, 0.2), min_size=3 * cell.corners, max_size=3 * cell.corners)
-    corners = np.zeros((cell.corners, 3))
-    corners[:, : cell.dimension] = cell.reference
-    # Facets lie anywhere in space; cells move inside theirs.
-    width = cell.dimension if cell.dimension > 1 else 3
-    corners[:, :width] += np.array(data.draw(moves)).reshape(-1, 3)[:, :width]
-    place = np.array(data.draw(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3)))
-    place = place[: cell.dimension] / (max(place.sum(), 1.0) if cell.simplex else 1.0)
-    weights = cell.shape_functions(place[None])[0][0]
-    found = interpolation_weights(cell, 1e-3 * corners + 0.5, 1e-3 * weights @ corners + 0.5)
-    assert found == pytest.approx(weights, abs=1e-10)
 
 
 def test_nodes_corners_and_axis_are_found_in_both_bodies(comm, shared_tmp_path):

@@ -9,7 +9,6 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.results.gradients import Steepness
 from castx.results.solidification import LEVELS, BodySolidification, Solidification, thresholds_of
 from castx.tables import Table
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh, slab_mesh
@@ -113,20 +112,3 @@ def test_a_body_that_does_not_melt_has_none(comm):
     mesh = cylinder_mesh(comm, size=5e-3)
     solidification = Solidification(mesh, {"casting": thresholds_of(Curve())})
     assert np.isnan(solidification.nodal("mould", "niyama")).all()
-
-
-@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
-def test_steepness_is_exact_for_linear_fields_and_sees_weights(cells, comm):
-    mesh = cylinder_mesh(comm, "3d", 8e-3, cells)
-    body = mesh.bodies["mould"]
-    steepness = Steepness(body)
-    points = body.nodes.tabulate_dof_coordinates()
-    in_cells = steepness.in_cells(points @ np.array([3.0, -4.0, 12.0]))
-    np.testing.assert_allclose(in_cells, 13.0)
-    ones = np.ones_like(in_cells)
-    np.testing.assert_allclose(steepness.at_nodes(in_cells, ones), 13.0)
-    assert np.isnan(steepness.at_nodes(in_cells, 0.0 * ones)).all()
-    in_cells[::2] = np.nan
-    np.testing.assert_allclose(
-        np.nan_to_num(steepness.at_nodes(in_cells, np.isfinite(in_cells) * 1.0), nan=13.0), 13.0
-    )
