@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import doctest
 import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,6 +38,18 @@ def test_the_example_of_each_object_is_true(name, tmp_path, monkeypatch, capsys)
     said: list[str] = []
     doctest.DocTestRunner(optionflags=FLAGS).run(example, out=said.append)
     assert not said, "".join(said)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/manual/python.md"])
+def test_python_in_the_documentation_runs(page, tmp_path, monkeypatch):
+    """All blocks of a page, one after the other, on a coarse mesh and for a short time."""
+    (tmp_path / "demos").symlink_to(DEMOS)
+    text = (DEMOS.parent / page).read_text()
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert any("castx.run" in block for block in blocks)
+    code = "\n".join(blocks).replace('"time.end=20"', '"time.end=0.1", "geometry.size=1e-2"')
+    exec(compile(code.replace("grids(20.0)", "grids(0.1)"), page, "exec"), {})
 
 
 def test_importing_castx_imports_nothing_else_of_it():

@@ -48,6 +48,8 @@ def test_a_time_limit_interrupts_and_a_restart_goes_on(comm, case_file, shared_t
     assert finished.record["exit"]["reason"] == "finished"
     assert finished.history["time"][-1] == pytest.approx(0.2)
     assert len(finished.record["restarts"]) == 1
+    assert finished.times == [0.0, stopped.history["time"][-1], finished.history["time"][-1]]
+    assert finished.field("temperature", "casting").values.max() < 670.0 + 1e-6
 
 
 def test_a_finished_run_has_nothing_to_go_on_with(comm, case_file, shared_tmp_path):
