@@ -8,6 +8,6 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int32]
-"""Numbers on this rank, and what MPI and PETSc take as 32-bit numbers."""
+"""Local numbers, and numbers that MPI and PETSc take with 32 bits."""
 LongArray = npt.NDArray[np.int64]
 """Global numbers."""

@@ -17,7 +17,7 @@ class ConvergenceError(RuntimeError):
     """A nonlinear or linear problem was not solved to its tolerance.
 
     Args:
-        message: what happened, where and why.
+        message: the failure, its place and its cause.
         problem: name of the failed problem in `castx.solvers.diagnosis`, or "".
     """
 

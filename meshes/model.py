@@ -78,8 +78,8 @@ def _named_faces(mesh: LinearMesh, surfaces: Sequence[Surface]) -> dict[str, Lon
     faces = free_faces(mesh)
     left = np.ones(len(faces), dtype=bool)
     named: dict[str, LongArray] = {}
-    for name, holds in surfaces:
-        taken = left & holds(mesh.points)[faces].all(axis=1)
+    for name, contains in surfaces:
+        taken = left & contains(mesh.points)[faces].all(axis=1)
         left &= ~taken
         if taken.any():
             named[name] = np.concatenate([named.get(name, faces[:0]), faces[taken]])

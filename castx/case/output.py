@@ -85,7 +85,7 @@ class Probe(Description):
         body: on which it lies, or None.
         interface: on which it lies as "secondary/primary", or None.
         at: coordinates [m].
-        quantities: names of what is recorded.
+        quantities: names of the recorded quantities.
     """
 
     name: EntryName

@@ -1,4 +1,4 @@
-"""Stages of a process: what changes at a time of the run, and when, cycle after cycle."""
+"""Stages of a process: changes at times of the run, and their schedule over all cycles."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ class Phase:
 
     Attributes:
         start: time at which it begins [s].
-        stage: its number; 0 is what the case describes without stages.
+        stage: its number; 0 is the start, before all stages.
         cycle: its number, from 1.
         cycle_start: time at which the cycle begins [s]; tables over time count from there.
     """

@@ -39,13 +39,13 @@ def refuse_too_large(
     """Refuse a mesh that cannot fit into the free memory; collective.
 
     Args:
-        geometry: what is to be meshed.
+        geometry: to be meshed.
         body_names: names of its bodies.
         comm: ranks among which the solution is divided; the first one makes the mesh alone.
         solved: whether the run itself has to fit, or only the mesh.
 
     Raises:
-        MeshError: names the estimate, what is free and a size that would fit; on all ranks.
+        MeshError: names the estimate, the free memory and a size that would fit; on all ranks.
     """
     computers = comm.Split_type(MPI.COMM_TYPE_SHARED)
     count = comm.allreduce(int(computers.rank == 0))

@@ -98,7 +98,7 @@ class Quantity:
     """A number with a unit and a range, for `Annotated[float, Quantity(...)]`.
 
     Args:
-        dimension: what is measured.
+        dimension: physical dimension.
         above: exclusive lower bound, SI.
         least: inclusive lower bound, SI.
         below: exclusive upper bound, SI.
