@@ -27,14 +27,14 @@ DATA = {
     "c": ("creep", ()),
     "l": ("liquid", ("liquid",)),
 }
-"""What a material may have data for, by letter, with the keys needed; creep: those of any rule."""
+"""Kinds of data by letter, with the keys that they need; creep needs the keys of any flow rule."""
 
 
 def material_list(case_materials: Mapping[str, MaterialDescription]) -> Group:
-    """Return all materials with their class, where they freeze, what data they have and are.
+    """Return the table of all materials: class, freezing range, kinds of data, summary.
 
     Args:
-        case_materials: those of a case, listed first; empty for the database alone.
+        case_materials: of a case, listed first; empty for the database alone.
     """
     table = Table("material", "class", "freezes, °C", "data", box=SIMPLE_HEAD, pad_edge=False)
     for column in table.columns:
@@ -67,7 +67,7 @@ def freezing_text(material: Material) -> str:
 
 
 def data_text(material: Material) -> str:
-    """Return the letters of what a material has data for, with dots for what it has not."""
+    """Return the letters of the kinds of data that a material has, a dot for each one missing."""
     description = material.description
     has = {
         letter: all(getattr(description, key) is not None for key in keys)
@@ -85,7 +85,7 @@ def material_table(name: str, case_materials: Mapping[str, MaterialDescription])
 
     Args:
         name: of the case or the database.
-        case_materials: those of a case; empty for the database alone.
+        case_materials: of a case; empty for the database alone.
 
     Raises:
         CaseError: there is no such material.
@@ -107,7 +107,7 @@ def material_table(name: str, case_materials: Mapping[str, MaterialDescription])
 
 
 def title_text(name: str, case_materials: Mapping[str, MaterialDescription]) -> Text:
-    """Return a heading: the name and what it is."""
+    """Return a heading: name and summary."""
     own = name in case_materials
     what = origin_text(case_materials[name]) if own else database_entry(name).summary
     return Text.assemble((name, "bold"), f": {what}")
@@ -142,7 +142,7 @@ def number_text(value: float) -> str:
 
 
 def version_table() -> Table:
-    """Return the versions of castx and of what it runs on."""
+    """Return the versions of castx and of its dependencies."""
     table = Table("package", "version", box=SIMPLE_HEAD)
     for package, version in versions().items():
         table.add_row(package, version)

@@ -1,4 +1,4 @@
-"""Materials: what a case and the database say of them, their enthalpy, and how they flow.
+"""Materials: properties from the case and the database, enthalpy, thermal strain and flow.
 
 Public: `material.Material`, `description.MaterialDescription`, `lookup.find_material`,
 `database.database_entry`, `database.database_names`, `enthalpy.EnthalpyCurve`,

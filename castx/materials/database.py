@@ -1,9 +1,9 @@
 """The materials that come with castx: `database/NAME.toml`.
 
-Every property there is a table { value, unit, source, valid }, those of a phase, of `hardening` and
-of `liquid` one level deeper: the value as in a case file, its SI unit (left out of pure numbers),
-author, year and table or equation, and the lowest and highest temperature [°C] for which it holds
-(left out where it is no function of temperature). Who knows no source says so.
+Every property there is a table { value, unit, source, valid }, one level deeper for a phase, for
+`hardening` and for `liquid`: the value as in a case file, its SI unit (left out of pure numbers),
+author, year and table or equation, and the lowest and highest temperature [°C] for which it is
+valid (left out where it does not depend on temperature). Where no source is known, it says so.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from castx.materials.description import MaterialDescription
 from castx.materials.sources import Source, unit_of
 
 UNKNOWN_SOURCE = "representative value, source not established"
-"""What an entry says of numbers whose origin nobody can look up."""
+"""Source of numbers whose origin is unknown."""
 
 _FOLDER = files("castx.materials") / "database"
 _ABOUT = ("summary", "class")
@@ -35,10 +35,10 @@ class Entry:
     """A material of the database.
 
     Args:
-        summary: what it is, in one line.
+        summary: the material in one line.
         material_class: the group it belongs to.
         description: its properties.
-        sources: by property; those of a phase as `heat_capacity.solid`.
+        sources: by property, of a phase as `heat_capacity.solid`.
     """
 
     summary: str
@@ -73,7 +73,7 @@ def database_entry(name: str) -> Entry:
 
 
 def read_entry(content: dict[str, Any], file: str) -> Entry:
-    """Return the entry that a database file holds.
+    """Return the entry of a database file.
 
     Args:
         content: of the file.
@@ -95,7 +95,7 @@ def read_entry(content: dict[str, Any], file: str) -> Entry:
 
 
 def _is_item(value: Any) -> bool:
-    """Whether a table holds a property rather than further tables."""
+    """Whether a table is a property rather than a table of properties."""
     return not isinstance(value, dict) or not all(isinstance(v, dict) for v in value.values())
 
 
@@ -119,7 +119,7 @@ def _source(item: dict[str, Any]) -> Source:
 
 
 def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
-    """Yield what is wrong with the form of a file, whatever its numbers are."""
+    """Yield mistakes in the form of a file, whatever its numbers are."""
     for key in _ABOUT:
         if not isinstance(content.get(key), str) or not content[key]:
             yield Problem((key,), "missing; a text in quotes is needed")
@@ -143,7 +143,7 @@ def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
 
 
 def _range_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:
-    """Yield what is wrong with the temperatures between which a property holds."""
+    """Yield mistakes in the temperatures between which a property is valid."""
     value, valid = item.get("value"), item.get("valid")
     rows = value if isinstance(value, list) and path[0] != "solid_fraction" else []
     if valid is None:

@@ -162,7 +162,7 @@ class Liquid(Description):
         return self.model == NEWTONIAN
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield what the model needs and what it would ignore."""
+        """Yield keys that the model needs, and keys that it would ignore."""
         for key in _LIQUID_NEEDS[self.model]:
             if key not in self.model_fields_set:
                 yield Problem((key,), f'missing; model = "{self.model}" needs it')
@@ -194,10 +194,10 @@ class LiquidEntry:
 
 @with_keys(KINEMATIC_KEYS | RATE_KEYS)
 class MaterialDescription(Description):
-    """Properties of a material as given; with `extends`, only those that differ from another.
+    """Properties of a material as given; with `extends`, only the ones that differ from another.
 
     `law` names the flow rule of the solid. The keys of the flow rules and of the kinematic
-    hardening rules are fields too: those that `with_keys` adds.
+    hardening rules are fields too, added by `with_keys`.
     """
 
     extends: MaterialName | None = None
@@ -240,7 +240,7 @@ class MaterialDescription(Description):
 
     @property
     def freezing_range(self) -> tuple[float, float] | None:
-        """Solidus and liquidus [°C], given or those of the table; None for what never melts."""
+        """Solidus and liquidus [°C], given or the ends of the table; None: it never melts."""
         if isinstance(self.solid_fraction, TabulatedLaw):
             return self.solid_fraction.solidus, self.solid_fraction.liquidus
         if self.solidus is None or self.liquidus is None:
@@ -248,7 +248,7 @@ class MaterialDescription(Description):
         return self.solidus, self.liquidus
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield what does not fit together; a description that extends another is only a part."""
+        """Yield properties that contradict each other; of an extension, when it is complete."""
         if self.extends is not None:
             return
         unclear = list(self._range_problems())

@@ -36,8 +36,8 @@ Rise = Callable[[FloatArray, FloatArray], FloatArray]
 class EnthalpyCurve:
     """Enthalpy, temperature and solid fraction of a material, each a function of the other.
 
-    Outside the knots the curve goes on straight. At a knot the slopes over H are those of the
-    side with the larger H.
+    Outside the knots the curve goes on straight. At a knot the slopes over H are the slopes of
+    the side with the larger H.
 
     Args:
         temperatures: knots, not decreasing, shape (knots,) [°C]; equal ones bound a plateau.

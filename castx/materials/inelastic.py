@@ -1,4 +1,4 @@
-"""The keys of a material that say how its solid yields, hardens and creeps, from all rules."""
+"""Yielding, hardening and creep in the case file: the keys of all rules, and their checks."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ class RuleRow(NamedTuple):
 
     Attributes:
         name: in the case file.
-        summary: what it is, in one sentence.
+        summary: the rule in one sentence.
         keys: each with its SI unit and default.
-        formula: what it says.
+        formula: rate, hardening or back stress.
         source: author, year, and where it is printed.
     """
 
@@ -111,7 +111,7 @@ class KeyEntry:
     """A key of a rule as a field of a description.
 
     Args:
-        key: what is read.
+        key: name and kind of the values.
     """
 
     def __init__(self, key: RuleKey) -> None:

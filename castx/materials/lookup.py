@@ -18,7 +18,7 @@ from castx.materials.sources import Source
 def find_material(
     name: str, case_materials: Mapping[str, MaterialDescription] = MappingProxyType({})
 ) -> Material:
-    """Return the material a body asks for, with what it extends filled in.
+    """Return a material by its name, completed by the material that it extends.
 
     `extends` may name a material of the case or of the database; the material of the case that
     bears the name of a database entry and extends it stands in its place.
@@ -30,7 +30,7 @@ def find_material(
 
     Args:
         name: as in `bodies[…].material`.
-        case_materials: the `[materials]` of the case; empty: those of the database alone.
+        case_materials: the `[materials]` of the case; empty: the database alone.
 
     Raises:
         CaseError: no such material.
@@ -46,7 +46,7 @@ def find_material(
 def _resolve(
     name: str, case_materials: Mapping[str, MaterialDescription], below: tuple[str, ...]
 ) -> Entry:
-    """Return a material with all it extends; `below` are those of the case that lead to it."""
+    """Return a complete material; `below` names the materials of the case that extend it."""
     if name not in case_materials or name in below:
         return database_entry(name)
     own = case_materials[name]

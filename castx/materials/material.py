@@ -1,4 +1,4 @@
-"""A material as the solvers see it."""
+"""Material: the properties and curves that the solvers read."""
 
 from __future__ import annotations
 
@@ -73,19 +73,19 @@ class Material:
 
     @property
     def solidus(self) -> float | None:
-        """Temperature below which all is solid [°C]; None for what never melts."""
+        """Temperature below which the material is solid [°C]; None: the material never melts."""
         freezing = self.description.freezing_range
         return freezing[0] if freezing else None
 
     @property
     def liquidus(self) -> float | None:
-        """Temperature above which all is liquid [°C]; None for what never melts."""
+        """Temperature above which the material is liquid [°C]; None: the material never melts."""
         freezing = self.description.freezing_range
         return freezing[1] if freezing else None
 
     @property
     def latent_heat(self) -> float:
-        """Latent heat per mass [J/kg]; 0 for what never melts."""
+        """Latent heat per mass [J/kg]; 0: the material never melts."""
         return self.description.latent_heat or 0.0
 
     @property
@@ -125,7 +125,7 @@ class Material:
 
     @property
     def solid_fraction(self) -> SolidFractionLaw | None:
-        """Law of the solid fraction between solidus and liquidus; None for what never melts."""
+        """Law of the solid fraction between solidus and liquidus; None: it never melts."""
         law = self.description.solid_fraction
         if not self.melts:
             return None
@@ -172,7 +172,7 @@ class Material:
 
         Args:
             properties: keys of the case format.
-            purpose: what needs them, for the message.
+            purpose: use of the properties, for the message.
 
         Raises:
             CaseError: names all that are missing.

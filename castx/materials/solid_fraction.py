@@ -25,7 +25,7 @@ class FractionPiece:
 
 
 class SolidFractionLaw(Protocol):
-    """Anything that says how the solid fraction falls from solidus to liquidus."""
+    """Law by which the solid fraction falls from solidus to liquidus."""
 
     def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
         """Return the smooth pieces that fill [solidus, liquidus]; none when the two are equal."""
@@ -66,7 +66,7 @@ class LinearLaw:
 class LeverLaw:
     """Equilibrium of a binary alloy with straight phase lines, diffusion complete in both phases.
 
-    f_s = (T_l − T) / ((1 − k)(T_m − T)), at most 1; what is left at the solidus is eutectic.
+    f_s = (T_l − T) / ((1 − k)(T_m − T)), at most 1; liquid left at the solidus freezes as eutectic.
     It is the lever rule, the balance of solute between both phases.
 
     Args:
@@ -98,7 +98,7 @@ class LeverLaw:
 class ScheilLaw:
     """Binary alloy with straight phase lines, no diffusion in the solid (Gulliver, Scheil).
 
-    f_s = 1 − ((T_m − T)/(T_m − T_l))^(1/(k − 1)); what is left at the solidus is eutectic.
+    f_s = 1 − ((T_m − T)/(T_m − T_l))^(1/(k − 1)); liquid left at the solidus freezes as eutectic.
     Source: E. Scheil, Z. Metallkunde 34 (1942) 70.
 
     Args:

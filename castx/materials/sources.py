@@ -1,4 +1,4 @@
-"""Where the numbers of a material come from, and between which temperatures they hold."""
+"""Sources of the numbers of a material, and the temperatures between which they are valid."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Source:
 
     Args:
         text: author, year, table or equation.
-        valid: temperatures between which it holds [°C]; None when it is no function of them.
+        valid: temperatures between which it is valid [°C]; None: it does not depend on them.
     """
 
     text: str
@@ -66,7 +66,7 @@ class Property(NamedTuple):
         value: in `unit`.
         unit: SI.
         source: where it comes from.
-        valid: temperatures between which it holds [°C]; None: everywhere.
+        valid: temperatures between which it is valid [°C]; None: everywhere.
     """
 
     name: str
@@ -87,7 +87,7 @@ class PropertyRow(NamedTuple):
 
 
 class OutsideRange(NamedTuple):
-    """A property that is used outside the temperatures for which it holds [°C]."""
+    """A property that is used outside the temperatures for which it is valid [°C]."""
 
     property: str
     valid: tuple[float, float]
@@ -186,7 +186,7 @@ def outside_range(
 
     A property of the solid is not asked above the solidus, one of the liquid not below the
     liquidus: that each goes on unchanged through the freezing range is part of the model. Without
-    a stated range a table holds between its ends and a number everywhere.
+    a stated range a table is valid between its ends and a number everywhere.
     """
     solidus, liquidus = description.freezing_range or (highest, lowest)
     result = []
@@ -205,7 +205,7 @@ def _values(description: MaterialDescription) -> Iterator[tuple[str, Value]]:
     for name in _units():
         value: Any = description
         for key in name.split("."):
-            # The law of the solid fraction is worth a line even where the default holds.
+            # The law of the solid fraction is shown even where it is the default.
             given = value is not None and key in value.model_fields_set | {"solid_fraction"}
             value = getattr(value, key) if given else None
         if name == "solid_fraction" and not _freezes_by_law(description):
@@ -226,7 +226,7 @@ def _freezes_by_law(description: MaterialDescription) -> bool:
 
 
 def numbers(value: Value) -> Iterator[tuple[float | None, float | str]]:
-    """Yield the rows (°C, number) of a table; what is no function of temperature has no °C."""
+    """Yield the rows (°C, number) of a table, or (None, number) of a single number."""
     if isinstance(value, TabulatedLaw):
         yield from value.rows
     elif not isinstance(value, Table):

@@ -43,7 +43,7 @@ class Line:
         temperature: abscissae [°C].
         values: ordinates in the unit of the diagram.
         name: for the legend.
-        valid: where it holds [°C]; dashed elsewhere, None: everywhere.
+        valid: temperatures for which it is valid [°C]; dashed elsewhere, None: everywhere.
         marks: temperatures of the table behind it [°C].
     """
 
@@ -65,7 +65,7 @@ class Diagram:
         heading: of the legend.
         levels: thin horizontal lines, by name.
         logarithmic: whether the ordinate is.
-        within: temperatures to show, when they are not those of all [°C].
+        within: temperatures to show [°C]; None: as in all diagrams.
     """
 
     label: str
@@ -175,7 +175,7 @@ def heat_diagrams(
 
 
 def common_range(ranges: Mapping[str, Range | None], names: Sequence[str]) -> Range | None:
-    """Return where all of some properties hold, those of a solid up to those of its melt."""
+    """Return the temperatures for which all properties are valid, in solid and liquid together."""
     found = []
     for name in names:
         parts = [ranges[key] for key in (name, f"{name}.solid", f"{name}.liquid") if key in ranges]
@@ -294,12 +294,12 @@ def draw(axis: Axes, diagram: Diagram, material: Material) -> None:
 
 
 def draw_line(axis: Axes, line: Line, colour: str) -> None:
-    """Draw a curve: dashed where it does not hold, with dots at the rows of its table."""
+    """Draw a curve: dotted where it is not valid, with dots at the rows of its table."""
     low, high = line.valid or (-np.inf, np.inf)
     inside = (line.temperature >= low) & (line.temperature <= high)
     axis.plot(line.temperature, line.values, color=colour, linewidth=1.0, linestyle=":")
-    held = np.where(inside, line.values, np.nan)
-    axis.plot(line.temperature, held, color=colour, label=line.name)
+    valid = np.where(inside, line.values, np.nan)
+    axis.plot(line.temperature, valid, color=colour, label=line.name)
     if line.marks:
         at = np.array(line.marks)
         marked = np.interp(at, line.temperature, line.values)

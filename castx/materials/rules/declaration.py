@@ -1,4 +1,4 @@
-"""What all rules declare, and the check that nothing is left out."""
+"""Common part of all rules, and the check that a declaration is complete."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Rule(Protocol):
 
 
 def check_declaration(rule: Rule) -> None:
-    """Check that a rule says what it must, and that its example is allowed.
+    """Check that a rule is declared completely, and that its example is allowed.
 
     Raises:
         TypeError: names the texts that are empty and the keys without meaning or example.

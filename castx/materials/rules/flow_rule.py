@@ -1,4 +1,4 @@
-"""Declaration of a flow rule: what the case file, the manual and the return mapping need of it."""
+"""Declaration of a flow rule for the case file, the manual and the return mapping."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def _no_problems(_: Mapping[str, Table]) -> Iterator[tuple[str, str]]:
 class FlowRule:
     """How fast a material flows at an overstress.
 
-    A file of `castx/materials/flow_rules` holds one rule as `RULE`; nothing else has to know it.
+    A file of `castx/materials/flow_rules` holds one rule as `RULE`, which castx finds by itself.
 
     Attributes:
         name: in the case file and of the file.
         title: name for people, as "Norton's law".
-        summary: what it is, in one sentence.
+        summary: the rule in one sentence.
         formula: rate of the equivalent viscoplastic strain.
         source: author, year, and where the rule is printed.
         keys: that it reads; keys of one name must be the same in all rules.
@@ -38,7 +38,7 @@ class FlowRule:
         threshold: whether the material flows above a yield stress, with hardening, alone; else it
             flows at every stress, so that the rule also serves a liquid.
         overstress: function (values of the keys, temperature [°C], step [s]) that returns V(Δγ).
-        flows_by: what drives the flow, for the message that a key is missing.
+        flows_by: driving quantity, for the message that a key is missing.
         problems: function that yields keys with values that do not fit together, and the cure.
         is_default: whether a material without `law` follows this rule.
     """

@@ -52,13 +52,13 @@ class HardeningCurve(Protocol):
 class HardeningRule:
     """How the yield stress grows or the yield surface moves with the plastic strain.
 
-    A file of `castx/materials/hardening` holds one rule as `RULE`; nothing else has to know it.
+    A file of `castx/materials/hardening` holds one rule as `RULE`, which castx finds by itself.
     All rules whose keys are given act together. Exactly one of `modulus` and `curve` is given.
 
     Attributes:
         name: of the file.
         title: name for people, "" for a rule that its keys name.
-        summary: what it is, in one sentence.
+        summary: the rule in one sentence.
         formula: isotropic hardening R(ξ) or back stress β.
         source: author, year, and where the rule is printed.
         keys: that it reads, in `hardening` of a material where the rule is isotropic, else in the

@@ -38,7 +38,7 @@ class RuleKey:
 
     Attributes:
         name: in the case file.
-        meaning: what it is, with its sign in the formula.
+        meaning: quantity, with its sign in the formula.
         entry: kind of its values, with dimension and bounds.
         written_unit: SI unit where it is not the unit of the entry's dimension.
         default: value where the key is not given; None: the rule needs the key.

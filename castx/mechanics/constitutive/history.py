@@ -1,4 +1,4 @@
-"""History of the integration points: what a step takes over from the steps before.
+"""History of the integration points, from the end of one step to the start of the next.
 
 A solid is born without stress from before the step in which it freezes: its strain counts from the
 strain at the start of this step. Melting erases the history.
@@ -19,7 +19,7 @@ class PointHistory(NamedTuple):
     """State of the points at the end of a step.
 
     Attributes:
-        birth: deviatoric strain at which the solid was born, shape (points, components).
+        birth: deviatoric strain at which the solid froze, shape (points, components).
         plastic: viscoplastic strain since then, shape (points, components).
         equivalent: its equivalent ξ, the integral of its rate, shape (points,).
         strain: deviatoric strain at the end of the last step, shape (points, components).

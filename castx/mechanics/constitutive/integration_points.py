@@ -1,4 +1,4 @@
-"""Integration points of one body: their functions, weights, and what nodes have there."""
+"""Integration points of a body: functions, weights, and interpolation from nodes and cells."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class IntegrationPoints:
         weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
         weighted = self._by_points(self.evaluate(self.expression(scale * weight)))
         self.weights: FloatArray = rule * weighted
-        """What the points weigh [m³], shape (cells, points per cell)."""
+        """Weights of the points [m³], shape (cells, points per cell)."""
         self.sizes: FloatArray = volumes.sum(axis=1) ** (1.0 / body.mesh.geometry.dim)
         """Sizes of the cells [m], shape (cells,)."""
 
@@ -103,7 +103,7 @@ class IntegrationPoints:
         return np.repeat(values, self.per_cell)
 
     def by_cell(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return what points or cells have as one row for each cell."""
+        """Return values of points or cells with one row for each cell."""
         return values.reshape(self.cells, values.size // max(self.cells, 1))
 
     def _by_points(self, values: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Law of a body: what its material, the temperature and the solid fraction make of one step.
+"""Constitutive law of a body: its coefficients in a step, from temperature and solid fraction.
 
 Deviatoric stress over one step Δt, with e the deviatoric strain (Chiumenti, section 2.2):
 

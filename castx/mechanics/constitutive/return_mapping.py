@@ -7,7 +7,9 @@ beforehand, and the increment Δγ of ξ follows from one scalar equation for ea
     (3G + H_k) Δγ + R(ξ_n + Δγ) − R(ξ_n) + V(Δγ) = q_tr − σ_Y − R(ξ_n),
 
 where the right side, the trial overstress, is positive; else the step is elastic. V is the
-overstress that drives the flow through its increment; V = 0 is rate-independent plasticity.
+overstress that drives the flow through its increment, of one of `castx.materials.flow_rules` (for
+Perzyna's V = η (Δγ/Δt)^(1/n)); V = 0 is rate-independent plasticity. R is the sum of the isotropic
+rules in `castx.materials.hardening`, H_k the modulus of the kinematic ones.
 
 Source of the algorithm, radial return with its consistent tangent: Simo and Hughes, Computational
 Inelasticity (1998), chapter 3; of the overstress: Perzyna, Fundamental problems in viscoplasticity,
@@ -61,7 +63,10 @@ def return_mapping(
 ) -> Returned:
     """Return stress, flow and tangent after a step (Simo and Hughes 1998, chapter 3).
 
-    The new viscoplastic strain is the old one plus `viscoplastic_strain` of what is returned.
+        s = s_tr − √6 G Δγ n
+        ds/de = 2G (1 − 3GΔγ/q_tr) I_dev + 2G (3GΔγ/q_tr − 3G dΔγ/dq_tr) n⊗n
+
+    The new viscoplastic strain is the old one plus `viscoplastic_strain` of the returned state.
 
     Args:
         trial: deviatoric stress if nothing flowed in the step [Pa], shape (points, components).
@@ -98,7 +103,7 @@ def return_mapping(
 
 
 def viscoplastic_strain(returned: Returned) -> FloatArray:
-    """Return what the step adds to the viscoplastic strain, √(3/2) Δγ n, (points, components)."""
+    """Return the increment √(3/2) Δγ n of the viscoplastic strain, shape (points, components)."""
     return np.asarray((np.sqrt(1.5) * returned.increment)[:, None] * returned.direction)
 
 
@@ -119,7 +124,7 @@ def _weights(tensor: FloatArray) -> FloatArray:
 
 
 def _check(increment: FloatArray, slope: FloatArray, overstress: FloatArray) -> None:
-    """Refuse increments that are not finite; those not found are not a number."""
+    """Refuse increments that are not finite; one that was not found is NaN."""
     failed = np.flatnonzero(~(np.isfinite(increment) & np.isfinite(slope)))
     if failed.size:
         first = failed[0]
@@ -156,11 +161,11 @@ def _increment(
 class _Equation(NamedTuple):
     """ln(A eʸ + V(eʸ) + R(eʸ)) = 0 for y = ln(Δγ/Δγ_max), one per point.
 
-    All terms are parts of the trial overstress: A of what is linear in Δγ, V of the flow rule and R
-    of the curves of hardening. Δγ_max is what would flow if the stronger of A and V stood alone,
-    so that max(A, V) = 1 at y = 0 and the solution has y ≤ 0. With a power law for V and without R
-    the left side is convex and its slope lies between 1 and the power of V: Newton's method cannot
-    fail, however far apart the resistances are.
+    All terms are parts of the trial overstress: A Δγ of elasticity and linear hardening, V of the
+    flow rule and R of the curves of hardening. Δγ_max is the increment if the stronger of A and V
+    were alone, so that max(A, V) = 1 at y = 0 and the solution has y ≤ 0. With a power law for V
+    and without R the left side is convex and its slope lies between 1 and the power of V: Newton's
+    method cannot fail, however far apart the resistances are.
     """
 
     logarithm: FloatArray  # ln Δγ_max

@@ -16,6 +16,7 @@ from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
+from tests.castx.flow_reference import REFERENCES
 from tests.elastic_bodies import (
     STRESS_FREE,
     elastic,
@@ -247,6 +248,25 @@ def test_a_cycled_bar(comm, kind, kinematic):
     expected = [YIELD, top, back, bottom, again, again + tangent * 2e-3]
     found = cycled(comm, kind, properties, strains)
     np.testing.assert_allclose(found, expected, rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", FLOW_RULES)
+def test_a_pulled_bar_flows_at_its_rate(comm, name):
+    """Stretched at a constant rate until it is steady: the stress of flow at this rate."""
+    rate, step, steps, temperature = 1e-3, 2.0, 12, 500.0
+    rule = FLOW_RULES[name]
+    kind = Kind("generalised-plane-strain")
+    pull = Table.from_points([[0.0, 0.0], [steps * step, LENGTH * rate * steps * step]])
+    held = [fixed("wall"), fixed("bottom"), SurfaceDisplacement("far", "x", pull)]
+    flowing = described(kind, VISCOPLASTIC, {"law": name, "expansion": 0.0, **rule.example})
+    made = problem(slab(comm, kind, 0.01), {"casting": flowing}, {"casting": held})
+    for k in range(1, steps + 1):
+        heat(made, temperature, step=step)
+        made.equilibrium.solve(k * step)
+        made.equilibrium.commit()
+    overstress = stresses(comm, made, "casting")[:, 0] - (YIELD if rule.threshold else 0.0)
+    found = [REFERENCES[name].rate(f, rule.example, temperature) for f in overstress]
+    np.testing.assert_allclose(found, rate, rtol=1e-3)
 
 
 def frozen(
