@@ -1,4 +1,4 @@
-"""Mechanics of one body: its formulation, its history and what results read from them."""
+"""Mechanics of one body: its formulation, its history, and the stresses that results show."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class BodyMechanics:
         planes: symmetry planes, behind which the body goes on as its mirror image.
 
     Attributes:
-        unknowns: displacement and what else the nodes have.
+        unknowns: displacement, pressure and axial strain of the nodes.
         loads: external forces.
         points: integration points.
         material: stress and tangent at the integration points.
@@ -221,5 +221,5 @@ class BodyMechanics:
         self.formulation.rewind()
 
     def stateful_parts(self) -> dict[str, Stateful]:
-        """Return what a checkpoint keeps of the body, by its name there."""
+        """Return the parts of the body that a checkpoint keeps, by their name there."""
         return self.formulation.stateful_parts()

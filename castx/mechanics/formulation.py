@@ -142,7 +142,7 @@ class Formulation(Protocol):
     """The momentum balance of one body, with its pressure treated in one way.
 
     Attributes:
-        forms: assembles what is written as weak forms.
+        forms: compiled weak forms of the balance.
     """
 
     forms: WeakForms
@@ -192,7 +192,7 @@ class Formulation(Protocol):
         """Return to the last accepted step, whose displacement the caller sets."""
 
     def stateful_parts(self) -> dict[str, Stateful]:
-        """Return what a checkpoint keeps of the body, by its name there."""
+        """Return the parts of the body that a checkpoint keeps, by their name there."""
 
 
 def cell_stress(material: MaterialPoints, mean: FloatArray) -> FloatArray:

@@ -135,7 +135,7 @@ class MixedFormulation:
         self.forms.assemble_jacobian(A)
 
     def products(self) -> list[Product]:
-        """Return what OSGS has beyond GLS: Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
+        """Return the part of OSGS beyond GLS, Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
         return [projection.add_product for projection in self._projections]
 
     def improve_pressures(self) -> bool:

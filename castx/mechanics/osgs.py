@@ -6,7 +6,7 @@ OSGS puts Σ_e τ_e ∫ ∇q·(∇p - Π) into the continuity equation, with Π 
 
 Here the matrix of Π is lumped and weighted with τ_e: a plain projection lets the pressure gradient
 of the solid leak into the liquid, whose τ is far larger. With G = Σ_e τ_e ∫ ω·∇p and the lumped M,
-Π = M⁻¹ G p, and what OSGS has beyond GLS is Σ_e τ_e ∫ ∇q·Π = Gᵀ M⁻¹ G p.
+Π = M⁻¹ G p, and the part of OSGS beyond GLS is Σ_e τ_e ∫ ∇q·Π = Gᵀ M⁻¹ G p.
 
 Source: R. Codina, Computer Methods in Applied Mechanics and Engineering 190 (2000); C. Agelet de
 Saracibar, M. Chiumenti, Q. Valverde and M. Cervera, ibid. 195 (2006).

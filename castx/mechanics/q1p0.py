@@ -248,6 +248,6 @@ class MeanDilatation:
         self.rewind()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free matrix and vectors."""
         for item in (self._matrix, self._cell_values, self._forces):
             item.destroy()

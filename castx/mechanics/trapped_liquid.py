@@ -77,7 +77,7 @@ class Pockets:
         return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
 
     def begin(self, material: MaterialPoints) -> None:
-        """Find the pockets of a trial step and set what the material is there; collective."""
+        """Find the pockets of a trial step and set their compressibility and volume; collective."""
         trapped = self.update(~material.conditions.coherent)
         conditions = material.add_free_volume(self.birth_volume)
         # Little enough to leave the pressures of the shell alone.
@@ -129,7 +129,7 @@ class Pockets:
         self._born = np.where(trapped, dilatation, self.birth_volume)
 
     def stateful_parts(self) -> dict[str, Stateful]:
-        """Return what a checkpoint keeps, by its name there."""
+        """Return the parts that a checkpoint keeps, by their name there."""
         return {"pockets": self}
 
     def saved(self) -> dict[str, Saved]:

@@ -1,4 +1,4 @@
-"""PETSc: numbering of unknowns, nonlinear and linear solvers, and what is said of their failures.
+"""PETSc: numbering of unknowns, nonlinear and linear solvers, and the messages of their failures.
 
 Public: `layout.Layout`, `remote_entries.RemoteEntries`, `snes.NonlinearSolver`,
 `snes.SolveReport`, `line_search.shorten_step`, `blocks.DirectSolver`, `blocks.Block`,

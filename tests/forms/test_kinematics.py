@@ -14,6 +14,8 @@ from dolfinx import fem, mesh
 
 from castx.forms import kinematics
 
+pytestmark = pytest.mark.serial
+
 
 @cache
 def cell(dimension: int) -> mesh.Mesh:

@@ -86,6 +86,7 @@ def test_forms_of_a_spring_bed_are_assembled(comm):
     A.destroy()
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize("components", [4, 6], ids=["plane", "3d"])
 def test_stress_is_deviator_plus_mean(components):
     """Means over two points of a cell; out-of-plane shear is zero in the plane."""

@@ -20,6 +20,7 @@ def failure_of(comm, data, problem):
     return str(failure.value)
 
 
+@pytest.mark.serial
 def test_the_words_of_a_diagnosis():
     tries = [FailedTry(0.8 / 2**k, ConvergenceError("x", HEAT)) for k in range(9)]
     tries.append(FailedTry(1e-3, ConvergenceError("x", COUPLING)))
@@ -30,6 +31,7 @@ def test_the_words_of_a_diagnosis():
     assert "coupling.passes" in text and "time.smallest_step" in text
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize("problem", ["", HEAT, MECHANICS, COUPLING])
 def test_there_is_advice_for_every_problem(problem):
     text = diagnosis(0.0, [FailedTry(0.1, ConvergenceError("x", problem))])
