@@ -1,1 +1,5 @@
-"""Equilibrium of all bodies in contact."""
+"""Equilibrium of all bodies in contact: residual, Newton iteration, linear systems, memory.
+
+Public: `problem.MechanicalProblem`, `building.MechanicsSettings`, `equilibrium.Equilibrium`,
+`forces.MomentumBalance`, `newton.Newton`
+"""

@@ -1,1 +1,5 @@
-"""What holds bodies that contact does not."""
+"""Supports of bodies that contact does not hold: springs and in-gates.
+
+Public: `springs.FloatingMotions`, `in_gates.InGate`, `first_contact.FirstContact`,
+`acting.Supports`
+"""

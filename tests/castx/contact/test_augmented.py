@@ -1,0 +1,68 @@
+"""Augmented Lagrangian multipliers by hand: what they take over, and when."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.augmented import AugmentedMultipliers
+from tests.small_contact import two_blocks
+
+pytestmark = pytest.mark.serial
+
+
+def made(comm, every_iteration=False, most=2):
+    gaps = two_blocks(comm, "augmented-lagrangian", solved=False).gaps
+    return AugmentedMultipliers(comm, gaps, every_iteration, most), gaps
+
+
+def test_closed_pairs_take_over_what_they_carry(comm):
+    multipliers, gaps = made(comm)
+    wanted = np.array([3e5, -2e5, 4e5])
+    closed = np.array([True, True, False])
+    assert multipliers.augment(wanted * gaps.areas, closed, balanced=True, enough=0.0)
+    np.testing.assert_allclose(multipliers.pressures, [3e5, 0.0, 0.0])
+    np.testing.assert_allclose(multipliers.forces(), [3e5 * gaps.areas[0], 0.0, 0.0])
+    assert multipliers.updates == 1
+
+
+def test_a_change_that_is_not_worth_it_ends_the_loop(comm):
+    multipliers, gaps = made(comm)
+    forces, closed = 1e5 * gaps.areas, np.ones(3, dtype=bool)
+    assert not multipliers.augment(forces, closed, True, 1.01 * np.linalg.norm(forces))
+    assert multipliers.augment(forces, closed, True, 0.99 * np.linalg.norm(forces))
+    assert not multipliers.augment(forces, closed, True, 0.0)
+
+
+@pytest.mark.parametrize("every_iteration", [False, True])
+def test_when_it_updates(comm, every_iteration):
+    multipliers, gaps = made(comm, every_iteration)
+    closed = np.ones(3, dtype=bool)
+    forces = 1e5 * gaps.areas
+    assert multipliers.augment(forces, closed, balanced=False, enough=0.0) == every_iteration
+
+
+def test_at_most_so_many_updates_in_a_solve(comm):
+    multipliers, gaps = made(comm, most=2)
+    closed = np.ones(3, dtype=bool)
+    changed = [
+        multipliers.augment(p * gaps.areas, closed, balanced=True, enough=0.0)
+        for p in (1e5, 2e5, 3e5)
+    ]
+    assert changed == [True, True, False]
+    multipliers.begin()
+    assert multipliers.augment(4e5 * gaps.areas, closed, balanced=True, enough=0.0)
+
+
+def test_memory(comm):
+    multipliers, gaps = made(comm)
+    x = gaps.matrix.createVecRight()
+    closed = np.ones(3, dtype=bool)
+    multipliers.augment(1e5 * gaps.areas, closed, True, 0.0)
+    multipliers.commit(x)
+    multipliers.augment(9e5 * gaps.areas, closed, True, 0.0)
+    multipliers.rewind(x)
+    np.testing.assert_allclose(multipliers.pressures, 1e5)
+    other, _ = made(comm)
+    other.restore(multipliers.saved())
+    np.testing.assert_allclose(other.pressures, 1e5)

@@ -1,0 +1,42 @@
+"""Penalties against the diagonal of the matrix of the bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.penalty_stiffness import FACTOR, PenaltyStiffness
+from tests.small_contact import dense, two_blocks
+
+
+def made_of(made, given):
+    names = list(made.bodies)
+    return PenaltyStiffness(made.layout, names, 2, made.gaps, given)
+
+
+@pytest.mark.serial
+def test_the_softer_side_decides(comm):
+    """Mean over the pairs of the mean diagonal at their nodes, over their areas."""
+    made = two_blocks(comm, "penalty")
+    A = made.equilibrium.balance.assembly.matrix()
+    diagonal = np.diag(dense(comm, A))
+    pairs, areas = made.pairs[0], made.gaps.areas
+    sides = []
+    for b, nodes in enumerate((pairs.secondary_nodes, pairs.primary_nodes)):
+        entries = [diagonal[made.layout.dofs(b, nodes, k)] for k in range(2)]
+        sides.append(np.mean(np.mean(entries, axis=0) / areas))
+    assert sides[0] < sides[1]
+    stiffness = made_of(made, np.full(3, np.nan))
+    np.testing.assert_allclose(stiffness.penalties(A), FACTOR * sides[0], rtol=1e-12)
+    stiffness.update(A)
+    np.testing.assert_allclose(stiffness.springs, FACTOR * sides[0] * areas, rtol=1e-12)
+
+
+def test_given_penalties_are_kept(comm):
+    made = two_blocks(comm, "penalty")
+    given = np.full(len(made.gaps.local), np.nan)
+    given[::2] = 1e9
+    A = made.equilibrium.balance.assembly.matrix()
+    found = made_of(made, given).penalties(A)
+    np.testing.assert_array_equal(found[::2], 1e9)
+    assert np.all(found[1::2] > 1e10)

@@ -1,0 +1,95 @@
+"""Balance of momentum: its derivative for every method, and what is committed or rewound."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.choice import Contact
+from tests.contact_methods import AT_ONCE, TWO_BODIES
+from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, problem, pushed
+from tests.small_contact import SOFT, STIFF, two_blocks, waves
+
+
+@pytest.mark.parametrize("method", TWO_BODIES)
+def test_jacobian_against_differences_of_the_residual(comm, method):
+    """OSGS, held rows, closed pairs, springs and multipliers included."""
+    mesh = blocks(comm, symmetry=False, size=0.01)
+    loads = (pushed("top", 1e6),)
+    bodies = {"upper": body(elastic(*SOFT), loads=loads), "base": body(elastic(*STIFF))}
+    held = {"base": [fixed("bottom", "all")]}
+    made = problem(mesh, bodies, held, [Contact("upper", "base", method)])
+    made.equilibrium.solve(0.0)
+    equilibrium = made.equilibrium
+    x = equilibrium.x.duplicate()
+    first = int(comm.exscan(x.getLocalSize()) or 0)
+    direction = x.duplicate()
+    direction.array[:] = 1e-6 * np.sin(1.0 + 0.7 * (first + np.arange(x.getLocalSize())))
+    results = []
+    for sign in (1.0, -1.0):
+        equilibrium.x.copy(x)
+        x.axpy(sign, direction)
+        f = x.duplicate()
+        equilibrium.balance.residual(x, f)
+        results.append(f.array_r.copy())
+    product = x.duplicate()
+    equilibrium.balance.operator.mult(None, direction, product)
+    difference = (results[0] - results[1]) / 2
+    scale = comm.allreduce(np.abs(difference).max(initial=0.0), op=max)
+    np.testing.assert_allclose(difference, product.array_r, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("method", AT_ONCE)
+def test_rows_of_constrained_unknowns_are_their_distances(comm, method):
+    """A prescribed displacement that is missed by δ has the row stiffness · δ."""
+    made = two_blocks(comm, method)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    f = x.duplicate()
+    missed = x.copy()
+    for item in balance.transform.prescribed:
+        missed.array[item.local] += 1e-6
+    balance.residual(missed, f)
+    rows = np.concatenate([f.array_r[item.local] for item in balance.transform.prescribed])
+    np.testing.assert_allclose(rows, balance.stiffness * 1e-6, rtol=1e-9)
+    local = np.concatenate([item.local for item in balance.transform.prescribed])
+    assert np.all(balance.operator.constrained[local])
+
+
+@pytest.mark.parametrize("method", AT_ONCE)
+def test_frozen_unknowns_have_no_residual(comm, method):
+    made = two_blocks(comm, method)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    moved, f = x.copy(), x.duplicate()
+    moved.array[:] += 1e-6 * waves(x)
+    balance.frozen[::2] = True
+    balance.residual(moved, f)
+    assert np.all(f.array_r[::2] == 0.0)
+    assert np.abs(everywhere(comm, f.array_r[1::2].copy())).max() > 1.0
+
+
+@pytest.mark.parametrize("method", AT_ONCE)
+def test_a_rewound_state_has_the_residual_of_the_accepted_one(comm, method):
+    made = two_blocks(comm, method)
+    made.equilibrium.commit()
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    accepted, f = x.array_r.copy(), x.duplicate()
+    balance.residual(x, f)
+    before, closed = f.array_r.copy(), balance.active.closed.copy()
+    x.array[:] += 1e-5 * waves(x)
+    balance.active.closed = ~closed
+    made.equilibrium.rewind()
+    np.testing.assert_array_equal(x.array_r, accepted)
+    balance.residual(x, f)
+    np.testing.assert_array_equal(f.array_r, before)
+    np.testing.assert_array_equal(balance.active.closed, closed)
+
+
+def test_where_it_is_evaluated(comm):
+    made = two_blocks(comm)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    balance.residual(x, x.duplicate())
+    assert balance.is_evaluated_at(x)
+    moved = x.copy()
+    if comm.rank == comm.size - 1:
+        moved.array[0] += 1e-9
+    assert not balance.is_evaluated_at(moved)
