@@ -97,7 +97,13 @@ def corner_text(corner: Sequence[float]) -> str:
 
 
 def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) -> Table:
-    """Return the bodies with their materials and sizes."""
+    """Return a table of the bodies with their materials and sizes.
+
+    Args:
+        case: the case.
+        summary: of its mesh.
+        formulations: of the bodies, in words.
+    """
     headings = ("body", "material", "initially", "law", "nodes", "cells", "volume, m³")
     table = Table(*headings, box=SIMPLE_HEAD)
     rows = zip(case.bodies, summary.bodies, formulations, strict=True)
@@ -166,7 +172,13 @@ def interface_text(case: Case, summary: InterfaceSummary) -> str:
 
 
 def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> str:
-    """Return one line about an interface of meshes that do not match; collective."""
+    """Return one line about an interface of meshes that do not match; collective.
+
+    Args:
+        interface: its description.
+        pairs: its nodes with the facets they face.
+        comm: the ranks.
+    """
     count, area = comm.allreduce(np.array([len(pairs.areas), pairs.areas.sum()]), op=MPI.SUM)
     least = comm.allreduce(float(pairs.gap.min(initial=np.inf)), op=MPI.MIN)
     most = comm.allreduce(float(pairs.gap.max(initial=-np.inf)), op=MPI.MAX)

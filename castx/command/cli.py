@@ -112,7 +112,13 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
 
 
 def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
-    """Show a message on the standard error output of rank 0 and return the exit code."""
+    """Show a message on the standard error output of rank 0 and return the exit code.
+
+    Args:
+        comm: the ranks.
+        message: an error or a text.
+        code: the exit code.
+    """
     with suppress(OSError):  # of a terminal that was closed
         console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code

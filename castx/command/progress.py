@@ -95,7 +95,13 @@ def freezing_body(snapshot: Snapshot) -> str | None:
 
 
 def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) -> str:
-    """Return one accepted step as a line."""
+    """Return one accepted step as a line.
+
+    Args:
+        snapshot: the state after it.
+        freezing: column of the solid fraction to show; None: none freezes.
+        remaining: wall clock time left [s]; None: not known yet.
+    """
     counters = snapshot.counters
     parts = [f"t {snapshot.time:.4g} s", f"step {snapshot.step}"]
     if snapshot.step > 0:

@@ -86,7 +86,13 @@ def figure(width: float, height: float) -> Iterator[tuple[Figure, io.BytesIO]]:
 
 
 def draw(axis: Axes, time: FloatArray, panel: Panel) -> None:
-    """Draw one diagram over time [s]."""
+    """Draw one diagram over time.
+
+    Args:
+        axis: where to.
+        time: (steps,) [s].
+        panel: the diagram.
+    """
     for name, values in panel.lines.items():
         axis.plot(time, values, label=name, drawstyle="steps-pre" if panel.steps else "default")
     for name, level in panel.levels.items():

@@ -249,11 +249,7 @@ def topic_figures(
         return
     if topic.factor * (limits[1] - limits[0]) < SMALLEST_RANGE:
         return
-    view = View.of(model, states[-1].values(), topic.outside)
-    factor = exaggeration(view, states[-1]) if topic.moved else 0.0
-    if factor:
-        moved = [deformed(grid, factor) for grid in states[-1].values()]
-        view = View.of(model, [*states[0].values(), *moved])
+    view, factor = topic_view(model, topic, states)
     if topic.field == "solid_fraction":
         limits = (0.0, 1.0)
     images = [
@@ -267,3 +263,19 @@ def topic_figures(
     if factor:
         caption = f"Displacements drawn {factor:g} times as large as they are. {caption}".strip()
     yield Figure(topic.title, caption, row(images, titles, topic.label, scaled, topic.colours))
+
+
+def topic_view(model: str, topic: Topic, states: Sequence[State]) -> tuple[View, float]:
+    """Return the view of a field, and the factor on the displacements.
+
+    Args:
+        model: of the run.
+        topic: the field.
+        states: the bodies at the times of the pictures.
+    """
+    view = View.of(model, states[-1].values(), topic.outside)
+    factor = exaggeration(view, states[-1]) if topic.moved else 0.0
+    if factor:
+        moved = [deformed(grid, factor) for grid in states[-1].values()]
+        view = View.of(model, [*states[0].values(), *moved])
+    return view, factor

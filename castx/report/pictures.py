@@ -54,7 +54,10 @@ class View:
     ) -> View:
         """Return the view that shows all bodies.
 
-        A 3-D model is seen from its planes of symmetry or, `outside`, from the other side.
+        Args:
+            model: of the run.
+            grids: the bodies.
+            outside: whether a 3-D model is seen from the side opposite to its planes of symmetry.
         """
         points = np.concatenate([grid.points for grid in grids])
         low, high = points.min(axis=0), points.max(axis=0)
@@ -138,21 +141,12 @@ def picture(
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.window()))
     plotter.background_color = "white"
     flat = view.direction is None
+    shown = {"scalars": field, "clim": limits, "cmap": colours, "nan_color": NEUTRAL,
+             "show_scalar_bar": False}  # fmt: skip
     for name, grid in grids.items():
         surface = view.shown(deformed(grid, exaggeration))
-        if name in coloured:
-            plotter.add_mesh(
-                surface,
-                scalars=field,
-                clim=limits,
-                cmap=colours,
-                nan_color=NEUTRAL,
-                show_scalar_bar=False,
-                lighting=not flat,
-                **SHADING,
-            )
-        else:
-            plotter.add_mesh(surface, color=NEUTRAL, lighting=not flat, **SHADING)
+        style = shown if name in coloured else {"color": NEUTRAL}
+        plotter.add_mesh(surface, lighting=not flat, **SHADING, **style)
         add_lines(plotter, outline(surface), EDGE, 2)
         if front and name in coloured and "solid_fraction" in surface.point_data:
             add_lines(plotter, surface.contour([0.5], scalars="solid_fraction"), FRONT, 4)
@@ -164,7 +158,14 @@ def picture(
 
 
 def add_lines(plotter: pyvista.Plotter, lines: pyvista.PolyData, colour: str, width: int) -> None:
-    """Add lines to a picture, unless there are none."""
+    """Add lines to a picture, unless there are none.
+
+    Args:
+        plotter: of the picture.
+        lines: their points and segments.
+        colour: as matplotlib names it.
+        width: of the lines [pixels].
+    """
     if lines.n_points > 0:
         plotter.add_mesh(lines, color=colour, line_width=width, lighting=False)
 
