@@ -228,7 +228,7 @@ class InterfaceHeat(Description):
         A patch with a law of its own takes over nothing but the radiation.
 
         Raises:
-            Refusal: the keys do not fit together.
+            Refusal: the keys are inconsistent.
         """
         kept = {"radiation"} if "law" in patch.changes else set(type(self).model_fields)
         own = {k: getattr(self, k) for k in kept & self.model_fields_set if k != "patches"}

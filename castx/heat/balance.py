@@ -2,8 +2,12 @@
 
     V_i (H_i − H_i^n)/Δt + Σ_j L_ij θ_j − sources − surfaces ± exchange = 0
 
+with the volume V_i of node i, L_ij = ∫ ∇φ_i·∇φ_j and the conduction potential θ = ∫ k dT: the
+energy balance of M. Chiumenti, Thermo-mechanical contact in casting analysis, section 2.3, with
+the storage lumped at the nodes.
+
 The unknown of a node is its enthalpy H_i [J/m³]. Nodes in perfect contact share the mean enthalpy
-of their group at the place of its first node; the other places of the group are idle.
+of their group at the place of its first node; its other places are idle.
 """
 
 from __future__ import annotations
@@ -52,7 +56,7 @@ class HeatUnknowns:
         layout: numbering of the nodes of all bodies.
         bodies: in the order of the layout.
         exchanges: interfaces; those of perfect contact join nodes.
-        temperatures: conditions that give a temperature; where two meet, the first holds.
+        temperatures: conditions that give a temperature; where two meet, the first applies.
 
     Attributes:
         temperature: of the nodes at the last state [°C].
@@ -92,7 +96,7 @@ class HeatUnknowns:
         return NodeGroups(links, self._interfaces, self.bodies, self._reaction)
 
     def _find_prescribed(self) -> None:
-        """Find the unknowns that do not solve a balance, and whose temperature the user gives."""
+        """Find nodes of prescribed temperature and unknowns that solve no balance."""
         self._condition_of = np.full(self.layout.size_local, -1)
         for number, condition in reversed(list(enumerate(self._temperatures))):
             self._condition_of[self.start_of(condition.body) + condition.nodes] = number
@@ -160,7 +164,7 @@ class HeatUnknowns:
             dT[part] = body.temperature_slope() * self.slope.array_r[part]
 
     def read_temperatures(self) -> None:
-        """Take the temperatures of the bodies as they are."""
+        """Copy the temperatures of the bodies into the vector of all nodes."""
         for body, part in zip(self.bodies, self.parts, strict=True):
             self.temperature.array[part] = body.owned_temperature
 
@@ -190,7 +194,7 @@ class HeatUnknowns:
         gathered.array[self.fixed] = 0.0
 
     def reactions(self, balance: PETSc.Vec) -> tuple[FloatArray, FloatArray]:
-        """Return heat that no term of the balance gives [W], on this rank.
+        """Return the heat of prescribed temperatures and of perfect contact [W], on this rank.
 
         Args:
             balance: heat that leaves each node.
@@ -248,7 +252,7 @@ class HeatBalance:
     def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states at the present temperatures [W/m²/K]."""
         self.unknowns.read_temperatures()
-        self.exchanges.face(self.unknowns.temperature, self.time)
+        self.exchanges.update_faces(self.unknowns.temperature, self.time)
         return self.exchanges.coefficients(states)
 
     def set_dissipation(self, powers: Mapping[str, FloatArray]) -> None:
@@ -290,7 +294,7 @@ class HeatBalance:
             heat, _ = flux.evaluate(*self._span)
             balance[unknowns.start_of(flux.body) + flux.nodes] -= heat
             through += np.abs(heat).sum()
-        self.exchanges.face(unknowns.temperature, self.time)
+        self.exchanges.update_faces(unknowns.temperature, self.time)
         through += self.exchanges.add_heat(self._balance)
         self._moved = np.abs(storage).sum(), through
 
@@ -313,7 +317,7 @@ class HeatBalance:
         """Assemble the derivative of the residual into `jacobian.matrix`."""
         unknowns = self.unknowns
         unknowns.set(x)
-        self.exchanges.face(unknowns.temperature, self.time)
+        self.exchanges.update_faces(unknowns.temperature, self.time)
         dT = unknowns.temperature_slope.array_r
         diagonal = unknowns.volumes * unknowns.slope.array_r / self.step
         for flux in self.fluxes:
@@ -330,7 +334,7 @@ class HeatBalance:
         if not feedback.exchanges:
             return []
         unknowns.set(x)
-        self.exchanges.face(unknowns.temperature, self.time)
+        self.exchanges.update_faces(unknowns.temperature, self.time)
         columns = []
         for exchange in feedback.exchanges:
             u, v = self.residual.duplicate(), self.residual.duplicate()

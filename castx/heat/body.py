@@ -19,7 +19,7 @@ from castx.tables import Table
 
 @dataclass(frozen=True)
 class HeatBody:
-    """What the heat problem must know of a body besides its mesh.
+    """Material, initial temperature and heat source of a body.
 
     Attributes:
         name: of the body in the mesh.
@@ -36,7 +36,7 @@ class HeatBody:
 
 
 class ThermalBody:
-    """Fields of one body at the trial state and the matrix of its conduction.
+    """Temperature fields of one body at the trial state, and the matrix of its conduction.
 
     Args:
         body: mesh of the body.

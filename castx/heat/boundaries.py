@@ -55,8 +55,8 @@ class SurfaceHeat:
 class FluxLaw(Protocol):
     """Heat flux into a body over a step, at the surface temperature at its end.
 
-    What is given over time enters by its mean over the step, so that nothing is lost of a source
-    that is on for less than a step.
+    Numbers over time enter by their mean over the step, so that a source that is on for less than
+    a step counts in full.
     """
 
     def __call__(
@@ -81,9 +81,10 @@ class GivenFlux:
 
 @dataclass(frozen=True)
 class Convection:
-    """Flux h·(T_ambient(t) − T), h over time or temperature.
+    """Flux q = h·(T_ambient(t) − T), h over time or temperature.
 
     The temperature is that of the film, (T + T_ambient)/2, or that of the surface.
+    Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 9.2.
     """
 
     coefficient: Variation
@@ -106,7 +107,10 @@ class Convection:
 
 @dataclass(frozen=True)
 class SurfaceRadiation:
-    """Flux ε(t) σ (T_ambient⁴ − T⁴) between a surface and large surroundings (absolute T)."""
+    """Flux q = ε(t) σ (T_ambient⁴ − T⁴) from large surroundings, T absolute.
+
+    Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 9.3.
+    """
 
     emissivity: Table
     ambient: Table

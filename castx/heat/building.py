@@ -32,7 +32,7 @@ def surface_heats(case: Case, bodies: Collection[str]) -> list[SurfaceHeat]:
 
     Args:
         case: the case, or what it asks for during a stage.
-        bodies: of the whole run; a surface towards one of them bears its name.
+        bodies: of the whole run; a surface towards one of them has its name.
     """
     return [
         SurfaceHeat(
@@ -71,7 +71,7 @@ def heat_exchange(
     mesh: CastingMesh,
     law: ConductionLaw | None = None,
 ) -> HeatExchange:
-    """Return how heat crosses an interface.
+    """Return the exchange of heat at an interface.
 
     Args:
         interface: its description.

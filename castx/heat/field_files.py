@@ -1,4 +1,4 @@
-"""Scalar fields from files of other programs, at points of our own; on one rank."""
+"""Temperatures from files of other programs, interpolated at given points; on one rank."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Interpolated:
 def temperatures_at(file: FieldFile, points: FloatArray) -> FloatArray:
     """Return the temperatures of a file at points [°C].
 
-    They are interpolated in the cell that holds the point, as VTK does for its kind: linearly in
+    They are interpolated in the cell that contains the point, as VTK does for its kind: linearly in
     simplices. A point outside by less than the size of the nearest cell takes the temperature of
     the nearest point of that cell. Plane models read the plane in which the file lies.
 
@@ -47,7 +47,7 @@ def temperatures_at(file: FieldFile, points: FloatArray) -> FloatArray:
         points: shape (points, gdim) [m].
 
     Raises:
-        CaseError: the file cannot be read, lacks the field or its cells, holds no temperatures, or
+        CaseError: the file cannot be read, lacks the field or its cells, has no temperatures, or
             a point lies farther out.
     """
     grid = _cells(_read(file), points.shape[1], file)
@@ -117,7 +117,7 @@ def _cells(
 
 
 def _point_field(grid: pyvista.UnstructuredGrid, file: FieldFile) -> FloatArray:
-    """Return the field at the points of the grid, averaged from the cells if it lives there."""
+    """Return the field at the points of the grid, averaged where it is given in the cells."""
     name = file.field
     if name not in grid.point_data and name in grid.cell_data:
         grid = grid.cell_data_to_point_data()

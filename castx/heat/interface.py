@@ -1,4 +1,7 @@
-"""Heat exchange between the facing nodes of two bodies (Chiumenti, section 9)."""
+"""Heat exchange between the facing nodes of two bodies.
+
+Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 9.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ MECHANISMS = ("contact", "gas", "radiation")
 
 @dataclass(frozen=True)
 class HeatExchange:
-    """How heat crosses one interface.
+    """Pairs, law and radiation of one interface.
 
     Attributes:
         name: of the interface: "casting/mould".
@@ -51,11 +54,11 @@ class HeatExchange:
 
 
 class PairExchange:
-    """Heat between the nodes of one interface: S (h (T_secondary − T_primary) + radiation).
+    """Heat between the nodes of one interface, Q = S (h (T_secondary − T_primary) + q_radiation).
 
-    Over a step 1/h goes straight from that of the state of the pairs at the start to that of their
-    state at the end, both at the present temperatures. Nothing is exchanged before `set_states` and
-    `face`.
+    S is the area of a pair. Over a step the resistance 1/h is linear in time, from the state of the
+    pairs at its start to that at its end, both at the present temperatures. `set_states` and
+    `update_faces` come before everything else.
 
     Args:
         layout: numbering of the nodes of all bodies.
@@ -102,8 +105,8 @@ class PairExchange:
         self._start, self._end, self._part = start, end, part
         self._factor = np.ones(len(self.areas)) if factor is None else factor
 
-    def face(self, temperature: PETSc.Vec, solid_fraction: float, time: float) -> None:
-        """Take the surfaces as they are; collective.
+    def update_faces(self, temperature: PETSc.Vec, solid_fraction: float, time: float) -> None:
+        """Update temperatures, solid fraction and conductance of the surfaces; collective.
 
         Args:
             temperature: of the nodes of all bodies [°C].
@@ -115,7 +118,7 @@ class PairExchange:
         self._conductance = self._present_conductance()
 
     def _faced(self, nodal: PETSc.Vec) -> FloatArray:
-        """Return a nodal field where the secondary nodes face the primary body, shape (pairs,)."""
+        """Return a field of the primary body at the points facing the secondary nodes, (pairs,)."""
         values = self._primary.get(nodal).reshape(self._weights.shape)
         return np.asarray(np.sum(self._weights * values, axis=1))
 
@@ -132,7 +135,7 @@ class PairExchange:
         return Conductance(h, (1.0 - part) * start.contact + part * end.contact)
 
     def coefficient(self, state: PairState) -> FloatArray:
-        """Return h that pairs of a state would have as the surfaces are now [W/m²/K]."""
+        """Return h of pairs in a state at the present temperatures [W/m²/K], shape (pairs,)."""
         return self.law(state, self._faces).coefficient.value
 
     def heat(self) -> FloatArray:
@@ -144,7 +147,12 @@ class PairExchange:
         return np.stack((contact, conducted - contact, radiated))
 
     def add_heat(self, heat: FloatArray, balance: PETSc.Vec) -> None:
-        """Add what leaves the nodes to their balance: `heat` at the secondary, −`heat` there."""
+        """Add the heat that leaves the nodes to their balance, negative at the primary ones.
+
+        Args:
+            heat: from secondary to primary nodes, shape (pairs,) [W].
+            balance: of all nodes [W].
+        """
         np.add.at(balance.array, self.local, heat)
         self._primary.add(-(heat[:, None] * self._weights).ravel(), balance)
 

@@ -1,4 +1,10 @@
-"""All interfaces of a heat problem: their exchange, and solid fractions on which it depends."""
+"""All interfaces of a heat problem: their exchange, and solid fractions on which it depends.
+
+With a law over the solid fraction of a whole body every node of it acts on every pair, which would
+fill the Jacobian. It is J + U Vᵀ instead, with a column of U = ∂F/∂F_S and of V = ∂F_S/∂x for each
+such interface, and the Newton step of J is corrected.
+Source: J. Sherman, W. J. Morrison and M. A. Woodbury (1950).
+"""
 
 from __future__ import annotations
 
@@ -16,7 +22,7 @@ from castx.transfer.pair_state import PairState
 
 
 class SolidFeedback:
-    """Mean solid fractions of the bodies that interfaces ask for, and their derivatives.
+    """Mean solid fractions F_S = (1/V) ∫ f_s dV of bodies on which laws depend, and derivatives.
 
     Args:
         layout: numbering of the nodes of all bodies.
@@ -37,7 +43,7 @@ class SolidFeedback:
         return np.asarray(sum(self._layout.comm.allgather(values)))
 
     def means(self) -> FloatArray:
-        """Return the mean solid fraction of each body; zero where no law asks for it."""
+        """Return the mean solid fraction of each body; zero where no law depends on it."""
         means = np.zeros(len(self._bodies))
         if self._asked:
             for k in self._asked:
@@ -49,7 +55,7 @@ class SolidFeedback:
     def mean_slope(
         self, exchange: PairExchange, enthalpy_slope: PETSc.Vec, slope: PETSc.Vec
     ) -> None:
-        """Fill the derivative of the solid fraction that an interface asks for over all unknowns.
+        """Fill the derivative of the solid fraction of an interface over all unknowns.
 
         Args:
             exchange: the interface.
@@ -66,7 +72,9 @@ class SolidFeedback:
 def couple_step(
     columns: Sequence[tuple[PETSc.Vec, PETSc.Vec]], y: PETSc.Vec, solver: PETSc.KSP
 ) -> None:
-    """Turn the solution of J y = F into that of (J + U Vᵀ) y = F.
+    """Correct the solution of J y = F to that of (J + U Vᵀ) y = F.
+
+    y ← y − Z (1 + Vᵀ Z)⁻¹ Vᵀ y with J Z = U (Woodbury 1950).
 
     Args:
         columns: of U and V.
@@ -86,7 +94,7 @@ def couple_step(
 
 
 class Exchanges:
-    """All interfaces; those without a law have nothing to exchange here.
+    """Exchange of heat at all interfaces; nothing happens at those without a law.
 
     Args:
         layout: numbering of the nodes of all bodies.
@@ -137,14 +145,14 @@ class Exchanges:
             if exchange is not None and values is not None:
                 exchange.set_states(*values, part, factor)
 
-    def face(self, temperature: PETSc.Vec, time: float) -> None:
-        """Take the surfaces as they are at a time [s]; temperatures in the layout [°C]."""
+    def update_faces(self, temperature: PETSc.Vec, time: float) -> None:
+        """Update the surfaces at a time [s]; temperatures in the layout [°C]."""
         means = self.feedback.means()
         for exchange in self.under_law:
-            exchange.face(temperature, float(means[exchange.secondary]), time)
+            exchange.update_faces(temperature, float(means[exchange.secondary]), time)
 
     def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
-        """Return h of pairs in these states as the surfaces are now [W/m²/K].
+        """Return h of pairs in these states at the present temperatures [W/m²/K].
 
         It is infinite in perfect contact and zero where no heat crosses.
         """
@@ -157,7 +165,7 @@ class Exchanges:
         ]
 
     def add_heat(self, balance: PETSc.Vec) -> float:
-        """Add what leaves the nodes to their balance and return the sum of all amounts [W]."""
+        """Add the heat that leaves the nodes to their balance; return the sum of amounts [W]."""
         through = 0.0
         for exchange in self.under_law:
             heat = exchange.heat().sum(axis=0)

@@ -1,4 +1,4 @@
-"""Book-keeping of heat: by which ways it enters and leaves bodies, and what each of them holds."""
+"""Book-keeping of heat: the accounts by which it enters and leaves bodies, and their contents."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Account:
 
     @classmethod
     def renewal(cls, body: str) -> Account:
-        """Return the account of what a new casting brings more than the one it replaces took."""
+        """Return the account of the heat of a new casting minus that of the one it replaces."""
         return cls((f"{body}.renewal",), (), body)
 
 
@@ -115,7 +115,7 @@ class Ledger:
 
     Args:
         run: bodies and accounts of the whole run, which has a stage after the other.
-        bodies: the bodies of the present stage; what others hold does not change.
+        bodies: the bodies of the present stage; contents of others do not change.
         own: accounts of the present stage, in the order in which their heat is booked.
         enthalpy: of the bodies of the stage at the start [J].
     """
@@ -145,7 +145,7 @@ class Ledger:
         return len(self._columns)
 
     def renew(self, enthalpy: FloatArray) -> None:
-        """Book what bodies hold more than they did as brought by new ones in their place.
+        """Book the contents of bodies that new ones have replaced.
 
         Args:
             enthalpy: of the bodies of the stage [J].
@@ -172,7 +172,7 @@ class Ledger:
         self._duration += duration
 
     def commit(self) -> None:
-        """Make the trial state the committed one."""
+        """Accept the trial state."""
         if self._duration > 0.0:
             change = self._trial - self._committed
             self._power[:] = change[len(self._bodies) : -1] / self._duration
@@ -180,7 +180,7 @@ class Ledger:
         self._duration = 0.0
 
     def rewind(self) -> None:
-        """Forget the trial state."""
+        """Discard the trial state."""
         self._trial[:] = self._committed
         self._duration = 0.0
 
@@ -190,7 +190,7 @@ class Ledger:
         return {name: Saved(values.copy()) for name, values in state.items()}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back committed numbers."""
+        """Restore committed numbers."""
         self._start[:], self._power[:] = arrays["start"], arrays["power"]
         self._committed[:] = arrays["state"]
         self.rewind()
@@ -226,7 +226,7 @@ class Ledger:
 
 
 class HeatBooks:
-    """Books the heat of the bodies of a stage in a ledger, summed over all ranks.
+    """Book-keeping of a stage: the heat of its bodies, summed over all ranks.
 
     Args:
         comm: all ranks.
@@ -255,7 +255,7 @@ class HeatBooks:
         return np.asarray(sum(self._comm.allgather(values)))
 
     def begin_stage(self, equalise: Callable[[], FloatArray]) -> None:
-        """Book what renewed bodies have brought, and what evens out where contact is perfect.
+        """Book the heat of renewed bodies, and that which perfect contact exchanges at once.
 
         Args:
             equalise: brings nodes in perfect contact to one temperature; returns the heat through

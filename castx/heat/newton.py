@@ -68,7 +68,7 @@ def jacobian(
 
 
 def adjust_step(balance: HeatBalance, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
-    """Add what a solid fraction changes everywhere to the Newton step; shorten one that cycles."""
+    """Correct the Newton step for solid fractions of whole bodies, then shorten it if it cycles."""
     columns = balance.solid_columns(x)
     if columns:
         couple_step(columns, y, snes.ksp)
@@ -80,7 +80,7 @@ def adjust_step(balance: HeatBalance, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SN
 def shorten_cycling_step(
     balance: HeatBalance, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES
 ) -> bool:
-    """After some full steps, go to the critical point along the Newton step.
+    """Shorten the Newton step to its critical point, after some full steps.
 
     The balances are nearly the gradient of a convex potential of the temperatures. Full steps can
     run in a cycle between melting and solid nodes where the step in time is large; the point at
@@ -122,7 +122,7 @@ def converged(
     iteration: int,
     norms: tuple[float, float, float],
 ) -> PETSc.SNES.ConvergedReason:
-    """Compare the residual with the heat that is moved, not with the first residual."""
+    """Compare the residual with the heat that changes place, not with the first residual."""
     reasons = PETSc.SNES.ConvergedReason
     if not np.isfinite(norms[2]):
         return reasons.DIVERGED_FNORM_NAN

@@ -1,4 +1,4 @@
-"""Facing nodes with one temperature: the interfaces of perfect contact.
+"""Perfect thermal contact: facing nodes with one temperature.
 
 The nodes of a group share one unknown, their mean enthalpy H̄(T) = Σ V_m H_m(T) / Σ V_m over the
 volumes they stand for. It is inverted exactly, node by node, also while a member melts at constant
@@ -43,7 +43,7 @@ class Links:
 def gather_links(
     comm: MPI.Intracomm, layout: Layout, names: Sequence[str], exchanges: Sequence[HeatExchange]
 ) -> Links:
-    """Collect the pairs of the perfect interfaces from all ranks.
+    """Return the pairs of all perfect interfaces of all ranks.
 
     Args:
         comm: all ranks.
@@ -269,7 +269,7 @@ class NodeGroups:
 def _flow_weights(
     links: Links, inverse: LongArray, labels: LongArray, interfaces: int
 ) -> FloatArray:
-    """Return how the heat that members take up adds to the heat through the interfaces.
+    """Return the weights of the heat that members take up in the heat through the interfaces.
 
     In each group the links that form a tree carry the heat: a link passes from its secondary to its
     primary side what the members behind it take up.

@@ -29,7 +29,7 @@ from castx.transfer.pair_state import PairState
 
 @dataclass(frozen=True)
 class HeatReport:
-    """What a trial step took and did.
+    """Iterations of a trial step, and its largest change of temperature.
 
     Attributes:
         iterations: Newton iterations of all sub-steps.
@@ -51,7 +51,7 @@ class HeatProblem:
         bodies: one for each body of the mesh; their order numbers the unknowns.
         exchanges: interfaces; the states of the pairs of each step come in this order.
         surfaces: heat conditions; a surface without one is insulated. Where prescribed temperatures
-            meet, the first holds.
+            meet, the first applies.
         tolerance: of the balance, relative to the heat that changes place in the sub-step.
         linear: "direct", "iterative" or "automatic", by size.
         options: PETSc options without the prefix `castx_heat_`; they override the defaults, but the
@@ -108,7 +108,7 @@ class HeatProblem:
         self._tried: tuple[float, float, int] = (0.0, 0.0, 1)
 
     def begin_stage(self) -> None:
-        """Book what renewed bodies have brought, and even out nodes in perfect contact."""
+        """Book the heat of renewed bodies; bring nodes in perfect contact to one temperature."""
         self._books.begin_stage(self._unknowns.equalise)
         self.commit()
 
@@ -167,7 +167,7 @@ class HeatProblem:
             self._counters.heat_iterations += self._solver.snes.getIterationNumber()
 
     def _worst_node(self) -> str:
-        """Say where the residual is largest, the same text on all ranks."""
+        """Return the place of the largest residual in words, the same on all ranks."""
         values = self._balance.residual.array_r
         parts = [
             Part(
@@ -198,7 +198,7 @@ class HeatProblem:
         return self._balance.coefficients(pairs)
 
     def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
+        """Accept the trial state as the start of the next step."""
         self._committed = self._unknowns.enthalpies()
         self._ledger.commit()
 
@@ -218,7 +218,7 @@ class HeatProblem:
         return joined({"enthalpy": enthalpies, "ledger": self._ledger.saved()})
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back a state as the committed one."""
+        """Restore a saved state as the committed one."""
         for number, body in enumerate(self._bodies):
             enthalpy = arrays[f"enthalpy/{body.name}"]
             self._committed[self._layout.local_slice(number)] = enthalpy[: body.owned]

@@ -1,4 +1,4 @@
-"""What the conduction through facing surfaces depends on, and what a law makes of it."""
+"""Facing surfaces of node pairs, their conductance, and the protocol of its laws."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class ConstantConductance:
     needs_solid_fraction: Literal[False] = False
 
     def __call__(self, state: PairState, faces: Faces) -> Conductance:
-        """Return the coefficient; of open pairs it passes through the gas."""
+        """Return the coefficient; in open pairs the gas carries it."""
         h = np.full(len(state.gap), self.coefficient)
         return Conductance(Dual.constant(h, VARIABLES), touching(state))
 
@@ -112,5 +112,5 @@ UNIT = ConstantConductance(1.0)
 
 
 def touching(state: PairState) -> FloatArray:
-    """Return 1 where pairs are closed and 0 where they are open."""
+    """Return 1 for closed and 0 for open pairs, shape (pairs,)."""
     return np.asarray(state.closed, dtype=np.float64)

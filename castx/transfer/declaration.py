@@ -51,7 +51,7 @@ class HeatKey(Generic[T_co]):
         refuse_incomplete(what, self, ("name", "meaning", "entry", "usual"))
 
     def varying_over(self, *over: str) -> Self:
-        """Return the key for a law in which its table goes over these quantities alone."""
+        """Return the key for a law that allows tables over these quantities only."""
         return replace(self, over=over)
 
     @property
@@ -67,7 +67,7 @@ class HeatKey(Generic[T_co]):
 
     @property
     def unit(self) -> str:
-        """SI unit; "": it has none, or holds several numbers."""
+        """SI unit; "": it has none, or there are several numbers."""
         kind = self.entry.value if isinstance(self.entry, Varying) else self.entry
         return kind.dimension.unit if isinstance(kind, Quantity) else ""
 
@@ -80,7 +80,7 @@ class HeatKey(Generic[T_co]):
 
 @dataclass(frozen=True)
 class Given:
-    """The keys that an interface, or a part of it, gives to its law.
+    """Values of the keys that an interface, or a part of it, gives to its law.
 
     Args:
         values: numbers in SI, tables and tables of keys, by key.
@@ -109,7 +109,7 @@ def middle(low: float, high: float) -> float:
 
 
 def chosen(usual: object, choose: Choose) -> object:
-    """Return usual numbers with one of each range (low, high) in its place."""
+    """Return usual numbers with each range (low, high) replaced by one number in it."""
     match usual:
         case (float(low), float(high)) if isinstance(usual, tuple):
             return choose(low, high)
@@ -122,7 +122,7 @@ def chosen(usual: object, choose: Choose) -> object:
 
 
 def no_problems(given: Given) -> Iterator[Problem]:
-    """Yield nothing: the keys of the law always fit together."""
+    """Yield no problem: all keys of the law are consistent with each other."""
     yield from ()
 
 
@@ -139,7 +139,7 @@ class GapHeatLaw:
         needed: keys without which there is no law.
         useful: keys that it can use besides.
         instead: keys whose place another one can take: {OPEN: (GAS_CONDUCTIVITY,)}.
-        problems: yields what does not fit together although every key is allowed.
+        problems: yields inconsistencies between keys that are each allowed.
         exchange: "law": by the law that is built, and by radiation; "perfect": facing nodes have
             one temperature; "none": as the first, but nothing is conducted.
         needs_solid_fraction: whether it depends on the solid fraction of the secondary body.

@@ -1,4 +1,4 @@
-"""Resistance of the gas layer in an open gap, and laws without a bend at closure."""
+"""Resistance of the gas layer in an open gap, and roundings of its bends."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class TabulatedLayer:
 
 
 def rounded_gap(gap: FloatArray, width: float) -> FloatArray:
-    """Return the gap, between 0 and the width a cubic with slope zero at closure instead."""
+    """Return the gap, replaced up to a width by a cubic with slope zero at closure [m]."""
     if width <= 0.0:
         return gap
     s = np.minimum(gap / width, 1.0)
@@ -62,7 +62,13 @@ def rounded_gap(gap: FloatArray, width: float) -> FloatArray:
 
 
 def rounded_maximum(a: Dual, b: Dual, half_width: Dual | None) -> Dual:
-    """Return the larger of two numbers, a parabola where they differ by less than a half width."""
+    """Return the larger of two numbers, rounded by a parabola where they nearly meet.
+
+    Args:
+        a: numbers at the pairs.
+        b: others.
+        half_width: largest difference that is rounded; None: nothing is.
+    """
     if half_width is None:
         return a.maximum(b)
     rise = b - a

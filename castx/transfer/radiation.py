@@ -14,10 +14,11 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 
 
 def emission(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return σ T⁴ [W/m²] of a black surface and its derivative [W/m²/K].
+    """Return σ T⁴ [W/m²] of a black surface and its derivative 4 σ T³ [W/m²/K], T absolute.
 
-    Below absolute zero, where only an unfinished iteration comes, it goes on as an odd function, so
-    that hotter always means more.
+    Below absolute zero, reached only within an iteration, it continues as an odd function, so that
+    it always increases with temperature.
+    Source: J. Stefan (1879), L. Boltzmann (1884).
 
     Args:
         temperature: [°C].
@@ -28,6 +29,12 @@ def emission(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def facing_factor(emissivities: Sequence[float]) -> float:
-    """Return 1/(1/ε₁ + 1/ε₂ − 1) of two facing surfaces so close that they see only each other."""
+    """Return the factor 1/(1/ε₁ + 1/ε₂ − 1) of radiation between two close parallel surfaces.
+
+    Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 9.3.
+
+    Args:
+        emissivities: ε of both surfaces.
+    """
     first, second = emissivities
     return 1.0 / (1.0 / first + 1.0 / second - 1.0)

@@ -50,7 +50,7 @@ def law_keys(laws: dict[str, GapHeatLaw]) -> dict[str, HeatKey[object]]:
 
 
 def with_keys_of_laws(model: type[D]) -> type[D]:
-    """Return a description with a field for each key of a law that it does not have yet."""
+    """Return a description that has a field for every key of every law."""
     own: dict[str, Any] = {
         name: (key.annotation, key.default)
         for name, key in law_keys(gap_heat_laws()).items()
@@ -68,7 +68,7 @@ def with_keys_of_laws(model: type[D]) -> type[D]:
 
 
 class LawRow(NamedTuple):
-    """A law in a table for people.
+    """A gap heat law as a row of a table for the manual.
 
     Attributes:
         name: as a case file writes it.
@@ -88,7 +88,7 @@ class LawRow(NamedTuple):
 
 
 def law_table() -> tuple[LawRow, ...]:
-    """Return a row for each law."""
+    """Return the table of all laws for the manual."""
     return tuple(
         LawRow(
             law.name,

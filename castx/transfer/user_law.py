@@ -1,7 +1,7 @@
 """Laws of the heat transfer at interfaces written as Python functions, for drivers.
 
-A case file only holds data and is never executed, so such a law is handed to
-`Simulation.from_case` by the driver.
+A case file contains only data and is never executed, so a driver passes such a law to
+`Simulation.from_case`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ CLOSURE_JUMP = 1e-6
 class UserLaw:
     """A heat-transfer coefficient as a function of gap, pressure, temperatures and time.
 
-    The law is tried when it is made, at closed and open pairs of many temperatures.
+    The law is checked at construction, for closed and open pairs at many temperatures.
 
     >>> from mpi4py import MPI
     >>> import castx
@@ -163,7 +163,7 @@ class UserLaw:
 
 
 def _steps() -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the steps of both temperatures that differentiate over one of them."""
+    """Return steps of both temperatures, for the derivative over the first and the second."""
     return (DIFFERENCE, 0.0), (0.0, DIFFERENCE)
 
 

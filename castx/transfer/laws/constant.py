@@ -45,7 +45,7 @@ def build(given: Given) -> ConstantLaw:
 
 
 def problems(given: Given) -> Iterator[Problem]:
-    """Yield a gas that has no roughness to fill."""
+    """Yield a conductivity of the gas that nothing uses."""
     pressure = given.get(PRESSURE)
     rough = given.has(ROUGHNESS) or (pressure is not None and pressure.roughness is not None)
     if given.has(GAS_CONDUCTIVITY) and not rough:

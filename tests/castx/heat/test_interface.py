@@ -20,7 +20,7 @@ def exchange_at(mesh, law, radiation, part, factor=None):
     balance = balance_under_law(mesh, law, radiation)
     balance.exchanges.set_states([open_pairs(mesh, 1e-5, 2e-4)], part, factor)
     balance.unknowns.read_temperatures()
-    balance.exchanges.face(balance.unknowns.temperature, 1.0)
+    balance.exchanges.update_faces(balance.unknowns.temperature, 1.0)
     return balance, balance.exchanges.under_law[0]
 
 
@@ -43,10 +43,10 @@ def test_the_resistance_goes_straight_over_the_step(comm):
     start, end = open_pairs(mesh, 1e-5, 2e-4)
     h = 1.0 / (0.7 / exchange.coefficient(start) + 0.3 * factor / exchange.coefficient(end))
     balance.exchanges.set_states([(end, end)], 1.0)
-    balance.exchanges.face(balance.unknowns.temperature, 1.0)
+    balance.exchanges.update_faces(balance.unknowns.temperature, 1.0)
     drop = exchange.heat().sum(axis=0) / (exchange.areas * exchange.coefficient(end))
     balance.exchanges.set_states([(start, end)], 0.3, [factor])
-    balance.exchanges.face(balance.unknowns.temperature, 1.0)
+    balance.exchanges.update_faces(balance.unknowns.temperature, 1.0)
     np.testing.assert_allclose(exchange.heat().sum(axis=0), exchange.areas * h * drop, rtol=1e-12)
 
 
