@@ -39,7 +39,7 @@ class ArchiveWriter:
 
     Args:
         path: the file.
-        header: what is known of the arrays, as JSON knows it.
+        header: values beside the arrays, as JSON knows them.
 
     Raises:
         OSError: the disk does not take it, or does not give it back.
@@ -99,7 +99,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def fault_of(path: Path) -> str | None:
-    """Return what is wrong with an archive: its header, an array's checksum; None if nothing is."""
+    """Return the fault of an archive in its header or a checksum, None if it is whole."""
     try:
         with zipfile.ZipFile(path) as archive:
             header = _header(archive)

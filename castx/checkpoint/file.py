@@ -1,4 +1,4 @@
-"""The checkpoint of a run: everything from which it goes on, on any number of ranks."""
+"""The checkpoint file of a run, read on any number of ranks."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Checkpoint:
         """Replace the checkpoint; the old one stays until the new one is complete; collective.
 
         Args:
-            state: arrays of all that remembers something, the same names on all ranks.
-            header: what else is known, as JSON knows it; that of rank 0 counts.
+            state: arrays of all objects with a state, of the same names on all ranks.
+            header: other values, as JSON knows them; those of rank 0 count.
 
         Raises:
             StorageError: it cannot be written, and the old one is still there; on all ranks.
@@ -61,7 +61,7 @@ class Checkpoint:
                 yield name, gathering.to_first(saved.values, saved.numbering)
 
     def _write(self, arrays: Iterator[tuple[str, Array | None]], header: Mapping[str, Any]) -> str:
-        """Write the file on rank 0; return what went wrong."""
+        """Write the file on rank 0; return the reason of a failure, empty if there is none."""
         try:
             self.path.parent.mkdir(exist_ok=True)
             with ArchiveWriter(self.path, header) as archive:
@@ -91,7 +91,7 @@ class Checkpoint:
         return found
 
     def read(self, header: Mapping[str, Any], state: Mapping[str, Saved]) -> dict[str, Array]:
-        """Return local rows, ghosts included, of the arrays that are both wanted and there.
+        """Return the local rows, ghosts included, of the wanted arrays that the file has.
 
         Args:
             header: of the file.

@@ -1,4 +1,4 @@
-"""Arrays of all ranks on the first one in the order of their numbers, and back."""
+"""Exchange of numbered rows between all ranks and the first one."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Gathering:
         return gathered[np.argsort(np.concatenate(order), kind="stable")]
 
     def _numbers(self, numbering: Numbering) -> list[LongArray]:
-        """Return the owned numbers of all ranks on rank 0, on others anything."""
+        """Return the owned numbers of all ranks on rank 0, unspecified on others."""
         if numbering.name not in self._known:
             own = numbering.numbers[: numbering.owned]
             self._known[numbering.name] = self._comm.gather(own) or []

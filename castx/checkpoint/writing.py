@@ -1,4 +1,4 @@
-"""When a run writes its checkpoint, what stands in it, and how a run goes on from it."""
+"""Times at which a run writes its checkpoint, its content, and the restart from it."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ LARGEST_SHARE = 0.05
 
 
 class Checkpoints:
-    """Writes the checkpoint of a run: of the initial state, now and then, and at its end.
+    """Writes the checkpoint of a run: of the initial state, at intervals, and at its end.
 
     The end is written when all ranks have come to it: done, not converged or interrupted.
 
     Args:
         checkpoint: the file.
         case: what is run.
-        simulation: what is saved.
-        results: what else is saved.
+        simulation: the run, whose state is saved.
+        results: its results, whose state is saved as well.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Checkpoints:
         }
 
     def restore(self, header: Mapping[str, Any]) -> None:
-        """Go on from the checkpoint with this header; collective.
+        """Restore simulation and results from the checkpoint with this header; collective.
 
         Raises:
             CaseError: the mesh or the arrays are not those of the case; on all ranks.

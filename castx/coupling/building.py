@@ -1,4 +1,4 @@
-"""From the descriptions of a case to the problems that solve it."""
+"""Building of the coupled problem from the descriptions of a case."""
 
 from __future__ import annotations
 
@@ -64,9 +64,11 @@ def build_problem(
     materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
+    gaps = {i.name: initial_gap(i, pairs[i.name]) for i in case.interfaces}
     mechanics, counters = None, StepCounters()
     if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
-        mechanics = _mechanics(case, mesh, materials, contacts, counters)
+        placed = [(pairs[i.name], gaps[i.name]) for i in contacts]
+        mechanics = _mechanics(case, mesh, materials, contacts, placed, counters)
     own = dict(laws or {})
     _check_laws(case, own)
     exchanges = [
@@ -83,7 +85,7 @@ def build_problem(
         CoupledInterface(
             interface.name,
             pairs[interface.name],
-            initial_gap(interface, pairs[interface.name]),
+            gaps[interface.name],
             contacts.index(interface) if mechanics is not None and interface in contacts else None,
         )
         for interface in case.interfaces
@@ -97,7 +99,7 @@ def build_problem(
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    """Find the surfaces that boundary conditions name, those of later stages included.
+    """Check that the surfaces of all boundary conditions exist, those of later stages included.
 
     Raises:
         MeshError: one is missing; names the key.
@@ -112,7 +114,7 @@ def check_surfaces(case: Case, mesh: CastingMesh) -> None:
 
 
 def _named_surfaces(case: Case) -> Iterator[tuple[str, str]]:
-    """Yield the keys that name surfaces, and their values."""
+    """Yield the place in the case and the name of each surface of a boundary condition."""
     for index, boundary in enumerate(case.boundaries):
         yield f"boundaries[{index}].on", boundary.on
     for number, stage in enumerate(case.stages):
@@ -167,6 +169,7 @@ def _mechanics(
     mesh: CastingMesh,
     materials: dict[str, Material],
     contacts: list[Interface],
+    pairs: list[tuple[NodePairs, FloatArray]],
     counters: StepCounters,
 ) -> MechanicalProblem:
     bodies = {
@@ -184,7 +187,7 @@ def _mechanics(
         case.support.by_body(),
     )
     described = [_contact(i) for i in contacts]
-    return MechanicalProblem(mesh, bodies, displacements, described, settings, counters)
+    return MechanicalProblem(mesh, bodies, displacements, described, settings, counters, pairs)
 
 
 def _displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:
@@ -216,10 +219,8 @@ def _contact(interface: Interface) -> Contact:
         interface.secondary,
         interface.primary,
         wanted.method,
-        wanted.initial_gap.at,
-        wanted.settings,
+        settings=wanted.settings,
         fallback=wanted.fallback,
-        pairing=wanted.pairing_rule,
         friction=wanted.friction,
     )
 
@@ -247,7 +248,7 @@ def _mechanical_body(
 
 
 def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
-    """Return what the bodies that melt do mechanically while they are not solid, for people.
+    """Describe in words how the bodies that melt behave below full solidity.
 
     Raises:
         CaseError: a body cannot be solved as described.
@@ -265,7 +266,7 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
 
 
 def law_above_solidus(body: str, material: Material) -> str:
-    """Return what a material that melts does mechanically while it is not solid, for people."""
+    """Describe in words how a melting material behaves below full solidity."""
     liquid = material.liquid
     if liquid is None:
         return f"{body}: {material.name} keeps its solid's law at every temperature, without liquid"

@@ -1,4 +1,4 @@
-"""Heat that plastic work leaves in the bodies (Chiumenti, 2.3, D = χ s:ε̇_vp)."""
+"""Heat of plastic work, D = χ s:ε̇_vp (Chiumenti, section 2.3)."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from castx.stateful import Arrays, Saved
 
 
 class Dissipation:
-    """Nodal powers that the heat problem takes from the mechanics, committed and trial.
+    """Nodal powers of plastic work as sources of the heat problem, committed and trial.
 
     D = χ s:ε̇_vp [W/m³], χ the share of plastic work that becomes heat.
 
-    The heat of a pass feels the plastic work that the pass before has found, that of the first
-    pass in a step what the last step had.
+    The heat of a pass has the powers of the pass before as sources, that of the first pass of a
+    step those of the last step.
 
     Args:
         comm: ranks.
@@ -56,7 +56,7 @@ class Dissipation:
         }
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back committed powers [W]."""
+        """Restore committed powers [W]."""
         self._committed = {
             name: arrays[name][: body.owned_nodes] for name, body in self._bodies.items()
         }

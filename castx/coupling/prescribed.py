@@ -76,7 +76,10 @@ class PrescribedTemperatures:
         return HeatReport(0, 0, max(changes))
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return h of pairs in these states [W/m²/K]: infinite if bonded, zero without a law."""
+        """Return h of pairs in these states [W/m²/K].
+
+        It is infinite in perfect contact and zero where no heat crosses.
+        """
         fixed = {"perfect": np.inf, "none": 0.0}
         return [
             np.full(len(state.gap), fixed[exchange.kind])
@@ -105,16 +108,16 @@ class PrescribedTemperatures:
         return {"time": number(self._time, of_cycle=True)}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back the time of the present temperatures."""
+        """Restore the time of the present temperatures [s]."""
         self._time = float(arrays["time"])
         self._set(self._time)
 
     def begin_stage(self) -> None:
-        """Do nothing: time alone decides."""
+        """Do nothing: the temperatures depend on time alone."""
 
     def totals(self) -> dict[str, float]:
         """Return no totals: nothing is exchanged."""
         return {}
 
     def destroy(self) -> None:
-        """Free nothing: no PETSc object is held."""
+        """Do nothing: there is no PETSc object."""

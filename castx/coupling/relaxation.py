@@ -16,12 +16,16 @@ LEAST_SHARE = 0.1
 
 
 class Relaxation:
-    """Aitken's dynamic relaxation of a fixed-point iteration (Küttler and Wall 2008).
+    """Aitken's dynamic relaxation of a fixed-point iteration x ← x + ω (F(x) − x).
+
+    ω_k = −ω_(k−1) r_(k−1)·(r_k − r_(k−1))/|r_k − r_(k−1)|² with the residuals r = F(x) − x (Küttler
+    and Wall, Fixed-point fluid-structure interaction solvers with dynamic relaxation, Comput. Mech.
+    43, 2008).
 
     x + ω r with r = found − tried and ω ← −ω r_old·(r − r_old)/‖r − r_old‖², within bounds.
 
     Args:
-        comm: ranks over which the iterates are spread.
+        comm: ranks that share the iterates.
     """
 
     def __init__(self, comm: MPI.Intracomm) -> None:
@@ -30,7 +34,12 @@ class Relaxation:
         self._residual: FloatArray | None = None
 
     def next(self, tried: FloatArray, found: FloatArray) -> FloatArray:
-        """Return the next positive iterate from the one tried and what it led to."""
+        """Return the next iterate, which is positive.
+
+        Args:
+            tried: the last iterate on this rank.
+            found: its image under the fixed-point map.
+        """
         finite = np.isfinite(tried) & np.isfinite(found)
         residual = np.where(finite, found, 0.0) - np.where(finite, tried, 0.0)
         if self._residual is not None:

@@ -207,7 +207,7 @@ class CoupledProblem:
         self._change.commit()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free the PETSc objects."""
         self.heat.destroy()
         if self.mechanics is not None:
             self.mechanics.destroy()

@@ -1,4 +1,4 @@
-"""What the coupling asks of temperatures, solved for or prescribed."""
+"""Protocol of the temperatures of all bodies, computed or prescribed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ from castx.transfer.pair_state import PairState
 
 
 class Temperatures(Protocol):
-    """The heat problem of all bodies, or what stands in its place."""
+    """The temperatures of all bodies: a heat problem or prescribed ones.
+
+    Attributes:
+        temperature: of the nodes of each body [°C].
+        enthalpy: per volume of the nodes of each body [J/m³]; none where it is not computed.
+        solid_fraction: of the nodes of each body.
+    """
 
     temperature: dict[str, fem.Function]
     enthalpy: dict[str, fem.Function]
@@ -29,13 +35,13 @@ class Temperatures(Protocol):
         dissipation: Mapping[str, FloatArray] | None = None,
         factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
-        """Find the trial state at the end of a step."""
+        """Find the trial state at the end of a step; arguments as of `HeatProblem.advance`."""
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of the pairs of each interface at the trial temperatures [W/m²/K]."""
 
     def begin_stage(self) -> None:
-        """Start a stage with the present temperatures, of which some may be those of new bodies."""
+        """Start a stage with the present temperatures; bodies may be new."""
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts."""
@@ -47,10 +53,10 @@ class Temperatures(Protocol):
         """Return the committed state as arrays."""
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back a committed state."""
+        """Restore a committed state."""
 
     def totals(self) -> dict[str, float]:
         """Return the committed totals of heat by name."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free the PETSc objects."""

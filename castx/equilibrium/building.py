@@ -108,7 +108,7 @@ class DeformableBodies:
 def build_methods(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[NodePairs],
+    pairs: Sequence[tuple[NodePairs, FloatArray]],
     settings: MechanicsSettings,
 ) -> Equilibrium | FallbackMethods:
     """Return the equilibrium of bodies with contact, by several methods if there are fallbacks.
@@ -116,7 +116,7 @@ def build_methods(
     Args:
         bodies: the bodies.
         contacts: interfaces with contact.
-        pairs: their node pairs.
+        pairs: their node pairs, and the gaps of these without displacements [m], shape (pairs,).
         settings: how to solve.
 
     Raises:
@@ -133,16 +133,16 @@ def build_methods(
 def _build_equilibrium(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[NodePairs],
+    pairs: Sequence[tuple[NodePairs, FloatArray]],
     settings: MechanicsSettings,
 ) -> Equilibrium:
     method = common_method(contacts)
-    rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
+    rows = [InterfaceRows(p, c.treatment) for c, (p, _) in zip(contacts, pairs, strict=True)]
     transform = ConstraintTransform(
         bodies.layout, bodies.names, bodies.parts[0].dimension, bodies.fixed, rows,
         [body.axial for body in bodies.parts],
     )  # fmt: skip
-    initial = [p.gap + c.initial_gap(p.points) for c, p in zip(contacts, pairs, strict=True)]
+    initial = [gap for _, gap in pairs]
     gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, initial, bodies.rigid)
     contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.stiffness)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length

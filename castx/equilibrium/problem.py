@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from castx.arrays import FloatArray
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.pair_state import contact_state
 from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
 from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import interface_pairs
 from castx.equilibrium.building import DeformableBodies, MechanicsSettings, build_methods
 from castx.equilibrium.memory import MechanicalMemory
@@ -33,6 +35,8 @@ class MechanicalProblem:
         contacts: interfaces with contact.
         settings: how to solve.
         counters: of the step, to which the solution adds.
+        pairs: node pairs of each contact and their gaps without displacements [m], shape (pairs,);
+            None: those that the contacts describe.
 
     Raises:
         CaseError: contact methods that cannot be combined.
@@ -46,6 +50,7 @@ class MechanicalProblem:
         contacts: Sequence[Contact],
         settings: MechanicsSettings,
         counters: StepCounters | None = None,
+        pairs: Sequence[tuple[NodePairs, FloatArray]] | None = None,
     ) -> None:
         check_bodies(contacts, bodies)
         names = list(bodies)
@@ -67,7 +72,8 @@ class MechanicalProblem:
             [body.space.dofmap.index_map for body in parts],
             [body.block_size for body in parts],
         )
-        self.pairs = [interface_pairs(mesh, c.secondary, c.primary, c.pairing) for c in contacts]
+        placed = [_described_pairs(mesh, c) for c in contacts] if pairs is None else pairs
+        self.pairs = [found for found, _ in placed]
         self.rigid = {
             n: rigid_body(n, mesh.model, displacements.get(n, ()))
             for n in mesh.bodies
@@ -79,7 +85,7 @@ class MechanicalProblem:
         deformable = DeformableBodies(
             names, self._assembly, fixed, self.rigid, length, stiffness, counters or StepCounters()
         )
-        self.equilibrium = build_methods(deformable, contacts, self.pairs, settings)
+        self.equilibrium = build_methods(deformable, contacts, placed, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 
     @property
@@ -103,6 +109,12 @@ class MechanicalProblem:
         """Free what PETSc holds."""
         self.equilibrium.destroy()
         self._assembly.destroy()
+
+
+def _described_pairs(mesh: CastingMesh, contact: Contact) -> tuple[NodePairs, FloatArray]:
+    """Return the pairs of a contact and their gaps without displacements [m]; collective."""
+    pairs = interface_pairs(mesh, contact.secondary, contact.primary, contact.pairing)
+    return pairs, pairs.gap + contact.initial_gap(pairs.points)
 
 
 def _closed_surfaces(

@@ -1,4 +1,4 @@
-"""From a case with stages to the process that goes through them."""
+"""Building of the process of a case from its stages."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 
 
 class StageBuilder:
-    """Builds what is solved during the stages of a case, on one mesh.
+    """Builds the problems of the stages of a case, on one mesh.
 
     Args:
         case: the case.
@@ -61,7 +61,7 @@ class StageBuilder:
         )
 
     def __call__(self, number: int) -> StageProblem:
-        """Return what is solved during a stage, as if the run began with it; collective."""
+        """Return the problem of a stage as if the run began with it; collective."""
         case = self._cases[number]
         there = {body.name: self._mesh.bodies[body.name] for body in case.bodies}
         mesh = replace(self._mesh, bodies=there)
@@ -72,7 +72,7 @@ class StageBuilder:
 
 
 def stage_cases(case: Case, mesh: CastingMesh) -> list[Case]:
-    """Return what a case asks for during each of its stages, the start first.
+    """Return the cases of all stages, the start first.
 
     Args:
         case: the case.
@@ -112,7 +112,7 @@ def process_of(
 
 
 def step_settings(case: Case) -> StepSettings:
-    """Return what the case asks of the steps; they land on stages and output times."""
+    """Return the settings of the step control of a case; steps end at stages and output times."""
     time, schedule = case.time, Schedule(case.stages, case.time.end)
     return StepSettings(
         schedule.end,

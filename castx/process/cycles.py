@@ -1,4 +1,4 @@
-"""How much the bodies that go on change from cycle to cycle."""
+"""Change of the temperatures from cycle to cycle, and distance from the periodic state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from castx.stateful import Arrays, Saved
 
 
 class CycleEnds:
-    """Temperatures with which bodies have left a cycle: at its end, or when they were removed.
+    """Temperatures of bodies at the end of a cycle, or when they were removed.
 
     Args:
         mesh: of all bodies.
@@ -60,16 +60,17 @@ class CycleEnds:
         }
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back the temperatures [°C]."""
+        """Restore the temperatures [°C]."""
         for body, numbering in self._numberings.items():
             self._now[body] = arrays[f"{body}/now"][: numbering.owned].copy()
             self._last[body] = arrays[f"{body}/last"][: numbering.owned].copy()
 
 
 def distance_from_periodic(changes: Sequence[float | None]) -> float | None:
-    """Return how far the last cycle is from the state to which they tend [K], None if unknown.
+    """Return the distance of the last cycle from the periodic state [K], None if unknown.
 
-    Changes that shrink by the factor q from cycle to cycle add up to q/(1 - q) times the last one.
+    Changes that shrink by the factor q from cycle to cycle still add up to q/(1 − q) times the last
+    one.
 
     Args:
         changes: from each cycle to the next one [K], None where there was none.

@@ -1,4 +1,4 @@
-"""The process of a case: the problem of its present stage, and what goes from one to the next."""
+"""The process of a case: the problem of the present stage, and the changes of stage."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from castx.stateful import Arrays, Saved, joined, part_of
 
 @dataclass(frozen=True)
 class StageProblem:
-    """What is solved during one stage.
+    """The problem of one stage.
 
     Attributes:
-        mesh: the bodies that are there.
+        mesh: the bodies that are present.
         pairs: their node pairs by the name of the interface.
         problem: heat and mechanics.
         rigid: the rigid bodies by name.
@@ -40,7 +40,7 @@ class StageProblem:
 
 @dataclass(frozen=True)
 class Cycling:
-    """What cycles are.
+    """The cycles of a process.
 
     Attributes:
         ends: compares their ends.
@@ -58,12 +58,12 @@ class Process:
 
     Attributes:
         schedule: when stages begin.
-        now: what is solved in the present one.
+        now: problem of the present one.
         left: totals of bodies and interfaces that are gone, by name.
 
     Args:
         schedule: when stages begin.
-        build: returns what is solved during a stage, as if the run began with it; collective.
+        build: returns the problem of a stage as if the run began with it; collective.
         ejected: for each stage the coefficients of friction of bodies that are drawn as it begins.
         cycling: None: there is one cycle.
     """
@@ -80,7 +80,7 @@ class Process:
         self.now = build(0)
         self.left: dict[str, float] = {}
         self._number = 0
-        self._aside: dict[str, Saved] = {}
+        self._absent: dict[str, Saved] = {}
         self._renewed: frozenset[str] = frozenset()
         self._events = Events()
 
@@ -98,7 +98,7 @@ class Process:
         return found
 
     def state(self) -> ProcessState:
-        """Return where in the process the run is, for those who read results."""
+        """Return stage, cycle and events for the results."""
         phase = self.phase
         return ProcessState(
             stage=phase.stage,
@@ -110,7 +110,7 @@ class Process:
         )
 
     def proceed(self, time: float, totals: Callable[[], Mapping[str, float]]) -> bool:
-        """Go on to the stage of the step that begins at a time; return whether it is another one.
+        """Go to the stage of the step that begins at a time; return whether the stage changes.
 
         Args:
             time: committed time [s].
@@ -122,7 +122,7 @@ class Process:
             return False
         last, before = totals(), list(self.now.mesh.bodies)
         self.left = {name: left_total(name, value) for name, value in last.items()}
-        known = {**self._aside, **self.now.problem.saved()}
+        known = {**self._absent, **self.now.problem.saved()}
         if self._cycling is not None and self.schedule.phases[number].cycle != self.phase.cycle:
             self._renewed = frozenset(self._cycling.renewed)
             known = without(known, self._renewed)
@@ -145,14 +145,14 @@ class Process:
         gc.collect()  # on all ranks at once: what is freed may be collective
 
     def _take_over(self, known: Mapping[str, Saved]) -> None:
-        """Go on from a saved state as far as it is known; keep aside what is not needed now."""
+        """Restore the known arrays in the new problem; keep those of absent bodies."""
         fresh, problem = self.now.problem.saved(), self.now.problem
         problem.restore({name: known.get(name, saved).values for name, saved in fresh.items()})
         problem.begin_stage(self._renewed)
-        self._aside = {name: saved for name, saved in known.items() if name not in fresh}
+        self._absent = {name: saved for name, saved in known.items() if name not in fresh}
 
     def end_step(self, time: float) -> None:
-        """Look at the cycle if a stage ends with a step that has just been accepted; collective."""
+        """Compare the cycle with the last one if it ends with the accepted step; collective."""
         following = self.schedule.phases[self._number + 1 : self._number + 2]
         end = following[0].start if following else self.schedule.end
         if self._cycling is None or abs(time - end) > SLACK * self.schedule.end:
@@ -166,17 +166,17 @@ class Process:
         self._events.note_cycle(time, self.phase.cycle, change, self._cycling.periodic)
 
     def notes(self) -> dict[str, Any]:
-        """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
+        """Return the stage and the events for the header of a checkpoint, as JSON knows them."""
         return {
             "phase": self._number,
             "start": self.phase.start,
             "left": self.left,
-            "aside": sorted(self._aside),
+            "aside": sorted(self._absent),
             "events": self._events.known,
         }
 
     def prepare(self, notes: Mapping[str, Any]) -> None:
-        """Go to the stage of `notes`, whose state `restore` takes back then; collective.
+        """Go to the stage of `notes`, so that `saved` has the names of its arrays; collective.
 
         Raises:
             CaseError: the stages are at other times now.
@@ -192,25 +192,25 @@ class Process:
         whole = self.now.problem.saved()
         self._number, self.left = number, dict(notes["left"])
         self._events.known = list(notes["events"])
-        self._aside = {name: whole[name] for name in notes["aside"]}
+        self._absent = {name: whole[name] for name in notes["aside"]}
         if self.phase.stage > 0:
             self._begin(self._number)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the committed state, that of bodies that come back included; collective."""
-        parts = {"problem": self.now.problem.saved(), "aside": self._aside}
+        """Return the committed state, absent bodies included; collective."""
+        parts = {"problem": self.now.problem.saved(), "aside": self._absent}
         if self._cycling is not None:
             parts["cycle"] = self._cycling.ends.saved()
         return joined(parts)
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back a committed state; collective."""
+        """Restore a committed state; collective."""
         self.now.problem.restore(part_of(arrays, "problem"))
         aside = part_of(arrays, "aside")
-        self._aside = {n: replace(s, values=aside[n]) for n, s in self._aside.items()}
+        self._absent = {n: replace(s, values=aside[n]) for n, s in self._absent.items()}
         if self._cycling is not None:
             self._cycling.ends.restore(part_of(arrays, "cycle"))
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free the PETSc objects."""
         self.now.problem.destroy()

@@ -76,7 +76,7 @@ class Simulation:
 
     Args:
         process: the process at its start.
-        settings: what the case asks of the steps.
+        settings: of the step control.
         substeps: heat steps inside one mechanical step; None: by the temperature change.
     """
 
@@ -101,7 +101,7 @@ class Simulation:
         Args:
             case: the case.
             comm: the ranks to run on.
-            laws: heat transfer of interfaces by their names, in place of what the case says, such
+            laws: heat transfer of interfaces by their names, in place of that of the case, such
                 as `castx.transfer.user_law.UserLaw`; radiation stays as the case has it.
 
         Raises:
@@ -225,15 +225,15 @@ class Simulation:
         return {"process": self.process, "control": self.control}
 
     def notes(self) -> dict[str, Any]:
-        """Return what a checkpoint needs to know before `saved` has the right names, for JSON."""
+        """Return the stage and the events for the header of a checkpoint, as JSON knows them."""
         return self.process.notes()
 
     def prepare(self, notes: Mapping[str, Any]) -> None:
-        """Go to the stage of `notes`, so that `restore` finds what it asks for; collective."""
+        """Go to the stage of `notes`, so that `saved` has the names of its arrays; collective."""
         self.process.prepare(notes)
 
     def restore(self, arrays: Arrays) -> None:
-        """Go on from a saved state: the next state to come is that of the step after it."""
+        """Restore a saved state: the next state yielded is that of the step after it."""
         clock = part_of(arrays, "clock")
         self.time, self.step = float(clock["time"]), int(clock["step"])
         self._substep_rate = float(clock["substep_rate"])
@@ -241,5 +241,5 @@ class Simulation:
         self._begun = True
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Free the PETSc objects."""
         self.process.destroy()

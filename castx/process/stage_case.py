@@ -1,4 +1,4 @@
-"""The case that holds during a stage: the bodies still there, and the conditions on them."""
+"""The case of one stage: its bodies and the conditions on them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from castx.case.stages import Spray, Stage
 from castx.errors import CaseError
 
 _KINDS = ("heat", "displacement", "pressure", "traction")
-"""What a later boundary replaces one by one."""
+"""Kinds of conditions, each replaced by a later one of its kind."""
 
 Surfaces = Mapping[str, Sequence[str]]
 """Names of the surfaces of each body; those towards another body bear its name."""
 
 
 def stage_case(case: Case, number: int, surfaces: Surfaces) -> Case:
-    """Return what a case asks for during one of its stages.
+    """Return the case of one stage.
 
     Args:
         case: the whole case.
@@ -45,7 +45,7 @@ def stage_case(case: Case, number: int, surfaces: Surfaces) -> Case:
 
 
 def replaced(old: Iterable[Boundary], new: Iterable[Boundary]) -> list[Boundary]:
-    """Return boundaries in which later conditions take the place of those of the same kind."""
+    """Return boundaries in which later conditions replace earlier ones of the same kind."""
     found: dict[str, Boundary] = {}
     for boundary in (*old, *new):
         given = {key: getattr(boundary, key) for key in _KINDS if getattr(boundary, key)}
@@ -59,7 +59,7 @@ def replaced(old: Iterable[Boundary], new: Iterable[Boundary]) -> list[Boundary]
 def sprayed_surfaces(
     stage: Stage, index: int, present: Sequence[str], surfaces: Surfaces
 ) -> list[str]:
-    """Return the surfaces "body/surface" that a spray cools, but those with heat of their own.
+    """Return the surfaces "body/surface" that a spray cools, without those with other conditions.
 
     Args:
         stage: with a spray.

@@ -1,4 +1,4 @@
-"""The state after an accepted step, as results read it."""
+"""Snapshot of a coupled problem after an accepted step."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class State:
     """Fields of a coupled problem at its committed state, see `Snapshot`.
 
     Args:
-        now: what is solved during the present stage.
+        now: problem of the present stage.
         time: [s].
         step: number of the step.
-        counters: what it took.
-        process: where in the process the run is.
+        counters: of the step.
+        process: stage, cycle and events.
         left: totals of bodies and interfaces that are gone.
         friction: coefficients of friction of the bodies whose ejection is estimated.
     """

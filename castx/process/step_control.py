@@ -17,7 +17,7 @@ from castx.errors import ConvergenceError
 from castx.stateful import Arrays, Saved, number
 
 GROWTH, SHRINKAGE, CUT = 1.5, 0.5, 0.5
-"""Bounds of the ratio of consecutive steps, and what is left of a rejected one."""
+"""Bounds of the ratio of consecutive steps, and the share of a rejected one that is tried next."""
 
 SAFETY = 0.9
 """Share of the wanted change at which the next step aims."""
@@ -25,7 +25,7 @@ SAFETY = 0.9
 
 @dataclass(frozen=True)
 class StepSettings:
-    """What the user asks of the steps; times in s.
+    """Bounds, ends and wanted changes of the steps; times in s.
 
     Attributes:
         end: end of the run.
@@ -49,10 +49,10 @@ class StepSettings:
 
 
 class StepControl:
-    """Proposes steps and learns from their fate.
+    """Adapts the size of the steps to the changes and failures of earlier ones.
 
     Args:
-        settings: what the user asks for.
+        settings: bounds and wanted changes.
     """
 
     def __init__(self, settings: StepSettings) -> None:
@@ -81,7 +81,7 @@ class StepControl:
         return near if abs(near - time) <= self._tolerance else time
 
     def restart(self) -> None:
-        """Begin again with the first step: something has changed at once."""
+        """Return to the first step after a sudden change."""
         if self._settings.fixed is None:
             self._size = min(self._size, self._settings.first)
 
@@ -99,7 +99,7 @@ class StepControl:
         return following if following < stop - self._tolerance else stop
 
     def accept(self, step: float, temperature_change: float, easy: bool) -> None:
-        """Learn from an accepted step.
+        """Adapt the next step to an accepted one.
 
         Args:
             step: its size [s].
@@ -123,7 +123,7 @@ class StepControl:
         return {"size": number(self._size), "cutbacks": number(self._cutbacks)}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back what was learnt; new bounds of the settings hold at once."""
+        """Restore size and cuts; new bounds of the settings apply at once."""
         settings = self._settings
         size = float(arrays["size"])
         if settings.fixed is None:

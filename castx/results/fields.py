@@ -142,7 +142,7 @@ class Fields:
                 if piece.cells > 0 and body in state.nodal:
                     path = self._folder / piece_name(body, index, self._comm.rank)
                     write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
-        self._disk.settle()
+        self._disk.raise_failures()
         holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
         self._outputs.append(WrittenMoment(state.time, holders))
         if self._comm.rank == 0:

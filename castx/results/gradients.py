@@ -1,4 +1,4 @@
-"""How steep a nodal field is: the mean of the magnitudes of its gradient round each node."""
+"""Magnitude of the gradient of a nodal field, averaged over the cells round each node."""
 
 from __future__ import annotations
 

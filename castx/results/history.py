@@ -1,4 +1,4 @@
-"""history.csv: what every accepted step took, and the totals of bodies and interfaces."""
+"""history.csv: effort of every accepted step, totals of bodies and interfaces."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def rank(quantity: str, known: Sequence[str]) -> int:
 
 
 class History:
-    """Writer of history.csv; used on rank 0 only, since all it writes is equal on all ranks.
+    """Writer of history.csv; used on rank 0 only, since its values are equal on all ranks.
 
     The first snapshot fixes the columns.
 

@@ -1,4 +1,4 @@
-"""Where a point lies in a body or on one of its surfaces: the nodes that hold it, with weights."""
+"""Location of points in bodies and on surfaces, with the weights of interpolation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Place:
     Args:
         distance: from the wanted point to it [m]; equal on all ranks.
         size: diameter of the cell or facet it lies in [m]; equal on all ranks.
-        owned: whether this rank holds it; true on exactly one rank.
+        owned: whether its cell or facet is owned by this rank; true on exactly one rank.
         entity: local cell or facet, -1 on the other ranks.
         nodes: local nodes of the entity, empty on the other ranks.
         weights: of the linear, bilinear or trilinear interpolation between them.

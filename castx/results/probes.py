@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 class Reading:
     """One quantity at one place: the names of its columns, and how to read it off a snapshot.
 
-    `read` is collective; it returns (columns,), zeros except on the rank that holds the place.
-    What belongs to bodies that are removed is not a number.
+    `read` is collective; it returns (columns,), zeros except on the rank that owns the place.
+    Readings at bodies that are removed are NaN.
     """
 
     columns: tuple[str, ...]
@@ -89,14 +89,14 @@ class Probes:
 
 
 def value_of(reading: Reading, snapshot: Snapshot) -> FloatArray:
-    """Return what a rank contributes to a reading, see `Reading`; collective."""
+    """Return the contribution of this rank to a reading, see `Reading`; collective."""
     if set(reading.bodies) <= set(snapshot.mesh.bodies):
         return reading.read(snapshot)
     return np.full(len(reading.columns), np.nan)
 
 
 def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> list[Reading]:
-    """Return what is read at one probe."""
+    """Return the readings of one probe."""
     where = f"probe {probe.name!r}"
     if probe.body is not None:
         place = place_in_body(mesh.bodies[probe.body], probe.at)
@@ -127,7 +127,7 @@ def require_near(place: Place, probe: str, owner: str) -> None:
 
 
 def point_text(point: Sequence[float]) -> str:
-    """Return a point as people write it."""
+    """Return the coordinates of a point as text."""
     return f"({', '.join(f'{value:g}' for value in point)}) m"
 
 
@@ -149,7 +149,7 @@ def body_reading(probe: str, body: str, quantity: str, place: Place, model: str)
 
 
 def interface_reading(probe: str, interface: str, quantity: str, place: Place) -> Reading:
-    """Return the reading of a quantity of pairs, interpolated on the facet that holds the place."""
+    """Return the reading of a quantity of pairs, interpolated on the facet of the place."""
 
     def read(snapshot: Snapshot) -> FloatArray:
         values = on_secondary_nodes(snapshot, interface, quantity)

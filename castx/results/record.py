@@ -1,4 +1,4 @@
-"""run.json: what was run, where and with what, what it took, and how it ended."""
+"""run.json: case, versions, effort and end of a run."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class RunRecord:
                 self._counts[name] += count
 
     def notes(self) -> dict[str, Any]:
-        """Return what the record of a run that goes on from here has to know."""
+        """Return the content for the record of a run that goes on from here."""
         return {
             "started": self._started,
             "wall": self._wall,

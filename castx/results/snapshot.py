@@ -1,4 +1,4 @@
-"""What a simulation hands out after every accepted step, and all that shows results reads."""
+"""Protocol of the state after an accepted step, from which all results are read."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FULLY_SOLID = 1.0 - 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class ProcessState:
-    """Where in the process a snapshot is.
+    """Stage, cycle and events of a process.
 
     Args:
         stage: number of the stage; 0 is the start.
@@ -41,7 +41,7 @@ class ProcessState:
 class Snapshot(Protocol):
     """The state after an accepted step; the first one is the initial state, with step number 0.
 
-    Arrays are valid until the next step is tried; who keeps them longer copies them.
+    Arrays are valid until the next step is tried; copy those that must last longer.
     `totals` are reduced over the ranks already: the columns of history.csv after the counters.
     """
 
@@ -63,11 +63,11 @@ class Snapshot(Protocol):
 
     @property
     def counters(self) -> StepCounters:
-        """What the step took."""
+        """Effort of the step."""
 
     @property
     def process(self) -> ProcessState:
-        """Where in the process the run is."""
+        """Stage, cycle and events."""
 
     @property
     def totals(self) -> Mapping[str, float]:

@@ -112,14 +112,14 @@ class BodySolidification:
         self._old = new
 
     def _begin(self, new: _Instant) -> None:
-        """Note what is passed already when a body begins."""
+        """Note the levels that a body has already passed when it begins."""
         solid = new.enthalpy <= self._thresholds[-1]
         passed = new.enthalpy <= self._thresholds[:, None]
         self._times[passed & ~solid] = new.time
         self._old = new
 
     def saved(self) -> dict[str, Saved]:
-        """Return what was passed so far, the last state and the first one."""
+        """Return the times of passing so far, the last state and the first one."""
         old = self._old
         found = {
             "times": self._times.T.copy(),
@@ -133,7 +133,7 @@ class BodySolidification:
         return {"time": number(old.time), "first_time": number(self._first.time), **nodal}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back what was passed before, the last state and the first one."""
+        """Restore the times of passing, the last state and the first one."""
         self._times = np.ascontiguousarray(arrays["times"].T)
         self._gradient = arrays["gradient"]
         self._old = _Instant(
@@ -144,7 +144,7 @@ class BodySolidification:
         )
 
     def _pass(self, old: _Instant, new: _Instant) -> None:
-        """Note what was passed between two instants; melting again wipes what it passes."""
+        """Note the levels passed between two instants; remelting deletes those it passes."""
         for level, threshold, times in zip(LEVELS, self._thresholds, self._times, strict=True):
             times[(old.enthalpy <= threshold) & (new.enthalpy > threshold)] = np.nan
             passed = (old.enthalpy > threshold) & (new.enthalpy <= threshold)
@@ -212,11 +212,11 @@ class Solidification:
                 body.update(snapshot, name)
 
     def saved(self) -> dict[str, Saved]:
-        """Return what the bodies have passed; collective."""
+        """Return the state of all bodies; collective."""
         return saved_parts(self._bodies)
 
     def restore(self, arrays: Arrays) -> None:
-        """Take back what the bodies have passed; one that was not followed begins now."""
+        """Restore the state of each body; one that was not followed begins now."""
         for name, body in self._bodies.items():
             if part := part_of(arrays, name):
                 body.restore(part)

@@ -82,11 +82,11 @@ class ResultsWriter:
         self._resumed: Mapping[str, Any] | None = None
 
     def saved(self) -> dict[str, Saved]:
-        """Return what is followed from step to step; collective."""
+        """Return the state of the quantities that are followed from step to step; collective."""
         return joined({"solidification": self._solidification.saved()})
 
     def notes(self) -> dict[str, Any]:
-        """Return what is on disk so far, as JSON knows it."""
+        """Return the numbers of rows and outputs on disk, as JSON knows them."""
         return {
             "rows": self._rows,
             "outputs": self._fields.notes(),
@@ -94,7 +94,7 @@ class ResultsWriter:
         }
 
     def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
-        """Go on behind what was on disk when `saved` and `notes` were asked for."""
+        """Go on behind the rows and outputs that `notes` names."""
         self._solidification.restore(part_of(arrays, "solidification"))
         self._record.resume(notes["record"])
         self._rows, self._resumed = notes["rows"], notes
@@ -109,15 +109,15 @@ class ResultsWriter:
                 self._probes.open(None if self._resumed is None else self._rows)
                 if self._resumed is not None:
                     self._history.resume(self._rows)
-        self._disk.settle()
+        self._disk.raise_failures()
         if self._resumed is not None:
             with self._disk.writing():
                 self._fields.resume(self._resumed["outputs"])
-            self._disk.settle()
+            self._disk.raise_failures()
         return self
 
     def write(self, snapshot: Snapshot) -> None:
-        """Take over the initial state or that after an accepted step; collective.
+        """Write the initial state or that after an accepted step; collective.
 
         Raises:
             StorageError: the disk did not take it; on all ranks.
@@ -131,7 +131,7 @@ class ResultsWriter:
                 self._history.append(snapshot)
         self._rows += 1
         self._fields.update(snapshot)
-        self._disk.settle()
+        self._disk.raise_failures()
 
     def write_pending(self) -> None:
         """Write the fields of the last state unless that is done; collective."""
@@ -162,7 +162,7 @@ class ResultsWriter:
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._record.write(reason, message)
-        self._disk.settle()
+        self._disk.raise_failures()
 
 
 def wanted_fields(case: Case) -> list[str]:
@@ -175,7 +175,7 @@ def wanted_fields(case: Case) -> list[str]:
 
 
 def refuse_without_mechanics(case: Case) -> None:
-    """Refuse what was asked for by name though a run without mechanics does not have it.
+    """Refuse mechanical quantities that a run without mechanics does not have.
 
     Raises:
         CaseError: with the place in the case and the name.
@@ -195,7 +195,7 @@ def refuse_without_mechanics(case: Case) -> None:
 
 
 def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
-    """Return what follows the bodies that melt through solidification, if a field asks for it."""
+    """Return the solidification of the bodies that melt, of none if no field needs it."""
     thresholds = {}
     if any(name in QUANTITIES for name in case.output.fields):
         for body in case.bodies:
@@ -206,7 +206,7 @@ def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
 
 
 def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:
-    """Return what run.json says of a case and its sizes; collective."""
+    """Return case, bodies and interfaces with their sizes for run.json; collective."""
     sizes = {
         body.name: {
             "material": body.material,

@@ -1,4 +1,4 @@
-"""Failures of the disk, which strike one rank, raised on all of them together."""
+"""Failures of the disk on one rank, raised on all ranks together."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from castx.errors import StorageError
 
 
 class Disk:
-    """Remembers what the disk did not take until all ranks can stop for it.
+    """Remembers the failure of a write until all ranks can stop for it.
 
     Args:
         comm: ranks.
@@ -23,14 +23,14 @@ class Disk:
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """Keep an OSError inside for `settle`; nothing collective may stand behind what fails."""
+        """Keep an OSError inside for `raise_failures`; nothing collective may follow it."""
         try:
             yield
         except OSError as error:
             self._failure = self._failure or description_of(error)
 
-    def settle(self) -> None:
-        """Raise what has failed on any rank; collective.
+    def raise_failures(self) -> None:
+        """Raise the failure of any rank on all of them; collective.
 
         Raises:
             StorageError: names the file and the reason; on all ranks.
@@ -45,5 +45,5 @@ class Disk:
 
 
 def description_of(error: OSError) -> str:
-    """Return what failed in the words of the system, with the file where it is known."""
+    """Return a failure in the words of the system, with the file if it is known."""
     return f"cannot write {error.filename or 'results'}: {error.strerror or error}"

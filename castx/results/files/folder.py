@@ -39,7 +39,7 @@ _HELD = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 
 @contextmanager
 def claimed_folder(case: Case, comm: MPI.Intracomm) -> Iterator[Path]:
-    """Hold the results folder of a case, which is made if it does not exist; collective.
+    """Lock the results folder of a case, which is created if it does not exist; collective.
 
     Nothing in it is touched yet. Results of an earlier run of the case may be written over; those
     of another case, files of somebody else and a folder in use are refused.
@@ -121,12 +121,12 @@ def refusal_of(folder: Path, case: Case) -> str | None:
 
 
 def is_left_over(path: Path) -> bool:
-    """Return whether a file is what a run leaves that was killed before it had a record."""
+    """Return whether a file was left by a run that was killed before it had a record."""
     return path.name == LOCK or path.name.startswith(f".{RECORD}.")
 
 
 def record_of(folder: Path) -> dict[str, Any] | None:
-    """Return the record of the run whose results a folder holds, None if it holds none."""
+    """Return the record of the run whose results are in a folder, None if there are none."""
     try:
         record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -143,7 +143,7 @@ def belongs_to(record: dict[str, Any], case: Case) -> bool:
 
 
 def other_case(record: dict[str, Any]) -> str:
-    """Return how the case of a record is called."""
+    """Return name and file of the case of a record."""
     known = record["case"]
     return f"{known.get('name', '')!r} ({known.get('file', 'no file')})"
 
@@ -160,23 +160,23 @@ def clear_results(folder: Path) -> None:
 
 
 def remove_if_empty(folder: Path) -> None:
-    """Remove a folder that holds nothing."""
+    """Remove an empty folder."""
     if folder.is_dir() and not any(folder.iterdir()):
         folder.rmdir()
 
 
 def write_whole(path: Path, text: str) -> None:
     """Write a text file so that a reader finds the old one or the whole new one, never a part."""
-    aside = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}")
+    new = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}")
     try:
-        aside.write_text(text, encoding="utf-8")
-        aside.replace(path)
+        new.write_text(text, encoding="utf-8")
+        new.replace(path)
     finally:
-        aside.unlink(missing_ok=True)
+        new.unlink(missing_ok=True)
 
 
 class FolderLock:
-    """Holds a results folder for this process; used on rank 0 only.
+    """Lock of a results folder for this process; used on rank 0 only.
 
     Args:
         folder: an existing folder.
@@ -187,7 +187,7 @@ class FolderLock:
         self._file: TextIO | None = None
 
     def acquire(self) -> str | None:
-        """Take the lock; return None, or who holds it."""
+        """Take the lock; return None, or its owner in words."""
         while True:
             file = self._path.open("a+", encoding="utf-8")
             holder = _holder(file)
@@ -218,7 +218,7 @@ class FolderLock:
 
 
 def own_identity() -> dict[str, Any]:
-    """Return what tells this process from others: its number counts in its own namespace only."""
+    """Return process, host and namespace: a process number is unique in its namespace only."""
     return {
         "process": os.getpid(),
         "host": socket.gethostname(),
@@ -227,7 +227,7 @@ def own_identity() -> dict[str, Any]:
 
 
 def _holder(file: TextIO) -> str | None:
-    """Lock an open file; return None, or who holds it."""
+    """Lock an open file; return None, or the owner of its lock in words."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:

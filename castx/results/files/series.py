@@ -32,7 +32,7 @@ class Series:
     def __init__(self, path: Path, columns: Sequence[str], *, resumed: bool = False) -> None:
         self._path, self._columns = path, tuple(columns)
         if resumed and path.exists():
-            fit_columns(path, self._columns)
+            change_columns(path, self._columns)
             self._file = path.open("a", encoding="utf-8", newline="")
             self._writer = csv.writer(self._file, lineterminator="\n")
             return
@@ -75,8 +75,8 @@ def cut_back(path: Path, rows: int) -> None:
     write_whole(path, "".join(whole[: rows + 1]))
 
 
-def fit_columns(path: Path, columns: Sequence[str]) -> None:
-    """Give a series other columns: those that it lacks are not a number."""
+def change_columns(path: Path, columns: Sequence[str]) -> None:
+    """Change the columns of a CSV file; missing values are NaN."""
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = list(csv.reader(file)) or [[]]
     if header == list(columns):

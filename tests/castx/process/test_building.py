@@ -75,3 +75,23 @@ def test_a_law_without_interface_is_refused(comm):
     mesh, pairs = meshed(comm, case)
     with pytest.raises(CaseError, match="a law for the interface 'casting/core'"):
         process_of(case, mesh, pairs, {"casting/core": ConstantConductance(1.0)})
+
+
+def test_pairs_are_found_once_and_handed_to_every_stage(comm, monkeypatch):
+    """Pairs and gaps of heat and of contact are the same arrays."""
+    insulated = {"on": "casting/top", "heat": {"type": "insulated"}}
+    stages = [{"at": 2.0, "boundaries": [insulated]}]
+    case = case_of(coupling={"scheme": "iterated"}, stages=stages)
+    mesh, pairs = meshed(comm, case)
+
+    def again(*_):
+        raise AssertionError("node pairs are computed once more")
+
+    monkeypatch.setattr("castx.equilibrium.problem.interface_pairs", again)
+    process = process_of(case, mesh, pairs)
+    for _ in range(2):
+        problem = process.now.problem
+        assert problem.mechanics.pairs[0] is pairs["casting/mould"]
+        assert problem.interfaces.described[0].pairs is pairs["casting/mould"]
+        process.proceed(2.0, dict)
+    process.destroy()

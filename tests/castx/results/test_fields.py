@@ -123,7 +123,7 @@ def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
     fields = Fields(shared_tmp_path, NAMES, 1.0, mesh, Solidification(mesh, {}), disk)
     holders = {"casting": [0], "mould": [0]}
     fields.resume([{"time": 0.0, "holders": holders}, {"time": 1.0, "holders": holders}])
-    disk.settle()
+    disk.raise_failures()
     left = {path.name for path in shared_tmp_path.glob("*.vtu")}
     assert left == {f"{body}_0000{index}_0.vtu" for body in holders for index in range(2)}
     comm.Barrier()

@@ -15,8 +15,8 @@ def test_a_failure_on_one_rank_is_raised_on_all(comm, rank):
         if comm.rank == rank % comm.size:
             raise OSError(28, "No space left on device", "/results/history.csv")
     with pytest.raises(StorageError, match=r"cannot write /results/history\.csv: No space left"):
-        disk.settle()
-    disk.settle()  # it is raised once
+        disk.raise_failures()
+    disk.raise_failures()  # it is raised once
 
 
 def test_the_first_failure_of_a_rank_counts(comm):
@@ -25,14 +25,14 @@ def test_the_first_failure_of_a_rank_counts(comm):
         with disk.writing():
             raise OSError(5, reason, "file")
     with pytest.raises(StorageError, match=r"cannot write file: first; .*--restart"):
-        disk.settle()
+        disk.raise_failures()
 
 
 def test_what_is_not_the_disk_passes_through(comm):
     disk = Disk(comm)
     with pytest.raises(ZeroDivisionError), disk.writing():
         raise ZeroDivisionError
-    disk.settle()
+    disk.raise_failures()
 
 
 @pytest.mark.serial

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.results.files.series import Series, cut_back, fit_columns, read_series
+from castx.results.files.series import Series, change_columns, cut_back, read_series
 
 pytestmark = pytest.mark.serial
 
@@ -58,5 +58,5 @@ def test_numbers_are_read_with_the_same_bits(tmp_path):
 def test_columns_change_their_order_and_missing_ones_are_not_a_number(tmp_path):
     path = tmp_path / "s.csv"
     path.write_text("time,a\n0.0,1.5\n1.0,2.5\n")
-    fit_columns(path, ["a", "new", "time"])
+    change_columns(path, ["a", "new", "time"])
     assert path.read_text() == "a,new,time\n1.5,nan,0.0\n2.5,nan,1.0\n"
