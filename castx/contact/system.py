@@ -89,6 +89,11 @@ class ContactSystem:
         return self.pairs.follows_set or bool(self._friction)
 
     @property
+    def has_friction(self) -> bool:
+        """Whether any pair has friction."""
+        return bool(self._friction)
+
+    @property
     def is_linear(self) -> bool:
         """Whether the matrix depends on nothing but the closed pairs."""
         return self.pairs.is_linear and not self._friction

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
+import numpy as np
+
+from castx.arrays import FloatArray
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.supports.first_contact import FirstContact
 
@@ -13,7 +16,8 @@ than a multiple of the residual, so that exact solutions see the weight of a bod
 thermal forces."""
 
 SETTLED = 1e-3
-"""Residual beside the forces in a body from which on pairs may begin to slip or to stick."""
+"""Residual beside the forces in a body from which on pairs may begin to slip or to stick, and those
+with friction may open."""
 
 
 class PairChanges:
@@ -30,6 +34,8 @@ class PairChanges:
     def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
         """Close and open pairs and gates at the present iterate; return whether any did.
 
+        Where friction changes its state, normal forces follow it first.
+
         Args:
             x: the iterate.
             f: its residual, filled anew if it has changed.
@@ -40,15 +46,28 @@ class PairChanges:
             balance.residual(x, f)
         noise = min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * f.norm())
         settled = f.norm() <= SETTLED * max(limits.weakest, limits.smallest)
-        changed = active.update(balance.trial_forces, noise)
         if balance.contact.slide(balance.present(x), balance.trial_forces, noise, settled):
             changed = True
             active.restart_cycle_detection()
+        else:
+            changed = active.update(self._forces_to_judge(settled), noise)
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
             return False
         balance.sum_up_again(x, f)
         return True
+
+    def _forces_to_judge(self, settled: bool) -> FloatArray:
+        """Return the trial forces by which pairs close and open [N].
+
+        Friction depends on the normal forces: as long as it is not in equilibrium with them, a pair
+        that is pulled says nothing, and those that opened by it would chatter.
+        """
+        balance = self._balance
+        if settled or not balance.contact.has_friction:
+            return balance.trial_forces
+        pushed = np.maximum(balance.trial_forces, 0.0)
+        return np.where(balance.active.closed, pushed, balance.trial_forces)
 
     def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.

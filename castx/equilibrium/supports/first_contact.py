@@ -19,6 +19,11 @@ from castx.contact.kinematics.iterate import PairIterate
 from castx.contact.system import ContactSystem
 from castx.equilibrium.supports.springs import SpringSupport
 
+ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+"""Part of a step by which its entries are rounded: a pair must end behind the
+contact, since in front of it it would never close. Pairs with a pair law need no such depth; by it
+they would carry more than the tolerance."""
+
 
 class FirstContact:
     """Ends rigid motions at the first contact.
@@ -48,6 +53,9 @@ class FirstContact:
         rigid = support.amplitudes(y.array_r) @ support.motions
         start, end = (self._gaps(x, step) for step in (y.array_r - rigid, y.array_r))
         depth = self._depth(x, len(start), force, stiffness)
+        if not self._contact.pairs.follows_set:
+            largest = support.comm.allreduce(float(np.abs(y.array_r).max(initial=0.0)), op=MPI.MAX)
+            depth = np.maximum(depth, ROUNDING * largest)
         share = share_until_contact(support.comm, start, end, open_pairs, depth)
         if share < 1.0:
             y.array[:] -= (1.0 - share) * rigid

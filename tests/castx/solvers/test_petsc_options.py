@@ -11,7 +11,7 @@ from tests.coupled_cases import cylinder, simulation
 
 
 def first_step(comm, **options):
-    """Return linear and Newton iterations of the mechanics in the first coupled step.
+    """Return the iterations of each linear solve of the mechanics in the first coupled step.
 
     Args:
         comm: ranks.
@@ -23,18 +23,19 @@ def first_step(comm, **options):
     equilibrium.solve = lambda time: reports.append(solve(time)) or reports[-1]
     run.problem.advance(0.0, 0.05, 2)
     run.destroy()
-    return sum(r.linear_iterations for r in reports), sum(r.iterations for r in reports)
+    return [iterations for report in reports for iterations in report.linear_solves]
 
 
 def test_options_of_the_mechanics_reach_the_outer_krylov_method(comm) -> None:
     exact = first_step(comm)
     loose = first_step(comm, mechanics={"ksp_rtol": 0.5})
-    assert loose[0] / loose[1] < exact[0] / exact[1]
+    assert sum(loose) / len(loose) < sum(exact) / len(exact)
 
 
 def test_options_of_the_contact_reach_the_solver_of_the_bodies(comm) -> None:
     exact = first_step(comm)
     rough = first_step(comm, contact={"pc_type": "bjacobi"})
+    # The first solve: later ones start so near their solution that rounding stops them.
     assert rough[0] > 2 * exact[0]
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from petsc4py import PETSc
+
 import numpy as np
 import pytest
 
-from castx.equilibrium.supports.first_contact import share_until_contact
+from castx.equilibrium.supports.first_contact import FirstContact, share_until_contact
+from castx.equilibrium.supports.springs import SpringSupport
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import normal_forces
@@ -75,3 +78,44 @@ def test_the_first_of_all_ranks_ends_the_fall(comm):
 def test_ranks_without_pairs_fall_with_the_others(comm):
     none = np.zeros(0)
     assert share_until_contact(comm, none, none, none.astype(bool), none) == 1.0
+
+
+class OneGap:
+    """A contact whose only pair on each rank has its gap as first unknown, closing at 1 N."""
+
+    follows_set = False
+
+    @property
+    def pairs(self):
+        return self
+
+    @property
+    def unknowns(self):
+        return self
+
+    def displacements(self, x, u):
+        x.copy(u)
+
+    def gaps(self, x, u):
+        return x.array_r[:1].copy()
+
+    def trial_forces(self, iterate):
+        return -iterate.stiffness * iterate.gaps
+
+
+@pytest.mark.parametrize("fall", [1e-3, 2.0, 30.0])
+def test_a_pair_ends_behind_the_contact_however_long_the_fall(comm, fall):
+    """The depth of 1e-20 m that its force asks for is far below the rounding of metres."""
+    x = PETSc.Vec().createMPI((2, None), comm=comm)
+    x.array[:] = 0.1, 0.0
+    motions = np.array([[1.0, 1.0]]) / np.sqrt(2.0 * comm.size)
+    support = SpringSupport(motions, motions, np.zeros(0, dtype=np.intp), 1.0, comm)
+    for elastic in (1.5e-7, 3.7e-9, 2.8e-10):
+        y = x.duplicate()
+        y.array[:] = 0.1 - elastic + fall, fall
+        falls = FirstContact(OneGap(), x)
+        assert falls.stop(support, x, y, np.ones(1, dtype=bool), force=1e-9, stiffness=1e11)
+        end = x.array_r[0] - y.array_r[0]
+        assert -1e-14 * (0.1 + fall) < end < 0.0
+        y.destroy()
+    x.destroy()
