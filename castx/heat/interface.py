@@ -77,7 +77,7 @@ class PairExchange:
         description: HeatExchange,
     ) -> None:
         pairs = description.pairs
-        self.name, self.law, self.secondary = description.name, description.law, secondary
+        self.law, self.secondary = description.law, secondary
         self.areas = pairs.areas
         self.local = layout.local_slice(secondary).start + pairs.secondary_local
         self.secondary_dofs = layout.dofs(secondary, pairs.secondary_nodes, 0)

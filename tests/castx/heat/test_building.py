@@ -1,20 +1,38 @@
-"""Laws of parts of an interface: chosen by coordinates, or by a name that the mesh has."""
+"""From a case to conditions, interfaces and their parts, temperatures and accounts."""
 
 from __future__ import annotations
+
+from pathlib import Path
+
+from mpi4py import MPI
 
 import gmsh
 import numpy as np
 import pytest
 
+from castx.case.case import Case
 from castx.case.geometry import Geometry
+from castx.case.initial_temperature import read_initial_temperature
 from castx.case.interfaces import Interface
+from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError
-from castx.heat.building import heat_exchange
+from castx.heat.building import heat_exchange, initial_temperatures, run_accounts, surface_heats
+from castx.heat.problem import HeatProblem
 from castx.transfer.conductance import Faces
+from castx.transfer.keys import RADIATION
 from castx.transfer.pair_state import PairState
+from castx.transfer.registry import gap_heat_laws
+from tests.castx import case_data
+from tests.castx.heat.heat_cases import (
+    SURROUNDINGS,
+    advanced,
+    cylinder,
+    open_pairs,
+    parts_under_law,
+)
 
 HEAT = {"law": "constant", "closed": 1000.0, "radiation": {"emissivities": [0.5, 0.5]}}
 
@@ -92,3 +110,72 @@ def test_name_and_bounds_together_and_the_first_patch_counts(mesh):
 def test_refused(mesh, patch, text):
     with pytest.raises(CaseError, match=text):
         exchange(mesh, {**patch, "closed": 5.0})
+
+
+@pytest.mark.parametrize("name", gap_heat_laws())
+def test_a_run_under_every_law_keeps_the_heat_on_any_number_of_ranks(comm, name):
+    """With the keys a law needs and radiation where it may have it; none and perfect too."""
+    law = gap_heat_laws()[name]
+    heat = law.example(also=[RADIATION] if RADIATION in law.useful else [])
+    ends = []
+    for ranks in (comm, MPI.COMM_SELF):
+        mesh = cylinder(ranks, size=8e-3)
+        pairs = node_pairs(mesh, "casting", "mould")
+        interface = Interface.read({"bodies": ["casting", "mould"], "heat": heat})
+        bodies, _ = parts_under_law(mesh, {"law": "none"})
+        found = HeatProblem(mesh, bodies, [heat_exchange(interface, pairs, mesh)], SURROUNDINGS)
+        states = open_pairs(mesh) if law.exchange != "perfect" else None
+        advanced(found, mesh, [0.5, 2.0], states)
+        ends.append(found.totals())
+        found.destroy()
+    assert ends[0]["energy_error"] < 1e-9
+    assert ends[0]["casting/mould.heat"] > 0.0
+    for key, value in ends[1].items():
+        if key != "energy_error":
+            assert ends[0][key] == pytest.approx(value, rel=1e-7, abs=1e-6), key
+
+
+def described(heat) -> Case:
+    """Return the case of a cylinder with heat conditions on the outside of its mould."""
+    data = case_data.cylinder()
+    data["boundaries"][0]["heat"] = heat
+    return read_case(data, Path("case.toml"))
+
+
+@pytest.mark.serial
+def test_conditions_of_a_case_and_surfaces_with_the_name_of_a_body():
+    radiating = {"type": "radiation", "emissivity": 0.5, "ambient": 20}
+    cooled = {"type": "convection", "coefficient": 10, "ambient": 20}
+    case = described([cooled, radiating])
+    first, second = surface_heats(case, ["casting", "mould"])
+    assert first.condition == case.boundaries[0].heat[0]
+    assert (first.place, second.condition.type) == ("mould/outside", "radiation")
+    towards = surface_heats(case, ["casting", "mould", "outside"])
+    assert [surface.place for surface in towards] == ["mould/outside.surface"] * 2
+
+
+@pytest.mark.serial
+def test_accounts_of_a_run_are_those_of_its_stages_each_once():
+    insulated, cooled = (
+        described(heat) for heat in ({"type": "insulated"}, {"type": "flux", "value": -5.0})
+    )
+    accounts = run_accounts(insulated, [insulated, cooled, insulated])
+    assert accounts.bodies == ("casting", "mould")
+    assert len(set(accounts.entries)) == len(accounts.entries)
+    names = {name for account in accounts.entries for name in account.energy}
+    expected = {"casting.source", "mould.dissipation", "casting/mould.heat.gas"}
+    assert expected | {"mould/outside.heat"} <= names
+    alone = run_accounts(insulated, [insulated])
+    assert len(alone.entries) == len(accounts.entries) - 1
+
+
+def test_initial_temperatures_of_the_owned_nodes(comm):
+    mesh = cylinder(comm, size=8e-3)
+    along = {"along": "z", "table": [[0.0, 100.0], [0.06, 160.0]]}
+    body = mesh.bodies["mould"]
+    found = initial_temperatures(read_initial_temperature(along), body, comm)
+    owned = body.nodes.dofmap.index_map.size_local
+    assert found == pytest.approx(100.0 + 1000.0 * body.points[:owned, 1])
+    missing = read_initial_temperature({"file": "nowhere.vtu", "field": "T"})
+    with pytest.raises(CaseError, match="initial temperature of 'mould'"):
+        initial_temperatures(missing, body, comm)

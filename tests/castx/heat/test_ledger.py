@@ -1,9 +1,16 @@
+"""Book-keeping of heat: accounts, trial and committed numbers, stages."""
+
 from __future__ import annotations
+
+from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 import pytest
 
-from castx.heat.ledger import Account, Accounts, Ledger
+from castx.arrays import FloatArray
+from castx.heat.ledger import Account, Accounts, HeatBooks, Ledger, accounts_of, joined_accounts
 
 pytestmark = pytest.mark.serial
 
@@ -130,3 +137,42 @@ def test_a_new_casting_brings_heat():
     assert totals["casting.enthalpy"] == 100.0
     assert totals["energy_error"] == 0.0
     assert totals["casting/mould.power"] == 10.0
+
+
+class StoringBody:
+    """A body whose heat is set by hand."""
+
+    def __init__(self, name: str, heat: float) -> None:
+        self.name, self.heat = name, heat
+
+    def stored_heat(self) -> float:
+        return self.heat
+
+
+def test_a_stage_begins_with_renewed_bodies_and_heat_that_evens_out():
+    """A new casting brings 60 J more than the old one kept; perfect contact passes 15 J at once."""
+    bodies: Any = [StoringBody("casting", 40.0), StoringBody("mould", 10.0)]
+    own = accounts_of(["casting", "mould"], [], [("casting", "mould")])
+    run = joined_accounts(["casting", "mould"], [own, [Account.renewal("casting")]])
+    books = HeatBooks(MPI.COMM_SELF, bodies, own, run)
+    bodies[0].heat = 100.0
+
+    def equalise() -> FloatArray:
+        bodies[0].heat, bodies[1].heat = 85.0, 25.0
+        return np.array([15.0])
+
+    books.begin_stage(equalise)
+    books.ledger.commit()
+    totals = books.ledger.totals()
+    assert totals["casting.renewal"] == 60.0
+    assert totals["casting/mould.heat.contact"] == totals["casting/mould.heat"] == 15.0
+    assert (totals["casting.enthalpy"], totals["mould.enthalpy"]) == (85.0, 25.0)
+    assert totals["energy_error"] == 0.0
+    flows = np.zeros(len(own))
+    flows[own.index(Account.source("casting"))] = 4.0
+    bodies[0].heat = 93.0
+    books.book(flows, 4.0, 2.0)
+    books.ledger.commit()
+    totals = books.ledger.totals()
+    assert (totals["casting.source"], totals["casting.power.source"]) == (8.0, 4.0)
+    assert totals["energy_error"] == 0.0
