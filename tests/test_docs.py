@@ -35,7 +35,7 @@ GENERATED = re.compile(r"(\.\./)?(notebooks|api)/")
 
 
 def squeezed(text: str) -> str:
-    return "".join(text.split())
+    return "".join(text.split()).replace("−", "-")
 
 
 def docstring(path: Path, name: str) -> str:
