@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from rich.console import Console
 
-from castx.command.listing import data_text, material_list, material_table
+from castx.command.listing import data_text, material_list, material_table, number_text
 from castx.materials.database import database_names
 from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 
 pytestmark = pytest.mark.serial
@@ -42,6 +43,20 @@ def test_the_list_says_what_data_there_is() -> None:
 def test_letters_of_the_data(keys, letters) -> None:
     case = {"own": MaterialDescription.read(keys)}
     assert data_text(find_material("own", case)) == letters
+
+
+@pytest.mark.parametrize("law", FLOW_RULES)
+def test_a_material_with_the_keys_of_a_rule_creeps(law) -> None:
+    rule = FLOW_RULES[law]
+    needed = {key: rule.example[key] for key in rule.needed}
+    case = {"own": MaterialDescription.read({"law": law, **needed})}
+    assert data_text(find_material("own", case)) == "···c·"
+    given = {"own": MaterialDescription.read({"law": law, **rule.example})}
+    text = " ".join(shown(material_table("own", given)))
+    for key in rule.keys:
+        unit, factor = (key.shown.unit, key.shown.factor) if key.shown else (key.unit, 1.0)
+        value = number_text(factor * rule.example[key.name])
+        assert f"{key.name} [1]" in text and f"{value} {unit}".strip() in text
 
 
 @pytest.mark.parametrize("name", database_names())

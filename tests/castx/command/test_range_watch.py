@@ -15,6 +15,7 @@ from castx.case.case import Case
 from castx.case.reading.read import read_case
 from castx.command.range_watch import RangeWatch, used_properties
 from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
@@ -118,6 +119,17 @@ def test_norton_flows_without_yield_stress_and_a_solid_mould_without_its_liquid(
     assert used_properties(case, mould, norton) == HEAT | ELASTIC | rates
     copper = find_material("Cu-pure", {}).description
     assert used_properties(case, case.bodies[1], copper) == HEAT | ELASTIC
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("law", FLOW_RULES)
+def test_a_body_uses_the_keys_of_its_flow_rule(law):
+    rule = FLOW_RULES[law]
+    case = case_of()
+    material = MaterialDescription.read({"law": law, **rule.example})
+    mould = case.bodies[1].model_copy(update={"law": "thermo-elasto-viscoplastic"})
+    used = HEAT | ELASTIC | {key.name for key in rule.keys} | (FLOW if rule.threshold else set())
+    assert used_properties(case, mould, material) == used
 
 
 @pytest.mark.serial

@@ -1,6 +1,7 @@
 """Every key of a case reaches its problem: changing it changes the answer."""
 
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import gmsh
@@ -12,6 +13,8 @@ from castx.contact.choice import Contact, common_method
 from castx.coupling.building import build_problem, law_above_solidus
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError, MeshError
+from castx.materials.description import Liquid
+from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material
 from castx.meshes.ring import core_in_ring
 from tests import coupled_cases
@@ -224,6 +227,11 @@ def test_the_law_above_the_solidus_is_named():
     assert law_above_solidus("core", copper) == text
     text = "core: Cu-pure keeps its solid's law at every temperature, without liquid"
     assert law_above_solidus("core", copper.without_liquid()) == text
+    for name, rule in LIQUID_RULES.items():
+        liquid = Liquid.read({"model": name, "coherency": 0.6, **rule.example})
+        description = copper.description.model_copy(update={"liquid": liquid})
+        text = f"core: Cu-pure creeps by {rule.title} below a solid fraction of 0.6"
+        assert law_above_solidus("core", replace(copper, description=description)) == text
 
 
 def test_methods_of_contact_cannot_be_mixed():

@@ -8,9 +8,11 @@ import pytest
 from castx.errors import CaseError
 from castx.materials.database import database_names
 from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
-from castx.report.material_figure import Diagram, material_diagrams, write_figure
+from castx.report.material_figure import RATES, Diagram, material_diagrams, write_figure
+from tests.castx.flow_reference import REFERENCES
 
 pytestmark = pytest.mark.serial
 
@@ -73,6 +75,18 @@ def test_norton_and_a_material_without_hardening_are_drawn() -> None:
     found = diagrams(material)
     assert at(found["stress of flow"], 50.0) == pytest.approx(1e-6 * (1e-6 / 1e-40) ** 0.2)
     assert len(found["yield stress"].lines) == 1
+
+
+@pytest.mark.parametrize("law", FLOW_RULES)
+def test_the_stress_of_flow_of_every_rule_is_drawn(law) -> None:
+    """The curve of 1e-4/s at 450 °C is the stress at which the rule flows at this rate."""
+    rule = FLOW_RULES[law]
+    young = [[20, 70e9], [600, 50e9]]
+    keys = {"law": law, "yield_stress": 4e7, "young_modulus": young, **rule.example}
+    material = Material("own", MaterialDescription.read(keys))
+    stress = 1e6 * at(diagrams(material)["stress of flow"], 450.0, line=RATES.index(1e-4))
+    f = stress - 4e7 * rule.threshold
+    assert REFERENCES[law].rate(f, rule.example, 450.0) == pytest.approx(1e-4, rel=2e-2)
 
 
 @pytest.mark.parametrize("ending", [".png", ".svg", ".PDF"])
