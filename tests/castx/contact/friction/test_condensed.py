@@ -1,0 +1,130 @@
+"""Friction of condensed contact: what sticks, what slips, and what is remembered."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.friction.condensed import CondensedFriction
+from castx.contact.friction.coulomb import SlidingRows
+from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
+from tests.small_contact import two_blocks
+
+pytestmark = pytest.mark.serial
+
+FRICTION, STIFFNESS = 0.3, 1e9
+
+
+def friction_on(comm):
+    """Return friction of three closed pairs that stick, its rows, and the unknowns at rest."""
+    made = two_blocks(comm, friction=FRICTION, solved=False)
+    transform = made.equilibrium.balance.transform
+    sliding = SlidingRows(made.gaps, [FRICTION])
+    friction = CondensedFriction(transform.layout, made.gaps, sliding)
+    friction.begin()
+    return made, friction, sliding
+
+
+def at(made, sliding, moved, rows=None):
+    """Return the iterate in which pairs have moved along the surface, all closed."""
+    x = made.equilibrium.x.duplicate()
+    x.array[sliding.local[:, 0]] = moved
+    values = np.zeros(x.getLocalSize()) if rows is None else rows
+    return PairIterate(x, values, np.zeros(3), np.ones(3, dtype=bool), STIFFNESS)
+
+
+def imposed(friction, iterate, normal):
+    rows = ConstrainedRows(np.zeros(len(iterate.rows)))
+    friction.impose(iterate, np.asarray(normal, dtype=float), rows)
+    return rows
+
+
+def carried(made, sliding, forces):
+    rows = np.zeros(made.layout.size_local)
+    rows[sliding.local[:, 0]] = forces
+    return rows
+
+
+def test_pairs_that_stick_are_constrained_where_they_are(comm):
+    made, friction, sliding = friction_on(comm)
+    moved = np.array([1e-6, 0.0, -2e-6])
+    rows = imposed(friction, at(made, sliding, moved), [10.0, 10.0, 10.0])
+    local = sliding.local[:, 0]
+    assert np.all(rows.constrained[local]) and np.count_nonzero(rows.constrained) == 3
+    np.testing.assert_allclose(rows.violation[local], moved)
+    assert np.all(rows.forces == 0.0)
+
+
+def test_a_pair_slips_once_its_force_exceeds_the_friction(comm):
+    """μ p S is 3 N: at 2 N it sticks, at 4 N it slips and bears 3 N against its motion."""
+    made, friction, sliding = friction_on(comm)
+    rows = carried(made, sliding, [2.0, 4.0, -4.0])
+    normal = np.full(3, 10.0)
+    still = at(made, sliding, np.zeros(3), rows)
+    imposed(friction, still, normal)
+    assert friction.update(still, normal, 1e-6, settled=True)
+    np.testing.assert_array_equal(friction.sticking(), [True, False, False])
+    slipped = imposed(friction, at(made, sliding, [0.0, -1e-6, 1e-6], rows), normal)
+    local = sliding.local[:, 0]
+    np.testing.assert_array_equal(slipped.constrained[local], [True, False, False])
+    np.testing.assert_allclose(slipped.forces[local], [0.0, -3.0, 3.0])
+    vectors = friction.vectors(PairIterate(
+        still.x, rows + _normal(made, 10.0), still.gaps, still.closed, STIFFNESS))  # fmt: skip
+    np.testing.assert_allclose(vectors @ sliding.tangents[0, 0], [2.0, 3.0, -3.0])
+
+
+def _normal(made, force):
+    rows = np.zeros(made.layout.size_local)
+    rows[made.gaps.local] = force
+    return rows
+
+
+def test_pairs_begin_to_slip_only_when_the_rows_nearly_balance(comm):
+    made, friction, sliding = friction_on(comm)
+    still = at(made, sliding, np.zeros(3), carried(made, sliding, [4.0, 4.0, 4.0]))
+    normal = np.full(3, 10.0)
+    imposed(friction, still, normal)
+    assert not friction.update(still, normal, 1e-6, settled=False)
+    assert friction.sticking().all()
+
+
+def test_a_pair_that_would_slip_backwards_sticks(comm):
+    made, friction, sliding = friction_on(comm)
+    rows = carried(made, sliding, [-4.0, -4.0, -4.0])
+    normal = np.full(3, 10.0)
+    still = at(made, sliding, np.zeros(3), rows)
+    imposed(friction, still, normal)
+    friction.update(still, normal, 1e-6, settled=True)
+    assert not friction.sticking().any()
+    back = at(made, sliding, [1e-6, -1e-6, 1e-6], rows)
+    imposed(friction, back, normal)
+    assert friction.update(back, normal, 1e-6, settled=True)
+    np.testing.assert_array_equal(friction.sticking(), [False, True, False])
+
+
+def test_motions_count_from_the_last_accepted_step(comm):
+    made, friction, sliding = friction_on(comm)
+    first = at(made, sliding, [1e-6, 2e-6, 3e-6])
+    friction.commit(first.x)
+    second = imposed(friction, at(made, sliding, [4e-6, 4e-6, 4e-6]), np.ones(3))
+    np.testing.assert_allclose(second.violation[sliding.local[:, 0]], [3e-6, 2e-6, 1e-6])
+    friction.rewind(first.x)
+    again = imposed(friction, first, np.ones(3))
+    np.testing.assert_allclose(again.violation, 0.0, atol=1e-20)
+
+
+def test_memory(comm):
+    made, friction, sliding = friction_on(comm)
+    rows = carried(made, sliding, [2.0, 4.0, -4.0])
+    normal = np.full(3, 10.0)
+    still = at(made, sliding, np.zeros(3), rows)
+    imposed(friction, still, normal)
+    friction.update(still, normal, 1e-6, settled=True)
+    friction.commit(still.x)
+    saved = friction.saved()
+    np.testing.assert_array_equal(saved["sticks"], [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(saved["sliding_0"], [0.0, -1.0, 1.0])
+    _, other, _ = friction_on(comm)
+    other.restore(saved)
+    other.rewind(still.x)
+    np.testing.assert_array_equal(other.sticking(), friction.sticking())
