@@ -88,9 +88,10 @@ def _soft(
 
 def _pair_law(method: ContactMethod, contact: Contact) -> PairLaw:
     """Return the law of an interface; rows of tied ones have no force by any law."""
-    make = METHODS[contact.method].pair_law or method.pair_law
+    own = METHODS[contact.method]
+    make = own.pair_law or method.pair_law
     assert make is not None
-    return make(contact.settings)
+    return make({key.name: contact.setting(key.name) for key in own.keys})
 
 
 def _given(contacts: Sequence[Contact], gaps: Gaps) -> FloatArray:

@@ -195,7 +195,7 @@ class Newton:
     def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
         """Shorten a step that swings a body through another, or overshoots; say whether it did."""
         stopped = self._changes.stop_at_contact(x, y)
-        if self.balance.assembly.is_linear:
+        if self.balance.assembly.is_linear and self.balance.contact.pairs.is_linear:
             return stopped
         return shorten_step(self._residual, x, y, snes) or stopped
 

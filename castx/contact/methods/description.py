@@ -13,7 +13,7 @@ Setting = float | str
 """Value of a key of the case file."""
 
 Settings = Mapping[str, Setting]
-"""Values of keys by name; a key that is left out has its default."""
+"""Values of keys by name."""
 
 
 class UnknownKind(Enum):
@@ -100,8 +100,8 @@ class ContactMethod:
         advice: when to use it.
         unknowns: what carries the contact among the unknowns.
         keys: keys of the case file that it uses.
-        pair_law: makes the law of the pairs from the values of the keys; for forces that are a
-            function of the gap.
+        pair_law: makes the law of the pairs of an interface from the values of all keys of the
+            method; for forces that are a function of the gap.
         exact: whether closed pairs do not penetrate.
         friction: whether it has friction.
         fallback: whether it may take over from another method, and another one from it.
