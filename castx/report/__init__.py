@@ -1,5 +1,6 @@
-"""Pictures, curves and the report of a run, and figures of materials.
+"""Pictures, curves and the report of a run, figures of materials, and curves of interface laws.
 
-Public: `report.write_report`, `material_figure.write_figure`, `pictures.picture`, `pictures.View`,
+Public: `drawing.draw`, `drawing.Drawing`, `interface_law.heat_transfer_coefficient`,
+`report.write_report`, `material_figure.write_figure`, `pictures.picture`, `pictures.View`,
 `curves.curves`, `display.display`.
 """
