@@ -151,13 +151,12 @@ def test_counters_add_up_over_tries_but_for_those_of_the_accepted_one():
 
 
 def test_first_guess_extrapolates_the_gap():
-    problem, heat, _ = fake_problem(law=lambda gap, pressure: np.ones(1))
+    problem, heat, _ = fake_problem(law=lambda gap, pressure: np.ones(1), passes=1)
     problem.advance(0.0, 1.0, 1)
     problem.commit()
     grown = problem.states[0].gap.copy()
     heat.law = lambda gap, pressure: 1.0 + gap
     with pytest.raises(ConvergenceError):
-        problem._most_passes = 1
         problem.advance(1.0, 3.0, 1)
     assert heat.given[-1][0][1] == pytest.approx(1.0 + grown + 3.0 * grown)
 
