@@ -1,11 +1,5 @@
 """Discrete balance of heat of all bodies over one implicit Euler step.
 
-    V_i (H_i − H_i^n)/Δt + Σ_j L_ij θ_j − sources − surfaces ± exchange = 0
-
-with the volume V_i of node i, L_ij = ∫ ∇φ_i·∇φ_j and the conduction potential θ = ∫ k dT: the
-energy balance of M. Chiumenti, Thermo-mechanical contact in casting analysis, section 2.3, with
-the storage lumped at the nodes.
-
 The unknown of a node is its enthalpy H_i [J/m³]. Nodes in perfect contact share the mean enthalpy
 of their group at the place of its first node; its other places are idle.
 """
@@ -216,6 +210,12 @@ class HeatUnknowns:
 
 class HeatBalance:
     """Residual [W] and Jacobian of all nodal balances in the nodal enthalpies.
+
+        V_i (H_i − H_i^n)/Δt + Σ_j L_ij θ_j − sources − surfaces ± exchange = 0
+
+    with the volume V_i of node i, L_ij = ∫ ∇φ_i·∇φ_j and the conduction potential θ = ∫ k dT.
+    Source: M. Chiumenti, Thermo-mechanical contact in casting analysis, section 2.3, with the
+    storage lumped at the nodes.
 
     Sources and surroundings enter by their means over the step, temperatures by those at its end.
 
