@@ -1,7 +1,7 @@
 """Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it.
 
 Public: `run`, `load_case`, `Case`, `Simulation`, `UserLaw`, `ResultsWriter`, `Results`, `draw`,
-`heat_transfer_coefficient`, `gap_heat_laws`, `flow_rules`, `find_material`.
+`heat_transfer_coefficient`, `gap_heat_laws`, `contact_methods`, `flow_rules`, `find_material`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from castx.case.case import Case
     from castx.case.reading.read import load_case
     from castx.command.run import run
+    from castx.contact.methods.registry import contact_methods
     from castx.materials.inelastic import flow_rules
     from castx.materials.lookup import find_material
     from castx.process.simulation import Simulation
@@ -32,6 +33,7 @@ __all__ = [
     "Simulation",
     "UserLaw",
     "__version__",
+    "contact_methods",
     "draw",
     "find_material",
     "flow_rules",
@@ -47,6 +49,7 @@ _MODULES = {
     "ResultsWriter": "castx.results.writing",
     "Simulation": "castx.process.simulation",
     "UserLaw": "castx.transfer.user_law",
+    "contact_methods": "castx.contact.methods.registry",
     "draw": "castx.report.drawing",
     "find_material": "castx.materials.lookup",
     "flow_rules": "castx.materials.inelastic",

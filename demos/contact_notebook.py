@@ -340,14 +340,11 @@ print(f"iterations of multipliers and condensed: {list(flat.values())}")
 
 # %%
 METHODS = {
-    "condensed": {},
-    "multipliers": {"method": "multipliers"},
-    "augmented Lagrangian": {"method": "augmented-lagrangian"},
-    "penalty, automatic": {"method": "penalty"},
+    name: {"method": name} for name, method in castx.contact_methods().items() if method.fallback
+} | {
     "penalty, 1e13 Pa/m": {"method": "penalty", "penalty": 1e13},
     "penalty, 1e11 Pa/m": {"method": "penalty", "penalty": 1e11},
-    "block-iterative": {"method": "block-iterative"},
-    "the same as preconditioner": {"method": "block-iterative", "block_solver": "preconditioner"},
+    "blocks as preconditioner": {"method": "block-iterative", "block_solver": "preconditioner"},
 }
 
 

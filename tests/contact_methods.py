@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from castx.contact.methods.description import ContactMethod, UnknownKind
 from castx.contact.methods.registry import METHODS, names
 
@@ -35,3 +37,15 @@ WITH_RIGID_BODIES = names(
 
 BETWEEN_DEFORMABLE = names(lambda method: not method.rigid_primary)
 """Those between two deformable bodies, tied ones included."""
+
+
+def _carries_nothing_across_a_gap(method: ContactMethod) -> bool:
+    if method.pair_law is None:
+        return True
+    law, one = method.pair_law({key.name: key.default for key in method.keys}), np.ones(1)
+    return bool(law.force(1e-9 * one, one, one, 0.0 * one)[0] <= 0.0)
+
+
+def sharp(methods: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the methods by which pairs push only where they touch; others are softened."""
+    return tuple(name for name in methods if _carries_nothing_across_a_gap(METHODS[name]))

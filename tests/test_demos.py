@@ -227,8 +227,8 @@ def test_the_notebook_compares_the_contact_methods():
     assert multipliers < 2.0 * condensed
     # The casting: kelvins, micrometres, penetration of each method.
     casting = {name: numbers(f"{name}  ")[:3] for name in (
-        "multipliers", "augmented Lagrangian", "penalty, automatic", "penalty, 1e11 Pa/m",
-        "the same as preconditioner",
+        "multipliers", "augmented-lagrangian", "penalty", "penalty, 1e11 Pa/m",
+        "blocks as preconditioner",
     )}  # fmt: skip
     assert casting["multipliers"][2] == 0.0
     for name in set(casting) - {"penalty, 1e11 Pa/m"}:

@@ -99,6 +99,16 @@ def names(where: Callable[[ContactMethod], bool] = lambda _: True) -> tuple[str,
     return tuple(name for name, method in METHODS.items() if where(method))
 
 
+def contact_methods() -> dict[str, ContactMethod]:
+    """Return all contact methods by name.
+
+    >>> import castx
+    >>> castx.contact_methods()["penalty"].formula
+    'p_c = ε⟨-g⟩'
+    """
+    return dict(METHODS)
+
+
 def keys() -> dict[str, Key]:
     """Return the keys of all methods by name."""
     return {key.name: key for method in METHODS.values() for key in method.keys}

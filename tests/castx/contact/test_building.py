@@ -10,7 +10,7 @@ from castx.contact.methods.description import UnknownKind
 from castx.contact.methods.registry import METHODS
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.soft import SoftContact
-from tests.contact_methods import BETWEEN_DEFORMABLE, FORCE_OF_GAP
+from tests.contact_methods import BETWEEN_DEFORMABLE, FORCE_OF_GAP, sharp
 from tests.small_contact import two_blocks
 
 pytestmark = pytest.mark.serial
@@ -29,7 +29,7 @@ def test_class_of_the_contact(comm, method):
     assert type(contact.pairs) is CLASSES[METHODS[method].unknowns]
 
 
-@pytest.mark.parametrize("method", FORCE_OF_GAP)
+@pytest.mark.parametrize("method", sharp(FORCE_OF_GAP))
 def test_a_given_penalty_is_a_spring_of_each_pair(comm, method):
     """What the pairs add to the matrix is Gᵀ ε S G, whatever the bodies are made of."""
     made = two_blocks(comm, method, solved=False, settings={"penalty": 3e11})

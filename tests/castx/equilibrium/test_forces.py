@@ -24,7 +24,7 @@ def test_jacobian_against_differences_of_the_residual(comm, method):
     x = equilibrium.x.duplicate()
     first = int(comm.exscan(x.getLocalSize()) or 0)
     direction = x.duplicate()
-    direction.array[:] = 1e-6 * np.sin(1.0 + 0.7 * (first + np.arange(x.getLocalSize())))
+    direction.array[:] = 1e-8 * np.sin(1.0 + 0.7 * (first + np.arange(x.getLocalSize())))
     results = []
     for sign in (1.0, -1.0):
         equilibrium.x.copy(x)

@@ -10,7 +10,7 @@ from castx.contact.kinematics.rigid import rigid_body
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
-from tests.contact_methods import WITH_RIGID_BODIES
+from tests.contact_methods import WITH_RIGID_BODIES, sharp
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -54,7 +54,7 @@ def test_a_rigid_core_is_the_limit_of_a_hard_one(comm, method):
 
 
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
-@pytest.mark.parametrize("method", WITH_RIGID_BODIES)
+@pytest.mark.parametrize("method", sharp(WITH_RIGID_BODIES))
 def test_a_led_punch_squeezes_a_block(comm, method, linear):
     """The base comes up by d(t) against a block whose top is held: p = d E/((1 - ν²) h)."""
     upper = {"upper": body(elastic(*CASTING))}

@@ -9,7 +9,7 @@ import pytest
 
 from castx.equilibrium.supports.first_contact import FirstContact, share_until_contact
 from castx.equilibrium.supports.springs import SpringSupport
-from tests.contact_methods import AT_ONCE
+from tests.contact_methods import AT_ONCE, sharp
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import normal_forces
 
@@ -49,7 +49,7 @@ def rocker(method: str) -> dict:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("method", sharp(AT_ONCE))
 def test_a_block_rocks_from_node_to_node_until_it_stands(comm, method):
     """It ends on the node below its middle, which bears its weight; none pulls."""
     state = final_state(comm, rocker(method))
