@@ -10,6 +10,7 @@ with its traceback.
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import sys
 import time
@@ -52,6 +53,15 @@ def collect_garbage() -> Iterator[None]:
         if petsc := sys.modules.get("petsc4py.PETSc"):
             petsc.garbage_cleanup()
         WORLD.Barrier()
+
+
+@pytest.fixture(autouse=True)
+def restore_logging() -> Iterator[None]:
+    """Undo what a command run inside the tests sets for the messages of castx."""
+    logger = logging.getLogger("castx")
+    before = logger.propagate, logger.level, list(logger.handlers)
+    yield
+    logger.propagate, logger.level, logger.handlers = before
 
 
 @pytest.hookimpl(tryfirst=True)

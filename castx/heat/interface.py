@@ -54,7 +54,7 @@ class HeatExchange:
 
 
 class PairExchange:
-    """Heat between the nodes of one interface, S (h (T_secondary − T_primary) + radiation).
+    """Heat between the nodes of one interface, Q = S (h (T_secondary − T_primary) + q_radiation).
 
     S is the area of a pair. Over a step the resistance 1/h is linear in time, from the state of the
     pairs at its start to that at its end, both at the present temperatures. `set_states` and

@@ -55,7 +55,7 @@ def stress_means(comm, state) -> tuple[np.ndarray, float]:
     The pressure is integrated as it is, linear in the cells and with the radius as weight.
     """
     body = state.problem.mechanics.bodies["casting"]
-    owned = body.cells.dofmap.index_map.size_local
+    owned = body.owned_cells
     cells = body.points.weights.sum(axis=1)[:owned]
     stress = body.stress()[:owned]
     rr, zz, around = body.material.response.stress[:owned, :3].T

@@ -13,7 +13,7 @@ from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.domain.pairs.face_pairs import face_pairs
 from castx.errors import MeshError
-from tests.contact_methods import AT_ONCE, EXACT
+from tests.contact_methods import AT_ONCE, EXACT, sharp
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import (
     blocks,
@@ -118,7 +118,7 @@ def test_matching_meshes_pass_the_patch_test(comm, method):
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
 
 
-@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("method", sharp(AT_ONCE))
 def test_a_straight_finer_surface_passes_the_resultant_but_not_the_patch_test(
     comm, shared_tmp_path, method
 ):
@@ -161,7 +161,7 @@ def test_methods_agree(comm, shared_tmp_path):
 
 
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
-@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("method", sharp(AT_ONCE))
 def test_a_meshed_gap_closes_under_load(comm, shared_tmp_path, method, linear):
     mesh = separate(comm, shared_tmp_path, 6, 4, gap=1e-5)
     bodies = {n: body(elastic(E, POISSON)) for n, E in YOUNG.items()}

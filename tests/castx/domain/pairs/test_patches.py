@@ -13,7 +13,7 @@ from castx.contact.choice import Contact
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.patches import pairs_by_patch
 from tests.castx.domain.interface_meshes import MESHES, NAMES, box, cup
-from tests.contact_methods import AT_ONCE
+from tests.contact_methods import AT_ONCE, sharp
 from tests.elastic_bodies import body, elastic, everywhere, heat, problem
 
 SHARP = math.radians(40)
@@ -75,7 +75,7 @@ def test_the_sharp_angle_decides(comm):
     assert counts[0] == comm.allreduce(len(node_pairs(mesh, *NAMES).areas))
 
 
-@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("method", sharp(AT_ONCE))
 def test_a_hot_box_presses_on_all_faces_of_its_mould(comm, method):
     """Rigid mould, ν = 0: E α ΔT on every face, edges and corners included, with their areas."""
     mesh = box(comm, "3d", "simplices")
