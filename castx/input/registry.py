@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from importlib import import_module
 from pkgutil import iter_modules
+from types import ModuleType
 from typing import Protocol, TypeVar
 
 
@@ -18,6 +20,18 @@ class Declaration(Protocol):
 D = TypeVar("D", bound=Declaration)
 
 
+def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleType]:
+    """Yield the modules of a package in alphabetical order, imported.
+
+    Args:
+        package: full name of the package.
+        besides: names of modules that are left out.
+    """
+    for entry in iter_modules(import_module(package).__path__):
+        if entry.name not in besides:
+            yield import_module(f"{package}.{entry.name}")
+
+
 def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
     """Return what the files of a package declare, by name in alphabetical order.
 
@@ -30,14 +44,14 @@ def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
         TypeError: a file declares nothing, or a name that is not its own.
     """
     found = {}
-    for entry in iter_modules(import_module(package).__path__):
-        declared = getattr(import_module(f"{package}.{entry.name}"), variable, None)
+    for module in modules_of(package):
+        declared = getattr(module, variable, None)
         if not isinstance(declared, kind):
-            raise TypeError(f"{package}.{entry.name} declares no {variable} = {kind.__name__}(...)")
-        expected = entry.name.replace("_", "-")
+            raise TypeError(f"{module.__name__} declares no {variable} = {kind.__name__}(...)")
+        expected = module.__name__.rpartition(".")[2].replace("_", "-")
         if declared.name != expected:
             text = f"{variable}.name is {declared.name!r}, not {expected!r} as its file is called"
-            raise TypeError(f"{package}.{entry.name}: {text}")
+            raise TypeError(f"{module.__name__}: {text}")
         found[declared.name] = declared
     return dict(sorted(found.items()))
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from importlib import import_module
-from pathlib import Path
-from pkgutil import iter_modules
 from types import ModuleType
 from typing import NamedTuple
 
 from castx.contact.methods.description import ContactMethod, Key, Setting, Settings, UnknownKind
+from castx.input.registry import modules_of
 
 _NO_METHODS = ("description", "registry")
 _TEXTS = ("name", "summary", "formula", "source", "advice")
@@ -80,14 +78,9 @@ def ordered(methods: Iterable[ContactMethod]) -> dict[str, ContactMethod]:
     return {method.name: method for method in found}
 
 
-def _files() -> Iterator[ModuleType]:
-    package = __name__.rpartition(".")[0]
-    for module in iter_modules([str(Path(__file__).parent)]):
-        if module.name not in _NO_METHODS:
-            yield import_module(f"{package}.{module.name}")
-
-
-METHODS: Mapping[str, ContactMethod] = ordered(described(module) for module in _files())
+METHODS: Mapping[str, ContactMethod] = ordered(
+    described(module) for module in modules_of("castx.contact.methods", _NO_METHODS)
+)
 """All methods by the word of the case file."""
 
 DEFAULT = "condensed"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from castx.input.registry import declarations, refuse_incomplete
+from castx.input.registry import declarations, modules_of, refuse_incomplete
 
 pytestmark = pytest.mark.serial
 
@@ -65,3 +65,11 @@ def test_what_is_missing_is_named():
     with pytest.raises(TypeError, match=r"^the rule 'a' declares no text, no name$"):
         refuse_incomplete("the rule 'a'", Rule(""), ("text", "name"))
     refuse_incomplete("the rule 'a'", Rule("a", "b"), ("text", "name"))
+
+
+def test_modules_come_in_order_without_those_left_out():
+    package = "castx.contact.methods"
+    found = [module.__name__ for module in modules_of(package, ("description", "registry"))]
+    assert f"{package}.penalty" in found and f"{package}.registry" not in found
+    assert found == sorted(found)
+    assert len(list(modules_of(package))) == len(found) + 2
