@@ -14,12 +14,12 @@ from typing import Annotated, cast
 from mpi4py import MPI
 
 import typer
-from rich.console import Console
 from rich.logging import RichHandler
 
 from castx.command.refusals import naming, on_first_rank, seconds
-from castx.command.terminal import console_of
+from castx.command.terminal import LINES, EnduringConsole, console_of, endure_broken_pipes
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
+from castx.input.printable import printable
 from castx.ranks import common_code
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
@@ -93,6 +93,7 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return int(code or Exit.DONE)
     except UsageError as error:
         if comm.rank == 0:
+            error.message = printable(error.message, LINES)
             error.show()
         return Exit.REFUSED
     except (CaseError, MeshError) as error:
@@ -103,9 +104,10 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return say(comm, error, Exit.FAILED)
     except (KeyboardInterrupt, typer.Abort):
         return say(comm, "interrupted", Exit.INTERRUPTED)
-    except Exception:
-        traceback.print_exc()
-        sys.stderr.flush()
+    except BaseException:  # also that a library wants to exit, perhaps on one rank alone
+        with suppress(OSError, AttributeError):  # of a closed error output
+            sys.stderr.write(printable(traceback.format_exc(), LINES))
+            sys.stderr.flush()
         if comm.size > 1:
             comm.Abort(Exit.FAILED)
         return Exit.FAILED
@@ -119,8 +121,7 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
         message: an error or a text.
         code: the exit code.
     """
-    with suppress(OSError):  # of a terminal that was closed
-        console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
+    console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code
 
 
@@ -128,12 +129,19 @@ def prepare_logging(comm: MPI.Intracomm) -> None:
     """Show the messages of castx on rank 0, and on other ranks critical ones only."""
     console = console_of(comm, stderr=True)
     handler = RichHandler(console=console, show_time=False, show_path=False)
+    handler.addFilter(make_printable)
     level = logging.INFO if comm.rank == 0 else logging.CRITICAL
     logger = logging.getLogger("castx")
     logger.handlers = [handler]
     logger.setLevel(level)
     logger.propagate = False
     show_details(comm, ())
+
+
+def make_printable(record: logging.LogRecord) -> bool:
+    """Write out the control characters of a message, and let it pass."""
+    record.msg, record.args = printable(record.getMessage(), LINES), None
+    return True
 
 
 def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
@@ -144,8 +152,12 @@ def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
             logging.getLogger(module).setLevel(level)
 
 
-def output_of(context: typer.Context) -> tuple[MPI.Intracomm, Console]:
-    """Return the ranks, and a console that is silent on all but the first."""
+def output_of(context: typer.Context) -> tuple[MPI.Intracomm, EnduringConsole]:
+    """Return the ranks, and a console that is silent on all but the first.
+
+    Call it when all libraries are loaded that the command needs.
+    """
+    endure_broken_pipes()
     comm: MPI.Intracomm = context.obj
     return comm, console_of(comm)
 
@@ -200,6 +212,7 @@ def check(context: typer.Context, case_file: CaseFile, overrides: Overrides = No
     comm, console = output_of(context)
     with naming(case_file):
         check_case(load_case(case_file, overrides or ()), comm, console)
+    console.refuse_loss()
 
 
 @app.command()
@@ -231,10 +244,10 @@ def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
 ) -> None:
     """Write report.html, with curves and pictures, into a results folder."""
+    from castx.report.report import write_report
+
     comm, console = output_of(context)
     if comm.rank == 0:
-        from castx.report.report import write_report
-
         console.print(f"written: {write_report(folder)}", markup=False)
 
 
@@ -264,11 +277,13 @@ def materials(
         if plot is not None:
             raise typer.BadParameter("it draws one material: castx materials NAME --plot FILE")
         console.print(material_list(case_materials))
+        console.refuse_loss()
         return
     console.print(material_table(name, case_materials))
     if plot is None:
         text = f"curves: castx materials {name} --plot {name}.png"
         console.print(text, markup=False)
+        console.refuse_loss()
         return
     from castx.report.material_figure import write_figure
 
@@ -286,3 +301,4 @@ def info(context: typer.Context) -> None:
     _, console = output_of(context)
     console.print(version_table())
     console.print(blas_warning(blas_advantage()) or "the BLAS in use is fast", markup=False)
+    console.refuse_loss()

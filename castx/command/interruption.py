@@ -56,6 +56,8 @@ class Interruption:
                 if number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN:
                     continue  # nohup
                 self._replaced[number] = signal.signal(number, self._note)
+            # PETSc would end all ranks when the reader of the output leaves.
+            self._replaced[signal.SIGPIPE] = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         return self
 
     def __exit__(

@@ -49,7 +49,8 @@ class Progress:
 
     def __enter__(self) -> Self:
         if not self._bar.disable:
-            self._bar.start()
+            with suppress(OSError):
+                self._bar.start()
         return self
 
     def __exit__(
@@ -59,7 +60,8 @@ class Progress:
         trace: TracebackType | None,
     ) -> None:
         if not self._bar.disable:
-            self._bar.stop()
+            with suppress(OSError):
+                self._bar.stop()
 
     def show(self, snapshot: Snapshot) -> None:
         """Show the state after an accepted step."""

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from castx.errors import CaseError
+from castx.input.printable import printable
 
 KeyPath = tuple[str | int, ...]
 
@@ -77,15 +78,19 @@ def dotted(path: KeyPath) -> str:
             parts += f"[{key}]"
         else:
             short = key if len(key) <= _LONGEST_KEY else f"{key[:_LONGEST_KEY]} ..."
-            bare = short if _BARE_KEY.fullmatch(short) else json.dumps(short, ensure_ascii=False)
+            bare = short if _BARE_KEY.fullmatch(short) else _quoted(short)
             parts += f".{bare}" if parts else bare
     return parts
+
+
+def _quoted(text: str) -> str:
+    return printable(json.dumps(text, ensure_ascii=False))
 
 
 def show(value: Any) -> str:
     """Return a value in the notation of a case file, shortened."""
     try:
-        text = json.dumps(value, ensure_ascii=False, default=str)
+        text = printable(json.dumps(value, ensure_ascii=False, default=str))
     except (ValueError, RecursionError):
         text = repr(value)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
@@ -101,6 +106,7 @@ def among(name: str, known: Sequence[str], *, what: str = "known") -> str:
     """
     if not known:
         return f"{what}: none"
+    known = [printable(entry) for entry in known]
     lower = {entry.lower(): entry for entry in known}
     near = get_close_matches(name.lower(), lower, n=1, cutoff=0.5)
     guess = f" (did you mean {show(lower[near[0]])}?)" if near else ""

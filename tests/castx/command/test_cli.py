@@ -1,6 +1,7 @@
 """The command line: what it prints, and exit codes that are the same on all ranks."""
 
 import re
+import subprocess
 import sys
 
 import pytest
@@ -115,7 +116,9 @@ def test_info(comm, said):
 
 
 @pytest.mark.serial
-def test_a_bug_on_one_rank_ends_all_of_them(tmp_path):
+@pytest.mark.parametrize("failure", ["ZeroDivisionError('on one rank')", "SystemExit('no file')"])
+def test_a_bug_on_one_rank_ends_all_of_them(tmp_path, failure):
+    """So does a library that wants to end the process."""
     script = tmp_path / "one.py"
     script.write_text(
         "import sys\n"
@@ -124,7 +127,7 @@ def test_a_bug_on_one_rank_ends_all_of_them(tmp_path):
         "from castx.command.cli import execute\n"
         "def fail(*arguments, comm, **options):\n"
         "    if comm.rank == 1:\n"
-        "        raise ZeroDivisionError('on one rank')\n"
+        f"        raise {failure}\n"
         "    comm.Barrier()\n"
         "castx.command.run.run = fail\n"
         "sys.exit(execute(['run', 'case.toml'], MPI.COMM_WORLD))\n"
@@ -132,4 +135,27 @@ def test_a_bug_on_one_rank_ends_all_of_them(tmp_path):
     process = start("mpirun", "-n", "2", sys.executable, str(script))
     _, errors = process.communicate(timeout=60)
     assert process.returncode != 0
-    assert "ZeroDivisionError: on one rank" in errors
+    assert failure.partition("(")[0] in errors
+
+
+@pytest.mark.serial
+def test_a_library_that_wants_to_exit_has_failed(comm, monkeypatch, capsys):
+    monkeypatch.setattr("castx.command.listing.version_table", lambda: sys.exit("no file"))
+    assert execute(["info"], comm) == 1
+    assert "SystemExit: no file" in capsys.readouterr().err
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "arguments", [("info",), ("materials",), ("materials", "Al-pure"), ("check", "case.toml")]
+)
+def test_output_that_cannot_be_written_is_one_line(case_file, arguments):
+    command = [sys.executable, "-m", "castx", *arguments]
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(
+            command, cwd=case_file.parent, stdout=full, stderr=subprocess.PIPE, text=True,
+            timeout=60, check=False,
+        )  # fmt: skip
+    lines = [line for line in ended.stderr.splitlines() if "INFO" not in line]
+    assert ended.returncode == 1
+    assert lines == ["castx: the output cannot be written: No space left on device"]

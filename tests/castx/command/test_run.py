@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -130,6 +131,31 @@ def test_a_signal_ends_a_run_after_its_step_with_its_files(case_file, tmp_path, 
     assert record["exit"] == {"reason": "interrupted", "message": "stopped by a signal"}
     assert record["totals"]["steps"] == steps(folder) - 1
     assert (folder / "fields" / "castx.pvd").read_text().count("casting_00001_0.vtu") == 1
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("stream", ["stdout", "stderr"])
+def test_a_run_goes_on_when_its_reader_leaves(case_file, tmp_path, stream):
+    folder = tmp_path / "out"
+    process = start(
+        sys.executable, "-m", "castx", "run", str(case_file), "--output", str(folder),
+        "--set", "time.largest_step=0.02", "--set", "time.first_step=0.01",
+    )  # fmt: skip
+    getattr(process, stream).close()
+    assert process.wait(timeout=60) == 0
+    record = json.loads((folder / "run.json").read_text())
+    assert record["exit"]["reason"] == "finished" and record["time_reached"] == 0.2
+    assert (folder / "checkpoint" / "state.npz").exists()
+
+
+@pytest.mark.serial
+def test_a_run_goes_on_when_its_log_has_no_room(case_file, tmp_path):
+    folder = tmp_path / "out"
+    command = [sys.executable, "-m", "castx", "run", str(case_file), "--output", str(folder)]
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(command, stdout=full, stderr=full, timeout=60, check=False)
+    assert ended.returncode == 0
+    assert json.loads((folder / "run.json").read_text())["exit"]["reason"] == "finished"
 
 
 def steps(folder: Path) -> int:
