@@ -83,6 +83,7 @@ class Checkpoints:
             StorageError: the disk does not take it; the last one is still there.
         """
         begin = clock.monotonic()
+        self._results.sync()
         self._checkpoint.write(self._state(), self._header())
         self._at, self._written = self._simulation.time, clock.monotonic()
         self._cost = self._written - begin

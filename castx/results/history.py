@@ -77,6 +77,11 @@ class History:
         totals = [snapshot.totals[name] for name in self._totals]
         self._series.append([snapshot.time, *counters, *totals])
 
+    def sync(self) -> None:
+        """Bring all lines to disk."""
+        if self._series is not None:
+            self._series.sync()
+
     def close(self) -> None:
         """Close the file."""
         if self._series is not None:

@@ -82,6 +82,11 @@ class Probes:
         if self._series is not None:
             self._series.append([snapshot.time, *total])
 
+    def sync(self) -> None:
+        """Bring all lines to disk; on rank 0."""
+        if self._series is not None:
+            self._series.sync()
+
     def close(self) -> None:
         """Close the file."""
         if self._series is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +16,7 @@ from castx.errors import CaseError
 from castx.input.problems import among
 from castx.results.files.collection import FieldSeries
 from castx.results.files.folder import RECORD
+from castx.results.files.run_json import read_record
 from castx.results.files.series import read_series
 from castx.results.files.vtu import VTK_TENSOR
 from castx.results.snapshot import FULLY_SOLID
@@ -106,12 +106,12 @@ class Results:
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         try:
-            record = json.loads((self.folder / RECORD).read_text(encoding="utf-8"))
+            record = read_record(self.folder / RECORD)
             history = read_series(self.folder / "history.csv")
             probes = read_series(self.folder / "probes.csv")
         except (OSError, ValueError) as error:
             raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
-        if not isinstance(record, dict) or "bodies" not in record or history["time"].size == 0:
+        if "bodies" not in record or history.get("time", np.empty(0)).size == 0:
             raise CaseError(f"{folder} holds no accepted step of a run of castx")
         self.record: Mapping[str, Any] = record
         self.history, self.probes = Columns(history), Columns(probes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -11,7 +12,8 @@ from castx.errors import CaseError
 from castx.materials.lookup import find_material
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
-from castx.results.files.folder import FIELDS, RECORD, claim_folder, clear_results
+from castx.results.files.folder import FIELDS, RECORD, SERIES, claim_folder, clear_results
+from castx.results.files.series import damage_of
 from castx.results.history import History
 from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
@@ -22,10 +24,13 @@ from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from castx.case.case import Case
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
+
+log = logging.getLogger(__name__)
 
 
 class ResultsWriter:
@@ -79,6 +84,7 @@ class ResultsWriter:
         )
         self._record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
         self._rows = 0
+        self._lost: dict[str, int] = {}
         self._resumed: Mapping[str, Any] | None = None
 
     def saved(self) -> dict[str, Saved]:
@@ -89,12 +95,25 @@ class ResultsWriter:
         """Return the numbers of rows and outputs on disk, as JSON knows them."""
         return {
             "rows": self._rows,
+            "lost_rows": self._lost,
             "outputs": self._fields.notes(),
             "record": self._record.notes(),
         }
 
     def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
-        """Go on behind the rows and outputs that `notes` names."""
+        """Go on behind the rows and outputs that `notes` names; collective.
+
+        Raises:
+            CaseError: a table lacks rows, or is damaged; on all ranks.
+        """
+        refusal = None
+        if self._comm.rank == 0:
+            try:
+                self._lost = lost_rows(self._folder, notes)
+            except CaseError as error:
+                refusal = str(error)
+        if (refusal := self._comm.bcast(refusal)) is not None:
+            raise CaseError(refusal)
         self._solidification.restore(part_of(arrays, "solidification"))
         self._record.resume(notes["record"])
         self._rows, self._resumed = notes["rows"], notes
@@ -106,9 +125,10 @@ class ResultsWriter:
                 if self._resumed is None:
                     clear_results(self._folder)
                 (self._folder / FIELDS).mkdir(exist_ok=True)
-                self._probes.open(None if self._resumed is None else self._rows)
+                kept = [self._rows - self._lost.get(name, 0) for name in SERIES]
+                self._probes.open(None if self._resumed is None else kept[0])
                 if self._resumed is not None:
-                    self._history.resume(self._rows)
+                    self._history.resume(kept[1])
         self._disk.raise_failures()
         if self._resumed is not None:
             with self._disk.writing():
@@ -137,6 +157,18 @@ class ResultsWriter:
         """Write the fields of the last state unless that is done; collective."""
         self._fields.write_pending()
 
+    def sync(self) -> None:
+        """Bring the tables to disk, so that a checkpoint never has more rows than they; collective.
+
+        Raises:
+            StorageError: the disk did not take them; on all ranks.
+        """
+        if self._comm.rank == 0:
+            with self._disk.writing():
+                self._probes.sync()
+                self._history.sync()
+        self._disk.raise_failures()
+
     def note_interruption(self) -> None:
         """Write down at once that the run was interrupted: it may be killed before it can stop."""
         if self._comm.rank == 0:
@@ -151,9 +183,9 @@ class ResultsWriter:
     ) -> None:
         reason = Reason.of(error)
         message = "" if error is None else str(error)
-        with suppress(OSError):  # of a full disk, which was found out before
-            self._probes.close()
-            self._history.close()
+        for table in (self._probes, self._history):
+            with suppress(OSError):  # of a full disk, which was found out before
+                table.close()
         if reason is Reason.FAILED:
             with suppress(OSError):
                 self._record.write(reason, message)
@@ -163,6 +195,32 @@ class ResultsWriter:
             with self._disk.writing():
                 self._record.write(reason, message)
         self._disk.raise_failures()
+
+
+def lost_rows(folder: Path, notes: Mapping[str, Any]) -> dict[str, int]:
+    """Return how many of the first rows each table lacks since it was removed by its user.
+
+    Args:
+        folder: the results folder.
+        notes: those of the checkpoint from which a run goes on.
+
+    Raises:
+        CaseError: a table is there and does not have the rows up to the checkpoint.
+    """
+    rows, time = notes["rows"], notes["record"]["time_reached"]
+    lost = dict(notes.get("lost_rows", {}))
+    for path in (folder / name for name in SERIES):
+        if not path.exists():
+            log.warning("%s is missing: what it held up to t = %g s is lost", path, time)
+            lost[path.name] = rows
+            continue
+        damage = damage_of(path, rows - lost.get(path.name, 0), time)
+        if damage is not None:
+            raise CaseError(
+                f"{path} is not as the run has left it: {damage}; put a whole copy in its place, "
+                "or remove it to go on without the lines that it had"
+            )
+    return lost
 
 
 def wanted_fields(case: Case) -> list[str]:

@@ -2,5 +2,5 @@
 
 Public: `folder.claimed_folder`, `folder.clear_results`, `folder.record_of`, `folder.write_whole`,
 `folder.FolderLock`, `disk.Disk`, `series.Series`, `series.read_series`,
-`collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`.
+`run_json.read_record`, `collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`.
 """

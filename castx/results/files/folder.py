@@ -12,6 +12,7 @@ import fcntl
 import json
 import os
 import socket
+import stat
 import tempfile
 import time
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from mpi4py import MPI
 
 from castx.errors import CaseError
+from castx.results.files.run_json import read_record
 
 if TYPE_CHECKING:
     from castx.case.case import Case
@@ -33,7 +35,10 @@ FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
+OURS = (LOCK, RECORD, *SERIES, REPORT, FIELDS, CHECKPOINT)
 CURE = "choose another one with output.folder or --output"
+PATIENCE = 1.0
+"""Time for the holder of a lock to say who it is [s]."""
 _HELD = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 
 
@@ -51,7 +56,7 @@ def claimed_folder(case: Case, comm: MPI.Intracomm) -> Iterator[Path]:
     lock: FolderLock | None = None
     refusal, made = None, False
     if comm.rank == 0:
-        made = not folder.exists()
+        made = not os.path.lexists(folder)  # also of names that are too long
         refusal = refusal_of(folder, case)
         if refusal is None:
             lock = FolderLock(folder)
@@ -85,7 +90,7 @@ def refusal_of_lock(folder: Path, lock: FolderLock) -> str | None:
     try:
         holder = lock.acquire()
     except OSError as error:
-        return f"the output folder {folder} cannot be written: {error.strerror or error}; {CURE}"
+        return f"the output folder {folder} cannot be written: {reason_of(error)}; {CURE}"
     if holder is None:
         return None
     return (
@@ -94,23 +99,35 @@ def refusal_of_lock(folder: Path, lock: FolderLock) -> str | None:
     )
 
 
+def reason_of(error: Exception) -> str:
+    """Return why a file cannot be used, in the words of the system."""
+    return getattr(error, "strerror", None) or str(error)
+
+
 def refusal_of(folder: Path, case: Case) -> str | None:
     """Return why a folder cannot take the results of a case, or None when it can."""
-    if folder.exists() and not folder.is_dir():
+    if os.path.exists(folder) and not os.path.isdir(folder):
         return f"the output folder {folder} is a file; {CURE}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        return f"the output folder {folder} cannot be written: {error.strerror or error}; {CURE}"
+    except (OSError, ValueError) as error:
+        return f"the output folder {folder} cannot be written: {reason_of(error)}; {CURE}"
+    link = next((name for name in OURS if (folder / name).is_symlink()), None)
+    if link is not None:
+        return (
+            f"the output folder {folder} holds a symbolic link, {link}: what it leads to would be "
+            f"written over; replace it by what it leads to, or {CURE} (which may be a link as a "
+            "whole)"
+        )
     record = record_of(folder)
     if record is None:
         if all(is_left_over(path) for path in folder.iterdir()):
             return None
+        why = f"{RECORD} is not one of castx" if (folder / RECORD).exists() else f"no {RECORD}"
         return (
-            f"the output folder {folder} holds files that are not results of castx (no {RECORD}); "
-            f"{CURE}"
+            f"the output folder {folder} holds files that are not results of castx ({why}); {CURE}"
         )
     if belongs_to(record, case):
         return None
@@ -128,10 +145,10 @@ def is_left_over(path: Path) -> bool:
 def record_of(folder: Path) -> dict[str, Any] | None:
     """Return the record of the run whose results are in a folder, None if there are none."""
     try:
-        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        record = read_record(folder / RECORD)
+    except CaseError:
         return None
-    return record if isinstance(record, dict) and "castx" in record else None
+    return record if "castx" in record else None
 
 
 def belongs_to(record: dict[str, Any], case: Case) -> bool:
@@ -189,7 +206,7 @@ class FolderLock:
     def acquire(self) -> str | None:
         """Take the lock; return None, or its owner in words."""
         while True:
-            file = self._path.open("a+", encoding="utf-8")
+            file = self._opened()
             holder = _holder(file)
             if holder is not None:
                 file.close()
@@ -202,6 +219,15 @@ class FolderLock:
         file.write(json.dumps(own_identity()))
         file.flush()
         return None
+
+    def _opened(self) -> TextIO:
+        """Open the file itself: never what a link of its name leads to, and no pipe."""
+        flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+        descriptor = os.open(self._path, flags, 0o666)
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            os.close(descriptor)
+            raise OSError(errno.EINVAL, f"{self._path.name} is no file")
+        return os.fdopen(descriptor, "r+", encoding="utf-8")
 
     def _is_current(self, file: TextIO) -> bool:
         try:
@@ -234,17 +260,24 @@ def _holder(file: TextIO) -> str | None:
         identity = _read_identity(file)
         if error.errno not in _HELD and not _may_live(identity):
             return None
-        return f"process {identity.get('process', '?')} on {identity.get('host', '?')}"
+        if not identity:
+            return "another run that has just begun"
+        return f"process {identity.get('process')} on {identity.get('host')}"
     return None
 
 
 def _read_identity(file: TextIO) -> dict[str, Any]:
-    file.seek(0)
-    try:
-        identity = json.load(file)
-    except ValueError:
-        return {}
-    return identity if isinstance(identity, dict) else {}
+    """Return who holds a lock; its holder writes that a moment after it has taken it."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        file.seek(0)
+        try:
+            identity = json.load(file)
+            return identity if isinstance(identity, dict) else {}
+        except ValueError:
+            if time.monotonic() > end:
+                return {}
+            time.sleep(PATIENCE / 20)
 
 
 def _may_live(identity: dict[str, Any]) -> bool:

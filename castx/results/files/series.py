@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -17,10 +19,14 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 
-class Series:
-    """A CSV file whose whole lines are on disk as soon as they are written.
+log = logging.getLogger(__name__)
 
-    Numbers are written with all their digits, so that reading them gives the same bits.
+
+class Series:
+    """A CSV file whose whole lines can be read as soon as they are written.
+
+    It is made anew with all its lines when somebody removes or replaces it meanwhile. Numbers are
+    written with all their digits, so that reading them gives the same bits.
 
     Args:
         path: the file; an older one is written over.
@@ -33,12 +39,14 @@ class Series:
         self._path, self._columns = path, tuple(columns)
         if resumed and path.exists():
             change_columns(path, self._columns)
-            self._file = path.open("a", encoding="utf-8", newline="")
-            self._writer = csv.writer(self._file, lineterminator="\n")
+            self._open("a+")
             return
-        self._file = path.open("w", encoding="utf-8", newline="")
-        self._writer = csv.writer(self._file, lineterminator="\n")
+        self._open("w+")
         self._write(self._columns)
+
+    def _open(self, mode: str) -> None:
+        self._file = self._path.open(mode, encoding="utf-8", newline="")
+        self._writer = csv.writer(self._file, lineterminator="\n")
 
     def append(self, row: Sequence[float]) -> None:
         """Write one line, in the order of the columns."""
@@ -49,10 +57,33 @@ class Series:
     def _write(self, row: Sequence[float] | Sequence[str]) -> None:
         self._writer.writerow(row)
         self._file.flush()
+        self._keep()
+
+    def _keep(self) -> None:
+        """Write the file anew if its name no longer leads to it."""
+        try:
+            if os.path.samestat(os.fstat(self._file.fileno()), self._path.stat()):
+                return
+        except FileNotFoundError:
+            pass
+        self._file.seek(0)
+        write_whole(self._path, self._file.read())
+        self._file.close()
+        self._open("a+")
+        log.warning("%s was removed or replaced during the run; it is written anew", self._path)
+
+    def sync(self) -> None:
+        """Bring all lines to disk."""
+        self._keep()
+        os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        if not self._file.closed:
+            try:
+                self._keep()
+            finally:
+                self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -64,6 +95,33 @@ class Series:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def damage_of(path: Path, rows: int, time: float) -> str | None:
+    """Return what is wrong with the first lines of a series, None if it can go on behind them.
+
+    Args:
+        path: the file.
+        rows: number of lines behind the header that it must have.
+        time: in the last of them [s].
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *lines = list(csv.reader(file)) or [[]]
+        kept = np.array(lines[:rows], dtype=np.float64).reshape(-1, max(len(header), 1))
+    except (OSError, ValueError, csv.Error) as error:
+        return f"it is no table of numbers: {error}"
+    if header[:1] != ["time"]:
+        return "its first column is not time"
+    if len(kept) < rows:
+        return f"it has {len(kept)} lines, and {rows} were written before the checkpoint"
+    times = kept[:, 0]
+    back = np.flatnonzero(~(np.diff(times) > 0.0))
+    if back.size:
+        return f"line {back[0] + 3} does not come after the one before it in time"
+    if rows and times[-1] != time:
+        return f"its line {rows + 1} is of t = {times[-1]:g} s, the checkpoint of {time:g} s"
+    return None
 
 
 def cut_back(path: Path, rows: int) -> None:
@@ -91,9 +149,18 @@ def change_columns(path: Path, columns: Sequence[str]) -> None:
 
 
 def read_series(path: Path) -> dict[str, FloatArray]:
-    """Return the columns of a series by name; a last line that was cut short is left out."""
-    with path.open(encoding="utf-8", newline="") as file:
-        header, *rows = list(csv.reader(file))
+    """Return the columns of a series by name; a last line that was cut short is left out.
+
+    Raises:
+        OSError, ValueError: it cannot be read, or is no table of numbers.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = list(csv.reader(file)) or [[]]
+    except csv.Error as error:
+        raise ValueError(f"{path.name}: {error}") from None
+    if not header or len(set(header)) < len(header):
+        raise ValueError(f"{path.name}: a line with the names of the columns, each once, is needed")
     values = np.array([row for row in rows if len(row) == len(header)], dtype=np.float64)
     columns = values.reshape(-1, len(header)).T
     return dict(zip(header, columns, strict=True))

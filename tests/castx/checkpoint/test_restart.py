@@ -9,6 +9,8 @@ import sys
 import time
 from pathlib import Path
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -300,3 +302,75 @@ def test_checkpoints_come_as_often_as_asked(case_file, tmp_path, comm, monkeypat
     assert written == [*np.round(times, 9), 0.5]
 
 
+
+
+@pytest.fixture
+def halfway(comm, case_file, shared_tmp_path):
+    """Return the arguments that go on with a run stopped behind its first steps, and its folder."""
+    folder = shared_tmp_path / "out"
+    arguments = ["run", str(case_file), "--output", str(folder)]
+    assert execute([*arguments, "--set", "time.end=0.2"], comm) == 0
+    comm.Barrier()
+    return [*arguments, "--restart"], folder
+
+
+def spoil(comm, path, change):
+    if comm.rank == 0:
+        text = change(path.read_bytes())
+        path.unlink()
+        if text is not None:
+            path.write_bytes(text)
+    comm.Barrier()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda text: b"\n".join(text.split(b"\n")[:2]) + b"\n", "it has 1 lines, and"),
+        (lambda text: text + b"\xff", "no table of numbers"),
+        (
+            lambda text: b"".join(sorted(text.splitlines(keepends=True), reverse=True)),
+            "does not come after the one before it in time",
+        ),
+    ],
+)
+@pytest.mark.parametrize("name", ["history.csv", "probes.csv"])
+def test_a_table_that_is_not_as_it_was_is_refused(
+    comm, halfway, case_file, capsys, name, change, message
+):
+    arguments, folder = halfway
+    if comm.rank == 0:
+        assert b"time" in (folder / name).read_bytes()
+    spoil(comm, folder / name, change)
+    before = content(folder)
+    assert execute(arguments, comm) == 2
+    text = said(comm, capsys)
+    assert f"{folder / name} is not as the run has left it: " in text
+    assert message in text and "or remove it to go on without" in text
+    assert content(folder) == before
+
+
+def test_a_table_that_was_removed_goes_on_behind_its_loss(comm, halfway, capsys):
+    arguments, folder = halfway
+    rows = len(read_series(folder / "history.csv")["time"])
+    spoil(comm, folder / "history.csv", lambda _: None)
+    assert execute([*arguments, "--set", "time.end=0.3"], comm) == 0
+    assert "is missing: what it held up to t = 0.2 s is lost" in said(comm, capsys)
+    times = [read_series(folder / name)["time"] for name in ("history.csv", "probes.csv")]
+    assert times[0].tolist() == times[1][rows:].tolist() and times[0][0] > 0.2
+    assert execute(arguments, comm) == 0
+    assert "is missing" not in said(comm, capsys)
+    times = [read_series(folder / name)["time"] for name in ("history.csv", "probes.csv")]
+    assert times[0].tolist() == times[1][rows:].tolist() and times[0][-1] == 0.5
+
+
+def test_a_record_with_wrong_types_is_refused(comm, halfway, capsys):
+    arguments, folder = halfway
+    right, wrong = b'"time_reached": 0.2', b'"time_reached": []'
+    spoil(comm, folder / "run.json", lambda text: text.replace(right, wrong))
+    spoil(comm, folder / "checkpoint" / "state.npz", lambda _: None)
+    assert execute(arguments, comm) == 2
+    assert "not results of castx (run.json is not one of castx)" in said(comm, capsys)
+    if comm.rank == 0:
+        assert execute(["report", str(folder)], MPI.COMM_SELF) == 2
+        assert "time_reached: Input should be a valid number" in capsys.readouterr().err

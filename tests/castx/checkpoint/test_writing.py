@@ -39,7 +39,7 @@ class FakeResults:
     """Has nothing to save and counts what it is asked to write."""
 
     def __init__(self) -> None:
-        self.pending, self.resumed = 0, None
+        self.pending, self.synced, self.resumed = 0, 0, None
 
     def saved(self) -> dict[str, Saved]:
         return {}
@@ -49,6 +49,9 @@ class FakeResults:
 
     def write_pending(self) -> None:
         self.pending += 1
+
+    def sync(self) -> None:
+        self.synced += 1
 
     def resume(self, arrays, notes) -> None:
         self.resumed = notes
@@ -108,7 +111,7 @@ def test_the_end_is_written_when_all_ranks_have_come_to_it(
     writing.__enter__()
     writing.__exit__(None if ending is None else type(ending), ending, None)
     assert (file.read_header() is not None) == is_written
-    assert results.pending == int(is_written)
+    assert results.pending == results.synced == int(is_written)
 
 
 def test_a_run_goes_on_with_what_was_saved(comm, shared_tmp_path):

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -153,3 +154,58 @@ def test_old_results_go_and_other_files_stay(comm, tmp_path):
     left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file())
     assert left == ["notes.txt", "run.json"]
     assert not (tmp_path / "checkpoint").exists()
+
+
+@pytest.mark.parametrize("name", [LOCK, "fields", "checkpoint", "run.json", "history.csv"])
+def test_a_link_in_the_folder_is_refused_and_what_it_leads_to_stays(comm, shared_tmp_path, name):
+    folder, mine = shared_tmp_path / "out", shared_tmp_path / "mine"
+
+    def make():
+        folder.mkdir()
+        (folder / "run.json").write_text(json.dumps({"castx": "0.1"}))
+        mine.mkdir()
+        (mine / "thesis.vtu").write_text("years of work")
+        (folder / name).unlink(missing_ok=True)
+        target = mine if name in ("fields", "checkpoint") else mine / "thesis.vtu"
+        (folder / name).symlink_to(target)
+
+    prepare(comm, make)
+    with pytest.raises(CaseError, match=f"holds a symbolic link, {name}: "):
+        claimed(comm, folder).__enter__()
+    assert (mine / "thesis.vtu").read_text() == "years of work"
+
+
+@pytest.mark.serial
+def test_a_lock_follows_no_link_and_waits_for_no_pipe(tmp_path):
+    (tmp_path / "mine").write_text("years of work")
+    (tmp_path / LOCK).symlink_to(tmp_path / "mine")
+    with pytest.raises(OSError, match="symbolic links"):
+        FolderLock(tmp_path).acquire()
+    assert (tmp_path / "mine").read_text() == "years of work"
+    (tmp_path / LOCK).unlink()
+    os.mkfifo(tmp_path / LOCK)
+    with pytest.raises(OSError, match="is no file"):
+        FolderLock(tmp_path).acquire()
+
+
+@pytest.mark.serial
+def test_a_second_run_waits_until_the_first_has_said_who_it_is(tmp_path, monkeypatch):
+    """The first one has the lock a moment before its name stands in the file."""
+    lock = FolderLock(tmp_path)
+    assert lock.acquire() is None
+    (tmp_path / LOCK).write_text("")
+    late = threading.Timer(
+        0.2, lambda: (tmp_path / LOCK).write_text(json.dumps(own_identity() | {"process": 77}))
+    )
+    late.start()
+    assert str(FolderLock(tmp_path).acquire()).startswith("process 77 on")
+    late.join()
+    (tmp_path / LOCK).write_text("")
+    monkeypatch.setattr("castx.results.files.folder.PATIENCE", 0.1)
+    assert FolderLock(tmp_path).acquire() == "another run that has just begun"
+    lock.release()
+
+
+def test_a_name_that_no_disk_takes_is_refused(comm):
+    with pytest.raises(CaseError, match="cannot be written: File name too long; choose another"):
+        claimed(comm, Path("/tmp") / ("a" * 300)).__enter__()

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from castx.results.files.series import Series, change_columns, cut_back, read_series
+from castx.results.files.series import (
+    Series,
+    change_columns,
+    cut_back,
+    damage_of,
+    read_series,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -60,3 +66,57 @@ def test_columns_change_their_order_and_missing_ones_are_not_a_number(tmp_path):
     path.write_text("time,a\n0.0,1.5\n1.0,2.5\n")
     change_columns(path, ["a", "new", "time"])
     assert path.read_text() == "a,new,time\n1.5,nan,0.0\n2.5,nan,1.0\n"
+
+
+@pytest.mark.parametrize("replace", [False, True])
+def test_a_file_that_is_removed_meanwhile_is_made_anew(tmp_path, replace):
+    path = tmp_path / "s.csv"
+    with Series(path, ["time", "a"]) as series:
+        series.append([0.0, 1.0])
+        path.unlink()
+        if replace:
+            path.write_text("of somebody else")
+        series.append([1.0, 2.0])
+        assert read_series(path)["a"].tolist() == [1.0, 2.0]
+        series.append([2.0, 3.0])
+        path.unlink()
+    assert path.read_text() == "time,a\n0.0,1.0\n1.0,2.0\n2.0,3.0\n"
+
+
+def test_a_folder_that_is_removed_meanwhile_is_an_error_of_the_disk(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    series = Series(folder / "s.csv", ["time"])
+    (folder / "s.csv").unlink()
+    folder.rmdir()
+    with pytest.raises(OSError, match="No such file"):
+        series.append([0.0])
+    with pytest.raises(OSError, match="No such file"):
+        series.sync()
+
+
+@pytest.mark.parametrize(
+    ("content", "damage"),
+    [
+        (b"time,a\n0.0,1.0\n1.0,2.0\n9.0,3.0\n", None),
+        (b"time,a\n0.0,1.0\n", "it has 1 lines, and 2 were written before the checkpoint"),
+        (b"time,a\n1.0,1.0\n0.0,2.0\n", "line 3 does not come after the one before it in time"),
+        (b"time,a\n0.0,1.0\n0.5,2.0\n", "its line 3 is of t = 0.5 s, the checkpoint of 1 s"),
+        (b"time,a\n0.0,1.0\n1.0\n", "it is no table of numbers"),
+        (b"time,a\n0.0,one\n1.0,2.0\n", "it is no table of numbers"),
+        (b"time,a\n0.0,\xff\n1.0,2.0\n", "it is no table of numbers"),
+        (b"a,time\n1.0,0.0\n2.0,1.0\n", "its first column is not time"),
+        (b"", "its first column is not time"),
+    ],
+)
+def test_a_series_is_as_it_was_at_the_checkpoint_or_damaged(tmp_path, content, damage):
+    (tmp_path / "s.csv").write_bytes(content)
+    found = damage_of(tmp_path / "s.csv", 2, 1.0)
+    assert found == damage or (damage is not None and str(found).startswith(damage))
+
+
+@pytest.mark.parametrize("content", [b"", b"time,a\n1,x\n", b"time,a,a\n1,2,3\n", b"time\n\xff\n"])
+def test_what_is_no_series_is_not_read(tmp_path, content):
+    (tmp_path / "s.csv").write_bytes(content)
+    with pytest.raises(ValueError):
+        read_series(tmp_path / "s.csv")

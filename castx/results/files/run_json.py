@@ -1,0 +1,101 @@
+"""The shape of run.json, checked before anything relies on it: users edit and merge such files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from castx.errors import CaseError
+from castx.input.problems import dotted
+
+LARGEST = 64 * 1024**2
+"""Bytes of a record that is still read."""
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(strict=True)
+
+
+class _Case(_Strict):
+    name: str = ""
+    file: str = ""
+    digest: str = ""
+
+
+class _Body(_Strict):
+    material: str = ""
+    law: str = ""
+    temperature: str = ""
+    freezes: list[float] | None = None
+    nodes: int = 0
+    cells: int = 0
+
+
+class _Interface(_Strict):
+    pairs: int = 0
+    contact: str = ""
+    heat: str | None = None
+
+
+class _Exit(_Strict):
+    reason: str = ""
+    message: str = ""
+
+
+class _Event(_Strict):
+    time: float = 0.0
+    cycle: int = 1
+    stage: int = 0
+    bodies: list[str] = []
+    ejection: dict[str, dict[str, float]] = {}
+    change: float | None = None
+    periodic: bool = False
+
+
+class _Record(_Strict):
+    castx: str = ""
+    case: _Case = _Case()
+    model: str = ""
+    scheme: str = ""
+    end: float = 0.0
+    bodies: dict[str, _Body] = {}
+    interfaces: dict[str, _Interface] = {}
+    ranks: int = 1
+    started: str = ""
+    written: str = ""
+    time_reached: float = 0.0
+    totals: dict[str, int] = {}
+    process: list[_Event] = []
+    wall: float = 0.0
+    peak_memory: dict[str, int] = {}
+    exit: _Exit = _Exit()
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """Return the record of a run as it stands in its file.
+
+    Raises:
+        CaseError: it cannot be read or is no record of castx; with the place and what is needed.
+    """
+    try:
+        if not path.is_file():
+            raise CaseError(f"there is no file {path}")
+        if path.stat().st_size > LARGEST:
+            raise CaseError(f"{path}: larger than {LARGEST / 1024**2:g} MiB")
+        record = json.loads(path.read_text(encoding="utf-8"))
+        _Record.model_validate(record)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = dotted(tuple(first["loc"])) or "its content"
+        raise CaseError(f"{path} is no record of a run: {where}: {first['msg']}") from None
+    except (OSError, RecursionError) as error:
+        raise CaseError(f"{path} cannot be read: {error}") from None
+    except CaseError:
+        raise
+    except ValueError as error:
+        raise CaseError(f"{path} is no record of a run: {error}") from None
+    found: dict[str, Any] = record
+    return found

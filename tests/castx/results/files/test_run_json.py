@@ -1,0 +1,60 @@
+"""A record of a run is refused with the place of what does not fit."""
+
+import json
+
+import pytest
+
+from castx.errors import CaseError
+from castx.results.files.run_json import LARGEST, read_record
+
+pytestmark = pytest.mark.serial
+
+GOOD = {
+    "castx": "0.1",
+    "case": {"name": "a", "file": "/a.toml", "digest": "0"},
+    "bodies": {"casting": {"nodes": 7, "freezes": [577.0, 615]}},
+    "interfaces": {"casting/mould": {"pairs": 5, "heat": None}},
+    "time_reached": 1,
+    "totals": {"steps": 3},
+    "process": [{"time": 0.0, "cycle": 1, "stage": 0, "bodies": ["casting"]}],
+    "exit": {"reason": "finished", "message": ""},
+    "more": [1, 2],
+}
+
+
+def test_a_record_is_returned_as_it_stands(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps(GOOD))
+    assert read_record(tmp_path / "run.json") == GOOD
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "place"),
+    [
+        ("time_reached", "long", "time_reached: Input should be a valid number"),
+        ("bodies", ["casting"], "bodies: Input should be a valid dictionary"),
+        ("bodies", {"casting": {"nodes": "7"}}, "bodies.casting.nodes"),
+        ("interfaces", {"casting/mould": None}, 'interfaces."casting/mould"'),
+        ("case", 5, "case: "),
+        ("exit", {"reason": 0}, "exit.reason"),
+        ("process", [{"ejection": {"casting": 3}}], r"process\[0\].ejection.casting"),
+        ("castx", 5, "castx: Input should be a valid string"),
+    ],
+)
+def test_wrong_types_are_refused_with_their_place(tmp_path, key, value, place):
+    (tmp_path / "run.json").write_text(json.dumps({**GOOD, key: value}))
+    with pytest.raises(CaseError, match=place):
+        read_record(tmp_path / "run.json")
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"[1]", b"{", b"[" * 10**5])
+def test_what_is_no_record_is_refused(tmp_path, content):
+    (tmp_path / "run.json").write_bytes(content)
+    with pytest.raises(CaseError, match=r"run.json (is no record of a run|cannot be read)"):
+        read_record(tmp_path / "run.json")
+
+
+def test_a_record_of_absurd_size_is_not_read(tmp_path):
+    with (tmp_path / "run.json").open("wb") as file:
+        file.truncate(LARGEST + 1)
+    with pytest.raises(CaseError, match="larger than 64 MiB"):
+        read_record(tmp_path / "run.json")
