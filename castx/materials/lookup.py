@@ -88,8 +88,13 @@ def _known(case_materials: Mapping[str, MaterialDescription]) -> list[str]:
 
 
 def _replaced(own: MaterialDescription, parent: MaterialDescription) -> set[str]:
-    """Return the keys of the parent that a new law of flow or of solidification takes away."""
+    """Return the keys of the parent that a new law of flow or of solidification takes away.
+
+    Without a liquid nothing feeds, and all of the parent's shrinkage would strain the solid.
+    """
     flow = set(RATE_KEYS) if "law" in own.model_fields_set and own.law != parent.law else set()
+    if "liquid" in own.model_fields_set and own.liquid is None:
+        flow.add("solidification_shrinkage")
     if "solid_fraction" not in own.model_fields_set or own.solid_fraction in ALLOY_LAWS:
         return flow
     replaced = flow | {"partition_coefficient", "melting_point"}

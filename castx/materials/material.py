@@ -163,8 +163,9 @@ class Material:
         return initial if self.solidus is None else self.solidus
 
     def without_liquid(self) -> Material:
-        """Return the material with the solid's elastic law at every temperature."""
-        description = self.description.model_copy(update={"liquid": None})
+        """Return the material with the solid's elastic law at every temperature, unshrunk."""
+        changes = {"liquid": None, "solidification_shrinkage": 0.0}
+        description = self.description.model_copy(update=changes)
         return replace(self, description=description)
 
     def require(self, properties: Sequence[str], purpose: str) -> None:

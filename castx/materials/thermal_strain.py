@@ -43,18 +43,32 @@ def volumetric_thermal_strain(
 
 
 def shrinkage_strain(material: Material, solid_fraction: Any) -> FloatArray:
-    """Return the volumetric strain of solidification, to be added to the thermal strain.
+    """Return the part of the solidification shrinkage that strains the solid skeleton, volumetric.
 
-    It begins at coherency and reaches −solidification_shrinkage where all is solid; in a material
-    without `liquid` it begins with the first solid.
+    Metal shrinks in proportion to f_s, by s = `solidification_shrinkage` in all. What it loses
+    below coherency other liquid replaces (`liquid_shrinkage`); from there on the skeleton follows,
+    −s (f_s − f_c). A material without `liquid` has no coherency: f_c = 0.
 
     Args:
-        material: gives the shrinkage and the coherency.
+        material: gives the shrinkage s and the coherency f_c.
         solid_fraction: f_s, array of any shape.
     """
-    begin = 0.0 if material.liquid is None else material.liquid.coherency
-    if begin == 1.0:
-        return np.zeros_like(solid_fraction, dtype=np.float64)
-    share = (np.asarray(solid_fraction) - begin) / (1.0 - begin)
-    shrinkage = material.description.solidification_shrinkage
-    return np.asarray(-shrinkage * np.clip(share, 0.0, 1.0))
+    beyond = np.maximum(np.asarray(solid_fraction, dtype=np.float64) - _coherency(material), 0.0)
+    return np.asarray(-material.description.solidification_shrinkage * beyond)
+
+
+def liquid_shrinkage(material: Material, solid_fraction: Any) -> FloatArray:
+    """Return by what share of its volume metal has shrunk before coherency, s min(f_s, f_c).
+
+    It is demand of feeding metal; where none can follow it leaves a void.
+
+    Args:
+        material: gives the shrinkage s and the coherency f_c.
+        solid_fraction: f_s, array of any shape.
+    """
+    share = np.minimum(np.asarray(solid_fraction, dtype=np.float64), _coherency(material))
+    return np.asarray(material.description.solidification_shrinkage * share)
+
+
+def _coherency(material: Material) -> float:
+    return 0.0 if material.liquid is None else material.liquid.coherency

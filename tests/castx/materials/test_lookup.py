@@ -53,6 +53,19 @@ def test_another_law_drops_the_numbers_of_the_old_one() -> None:
     assert (tabled.solidus, tabled.liquidus) == (560.0, 600.0)
 
 
+def test_without_liquid_the_shrinkage_of_the_parent_is_gone() -> None:
+    case = {
+        "metal": described(
+            liquid={"viscosity": 1e6, "coherency": 0.7}, solidification_shrinkage=0.05
+        ),
+        "a": part(extends="metal", liquid="none"),
+        "b": part(extends="metal", liquid="none", solidification_shrinkage=0.02),
+        "c": part(extends="metal", density=2600.0),
+    }
+    found = [find_material(name, case).description.solidification_shrinkage for name in "abc"]
+    assert found == [0.0, 0.02, 0.05]
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [

@@ -46,11 +46,14 @@ def test_the_stress_free_temperature_is_given_or_the_solidus_or_the_initial_one(
     assert mould.stress_free_temperature(200.0) == 200.0
 
 
-def test_without_liquid_nothing_else_changes() -> None:
-    material = alloy(liquid={"viscosity": 1e6, "coherency": 0.7})
+def test_without_liquid_nothing_but_the_shrinkage_changes() -> None:
+    """A body that stays solid does not shrink by freezing."""
+    material = alloy(liquid={"viscosity": 1e6, "coherency": 0.7}, solidification_shrinkage=0.05)
     solid = material.without_liquid()
     assert material.liquid is not None and solid.liquid is None
-    assert solid.description.model_copy(update={"liquid": material.liquid}) == material.description
+    assert solid.description.solidification_shrinkage == 0.0
+    back = {"liquid": material.liquid, "solidification_shrinkage": 0.05}
+    assert solid.description.model_copy(update=back) == material.description
 
 
 @pytest.mark.parametrize("law", ["scheil", "lever"])

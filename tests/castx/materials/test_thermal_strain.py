@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.materials.thermal_strain import shrinkage_strain, volumetric_thermal_strain
+from castx.materials.thermal_strain import (
+    liquid_shrinkage,
+    shrinkage_strain,
+    volumetric_thermal_strain,
+)
 from tests.castx.materials.descriptions import alloy
 
 pytestmark = pytest.mark.serial
@@ -48,13 +52,24 @@ def test_without_expansion_there_is_no_strain() -> None:
     np.testing.assert_array_equal(strain, [0.0, 0.0])
 
 
-def test_shrinkage_grows_from_coherency_to_the_last_liquid() -> None:
+def test_only_the_shrinkage_after_coherency_strains_the_skeleton() -> None:
     liquid = {"viscosity": 1e6, "coherency": 0.6}
     material = alloy(liquid=liquid, solidification_shrinkage=0.06)
     fraction = np.array([[0.0, 0.6, 0.7], [0.8, 1.0, 1.0]])
-    expected = -0.06 * np.array([[0.0, 0.0, 0.25], [0.5, 1.0, 1.0]])
+    expected = -0.06 * np.array([[0.0, 0.0, 0.1], [0.2, 0.4, 0.4]])
     np.testing.assert_allclose(shrinkage_strain(material, fraction), expected, atol=1e-16)
     graphite = alloy(solidification_shrinkage=-0.02)  # without liquid: from the first solid
     np.testing.assert_allclose(shrinkage_strain(graphite, fraction), 0.02 * fraction)
     last = alloy(liquid=liquid | {"coherency": 1.0}, solidification_shrinkage=0.06)
     np.testing.assert_array_equal(shrinkage_strain(last, fraction), np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize("coherency", [0.6, 1.0])
+def test_liquid_and_skeleton_shrink_by_the_whole_together(coherency: float) -> None:
+    liquid = {"viscosity": 1e6, "coherency": coherency}
+    material = alloy(liquid=liquid, solidification_shrinkage=0.06)
+    fraction = np.linspace(0.0, 1.0, 11)
+    before = liquid_shrinkage(material, fraction)
+    np.testing.assert_allclose(before - shrinkage_strain(material, fraction), 0.06 * fraction)
+    np.testing.assert_allclose(before, 0.06 * np.minimum(fraction, coherency))
+    assert not liquid_shrinkage(alloy(solidification_shrinkage=0.06), fraction).any()
