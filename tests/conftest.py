@@ -5,6 +5,8 @@ each phase of a test the ranks exchange their outcomes; a test that failed anywh
 everywhere, so that they all go on together and rank 0 shows the tracebacks of all. A rank that
 failed while others still wait for it inside a collective call ends the run after a grace period,
 with its traceback.
+
+Several runs on one rank can share the tests: each claims a file of them before its first test.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from mpi4py import MPI
 
 import hypothesis
 import pytest
+
+from tests import selection
 
 # Examples that differ between ranks would end in different collective calls.
 hypothesis.settings.register_profile("ranks", derandomize=True, database=None, deadline=None)
@@ -73,11 +77,18 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out tests marked `serial` on several ranks."""
-    if WORLD.size > 1:
-        serial = [item for item in items if item.get_closest_marker("serial")]
-        items[:] = [item for item in items if item not in serial]
-        config.hook.pytest_deselected(items=serial)
+    """Leave out what the markers say of this number of ranks."""
+    left_out = selection.left_out(items, WORLD.size)
+    if left_out:
+        items[:] = [item for item in items if item not in left_out]
+        config.hook.pytest_deselected(items=list(left_out))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+    """Leave a test to the run that has claimed its file, if several runs share them."""
+    folder = os.environ.get("CASTX_TEST_CLAIMS")
+    return None if folder is None or selection.is_own(item, Path(folder)) else True
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

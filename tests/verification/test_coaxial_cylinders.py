@@ -29,6 +29,8 @@ from scipy.optimize import brentq
 
 from tests import coupled_cases
 
+pytestmark = pytest.mark.sampled
+
 INTERFACE = "casting/core"
 
 

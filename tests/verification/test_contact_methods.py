@@ -22,6 +22,8 @@ from castx.mechanics.description import MechanicalBody
 from tests.contact_methods import AT_ONCE, sharp
 from tests.elastic_bodies import STRESS_FREE, blocks, elastic, everywhere, fixed, problem
 
+pytestmark = pytest.mark.sampled
+
 SOFT, POISSON, PUSH = 1e9, 0.3, 2e-4
 HEIGHTS = {"upper": 0.03, "base": 0.02}
 YOUNG = {"upper": SOFT, "base": 10 * SOFT}

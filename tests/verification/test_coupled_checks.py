@@ -90,6 +90,7 @@ LAWS["boundaries"] += [
 
 
 @pytest.mark.parametrize("name", [*CASES, "laws"])
+@pytest.mark.sampled
 def test_energy_and_interface_heat(comm, name):
     """Checks 1 and 2, at the default tolerances."""
     state = final_state(comm, LAWS if name == "laws" else CASES[name])
@@ -135,6 +136,7 @@ def facing_forces(state, interface: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("method", EXACT)
 @pytest.mark.parametrize("name, options", [("blocks", {}), ("solid blocks", SOLID_BLOCKS)])
+@pytest.mark.sampled
 def test_contact_forces(comm, name, options, method):
     """Check 3 where a weight rests on a floor: all forces are known."""
     up = 2 if options else 1
@@ -164,6 +166,7 @@ def test_contact_forces(comm, name, options, method):
 
 
 @pytest.mark.parametrize("method", EXACT)
+@pytest.mark.sampled
 def test_contact_forces_of_a_shrink_fit(comm, method):
     """Check 3 under pressure: radial forces of all pairs, axial ones away from the held base."""
     state = final_state(comm, ring(TIGHT, BRIEF, method=method))
@@ -221,6 +224,7 @@ def turned_back(state, angle: float, shift: tuple[float, float]) -> dict[str, np
 
 
 @pytest.mark.parametrize("angle, shift", [(math.pi / 2, (0.0, 0.0)), (4.0, (1.0, -2.0))])
+@pytest.mark.sampled
 def test_turned_and_moved_model(comm, shared_tmp_path, angle, shift):
     """Check 4: nothing depends on the axes."""
     results = []
@@ -328,6 +332,7 @@ def in_units(data, length: float, mass: float, key: str = ""):
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.sampled
 def test_other_units(comm, name):
     """Check 6: in millimetres, tonnes and MPa the same iterations and the same steps."""
     counts, ends = [], []

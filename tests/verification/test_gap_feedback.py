@@ -16,6 +16,8 @@ from castx.errors import ConvergenceError
 from tests.coupled_cases import cylinder, merged, simulation
 from tests.verification.test_v19_bars import Bars, case
 
+pytestmark = pytest.mark.sampled
+
 MOST_PASSES = 8
 STEP = 5.0
 

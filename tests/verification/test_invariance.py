@@ -32,6 +32,8 @@ from tests.elastic_bodies import (
     sorted_by_place,
 )
 
+pytestmark = pytest.mark.sampled
+
 BLOCKS = {"plane-strain": ([0.02, 0.03], [0.03, 0.02])}
 BLOCKS["3d"] = ([*BLOCKS["plane-strain"][0], 0.02], [*BLOCKS["plane-strain"][1], 0.03])
 

@@ -25,6 +25,8 @@ from tests.elastic_bodies import (
     stresses,
 )
 
+pytestmark = pytest.mark.sampled
+
 INNER, OUTER, OVERLAP = 0.03, 0.06, 25e-6
 SHAFT, HUB = (68e9, 0.33), (205e9, 0.29)
 SHAFT_COMPLIANCE = INNER * (1 - SHAFT[1]) / SHAFT[0]

@@ -37,6 +37,8 @@ from tests.elastic_bodies import (
 )
 from tests.verification.hollow import Hollow, draw_octant, draw_section
 
+pytestmark = pytest.mark.sampled
+
 SPHERE, CYLINDER = Hollow(3), Hollow(2, poisson=0.4999)
 COPPER_SPHERE = Hollow(3, inner=0.03, outer=0.05, young=120e9, poisson=0.35, yield_stress=70e6)
 INCOMPRESSIBLE = replace(CYLINDER, poisson=0.5)

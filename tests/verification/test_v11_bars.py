@@ -22,6 +22,8 @@ from scipy.optimize import brentq
 from castx.arrays import FloatArray
 from tests.verification.bars import KINDS, Kind, bar, stresses
 
+pytestmark = pytest.mark.sampled
+
 VISCOPLASTIC = "thermo-elasto-viscoplastic"
 YOUNG, VISCOSITY, EXPANSION, COOLING = 50e9, 200e9, 2.4e-5, 2.0
 MAXWELL = {

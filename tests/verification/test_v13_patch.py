@@ -27,6 +27,8 @@ from tests.elastic_bodies import (
     stresses,
 )
 
+pytestmark = pytest.mark.sampled
+
 PRESSURE, POISSON, HEIGHT = 25e6, 0.33, 0.02
 YOUNG = {"upper": 70e9, "base": 7e9}
 MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")

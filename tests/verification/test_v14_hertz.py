@@ -19,6 +19,8 @@ from castx.contact.choice import Contact
 from tests.contact_methods import AT_ONCE, sharp
 from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, problem, pushed
 
+pytestmark = pytest.mark.sampled
+
 YOUNG, POISSON = {"upper": 7e9, "lower": 70e9}, 0.33
 RADIUS = {"upper": 0.05, "lower": 0.08}
 LOAD = 2e5

@@ -13,6 +13,8 @@ import pytest
 from castx.contact.choice import Contact
 from tests.elastic_bodies import blocks, body, elastic, fixed, gaps, pressures, problem
 
+pytestmark = pytest.mark.sampled
+
 LENGTH, SQUEEZE = 0.05, 1e-4
 YOUNG = {"upper": 7e9, "base": 70e9}
 COMPLIANCE = sum(LENGTH / E for E in YOUNG.values())

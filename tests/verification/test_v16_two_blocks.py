@@ -16,6 +16,8 @@ import pytest
 from castx.contact.choice import Contact
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, pressures, problem
 
+pytestmark = pytest.mark.sampled
+
 YOUNG = {"upper": 1000e6, "base": 10000e6}
 POISSON, PUSH = 0.3, 1e-4
 

@@ -13,6 +13,8 @@ import pytest
 
 from tests.coupled_cases import final_state
 
+pytestmark = pytest.mark.sampled
+
 WIDTH, HEIGHT, DENSITY, GRAVITY, SHRINKAGE = 0.1, 0.06, 2400.0, 9.81, 0.012
 WEIGHT = DENSITY * GRAVITY * WIDTH * HEIGHT
 POISSON, EXPANSION = 0.3, 2e-5

@@ -31,6 +31,8 @@ from tests.elastic_bodies import (
     stresses,
 )
 
+pytestmark = pytest.mark.sampled
+
 SIDE, LAMBDA, MU, EXPANSION = 0.1, 52e9, 26e9, 2.2e-5
 YOUNG = MU * (3 * LAMBDA + 2 * MU) / (LAMBDA + MU)
 POISSON = LAMBDA / (2 * (LAMBDA + MU))

@@ -27,6 +27,8 @@ from scipy.optimize import brentq
 
 from tests import coupled_cases
 
+pytestmark = pytest.mark.sampled
+
 INTERFACE = "casting/mould"
 FIELDS = {"p": "contact_pressure", "h": "heat_transfer_coefficient", "gap": "gap"}
 REFERENCE = 20.0

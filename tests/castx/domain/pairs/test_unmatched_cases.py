@@ -24,6 +24,8 @@ from tests.coupled_cases import (
     simulation,
 )
 
+pytestmark = pytest.mark.sampled
+
 RADIUS, HEIGHT, WALL = 0.03, 0.06, 0.025
 SURFACES = {"casting": "side", "mould": "bore"}
 
