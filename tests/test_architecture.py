@@ -38,6 +38,7 @@ ORDER = [
     "contact/friction",
     "contact",
     "equilibrium/supports",
+    "equilibrium/accuracy",
     "equilibrium",
     "coupling",
     "results/files",

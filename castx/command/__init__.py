@@ -2,5 +2,6 @@
 
 Public: `run.run`, `cli.execute`, `check.check_case`, `listing.material_list`,
 `listing.material_table`, `progress.Progress`, `interruption.Interruption`,
-`range_watch.RangeWatch`, `terminal.EnduringConsole`.
+`range_watch.RangeWatch`, `terminal.EnduringConsole`,
+`force_watch.ForceWatch`.
 """

@@ -11,6 +11,7 @@ from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.checkpoint.file import Checkpoint
 from castx.checkpoint.writing import Checkpoints, header_to_restart_from
+from castx.command.force_watch import ForceWatch
 from castx.command.interruption import Interruption
 from castx.command.progress import Progress
 from castx.command.range_watch import RangeWatch
@@ -102,13 +103,14 @@ def _solve(
     interruption: Interruption,
 ) -> None:
     comm = simulation.mesh.comm
-    ranges = RangeWatch(case, comm)
-    with results, checkpoints, Progress(simulation.end, comm) as progress:
+    ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
+    with results, checkpoints, forces, Progress(simulation.end, comm) as progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()
             progress.show(snapshot)
             ranges.check(snapshot)
+            forces.check(snapshot)
             if snapshot.step == 0:
                 interruption.check()
             elif not simulation.is_finished:

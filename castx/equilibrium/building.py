@@ -59,7 +59,7 @@ class MechanicsSettings:
 
     Attributes:
         linear: "direct", "iterative" or "automatic" (by size).
-        tolerance: residual relative to the largest internal, contact or external force.
+        tolerance: residual relative to the net forces on a body.
         support: whether motions that nothing holds get springs.
         options: PETSc options under `castx_mechanics_`.
         in_gate: surfaces that hold a body while it has lost all contact, by name of the body.

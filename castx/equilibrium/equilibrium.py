@@ -111,6 +111,14 @@ class Equilibrium:
         """Return what the supports exert on each body, by its name; collective."""
         return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
+    def force_errors(self) -> dict[str, float]:
+        """Return the missing part of the balance of each body by its name, relative to what acts.
+
+        It is zero as long as nothing is solved.
+        """
+        bodies, errors = self.balance.assembly.bodies, self.balance.convergence.errors
+        return {body.name: float(error) for body, error in zip(bodies, errors, strict=True)}
+
     def commit(self) -> None:
         """Accept the present solution as the start of the next step."""
         self.committed = self.x.array_r.copy()

@@ -112,6 +112,10 @@ class FallbackMethods:
         """Return what the supports exert on each body in the last solution; collective."""
         return self._shown.supports()
 
+    def force_errors(self) -> dict[str, float]:
+        """Return the missing part of the balance of each body in the last solution, relative."""
+        return self._shown.force_errors()
+
     def commit(self) -> None:
         """Accept the present solution as the start of the next step."""
         self._present.commit()

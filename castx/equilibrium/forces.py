@@ -15,7 +15,8 @@ from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.system import ContactSystem
-from castx.equilibrium.convergence import ForceConvergence
+from castx.equilibrium.accuracy.convergence import ForceConvergence
+from castx.equilibrium.accuracy.net_forces import NetForces
 from castx.equilibrium.linear_system import SystemOperator
 from castx.equilibrium.supports.acting import Supports
 from castx.mechanics.assembly import BodyAssembly
@@ -48,7 +49,7 @@ class MomentumBalance:
         gaps: pairs of all interfaces.
         contact: the contact method.
         supports: springs and in-gates.
-        tolerance: residual relative to the largest internal, contact or external force.
+        tolerance: residual relative to the net forces on a body.
     """
 
     def __init__(
@@ -65,7 +66,8 @@ class MomentumBalance:
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.signatures())
         self.operator = SystemOperator(assembly.corrections())
-        self.convergence = ForceConvergence(assembly, contact.layout, tolerance)
+        self._net = NetForces(assembly, transform, gaps)
+        self.convergence = ForceConvergence(assembly, contact.layout, self._net, tolerance)
         size = contact.layout.size_local
         self.frozen: BoolArray = np.zeros(size, dtype=bool)
         # Those of pressures are far larger in liquids, since τ is.
@@ -80,7 +82,6 @@ class MomentumBalance:
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""
         self._time = time
-        self.convergence.begin()
         self.supports.begin(self.active.committed)
         self.gaps.set_time(time)
         for body in self.assembly.bodies:
@@ -91,7 +92,9 @@ class MomentumBalance:
         assert self.operator.matrix is not None
         diagonal = self.operator.matrix.getDiagonal()
         self._diagonal = np.abs(diagonal.array_r)
-        largest = float(self._diagonal[self._displacement_rows].max(initial=0.0))
+        of_displacements = self._diagonal[self._displacement_rows]
+        self.convergence.begin(of_displacements)
+        largest = float(of_displacements.max(initial=0.0))
         self.stiffness = self._comm.allreduce(largest, op=MPI.MAX)
         diagonal.destroy()
 
@@ -121,7 +124,6 @@ class MomentumBalance:
         """
         rows = self.rows(x)
         self._evaluated = x.array_r.copy()
-        self.convergence.update(x, self._diagonal)
         self._sum_up(self._pair_iterate(x, rows), f)
 
     def _sum_up(self, iterate: PairIterate, f: PETSc.Vec) -> None:
@@ -141,6 +143,8 @@ class MomentumBalance:
         if forces is not None:
             rows.forces += forces
         f.array[:] = np.where(rows.constrained, self.stiffness * rows.violation, rows.forces)
+        carried = self._forces_of_pairs(iterate, self.trial_forces)
+        self.convergence.update(iterate.x, self._diagonal, carried)
 
     def _find_springs(self, constrained: BoolArray) -> None:
         motions = self.supports.motions
@@ -170,10 +174,13 @@ class MomentumBalance:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         iterate = self._pair_iterate(x, self.rows(x))
         trial = self.contact.pairs.trial_forces(iterate)
-        forces = np.where(self.active.closed, trial, 0.0)
+        return iterate.gaps, self._forces_of_pairs(iterate, trial)
+
+    def _forces_of_pairs(self, iterate: PairIterate, trial: FloatArray) -> FloatArray:
+        forces = np.where(iterate.closed, trial, 0.0)
         tied = self.gaps.tied
         forces[tied] = iterate.rows[self.gaps.local[tied]]
-        return iterate.gaps, forces
+        return forces
 
     def along_surface(self, x: PETSc.Vec) -> FloatArray | None:
         """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
@@ -210,3 +217,4 @@ class MomentumBalance:
     def destroy(self) -> None:
         """Free what PETSc holds; the bodies are their owner's."""
         self.contact.destroy()
+        self._net.destroy()

@@ -11,7 +11,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray
-from castx.equilibrium.convergence import worst_row
+from castx.equilibrium.accuracy.convergence import worst_row
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import (
     InnerSolver,

@@ -145,7 +145,7 @@ class State:
             for name, body in self.problem.mechanics.bodies.items():
                 if body.unfed_volume is not None:
                     totals[f"{name}.unfed_volume"] = body.unfed_volume
-            totals |= self._support_totals(self.problem.mechanics)
+            totals |= self._balance_totals(self.problem.mechanics)
         for name, coefficient in self.friction.items():
             if name in self.mesh.bodies:
                 force = coefficient * normal_force(self.problem, name)
@@ -154,10 +154,12 @@ class State:
             totals |= {"cycle": self.process.cycle, "stage": self.process.stage}
         return {**self.left, **totals}
 
-    def _support_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
+    def _balance_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
         axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")
         about = "xyz" if self.mesh.model == "3d" else "z"
         found = {"support_force": mechanics.equilibrium.support_force()}
+        for name, error in mechanics.equilibrium.force_errors().items():
+            found[f"{name}.force_error"] = error
         for name, (force, moment) in mechanics.equilibrium.supports().items():
             for axis, value in zip(axes, force, strict=True):
                 # In an axisymmetric model nothing supports the radius.

@@ -57,6 +57,9 @@ def summary(run: Results) -> list[tuple[str, str]]:
     rows += process_rows(record.get("process", []))
     if "energy_error" in history:
         rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
+    errors = [values for name, values in history.items() if name.endswith(".force_error")]
+    if errors:
+        rows.append(("force error", f"{np.nanmax(errors):.1e}"))
     counts, memory = record["totals"], record["peak_memory"]
     wall = timedelta(seconds=round(record["wall"]))
     rows += [

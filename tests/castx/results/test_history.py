@@ -18,12 +18,14 @@ def test_columns_come_by_body_interface_and_run():
         "casting/mould.heat",
         "mould.heat_in",
         "mould.enthalpy",
+        "casting.force_error",
         "casting.heat_in",
         "casting.solid_fraction",
     ]
     assert ordered_totals(names, ["casting", "mould"], ["casting/mould"]) == [
         "casting.solid_fraction",
         "casting.heat_in",
+        "casting.force_error",
         "mould.enthalpy",
         "mould.heat_in",
         "casting/mould.heat",
