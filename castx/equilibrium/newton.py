@@ -36,6 +36,11 @@ LOOSEST = 1e-4
 """Part of the residual to which they go at least where bodies flow: those that hardly resist have a
 displacement from which no iteration returns behind a residual of 1e-2."""
 
+CHATTERS = (
+    "pairs chatter between open and closed, and one of them pulls or penetrates in the state in "
+    "which it was left"
+)
+
 
 @dataclass(frozen=True)
 class EquilibriumReport:
@@ -216,6 +221,9 @@ class Newton:
             self._residuals.append(f.norm())
             balanced = limits.is_met(f)
         if balanced and not changed and iteration > 0:
+            if self._changes.violates():
+                self._failure = CHATTERS
+                return reasons.DIVERGED_LOCAL_MIN
             return reasons.CONVERGED_FNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
             return reasons.DIVERGED_MAX_IT

@@ -19,6 +19,10 @@ SETTLED = 1e-3
 """Residual beside the forces in a body from which on pairs may begin to slip or to stick, and those
 with friction may open."""
 
+CERTAIN, QUITE_CERTAIN = 0.1, 1e-3
+"""Residual beside the largest pull of a pair from which on pairs may open, and where they change
+one at a time."""
+
 
 class PairChanges:
     """Changes the state of pairs and supports at an iterate.
@@ -44,30 +48,51 @@ class PairChanges:
         improved = balance.assembly.improve_pressures()
         if improved or not balance.is_evaluated_at(x):
             balance.residual(x, f)
-        noise = min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * f.norm())
-        settled = f.norm() <= SETTLED * max(limits.weakest, limits.smallest)
-        if balance.contact.slide(balance.present(x), balance.trial_forces, noise, settled):
+        norm = f.norm()
+        noise = max(min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * norm), limits.rounding)
+        slides = norm <= SETTLED * max(limits.weakest, limits.smallest)
+        if balance.contact.slide(balance.present(x), balance.trial_forces, noise, slides):
             changed = True
             active.restart_cycle_detection()
         else:
-            changed = active.update(self._forces_to_judge(settled), noise)
+            linear = balance.is_linear and not improved
+            settled = linear or self._is_settled(f, slides)
+            changed = active.update(self._forces_to_judge(settled), noise, settled)
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
             return False
         balance.sum_up_again(x, f)
         return True
 
-    def _forces_to_judge(self, settled: bool) -> FloatArray:
-        """Return the trial forces by which pairs close and open [N].
+    def _is_settled(self, f: PETSc.Vec, slides: bool) -> bool:
+        """Return whether the residual is small beside the pulls that would open pairs.
 
-        Friction depends on the normal forces: as long as it is not in equilibrium with them, a pair
-        that is pulled says nothing, and those that opened by it would chatter.
+        As long as what flows or slides is not in equilibrium with the present set, a pair that is
+        pulled says nothing, and those that opened by it would chatter.
+
+        Args:
+            f: the residual.
+            slides: whether it is small enough for friction to change its state.
         """
         balance = self._balance
-        if settled or not balance.contact.has_friction:
+        if balance.convergence.is_met(f):
+            return True
+        share = QUITE_CERTAIN if balance.active.one_by_one else CERTAIN
+        pull = balance.active.largest_pull(balance.trial_forces)
+        return f.norm() <= share * pull and (slides or not balance.contact.has_friction)
+
+    def _forces_to_judge(self, settled: bool) -> FloatArray:
+        """Return the trial forces by which pairs close and open [N], no pulls before it settles."""
+        balance = self._balance
+        if settled:
             return balance.trial_forces
         pushed = np.maximum(balance.trial_forces, 0.0)
         return np.where(balance.active.closed, pushed, balance.trial_forces)
+
+    def violates(self) -> bool:
+        """Return whether a frozen pair pulls or penetrates by more than the balance allows."""
+        balance = self._balance
+        return balance.active.violates_frozen(balance.trial_forces, balance.convergence.smallest)
 
     def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.

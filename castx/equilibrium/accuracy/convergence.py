@@ -17,7 +17,7 @@ from castx.solvers.worst_place import Part, worst_place
 ROUNDING = 2e-14
 """Part of the terms of a row that no iteration takes away from their sum."""
 
-MEANT_STRAIN = 1e-2
+MEANT_STRAIN = 1e-6
 """Strain whose rounding is a force without meaning, whatever the bodies do at present."""
 
 BODY_SHARE = 1e-4
@@ -82,7 +82,8 @@ class ForceConvergence:
         internal = np.maximum(internal, BODY_SHARE * internal.max())
         self.weakest = float(internal.min())
         acting = self._net.acting(pair_forces)
-        self.acting = np.where(acting > 0, np.maximum(acting, NET_SHARE * internal), internal)
+        net = np.clip(acting, NET_SHARE * internal, internal)
+        self.acting = np.where(acting > 0, net, internal)
         rest = np.full(len(self._parts) - len(internal), self.acting.min())
         # Of all rows together: linear solves mix them. Unknowns, all of them lengths, beyond the
         # size of the bodies are those of an iteration that ran away: its rows are mere rounding.

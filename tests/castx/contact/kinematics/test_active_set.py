@@ -128,3 +128,53 @@ def test_a_pair_without_force_that_chatters_is_frozen_where_it_violates_less(com
     assert active.frozen_pairs() == 1
     active.commit()
     assert active.frozen_pairs() == 0
+
+
+def test_a_set_that_returns_before_the_forces_settle_is_no_cycle(comm):
+    """The problem has moved: what was pulled by an out-of-balance force closes again for good."""
+    active = ActiveSet(comm, np.zeros(2), np.ones(2, dtype=bool), np.array([0.3, 0.6]))
+    assert active.update(np.array([-1610.0, 5.0]), settled=False)
+    np.testing.assert_array_equal(active.closed, [False, True])
+    assert active.update(np.array([2.0, 5.0]), settled=False)
+    assert not active.update(np.array([3.0, 5.0]))
+    np.testing.assert_array_equal(active.closed, [True, True])
+    assert not active.cycles and active.frozen_pairs() == 0
+
+
+def test_nothing_changes_before_the_forces_settle_once_a_set_has_returned(comm):
+    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.3 + comm.rank]))
+    assert active.update(np.array([-1.0]))
+    assert active.update(np.array([1.0]))
+    assert active.cycles
+    assert not active.update(np.array([-1.0]), settled=False)
+    assert active.update(np.array([-1.0]))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_ends_at_the_solution_of_every_p_matrix(comm, seed):
+    """Mostly skew matrices, for which sets return all the time: one pair alone must not freeze."""
+    dice = np.random.default_rng(seed)
+    n = 8
+    root, skew = dice.normal(size=(2, n, n))
+    M = 1e-3 * root @ root.T + 10.0 * (skew - skew.T)
+    problem = Complementarity(comm, M, 2.0 * dice.normal(size=n) - 1.0, dice.random(n) < 0.5)
+    problem.solve(300)
+    force, gap = problem.solution()
+    assert force.min() >= -1e-9 * np.abs(force).max()
+    assert gap.min() >= -1e-9 * np.abs(M @ force).max()
+    assert problem.active.frozen_pairs() == 0
+
+
+def test_a_frozen_pair_that_violates_its_state_is_seen(comm):
+    here = slice(0, 2 if comm.rank == 0 else 0)
+    active = ActiveSet(
+        comm, np.array([0.0, 1.0])[here], np.ones(2, dtype=bool)[here], np.array([0.3, 0.6])[here]
+    )
+    assert not active.violates_frozen(np.array([-5.0, 5.0])[here], 1.0)
+    active.frozen[:1] = True
+    assert active.violates_frozen(np.array([-5.0, 0.0])[here], 1.0)
+    assert not active.violates_frozen(np.array([-5.0, 0.0])[here], 6.0)
+    assert not active.violates_frozen(np.array([5.0, 5.0])[here], 1.0)
+    assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 0.0
+    active.frozen[:] = False
+    assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 5.0

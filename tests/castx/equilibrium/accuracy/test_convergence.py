@@ -119,7 +119,7 @@ def test_forces_have_a_floor_of_meaning(comm):
     made.equilibrium.x.set(0.0)
     limits.update(made.equilibrium.x, np.zeros(size), np.zeros(len(made.gaps.local)))
     length = max(b.length for b in made.equilibrium.balance.assembly.bodies)
-    expected = 2e-14 * 1e-2 * length * 1e9 * np.sqrt(comm.allreduce(size))
+    expected = 2e-14 * 1e-6 * length * 1e9 * np.sqrt(comm.allreduce(size))
     assert limits.rounding == pytest.approx(expected, rel=1e-12)
 
 
