@@ -31,6 +31,7 @@ ORDER = [
     "domain",
     "domain/pairs",
     "solvers",
+    "heat/foreign",
     "heat",
     "mechanics/constitutive",
     "mechanics",

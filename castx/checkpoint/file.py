@@ -80,7 +80,7 @@ class Checkpoint:
         """
         found: dict[str, Any] | None = None
         refusal = None
-        if self._comm.rank == 0 and self.path.exists():
+        if self._comm.rank == 0 and self.path.is_file():
             try:
                 found = read_header(self.path)
             except CaseError as error:

@@ -3,5 +3,6 @@
 Public: `units.Dimension`, `units.number`, `entries.Description`, `entries.Quantity`,
 `entries.Tabulated`, `entries.Choice`, `entries.Whole`, `entries.Name`, `variation.Variation`,
 `variation.Varying`, `problems.Problem`, `problems.Refusal`, `overrides.apply_overrides`,
-`coordinates.coordinate`, `registry.declarations`, `printable.printable`.
+`coordinates.coordinate`, `registry.declarations`, `printable.printable`,
+`toml_text.parse_toml`.
 """

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any
 
 from castx.errors import CaseError
 from castx.input.problems import among, dotted
+from castx.input.toml_text import DEEPEST, TOO_DEEP, parse_toml
 
+_SHOWN = 200  # characters
 _INDEX = re.compile(r"\[(\d+)\]")
 
 
@@ -25,22 +26,30 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> dict[str,
     """
     result = deepcopy(data)
     for override in overrides:
+        shown = shortened(override)
         path, equals, text = override.partition("=")
         keys = [key.strip() for key in _INDEX.sub(r".\1", path).split(".")]
         if not equals or not all(keys):
-            raise CaseError(f"--set {override}: KEY.PATH=VALUE is needed, such as time.end=10")
+            raise CaseError(f"--set {shown}: KEY.PATH=VALUE is needed, such as time.end=10")
+        if len(keys) > DEEPEST:
+            raise CaseError(f"--set {shown}: {TOO_DEEP}")
         try:
             _replace(result, keys, _value(text.strip()))
         except CaseError as error:
-            raise CaseError(f"--set {override}: {error}") from None
+            raise CaseError(f"--set {shown}: {error}") from None
     return result
+
+
+def shortened(override: str) -> str:
+    """Return a replacement as messages show it."""
+    return override if len(override) <= _SHOWN else f"{override[:_SHOWN]} ..."
 
 
 def _value(text: str) -> Any:
     """Return a TOML value, or the text itself where it is none."""
     try:
-        parsed = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
+        parsed = parse_toml(f"value = {text}")
+    except ValueError:
         return text
     return parsed["value"] if len(parsed) == 1 else text
 

@@ -14,6 +14,7 @@ import pint
 from castx.errors import CaseError
 
 ABSOLUTE_ZERO = -273.15  # °C
+HOTTEST = 10_000.0  # °C; every element boils below 6000 °C
 
 _LONGEST_TEXT = 80
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -80,13 +81,15 @@ def number(value: Any, dimension: Dimension) -> float:
 
     Raises:
         CaseError: neither of both, not finite, an unknown unit, the unit of another dimension, or
-            a temperature below absolute zero.
+            a temperature below absolute zero or above `HOTTEST`.
     """
     result = _convert(value, dimension) if isinstance(value, str) else _plain(value, dimension)
     if not math.isfinite(result):
         raise CaseError(f"{dimension.name} must be finite")
     if dimension is TEMPERATURE and result < ABSOLUTE_ZERO:
         raise CaseError(f"below absolute zero, {ABSOLUTE_ZERO} °C (plain numbers are in °C)")
+    if dimension is TEMPERATURE and result > HOTTEST:
+        raise CaseError(f"above {HOTTEST:g} °C, where every metal is vapour")
     return result
 
 
@@ -122,13 +125,23 @@ def _in_si(amount: float, text: str, dimension: Dimension) -> float:
     table = registry()
     si = table.Unit(dimension.unit or "dimensionless")
     if unit.dimensionality != si.dimensionality or _is_difference(unit, dimension):
-        raise CaseError(
-            f"{text!r} is not a unit of {dimension.name.removeprefix('a ').removeprefix('an ')}; "
-            f"{dimension.name} is needed{_in_unit(dimension)}{_or_text(dimension)}"
-        )
+        raise _wrong_unit(text, dimension)
     if dimension.difference and str(unit) in ("degree_Celsius", "degree_Fahrenheit"):
         unit = table.Unit(f"delta_{unit}")
-    return float(table.Quantity(amount, unit).to(si).magnitude)
+    try:
+        nothing, result = (float(table.Quantity(x, unit).to(si).magnitude) for x in (0.0, amount))
+    except Exception:  # pint meets logarithms and scales with an origin in products with others
+        raise _wrong_unit(text, dimension) from None
+    if dimension.difference and nothing != 0.0:  # a logarithm, or a scale with an origin
+        raise _wrong_unit(text, dimension)
+    return result
+
+
+def _wrong_unit(text: str, dimension: Dimension) -> CaseError:
+    return CaseError(
+        f"{text!r} is not a unit of {dimension.name.removeprefix('a ').removeprefix('an ')}; "
+        f"{dimension.name} is needed{_in_unit(dimension)}{_or_text(dimension)}"
+    )
 
 
 def _is_difference(unit: pint.Unit, dimension: Dimension) -> bool:
@@ -140,8 +153,10 @@ def _unit(text: str, dimension: Dimension) -> pint.Unit:
     spelled = text.translate(_SPELLINGS)
     if _UNIT.fullmatch(spelled):
         try:
-            return registry().parse_units(f"1{spelled}" if spelled.startswith("/") else spelled)
-        except (pint.errors.UndefinedUnitError, pint.errors.DefinitionSyntaxError, ValueError):
+            unit = registry().parse_units(f"1{spelled}" if spelled.startswith("/") else spelled)
+            _ = unit.dimensionality  # raises for products of logarithms
+            return unit
+        except Exception:  # unknown to pint, or more than it can take
             pass
     near = get_close_matches(text, dimension.units, n=1)
     raise CaseError(

@@ -14,6 +14,9 @@ from castx.materials.inelastic import RATE_KEYS
 from castx.materials.material import Material
 from castx.materials.sources import Source
 
+LONGEST_CHAIN = 20
+"""Materials that may extend each other one after the other."""
+
 
 def find_material(
     name: str, case_materials: Mapping[str, MaterialDescription] = MappingProxyType({})
@@ -34,53 +37,76 @@ def find_material(
 
     Raises:
         CaseError: no such material.
-        Refusal: a circle of `extends`, one that is not known, or properties that do not fit
-            together; paths start with ("materials", name).
+        Refusal: a circle of `extends`, a long chain, one that is not known, or properties that do
+            not fit together; paths start with ("materials", name).
     """
     if name not in case_materials and name not in database_names():
         raise CaseError(f"unknown material {name!r}; {among(name, _known(case_materials))}")
-    entry = _resolve(name, case_materials, ())
+    entry = _resolve(name, case_materials)
     return Material(name, entry.description, entry.sources)
 
 
-def _resolve(
-    name: str, case_materials: Mapping[str, MaterialDescription], below: tuple[str, ...]
-) -> Entry:
-    """Return a complete material; `below` names the materials of the case that extend it."""
-    if name not in case_materials or name in below:
-        return database_entry(name)
-    own = case_materials[name]
-    parent = own.extends
-    if parent is None:
-        return Entry("", "", own, {})
-    chain = (*below, name)
-    in_case = parent in case_materials and parent not in chain
-    if not in_case and parent not in database_names():
-        circle = " → ".join((*chain, parent))
+def _resolve(name: str, case_materials: Mapping[str, MaterialDescription]) -> Entry:
+    """Return a complete material; only the last of a chain is checked as a whole."""
+    chain, base = _chain(name, case_materials)
+    if base is not None:
+        entry = database_entry(base)
+    else:
+        entry = Entry("", "", case_materials[chain.pop()], {})
+    for link in reversed(chain):
+        properties, sources = _merged(case_materials[link], entry)
+        if link == name:
+            try:
+                description = MaterialDescription.read(properties)
+            except Refusal as refusal:
+                raise refusal.inside("materials", name) from None
+        else:
+            description = MaterialDescription.model_construct(set(properties), **properties)
+        entry = Entry(entry.summary, entry.material_class, description, sources)
+    return entry
+
+
+def _chain(
+    name: str, case_materials: Mapping[str, MaterialDescription]
+) -> tuple[list[str], str | None]:
+    """Return the materials of the case that extend each other, and the database entry behind them.
+
+    The first is the one asked for. There is no entry where the last one stands alone.
+    """
+    chain: list[str] = []
+    link = name
+    while link in case_materials and link not in chain:
+        chain.append(link)
+        parent = case_materials[link].extends
+        if parent is None:
+            return chain, None
+        if len(chain) > LONGEST_CHAIN:
+            text = f"more than {LONGEST_CHAIN} materials extend each other; shorten the chain"
+            raise refuse(text, "materials", name, "extends")
+        link = parent
+    if link not in database_names():
         text = (
-            f"a circle: {circle}; one of them must stand alone"
-            if parent in chain
-            else f"unknown material {parent!r}; {among(parent, _known(case_materials))}"
+            f"a circle: {' → '.join((*chain, link))}; one of them must stand alone"
+            if link in chain
+            else f"unknown material {link!r}; {among(link, _known(case_materials))}"
         )
-        raise refuse(text, "materials", name, "extends")
-    return _merge(name, own, _resolve(parent, case_materials, chain))
+        raise refuse(text, "materials", chain[-1], "extends")
+    return chain, link
 
 
-def _merge(name: str, own: MaterialDescription, parent: Entry) -> Entry:
-    """Return the parent with the given properties in place of its own."""
+def _merged(
+    own: MaterialDescription, parent: Entry
+) -> tuple[dict[str, Any], dict[str, Source]]:
+    """Return the properties of the parent with the given ones in place of its own, and sources."""
     given = own.model_fields_set - {"extends"}
     left_out = {"extends"} | given | _replaced(own, parent.description)
     kept = parent.description.model_fields_set - left_out
     properties: dict[str, Any] = {key: getattr(parent.description, key) for key in kept}
     properties |= {key: getattr(own, key) for key in given}
-    try:
-        description = MaterialDescription.read(properties)
-    except Refusal as refusal:
-        raise refusal.inside("materials", name) from None
-    sources: dict[str, Source] = {
+    sources = {
         key: source for key, source in parent.sources.items() if key.partition(".")[0] in kept
     }
-    return Entry(parent.summary, parent.material_class, description, sources)
+    return properties, sources
 
 
 def _known(case_materials: Mapping[str, MaterialDescription]) -> list[str]:

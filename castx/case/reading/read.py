@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +11,11 @@ from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
 from castx.case.reading.stages import stage_problems
 from castx.errors import CaseError
-from castx.input.overrides import apply_overrides
+from castx.input.overrides import apply_overrides, shortened
 from castx.input.problems import Refusal, summary
+from castx.input.toml_text import parse_toml, refuse_too_deep
 
 _LARGEST_FILE = 4_000_000  # bytes
-_DEEPEST = 20  # levels of nesting
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()) -> Case:
@@ -50,8 +49,13 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
     else:
         path = Path(source)
         data = _read_file(path)
-    remark = " ".join(f"--set {override}" for override in overrides)
-    return read_case(apply_overrides(data, overrides), path, remark)
+    remark = " ".join(f"--set {shortened(override)}" for override in overrides)
+    changed = apply_overrides(data, overrides)
+    try:
+        refuse_too_deep(changed)
+    except CaseError as error:
+        raise CaseError(f"{path} {remark}: {error}") from None
+    return read_case(changed, path, remark)
 
 
 def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
@@ -104,6 +108,8 @@ def _completed(case: Case, path: Path) -> Case:
 
 def _read_file(path: Path) -> dict[str, Any]:
     try:
+        if path.is_fifo():  # nobody may ever write into it
+            raise CaseError(f"{path}: cannot be read: it is a pipe")
         with path.open("rb") as file:
             content = file.read(_LARGEST_FILE + 1)
     except OSError as error:
@@ -111,26 +117,10 @@ def _read_file(path: Path) -> dict[str, Any]:
     if len(content) > _LARGEST_FILE:
         raise CaseError(f"{path}: too large; a case file has at most {_LARGEST_FILE} bytes")
     try:
-        data = tomllib.loads(content.decode())
+        return parse_toml(content.decode())
     except UnicodeDecodeError as error:
         raise CaseError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
+    except CaseError as error:
+        raise CaseError(f"{path}: {error}") from None
     except ValueError as error:
         raise CaseError(f"{path}: not a TOML file: {error}") from None
-    except RecursionError:
-        data = None
-    if data is None or _deeper_than(_DEEPEST, data):
-        raise CaseError(f"{path}: lists or tables are nested more than {_DEEPEST} levels deep")
-    return data
-
-
-def _deeper_than(levels: int, data: Any) -> bool:
-    """Whether tables and lists are nested more than some levels deep, found without recursion."""
-    layer = [data]
-    for _ in range(levels):
-        inside = [value for item in layer for value in _items(item)]
-        layer = [value for value in inside if isinstance(value, dict | list)]
-    return bool(layer)
-
-
-def _items(container: Any) -> Iterable[Any]:
-    return container.values() if isinstance(container, dict) else container

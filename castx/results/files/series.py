@@ -8,7 +8,7 @@ import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TextIO
 
 import numpy as np
 
@@ -106,7 +106,7 @@ def damage_of(path: Path, rows: int, time: float) -> str | None:
         time: in the last of them [s].
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with _opened(path) as file:
             header, *lines = list(csv.reader(file)) or [[]]
         kept = np.array(lines[:rows], dtype=np.float64).reshape(-1, max(len(header), 1))
     except (OSError, ValueError, csv.Error) as error:
@@ -122,6 +122,12 @@ def damage_of(path: Path, rows: int, time: float) -> str | None:
     if rows and times[-1] != time:
         return f"its line {rows + 1} is of t = {times[-1]:g} s, the checkpoint of {time:g} s"
     return None
+
+
+def _opened(path: Path) -> TextIO:
+    if path.exists() and not path.is_file():  # nobody may ever write into a pipe
+        raise OSError(f"{path.name} is no regular file")
+    return path.open(encoding="utf-8", newline="")
 
 
 def cut_back(path: Path, rows: int) -> None:
@@ -155,7 +161,7 @@ def read_series(path: Path) -> dict[str, FloatArray]:
         OSError, ValueError: it cannot be read, or is no table of numbers.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with _opened(path) as file:
             header, *rows = list(csv.reader(file)) or [[]]
     except csv.Error as error:
         raise ValueError(f"{path.name}: {error}") from None

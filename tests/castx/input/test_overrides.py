@@ -58,3 +58,8 @@ def test_refused_override(override, text):
     with pytest.raises(CaseError) as caught:
         apply_overrides(DATA, [override])
     assert text in str(caught.value)
+
+
+def test_keys_have_levels_like_those_of_a_file():
+    with pytest.raises(CaseError, match=r"--set a\.a\.a.{195} \.\.\.: lists or tables are nested"):
+        apply_overrides({}, [".".join("a" * 50_000) + "=1"])

@@ -135,3 +135,29 @@ def test_any_text_is_read_or_refused(text):
         assert math.isfinite(number(text, units.LENGTH))
     except CaseError as error:
         assert "mm, cm, m" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension"),
+    [
+        ("20 kdegC", units.TEMPERATURE),
+        ("20 degC^2/K", units.TEMPERATURE),
+        ("700 degRe", units.TEMPERATURE_DIFFERENCE),
+        ("20 mdegF", units.TEMPERATURE_DIFFERENCE),
+        ("20 dBW^2", units.TIME),
+        ("20 dBm/s", units.TIME),
+        ("20 dB", units.PURE_NUMBER),
+        ("20 Np", units.PURE_NUMBER),
+    ],
+)
+def test_scales_with_an_origin_of_their_own_and_logarithms_are_refused(text, dimension):
+    with pytest.raises(CaseError, match=r"unknown unit|is not a unit of"):
+        number(text, dimension)
+
+
+def test_temperatures_end_where_metals_are_vapour():
+    assert number(units.HOTTEST, units.TEMPERATURE) == units.HOTTEST
+    for value in (1e30, "1e30 K", "20000 degC"):
+        with pytest.raises(CaseError, match="above 10000 °C, where every metal is vapour"):
+            number(value, units.TEMPERATURE)
+    assert number(1e30, units.TEMPERATURE_DIFFERENCE) == 1e30

@@ -6,7 +6,7 @@ import pytest
 
 from castx.errors import CaseError
 from castx.materials.description import MaterialDescription
-from castx.materials.lookup import find_material
+from castx.materials.lookup import LONGEST_CHAIN, find_material
 from tests.castx.materials.descriptions import described
 
 pytestmark = pytest.mark.serial
@@ -85,3 +85,28 @@ def test_refusals(name, message) -> None:
     }
     with pytest.raises(CaseError, match=message):
         find_material(name, case)
+
+
+def chained(length: int) -> dict[str, MaterialDescription]:
+    """Return materials of which each extends the next, and the last one Al-pure."""
+    names = [*(f"m{k}" for k in range(length)), "Al-pure"]
+    own = [{"density": 2000 + k, "extends": names[k + 1]} for k in range(length)]
+    return {name: part(**given) for name, given in zip(names, own, strict=False)}
+
+
+def test_a_chain_gives_what_the_nearest_material_says() -> None:
+    case = chained(LONGEST_CHAIN)
+    case["m3"] = part(extends="m4", latent_heat=3e5, conductivity=99.0)
+    case["m7"] = part(extends="m8", latent_heat=2e5)
+    found = find_material("m0", case)
+    assert (found.density, found.latent_heat) == (2000.0, 3e5)
+    assert find_material("m3", case).density == 2004.0
+    assert find_material("m5", case).latent_heat == 2e5
+    sources = {row.property: row.source for row in found.rows()}
+    assert sources["density"] == sources["conductivity"] == "case file"
+    assert sources["solidus"] not in ("", "case file")
+
+
+def test_a_chain_has_an_end() -> None:
+    with pytest.raises(CaseError, match="more than 20 materials extend each other; shorten"):
+        find_material("m0", chained(LONGEST_CHAIN + 1))

@@ -1,0 +1,67 @@
+"""The reader of foreign fields: interpolation, links in HDF5 files, and its limit of memory."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+
+from castx.heat.foreign import child
+
+pytestmark = pytest.mark.serial
+
+SQUARE = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0]])
+
+
+def saved(path: Path, cells: list, field: str = "T") -> Path:
+    values = 3.0 * SQUARE[:, 0] - SQUARE[:, 1]
+    meshio.Mesh(SQUARE, cells, point_data={field: values}).write(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".xdmf"])
+def test_a_linear_field_comes_back(tmp_path, suffix):
+    path = saved(tmp_path / f"a{suffix}", [("triangle", [[0, 1, 2], [1, 3, 2]])])
+    points = np.array([[0.5, 0.25], [1.7, 0.9], [3.0, 0.5]])
+    values, distances, sizes = child.values_at(path, "T", points)
+    np.testing.assert_allclose(values, [1.25, 4.2, 5.5], rtol=1e-12)
+    np.testing.assert_allclose(distances, [0.0, 0.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(sizes, np.sqrt(5.0))
+
+
+def test_cells_of_other_dimensions_are_left_out_with_their_points(tmp_path):
+    path = saved(tmp_path / "a.vtu", [("triangle", [[0, 1, 2]]), ("line", [[1, 3]])])
+    values, distances, _ = child.values_at(path, "T", np.array([[2.0, 1.0]]))
+    np.testing.assert_allclose((values[0], distances[0]), (3.0 * 1.6 - 0.2, np.hypot(0.4, 0.8)))
+
+
+def test_a_place_in_hdf5_must_lie_in_the_file_itself(tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["x"] = np.arange(3.0)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["group/x"] = np.arange(3.0)
+        file["soft"] = h5py.SoftLink("/group/x")
+        file["outside"] = h5py.ExternalLink("other.h5", "/x")
+        layout = h5py.VirtualLayout(3, "f8")
+        layout[:] = h5py.VirtualSource("other.h5", "x", 3)
+        file.create_virtual_dataset("virtual", layout)
+    child.check_place(tmp_path / "a.h5", "/group/x")
+    for inside in ("/soft", "/outside", "/virtual", "/none", "/group/x/y"):
+        with pytest.raises(child.Refused, match=rf"a.h5( holds no |:){inside}"):
+            child.check_place(tmp_path / "a.h5", inside)
+
+
+def test_memory_is_limited():
+    code = (
+        f"import runpy; child = runpy.run_path({child.__file__!r}, run_name='child')\n"
+        "child['limit_memory'](100_000_000)\n"
+        "import numpy; numpy.ones(5_000_000); print('enough', flush=True)\n"
+        "numpy.ones(20_000_000)"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert ended.stdout == "enough\n" and "MemoryError" in ended.stderr
