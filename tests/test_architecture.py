@@ -42,7 +42,7 @@ ORDER = [
     "equilibrium/accuracy",
     "equilibrium",
     "coupling",
-    "results/files",
+    "results/files results/freezing",
     "results",
     "process",
     "checkpoint",

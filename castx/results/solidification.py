@@ -1,17 +1,15 @@
 """Foundry quantities of solidification: local solidification time, gradient, cooling rate, Niyama.
 
-Every node of a body that melts is followed through its enthalpy, which falls linearly within a step
-of implicit Euler. Crossing times are interpolated on the enthalpy: they are right on the plateau of
-an isothermal change too, where the temperature says nothing. When a node passes liquidus and
-solidus themselves is smeared by an element, because its enthalpy is the mean around it and changes
-its pace there; both times are extrapolated from f_s = 0.02, 0.04 and 0.96, 0.98, which on case V3
-halves the error of the local solidification time.
+Every node of a body that melts is followed through its enthalpy. The local solidification time is
+the time between the passing of the liquidus and that of the solidus; `castx.results.freezing` says
+when a level of solid fraction passes a node. In an isothermal change both pass at once.
 
 The cooling rate is that of a node which the surface f_s = 0.9 passes with the speed v: Ṫ = G v with
 v = 1/|∇t|, t the time of passing (W. Kurz and D. J. Fisher, Fundamentals of Solidification, 1998,
 ch. 1). That surface is an isotherm, so nothing else is meant than -∂T/∂t; but this form exists for
 an isothermal change as well and is smooth where the history of a single node has stairs. On case V3
-it is right to 1 % at 10 elements behind the wall, ∂T/∂t of the node to 10 %.
+it is right to 1 % at 10 elements behind the wall, ∂T/∂t of the node to 10 %. The gradient is that
+of the same moment, within the step in which f_s = 0.9 passes.
 
 Niyama criterion: E. Niyama, T. Uchida, M. Morikawa and S. Saito, A method of shrinkage prediction
 and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 52-63.
@@ -20,58 +18,32 @@ and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from castx.arrays import FloatArray
-from castx.results.gradients import Steepness
+from castx.arrays import BoolArray, FloatArray
+from castx.results.freezing.gradients import Steepness
+from castx.results.freezing.passing import (
+    PLACES,
+    WEIGHTS,
+    FreezingCurve,
+    Front,
+    Level,
+    Step,
+)
 from castx.results.snapshot import Snapshot
-from castx.stateful import Arrays, Saved, number, part_of, saved_parts
+from castx.stateful import Array, Arrays, Saved, number, part_of, saved_parts
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh, CastingMesh
 
-NIYAMA_FRACTION = 0.9
-LEVELS = (0.02, 0.04, NIYAMA_FRACTION, 0.96, 0.98)
-"""Solid fractions whose passing is noted."""
+LIQUIDUS, NIYAMA, SOLIDUS = range(3)
+LEVELS = (0.0, 0.9, 1.0)
+"""Solid fractions whose passing is noted: liquidus, that of the Niyama criterion, solidus."""
 
-COLDEST, HOTTEST = -273.15, 1e4
-"""Temperatures between which every metal freezes [°C]."""
+MIDDLE = PLACES.index(0.0)
 QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama")
-
-
-class FreezingCurve(Protocol):
-    """The part of a material's enthalpy curve that is needed here."""
-
-    def enthalpy(self, temperature: FloatArray) -> FloatArray:
-        """Return enthalpies per volume [J/m³] at temperatures [°C]."""
-
-    def solid_fraction(self, enthalpy: FloatArray) -> FloatArray:
-        """Return solid fractions at enthalpies per volume [J/m³]."""
-
-
-def thresholds_of(curve: FreezingCurve) -> FloatArray:
-    """Return the enthalpies per volume [J/m³] at which a material that melts reaches `LEVELS`."""
-    coldest, hottest = (float(curve.enthalpy(np.array(bound))) for bound in (COLDEST, HOTTEST))
-
-    def highest(level: float) -> float:
-        """Return the highest enthalpy with at least this solid fraction, by bisection."""
-        low, high = coldest, hottest
-        while (middle := 0.5 * (low + high)) not in (low, high):
-            solid = float(curve.solid_fraction(np.array(middle))) >= level
-            low, high = (middle, high) if solid else (low, middle)
-        return low
-
-    return np.array([highest(level) for level in LEVELS])
-
-
-@dataclass(frozen=True)
-class _Instant:
-    time: float
-    enthalpy: FloatArray
-    gradient: FloatArray
 
 
 class BodySolidification:
@@ -79,116 +51,121 @@ class BodySolidification:
 
     Args:
         body: its mesh.
-        thresholds: those of its material.
+        curve: enthalpy of its material.
+        axisymmetric: whether the first coordinate is a radius.
     """
 
-    def __init__(self, body: BodyMesh, thresholds: FloatArray) -> None:
-        self._thresholds = thresholds
+    def __init__(self, body: BodyMesh, curve: FreezingCurve, axisymmetric: bool = False) -> None:
+        self._levels = [Level.of(curve, fraction) for fraction in LEVELS]
+        self._front = Front(body, curve, axisymmetric)
         self._steepness = Steepness(body)
-        nodes = body.nodes.dofmap.index_map.size_local + body.nodes.dofmap.index_map.num_ghosts
-        self._times = np.full((len(LEVELS), nodes), np.nan)
-        self._gradient = np.full(nodes, np.nan)
-        self._old = self._first = _Instant(np.nan, np.zeros(nodes), np.zeros(nodes))
+        nodes = len(body.parent_vertices)
+        self._times: FloatArray = np.full((len(LEVELS), len(PLACES), nodes), np.nan)
+        self._passed: BoolArray = np.zeros(self._times.shape, dtype=bool)
+        self._gradient: FloatArray = np.full(nodes, np.nan)
+        self._time = self._first_time = np.nan
+        self._enthalpy: FloatArray = np.zeros(nodes)
+        self._first_enthalpy: FloatArray = np.zeros(nodes)
         self._numbering = body.node_numbering
 
     def update(self, snapshot: Snapshot, body: str) -> None:
         """Take over the state after an accepted step; collective."""
-        new = _Instant(
-            time=snapshot.time,
-            enthalpy=snapshot.nodal(body, "enthalpy").copy(),
-            gradient=self._temperature_gradient(
-                snapshot.nodal(body, "temperature"), snapshot.nodal(body, "solid_fraction")
-            ),
-        )
+        time, enthalpy = snapshot.time, snapshot.nodal(body, "enthalpy").copy()
         if body in snapshot.process.renewed:
             self._times[:], self._gradient[:] = np.nan, np.nan
-            filled = snapshot.time - snapshot.counters.step
-            self._begin(replace(self._first, time=filled))
-        if np.isnan(self._old.time):
-            self._first = new
-            self._begin(new)
+            self._begin(snapshot.time - snapshot.counters.step, self._first_enthalpy)
+        if np.isnan(self._time):
+            self._first_time, self._first_enthalpy = time, enthalpy
+            self._begin(time, enthalpy)
         else:
-            self._pass(self._old, new)
-        self._old = new
+            self._pass(Step(self._enthalpy, enthalpy), self._time, time)
+        self._time, self._enthalpy = time, enthalpy
 
-    def _begin(self, new: _Instant) -> None:
-        """Note the levels that a body has already passed when it begins."""
-        solid = new.enthalpy <= self._thresholds[-1]
-        passed = new.enthalpy <= self._thresholds[:, None]
-        self._times[passed & ~solid] = new.time
-        self._old = new
+    def _begin(self, time: float, enthalpy: FloatArray) -> None:
+        """Note the levels that a body has already passed when it begins; collective."""
+        start, share = Step(enthalpy, enthalpy), np.zeros(enthalpy.size)
+        parts = self._front.parts(start)
+        self._passed = np.array(
+            [
+                [self._front.excess(level, place, start, share, parts) <= 0.0 for place in PLACES]
+                for level in self._levels
+            ]
+        )
+        self._times[self._passed & ~self._passed[SOLIDUS, MIDDLE]] = time
+        self._time, self._enthalpy = time, enthalpy
+
+    def _pass(self, step: Step, start: float, end: float) -> None:
+        """Note the levels passed in a step; remelting deletes those it passes; collective."""
+        parts = self._front.parts(step)
+        for index, level in enumerate(self._levels):
+            passages = self._front.passages(level, step, parts, self._passed[index])
+            for place, passage in enumerate(passages):
+                times, frozen = self._times[index, place], passage.frozen
+                times[passage.remelted] = np.nan
+                times[frozen] = start + passage.share[frozen] * (end - start)
+                self._passed[index, place] ^= frozen | passage.remelted
+            if index == NIYAMA:
+                passage = passages[MIDDLE]
+                found = self._front.gradient(step, passage, parts)
+                self._gradient[passage.frozen] = found[passage.frozen]
+
+    def _passing(self, level: int) -> FloatArray:
+        """Return when one of the `LEVELS` passed the nodes [s].
+
+        Until the front has left the control volume, this is when it came to the node.
+        """
+        times = self._times[level]
+        mean = np.asarray(WEIGHTS) @ times
+        return np.where(np.isfinite(mean), mean, times[MIDDLE])
 
     def saved(self) -> dict[str, Saved]:
         """Return the times of passing so far, the last state and the first one."""
-        old = self._old
         found = {
-            "times": self._times.T.copy(),
+            "times": by_node(self._times),
+            "passed": by_node(self._passed),
             "gradient": self._gradient,
-            "last_enthalpy": old.enthalpy,
-            "last_gradient": old.gradient,
-            "first_enthalpy": self._first.enthalpy,
-            "first_gradient": self._first.gradient,
+            "last_enthalpy": self._enthalpy,
+            "first_enthalpy": self._first_enthalpy,
         }
         nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
-        return {"time": number(old.time), "first_time": number(self._first.time), **nodal}
+        return {"time": number(self._time), "first_time": number(self._first_time), **nodal}
 
     def restore(self, arrays: Arrays) -> None:
         """Restore the times of passing, the last state and the first one."""
-        self._times = np.ascontiguousarray(arrays["times"].T)
+        shape = self._times.shape
+        self._times = np.ascontiguousarray(arrays["times"].T).reshape(shape)
+        self._passed = np.ascontiguousarray(arrays["passed"].T).reshape(shape)
         self._gradient = arrays["gradient"]
-        self._old = _Instant(
-            float(arrays["time"]), arrays["last_enthalpy"], arrays["last_gradient"]
-        )
-        self._first = _Instant(
-            float(arrays["first_time"]), arrays["first_enthalpy"], arrays["first_gradient"]
-        )
-
-    def _pass(self, old: _Instant, new: _Instant) -> None:
-        """Note the levels passed between two instants; remelting deletes those it passes."""
-        for level, threshold, times in zip(LEVELS, self._thresholds, self._times, strict=True):
-            times[(old.enthalpy <= threshold) & (new.enthalpy > threshold)] = np.nan
-            passed = (old.enthalpy > threshold) & (new.enthalpy <= threshold)
-            part = (old.enthalpy[passed] - threshold) / (old.enthalpy - new.enthalpy)[passed]
-            times[passed] = old.time + part * (new.time - old.time)
-            if level == NIYAMA_FRACTION:
-                self._gradient[passed] = (1.0 - part) * old.gradient[passed]
-                self._gradient[passed] += part * new.gradient[passed]
-
-    def _temperature_gradient(
-        self, temperature: FloatArray, solid_fraction: FloatArray
-    ) -> FloatArray:
-        """Return |∇T| at the nodes [K/m], seen from the solid.
-
-        The gradient jumps at the front of an isothermal change; cells count with their solid
-        fraction, and liquid ones only where there is nothing else.
-        """
-        solid = solid_fraction[self._steepness.cell_nodes].mean(axis=1)
-        return self._steepness.at_nodes(self._steepness.in_cells(temperature), solid + 1e-6)
-
-    @property
-    def _passing(self) -> FloatArray:
-        """Time at which f_s = 0.9 was passed [s]."""
-        return np.asarray(self._times[LEVELS.index(NIYAMA_FRACTION)])
+        self._time, self._enthalpy = float(arrays["time"]), arrays["last_enthalpy"]
+        self._first_time = float(arrays["first_time"])
+        self._first_enthalpy = arrays["first_enthalpy"]
 
     def solidification_time(self) -> FloatArray:
-        """Return the time between liquidus and solidus [s], extrapolated from either side."""
-        first, second, _, last_but_one, last = self._times
-        return (2.0 * last - last_but_one) - (2.0 * first - second)
+        """Return the time between liquidus and solidus [s]; zero in an isothermal change."""
+        return self._passing(SOLIDUS) - self._passing(LIQUIDUS)
 
     def gradient(self) -> FloatArray:
         """Return |∇T| when f_s = 0.9 was passed [K/m]."""
-        return np.where(np.isfinite(self._passing), self._gradient, np.nan)
+        return np.where(np.isfinite(self._passing(NIYAMA)), self._gradient, np.nan)
+
+    def _slowness(self) -> FloatArray:
+        """Return |∇t| of the times at which f_s = 0.9 was passed [s/m]; collective."""
+        in_cells = self._steepness.in_cells(self._passing(NIYAMA))
+        return self._steepness.at_nodes(in_cells, np.isfinite(in_cells).astype(np.float64))
 
     def cooling_rate(self) -> FloatArray:
         """Return Ṫ = G v when f_s = 0.9 was passed, positive on cooling [K/s]; collective."""
-        in_cells = self._steepness.in_cells(self._passing)
-        slowness = self._steepness.at_nodes(in_cells, np.isfinite(in_cells).astype(np.float64))
-        with np.errstate(divide="ignore"):
-            return self.gradient() / slowness
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.gradient() / self._slowness()
 
     def niyama(self) -> FloatArray:
-        """Return G/√Ṫ when f_s = 0.9 was passed [K^½ s^½/m]; collective."""
-        return self.gradient() / np.sqrt(self.cooling_rate())
+        """Return G/√Ṫ = √(G |∇t|) when f_s = 0.9 was passed [K^½ s^½/m]; collective."""
+        return np.sqrt(self.gradient() * self._slowness())
+
+
+def by_node(values: Array) -> Array:
+    """Return values (levels, places, nodes) with a row for each node, (nodes, levels · places)."""
+    return np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T)
 
 
 class Solidification:
@@ -196,13 +173,15 @@ class Solidification:
 
     Args:
         mesh: the bodies.
-        thresholds: those of the bodies that melt, by name.
+        curves: enthalpies of the materials of the bodies that melt, by the name of the body.
     """
 
-    def __init__(self, mesh: CastingMesh, thresholds: Mapping[str, FloatArray]) -> None:
+    def __init__(self, mesh: CastingMesh, curves: Mapping[str, FreezingCurve]) -> None:
         self._mesh = mesh
+        axisymmetric = mesh.model == "axisymmetric"
         self._bodies = {
-            name: BodySolidification(mesh.bodies[name], known) for name, known in thresholds.items()
+            name: BodySolidification(mesh.bodies[name], curve, axisymmetric)
+            for name, curve in curves.items()
         }
 
     def update(self, snapshot: Snapshot) -> None:

@@ -19,7 +19,7 @@ from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
 from castx.results.snapshot import Snapshot
-from castx.results.solidification import QUANTITIES, Solidification, thresholds_of
+from castx.results.solidification import QUANTITIES, Solidification
 from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
@@ -254,13 +254,13 @@ def refuse_without_mechanics(case: Case) -> None:
 
 def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
     """Return the solidification of the bodies that melt, of none if no field needs it."""
-    thresholds = {}
+    curves = {}
     if any(name in QUANTITIES for name in case.output.fields):
         for body in case.bodies:
             material = find_material(body.material, case.materials)
             if material.melts:
-                thresholds[body.name] = thresholds_of(material.enthalpy)
-    return Solidification(mesh, thresholds)
+                curves[body.name] = material.enthalpy
+    return Solidification(mesh, curves)
 
 
 def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:

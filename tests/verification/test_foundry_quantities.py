@@ -19,7 +19,7 @@ import pytest
 from castx.case.reading.read import read_case
 from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
-from castx.results.solidification import Solidification, thresholds_of
+from castx.results.solidification import Solidification
 
 NIYAMA, TIME = 2740.71, 8545.79
 END = 5.0
@@ -58,8 +58,8 @@ def errors(comm, size, step):
     """Return mean and largest relative error of Niyama value and solidification time."""
     case = chilled_wall(size, step)
     simulation = Simulation.from_case(case, comm)
-    thresholds = thresholds_of(find_material("alloy", case.materials).enthalpy)
-    solidification = Solidification(simulation.mesh, {"casting": thresholds})
+    curve = find_material("alloy", case.materials).enthalpy
+    solidification = Solidification(simulation.mesh, {"casting": curve})
     for state in simulation:
         solidification.update(state)
     points = simulation.mesh.bodies["casting"].nodes.tabulate_dof_coordinates()[:, 0]

@@ -7,7 +7,7 @@ import pytest
 import ufl
 from dolfinx import fem
 
-from castx.results.gradients import Steepness, midpoint_gradients
+from castx.results.freezing.gradients import Steepness, midpoint_gradients
 from tests.castx.fakes import cylinder_mesh
 
 

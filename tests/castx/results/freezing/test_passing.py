@@ -1,0 +1,110 @@
+"""Passing of fronts: one of a eutectic travels at constant speed, so that it passes x at x/v."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Level, Step
+from castx.tables import Table
+from tests.castx.fakes import slab_mesh
+from tests.castx.results.freezing.means import control_volume_means
+
+CAPACITY, LATENT = 2.7e6, 9.8e8
+EUTECTIC, LIQUIDUS, LEFT = 560.0, 615.0, 0.4
+SPEED, BEHIND, AHEAD = 1e-3, 30e3, 8e3
+CENTRE = PLACES.index(0.0)
+
+
+class Curve:
+    """f_s linear from the liquidus to the eutectic, where the rest freezes."""
+
+    knots = np.array([0.0, EUTECTIC, EUTECTIC, LIQUIDUS, 3000.0])
+    fractions = np.array([1.0, 1.0, 1.0 - LEFT, 0.0, 0.0])
+    heights = CAPACITY * knots + LATENT * (1.0 - fractions)
+
+    def enthalpy(self, temperature):
+        solid = CAPACITY * temperature
+        liquid = Table(self.knots[2:], self.heights[2:])(temperature)
+        return np.where(temperature < EUTECTIC, solid, liquid)
+
+    def temperature(self, enthalpy):
+        return Table(self.heights, self.knots)(enthalpy)
+
+    def solid_fraction(self, enthalpy):
+        return Table(self.heights, self.fractions)(enthalpy)
+
+
+@pytest.mark.serial
+def test_levels_on_the_plateau_have_its_ends():
+    solidus, niyama, liquidus = (Level.of(Curve(), fraction) for fraction in (1.0, 0.9, 0.0))
+    for level in (solidus, niyama):
+        assert level.temperature == EUTECTIC
+        assert (level.cold, level.hot) == pytest.approx(tuple(Curve.heights[1:3]), rel=1e-12)
+    assert liquidus.temperature == pytest.approx(LIQUIDUS, abs=1e-9)
+    assert liquidus.hot - liquidus.cold < 1.0
+
+
+def enthalpies(body, time):
+    """Return nodal enthalpies while a eutectic front stands at x = v t."""
+
+    def enthalpy(x):
+        distance = x[:, 0] - SPEED * time
+        slope = np.where(distance > 0.0, AHEAD, BEHIND)
+        return Curve().enthalpy(EUTECTIC + slope * distance)
+
+    return control_volume_means(body, enthalpy)
+
+
+def passed(comm, size, step):
+    """Return the times of passing of the nodes off the ends, and their x."""
+    body = slab_mesh(comm, size, 6 * size).bodies["casting"]
+    front, level = Front(body, Curve()), Level.of(Curve(), 1.0)
+    nodes = len(body.points)
+    times, before = np.full((3, nodes), np.nan), np.zeros((3, nodes), dtype=bool)
+    instants = np.arange(-size / SPEED, 6 * size / SPEED, step)
+    old = enthalpies(body, instants[0])
+    for time in instants[:-1]:
+        new = enthalpies(body, time + step)
+        parts = front.parts(Step(old, new))
+        for place, found in enumerate(front.passages(level, Step(old, new), parts, before)):
+            times[place, found.frozen] = time + step * found.share[found.frozen]
+            before[place] |= found.frozen
+        old = new
+    inside = (body.points[:, 0] > 1.5 * size) & (body.points[:, 0] < 4.5 * size)
+    return times[:, inside], body.points[inside, 0]
+
+
+def test_a_eutectic_front_passes_when_it_is_at_the_node(comm):
+    size = 1e-3
+    times, x = passed(comm, size, 0.05)
+    late = (times - x / SPEED) * SPEED / size
+    assert comm.allreduce(float(np.abs(late[CENTRE]).max(initial=0.0)), MPI.MAX) < 0.07
+    assert comm.allreduce(float(np.abs(np.array(WEIGHTS) @ late).max(initial=0.0)), MPI.MAX) < 0.07
+    assert comm.allreduce(float(late[0].max(initial=-1.0)), MPI.MAX) < -0.3
+    assert comm.allreduce(float(late[2].min(initial=1.0)), MPI.MIN) > 0.3
+
+
+def test_what_freezes_in_one_step_passes_within_it_and_remelts(comm):
+    body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
+    front = Front(body, Curve())
+    x = body.points[:, 0]
+    hot = Curve().enthalpy(LIQUIDUS + 20.0 + 3e3 * x)
+    cold = Curve().enthalpy(300.0 + 8e3 * x)
+    none = np.zeros((3, x.size), dtype=bool)
+    earlier = np.zeros(x.size)
+    for fraction in (0.0, 0.9, 1.0):
+        level = Level.of(Curve(), fraction)
+        step = Step(hot, cold)
+        found = front.passages(level, step, front.parts(step), none)[CENTRE]
+        assert found.frozen.all() and not found.remelted.any()
+        assert (found.share >= earlier).all() and (found.share < 1.0).all()
+        gradient = front.gradient(step, found, front.parts(step))
+        if fraction > 0.0:  # seen from the solid: the liquid at the start has no say
+            np.testing.assert_allclose(gradient, 8e3, rtol=1e-3)
+        earlier = found.share
+        back = Step(cold, hot)
+        found = front.passages(level, back, front.parts(back), ~none)[CENTRE]
+        assert found.remelted.all() and not found.frozen.any()
