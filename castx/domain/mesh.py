@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
@@ -21,12 +22,14 @@ from castx.domain.cell_kinds import KINDS, CellKind
 from castx.domain.faces import INSIDE, face_names, marked_between, neighbours
 from castx.domain.gmsh_import import NamedMesh
 from castx.domain.partition import destinations, partition
+from castx.domain.soundness import doubts, refuse_far_away, refuse_folded
 from castx.domain.source import named_mesh, source_of
 from castx.errors import MeshError
 from castx.input.problems import among
 from castx.stateful import Numbering
 
 T = TypeVar("T")
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,8 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
     """
 
     def prepare() -> _Prepared:
-        return _prepare(named_mesh(geometry, body_names), comm.size, source_of(geometry))
+        mesh = named_mesh(geometry, body_names)
+        return _prepare(mesh, body_names, comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
     kind, surface_names, bodies, names, digest, marked = comm.bcast(
@@ -186,7 +190,7 @@ def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
     if comm.rank == 0:
         try:
             result = task()
-        except Exception as error:  # any failure has to reach the other ranks
+        except (Exception, SystemExit) as error:  # any failure has to reach the other ranks
             failure, message = error, str(error)
             if not isinstance(error, MeshError):
                 message = f"making the mesh failed: {type(error).__name__}: {error}"
@@ -196,8 +200,12 @@ def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
     return result
 
 
-def _prepare(mesh: NamedMesh, parts: int, source: str) -> _Prepared:
+def _prepare(mesh: NamedMesh, body_names: Sequence[str], parts: int, source: str) -> _Prepared:
+    refuse_far_away(mesh, source)
     across = neighbours(mesh.cells, mesh.kind.faces, source)
+    refuse_folded(mesh, across, source)
+    for doubt in doubts(mesh, tuple(body_names), across):
+        log.warning("%s: %s", source, doubt)
     names = face_names(mesh, across, source).astype(np.int16)
     midpoints = mesh.points[mesh.cells].mean(axis=1)
     ranks = partition(midpoints, mesh.bodies, across, parts)
