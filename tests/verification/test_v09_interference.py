@@ -18,6 +18,7 @@ from tests.elastic_bodies import (
     body,
     centres,
     elastic,
+    everywhere,
     gaps,
     generated,
     pressures,
@@ -78,6 +79,8 @@ def test_reference_numbers():
 def test_pressure_hoop_stress_and_displacement(comm, method):
     made = fitted(comm, 32, method)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=0.01)
+    reported = everywhere(comm, made.contact_states()[0].pressure)
+    np.testing.assert_allclose(reported, PRESSURE, rtol=0.01)
     assert np.abs(gaps(comm, made)).max() < 1e-12
     radius, hoop = hoop_stresses(comm, made)
     near = radius < INNER * (1 + 4 / 32)

@@ -62,6 +62,8 @@ def test_pressure_is_uniform_and_displacement_exact(
     moved = everywhere(comm, motion(made, "base")[top, up])
     np.testing.assert_allclose(moved, expected, rtol=1e-8)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
+    reported = everywhere(comm, made.contact_states()[0].pressure)
+    np.testing.assert_allclose(reported, PRESSURE, rtol=1e-8)
     for name in YOUNG:
         stress = stresses(comm, made, name)
         np.testing.assert_allclose(stress[:, up], -PRESSURE, rtol=1e-8)

@@ -32,6 +32,12 @@ def test_defaults_are_in_order(given):
     assert (time.temperature_change, time.heat_substeps) == (20.0, "automatic")
 
 
+def test_defaults_of_coupling_and_solver_are_those_of_the_manual():
+    coupling, solver = Coupling.read({}), Solver.read({})
+    assert (coupling.scheme, coupling.tolerance, coupling.passes) == ("iterated", 1e-3, 40)
+    assert (solver.linear, solver.heat_tolerance) == ("automatic", 1e-8)
+
+
 @pytest.mark.parametrize(
     "keys, text",
     [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.penalty_stiffness import FACTOR, PenaltyStiffness
-from tests.small_contact import dense, two_blocks
+from tests.small_contact import SOFT, dense, two_blocks
 
 
 def made_of(made, given):
@@ -30,6 +30,8 @@ def test_the_softer_side_decides(comm):
     np.testing.assert_allclose(stiffness.penalties(A), FACTOR * sides[0], rtol=1e-12)
     stiffness.update(A)
     np.testing.assert_allclose(stiffness.springs, FACTOR * sides[0] * areas, rtol=1e-12)
+    # Pairs give way by about a tenth of what an element of 1 cm does.
+    assert np.all(stiffness.penalties(A) == pytest.approx(10 * SOFT[0] / 0.01, rel=0.3))
 
 
 def test_given_penalties_are_kept(comm):

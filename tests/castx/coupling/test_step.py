@@ -325,3 +325,16 @@ def test_mechanical_scheme_follows_the_given_temperatures(comm):
     side = coupled_cases.paired(state, "casting/mould", "gap")
     assert side == pytest.approx(0.03 * 2.4e-5 * 90.0, rel=1e-3)  # stress-free at 660 °C
     assert "energy_error" not in state.totals
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8])
+def test_passes_end_once_the_resistance_changes_by_no_more_than_the_tolerance(tolerance):
+    """Not earlier, and not later: the pass before still changed it by more."""
+    problem, heat, _ = fake_problem(slope=10.0, tolerance=tolerance)
+    problem.advance(0.0, 2.0, 1)
+    tried = [given[0][1][0] for given in heat.given]
+    # The gap that follows from a resistance, as the two fakes have it.
+    found = [1.0 + 10.0 * 0.2 / resistance for resistance in tried]
+    changes = [abs(new - old) / new for new, old in zip(found, tried, strict=True)]
+    assert changes[-1] <= tolerance
+    assert min(changes[:-1], default=np.inf) > tolerance

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -56,3 +59,35 @@ def test_only_multipliers_that_are_no_unknowns_improve(comm, method):
     balance.residual(down, f)
     improved = PairChanges(balance).augment(down, f, balanced=True)
     assert improved == METHODS[method].updates_multipliers
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("small_enough", "residual", "noise"), [(5.0, 1.0, 0.05), (5.0, 1e-6, 1e-4)]
+)
+def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(
+    small_enough, residual, noise
+):
+    """The smaller of both: exact solutions see forces far below the tolerance."""
+    thresholds = []
+
+    def judge(forces, threshold):
+        thresholds.append(threshold)
+        return False
+
+    def slide(iterate, forces, threshold, settled):
+        thresholds.append(threshold)
+        return False
+
+    balance: Any = SimpleNamespace(
+        active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool)),
+        assembly=SimpleNamespace(improve_pressures=lambda: False, unknowns=None),
+        contact=SimpleNamespace(slide=slide, has_friction=False),
+        convergence=SimpleNamespace(smallest=small_enough, weakest=1e3),
+        supports=SimpleNamespace(change=lambda closed, all_quiet: False),
+        is_evaluated_at=lambda x: True, present=lambda x: x, trial_forces=np.zeros(2),
+    )  # fmt: skip
+    f: Any = SimpleNamespace(norm=lambda: residual)
+    x: Any = None
+    assert not PairChanges(balance).change_set(x, f)
+    assert thresholds == pytest.approx([noise, noise], rel=1e-12)

@@ -65,3 +65,18 @@ def test_conductivity_jumps_at_the_melting_point():
     below = np.nextafter(660.0, 0.0)
     assert potential.derivative(np.array([below, 660.0])) == pytest.approx([210.0, 95.0], rel=1e-6)
     assert potential(np.array([660.0])) == pytest.approx(potential(np.array([below])), rel=1e-12)
+
+
+def test_the_mush_is_integrated_in_pieces():
+    """Between solidus and liquidus k bends though the enthalpy runs straight: k table times f_s."""
+    steep = metal(
+        solidus=500,
+        liquidus=600,
+        heat_capacity=1000,
+        conductivity={"solid": [[20, 237], [660, 100]], "liquid": 95},
+    )
+    wanted, _ = quad(lambda T: conductivity(steep, T), 500.0, 600.0)
+    found = np.diff(conduction_potential(steep)(np.array([500.0, 600.0])))[0]
+    assert found == pytest.approx(wanted, rel=2.5e-3)
+    one_piece = 50.0 * (conductivity(steep, 500.0 + 1e-9) + conductivity(steep, 600.0))
+    assert abs(one_piece - wanted) > 10 * abs(found - wanted)

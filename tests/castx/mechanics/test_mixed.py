@@ -109,3 +109,14 @@ def test_cells_have_the_mean_of_their_nodal_pressures(comm):
     expected = pressure[part.cell_nodes].mean(axis=1)
     np.testing.assert_allclose(part.stress()[:, :3].mean(axis=1), expected, rtol=1e-12)
     np.testing.assert_allclose(part.formulation.mean_stress(), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("fraction, share", [(0.0, 0.0), (0.7, 0.0), (0.85, 0.5), (1.0, 1.0)])
+def test_the_stabilisation_takes_the_modulus_of_the_phase(comm, fraction, share):
+    """That of a liquid is η/Δt, three orders below G; the mush has their mean by its share."""
+    part = alone(comm, properties=MELTING)
+    begin(part, 600.0, fraction)
+    G, viscosity, step = YOUNG / (2 * (1 + POISSON)), 2e6, 1.0
+    np.testing.assert_allclose(
+        part.material.secant_modulus.x.array, share * G + (1 - share) * viscosity / step, rtol=1e-12
+    )

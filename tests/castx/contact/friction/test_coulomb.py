@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from castx.contact.friction.coulomb import forward, unit
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
@@ -284,3 +285,14 @@ def test_the_force_of_ejection_of_a_case(comm, method):
     normal = comm.allreduce(float(pressure @ pairs.areas))
     assert normal > 1e4
     assert state.totals["casting/core.force.z"] == pytest.approx(0.15 * normal, rel=1e-6)
+
+
+@pytest.mark.serial
+def test_directions_by_hand():
+    """Unit vectors; former ones where a motion vanishes or has turned back against them."""
+    before = np.array([[1.0, 0.0], [0.6, 0.8], [0.0, 1.0], [-1.0, 0.0]])
+    vectors = np.array([[3.0, 4.0], [0.0, 0.0], [1e-9, -1e-9], [-2.0, 0.0]])
+    expected = [[0.6, 0.8], [0.6, 0.8], [0.0, 1.0], [-1.0, 0.0]]
+    np.testing.assert_allclose(forward(vectors, before), expected, rtol=1e-15)
+    turned = [[0.6, 0.8], [0.6, 0.8], [0.5**0.5, -(0.5**0.5)], [-1.0, 0.0]]
+    np.testing.assert_allclose(unit(vectors, before), turned, rtol=1e-15)

@@ -153,3 +153,15 @@ def test_springs_carry_a_resultant_of_any_motion(comm):
     shift = 5.0 * springs.motions[0, mine]
     total = comm.allreduce(float(springs.motions[0, mine] @ support.force(shift)))
     assert total == pytest.approx(2.0 * 6.0 * 5.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("sine, holds", [(1.0, True), (1e-3, True), (1e-5, False), (1e-9, False)])
+def test_a_row_holds_a_motion_that_it_meets_at_a_small_angle(comm, sine, holds):
+    """A wall one mil steep fixes a body; what is left of a right angle by rounding does not."""
+    springs = Springs(comm)
+    mine = np.arange(6)[comm.rank :: comm.size]
+    floating = FloatingMotions(
+        springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm
+    )
+    row = np.array([[sine], [0.0]]) if comm.rank == 0 else np.zeros((2, 0))
+    assert (floating.find(mine == 1, row) is None) == holds
