@@ -19,8 +19,8 @@ import time
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 CHECKOUT = Path(__file__).resolve().parent.parent
 LIST = CHECKOUT / "bench" / "mutants.toml"
@@ -30,8 +30,7 @@ NO_TESTS = (2, 3, 4, 5)
 """Exit codes of pytest that say nothing about the fault unless it breaks the import."""
 
 
-@dataclass(frozen=True)
-class Mutant:
+class Mutant(NamedTuple):
     """A fault: what stands in a file, what stands there instead, and who should notice.
 
     Attributes:

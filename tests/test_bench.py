@@ -63,3 +63,28 @@ def test_those_that_build_their_problem_themselves_measure_a_tiny_one(name, caps
     heading, *lines = capsys.readouterr().out.splitlines()
     assert heading.split() and lines
     assert all(float(line.split()[0]) > 10 for line in lines)
+
+
+def test_faults_still_stand_where_the_list_says():
+    """At least a hundred different ones, each in one place, with tests that exist."""
+    mutation = script("mutation")
+    found = mutation.mutants()
+    assert len({(mutant.path, mutant.text, mutant.replacement) for mutant in found}) > 100
+    rooms = {mutant.path.removeprefix("castx/").partition("/")[0] for mutant in found}
+    assert rooms >= {"forms", "contact", "transfer", "materials", "mechanics", "coupling"}
+    checkout = BENCH.parent
+    for mutant in found:
+        code = (checkout / mutant.path).read_text(encoding="utf-8")
+        assert mutant.planted(code) != code
+        if mutant.path.endswith(".py"):
+            compile(mutant.planted(code), mutant.path, "exec")
+        assert all((checkout / test).is_file() for test in mutant.tests), mutant
+
+
+def test_a_fault_that_stands_nowhere_or_twice_is_refused():
+    mutation = script("mutation")
+    fault = mutation.Mutant("a.py", "x = 1", "x = 2", ("tests/test_bench.py",))
+    assert fault.planted("x = 1\ny = 1\n") == "x = 2\ny = 1\n"
+    for code in ("y = 1\n", "x = 1\nx = 1\n"):
+        with pytest.raises(ValueError, match=r"a\.py: x = 1  →  x = 2: stands there"):
+            fault.planted(code)

@@ -63,15 +63,13 @@ def test_only_multipliers_that_are_no_unknowns_improve(comm, method):
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    ("small_enough", "residual", "noise"), [(5.0, 1.0, 0.05), (5.0, 1e-6, 1e-4)]
+    ("residual", "rounding", "noise"), [(1.0, 0.0, 0.05), (1e-6, 0.0, 1e-4), (1e-6, 2e-3, 2e-3)]
 )
-def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(
-    small_enough, residual, noise
-):
-    """The smaller of both: exact solutions see forces far below the tolerance."""
+def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual, rounding, noise):
+    """The smaller of both, so that exact solutions see far smaller forces, but not rounding."""
     thresholds = []
 
-    def judge(forces, threshold):
+    def judge(forces, threshold, settled):
         thresholds.append(threshold)
         return False
 
@@ -83,8 +81,8 @@ def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(
         active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool)),
         assembly=SimpleNamespace(improve_pressures=lambda: False, unknowns=None),
         contact=SimpleNamespace(slide=slide, has_friction=False),
-        convergence=SimpleNamespace(smallest=small_enough, weakest=1e3),
-        supports=SimpleNamespace(change=lambda closed, all_quiet: False),
+        convergence=SimpleNamespace(smallest=5.0, weakest=1e3, rounding=rounding),
+        supports=SimpleNamespace(change=lambda closed, all_quiet: False), is_linear=True,
         is_evaluated_at=lambda x: True, present=lambda x: x, trial_forces=np.zeros(2),
     )  # fmt: skip
     f: Any = SimpleNamespace(norm=lambda: residual)
