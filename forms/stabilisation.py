@@ -5,7 +5,9 @@ The continuity equation gets the residual of the balance of momentum,
     ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·(∇p - Π) = 0,
 
 with Π = -b in GLS (linear elements have ∇·s = 0) and Σ_e τ_e ∫ ω·(∇p - Π) = 0 for all ω on the
-nodes in OSGS. That projection is lumped and weighted with τ_e: a plain one lets the pressure
+nodes in OSGS. In axisymmetric bodies GLS so drops (s_rr - s_θθ)/r and s_rz/r of ∇·s, an error that
+falls with τ, that is with h²; OSGS, which takes Π from the pressure itself, has nothing to drop.
+That projection is lumped and weighted with τ_e: a plain one lets the pressure
 gradient of the solid leak into the liquid, whose τ_e is far larger. `castx.mechanics.mixed` puts
 the terms together, `castx.mechanics.osgs` applies the projection.
 

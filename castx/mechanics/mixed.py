@@ -6,8 +6,9 @@ Displacement and pressure are unknowns of the nodes. For all η and q
     ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·(∇p - Π) = 0,
 
 with Π = -b in GLS and the projection of ∇p to the nodes in OSGS (`castx.mechanics.osgs`). Dropping
-b from GLS is wrong by half and more where a body has a liquid core. The formula of τ_e, and where
-its shear modulus comes from, stands at `castx.forms.stabilisation.tau`.
+b from GLS is wrong by half and more where a body has a liquid core. What GLS drops of ∇·s in
+axisymmetric bodies, (s_rr - s_θθ)/r and s_rz/r, falls with the square of the element size. The
+formula of τ_e, and where its shear modulus comes from, stands at `castx.forms.stabilisation.tau`.
 """
 
 from __future__ import annotations

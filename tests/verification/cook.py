@@ -14,15 +14,15 @@ from tests.elastic_bodies import everywhere, motion, places
 TIP = (48.0, 60.0)
 
 
-def draw_membrane(n: int, quadrilaterals: bool = False) -> None:
-    """Draw n × n quadrilaterals, or cut each by its shorter diagonal into two triangles."""
+def draw_membrane(n: int, quadrilaterals: bool = False, longer: bool = False) -> None:
+    """Draw n × n quadrilaterals, or cut each by its shorter or longer diagonal in two triangles."""
     geo = gmsh.model.geo
     points = [geo.addPoint(x, y, 0) for x, y in ((0, 0), (48, 44), (48, 60), (0, 44))]
     edges = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
     plate = geo.addPlaneSurface([geo.addCurveLoop(edges)])
     for edge in edges:
         geo.mesh.setTransfiniteCurve(edge, n + 1)
-    geo.mesh.setTransfiniteSurface(plate, "Left")
+    geo.mesh.setTransfiniteSurface(plate, "Right" if longer else "Left")
     if quadrilaterals:
         geo.mesh.setRecombine(2, plate)
     geo.synchronize()

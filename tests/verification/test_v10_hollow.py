@@ -178,6 +178,21 @@ def test_octant(comm, shared_tmp_path, kind):
     assert found[0][0] > 1.6 * found[1][0] and found[0][1] > 1.6 * found[1][1]
 
 
+@pytest.mark.serial
+@pytest.mark.parametrize("kind", ["osgs", "gls"])
+def test_error_of_a_section_falls_with_the_element_size(comm, shared_tmp_path, kind):
+    """Also with GLS, which drops (s_rr - s_θθ)/r from ∇·s: it is the yield stress over r."""
+    found = []
+    for n in (8, 16):
+        made = made_of(comm, shared_tmp_path, SPHERE, n, kind)
+        press(made, SPHERE_PRESSURE, 3)
+        radius, hoop = hoop_stresses(comm, made)
+        error = (hoop - SPHERE.hoop_stress(SPHERE_PRESSURE, radius)) / SPHERE.yield_stress
+        found.append(np.sqrt(np.mean(error**2)))
+    assert found[1] < 0.01
+    assert found[0] > 1.6 * found[1]
+
+
 def case(hollow: Hollow, folder: Path, kind: str) -> dict[str, Any]:
     """Return the case in which the pressure in MPa is the time, up to beyond the limit."""
     limit = hollow.limit / 1e6

@@ -148,13 +148,18 @@ def test_methods_agree_over_the_whole_run(comm, liquid):
         assert difference < 1e-8, (time, where)
 
 
-def test_viscous_core(comm):
-    """A liquid that resists no shear but is incompressible changes the gap by up to a quarter."""
+@pytest.mark.parametrize(("end", "least", "most"), [(10.0, 0.3, 0.45), (20.0, 0.15, 0.25)])
+def test_viscous_core(comm, end, least, most):
+    """A core that resists no shear but is incompressible opens the gap by up to 45 % more.
+
+    An elastic core props the shell that shrinks round it, a liquid one that is fed gives way: the
+    difference is largest while much of the casting is liquid.
+    """
     elastic, viscous = (
-        final_state(comm, cylinder({"time": {"end": 20.0}}, change)) for change in ({}, VISCOUS)
+        final_state(comm, cylinder({"time": {"end": end}}, change)) for change in ({}, VISCOUS)
     )
     gaps = [pair_value_at(s, INTERFACE, "gap", (RADIUS, 0.03)) for s in (elastic, viscous)]
-    assert 1e-3 < abs(gaps[1] / gaps[0] - 1) < 0.25
+    assert least < gaps[1] / gaps[0] - 1 < most
     assert gaps[0] > 10e-6
 
 
