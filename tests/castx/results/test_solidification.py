@@ -111,31 +111,3 @@ def test_a_body_that_does_not_melt_has_none(comm):
     mesh = cylinder_mesh(comm, size=5e-3)
     solidification = Solidification(mesh, {"casting": Curve()})
     assert np.isnan(solidification.nodal("mould", "niyama")).all()
-
-
-def test_cells_of_liquid_do_not_flatten_the_gradient_of_the_solid(comm):
-    """Their gradient counts only at nodes that have no other cell.
-
-    The solid ends at 10 mm, where the cells of the front begin; from 11 mm on all is liquid, and
-    there the temperature bends.
-    """
-    front, bend, steep, flat = 0.0105, 0.011, 3000.0, 1000.0
-    mesh = slab_mesh(comm, 1e-3)
-    body = mesh.bodies["casting"]
-    solidification = BodySolidification(body, thresholds_of(Curve()))
-
-    def temperature(x):
-        ahead = x[:, 0] - bend
-        return 600.0 + np.where(ahead > 0.0, flat, steep) * ahead
-
-    for time, level in enumerate(Curve().enthalpy(np.array([LIQUIDUS + 1.0, SOLIDUS - 1.0]))):
-        formulas = {
-            "temperature": temperature,
-            "solid_fraction": lambda x: (x[:, 0] < front).astype(float),
-            "enthalpy": lambda x, value=level: np.full(len(x), value),
-        }
-        snapshot = FakeSnapshot(float(time), time, mesh, formulas=formulas)
-        solidification.update(snapshot, "casting")
-    x = body.nodes.tabulate_dof_coordinates()[:, 0]
-    expected = np.where(x < bend + 1e-9, steep, flat)
-    np.testing.assert_allclose(solidification.gradient(), expected, rtol=1e-5)
