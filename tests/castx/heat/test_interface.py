@@ -73,3 +73,18 @@ def test_mechanisms_have_their_shares(comm):
     _, open_exchange = exchange_at(cylinder(comm, size=8e-3), SERIES, None, 1.0)
     shares = open_exchange.heat()
     assert comm.allreduce(shares[0].sum()) == 0.0 < comm.allreduce(shares[1].sum())
+
+
+def test_pairs_that_open_in_a_step_conduct_by_contact_for_its_first_part(comm):
+    """Closed at its start, open at its end: at three tenths of it seven tenths touch."""
+    mesh = cylinder(comm, size=8e-3)
+    balance = balance_under_law(mesh, SERIES, None)
+    start, end = open_pairs(mesh, 0.0, 2e-4)
+    balance.exchanges.set_states([(start, end)], 0.3)
+    balance.unknowns.read_temperatures()
+    balance.exchanges.update_faces(balance.unknowns.temperature, 1.0)
+    contact, gas, _ = balance.exchanges.under_law[0].heat()
+    assert start.closed.all()
+    share = 0.7 * start.closed + 0.3 * end.closed
+    np.testing.assert_allclose(contact, share * (contact + gas), rtol=1e-12)
+    assert comm.allreduce(float(gas.sum())) > 0.0

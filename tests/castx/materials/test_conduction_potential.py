@@ -60,6 +60,14 @@ def test_derivative_is_that_of_the_potential(material):
     assert difference[smooth] == pytest.approx(potential.derivative(T)[smooth], rel=1e-5)
 
 
+@pytest.mark.parametrize("material", [ISOTHERMAL, ALLOY])
+def test_derivative_is_the_conductivity_itself(material):
+    """To all digits where k is straight, on either side of what the tables have."""
+    T = np.array([-40.0, 20.0, 20.1, 299.9, 300.0, 301.0, 559.9, 660.1, 900.0])
+    wanted = [conductivity(material, temperature) for temperature in T]
+    assert conduction_potential(material).derivative(T) == pytest.approx(wanted, rel=1e-9)
+
+
 def test_conductivity_jumps_at_the_melting_point():
     potential = conduction_potential(ISOTHERMAL)
     below = np.nextafter(660.0, 0.0)

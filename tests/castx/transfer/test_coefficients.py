@@ -40,3 +40,13 @@ def test_every_number_of_the_pressure_law_acts(key, other):
     changed = {**LIMITED, "pressure": {**PRESSURE, key: other}}
     before = coefficient({**LIMITED, "pressure": PRESSURE}, 0.0, 1e8)
     assert abs(coefficient(changed, 0.0, 1e8) - before) > 1.0
+
+
+@pytest.mark.parametrize("exponent", [0.6, 0.95, 1.0])
+def test_rounded_the_slope_over_pressure_is_continuous_and_begins_with_zero(exponent):
+    given = {**LIMITED, "transition": 1e-5, "pressure": {**PRESSURE, "exponent": exponent}}
+    power = InterfaceHeat.read(given).conduction_law().pressure.power
+    knee = SMALLEST_RELATIVE_PRESSURE * 1.2e9
+    below, at, above = power(knee * np.array([1 - 1e-6, 1.0, 1 + 1e-6]))
+    assert at - below == pytest.approx(above - at, rel=1e-4)
+    assert power(np.array([1e-6 * knee]))[0] < 1e-5 * 1e-6 * at

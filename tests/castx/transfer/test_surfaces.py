@@ -34,3 +34,7 @@ def test_emissivities_of_both_sides():
     assert Radiation.read({"emissivities": [0.3, 1]}).emissivities == (0.3, 1.0)
     with pytest.raises(CaseError, match=r"emissivities\[1\]: must be positive and at most 1"):
         Radiation.read({"emissivities": [0.3, 1.2]})
+
+
+def test_the_default_exponent_is_that_of_rough_surfaces():
+    assert ContactConductance.read({"hardness": 1e9}).exponent == 0.95

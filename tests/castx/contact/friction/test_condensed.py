@@ -128,3 +128,15 @@ def test_memory(comm):
     other.restore(saved)
     other.rewind(still.x)
     np.testing.assert_array_equal(other.sticking(), friction.sticking())
+
+
+def test_a_pair_that_is_pulled_bears_no_friction(comm):
+    """μ ⟨p⟩ S: the normal force of a closed pair may pull for an iteration."""
+    made, friction, sliding = friction_on(comm)
+    rows = carried(made, sliding, [4.0, 4.0, 4.0])
+    still = at(made, sliding, np.zeros(3), rows)
+    imposed(friction, still, np.full(3, 10.0))
+    assert friction.update(still, np.full(3, 10.0), 1e-6, settled=True)
+    moved = at(made, sliding, np.full(3, -1e-6), rows)
+    pulled = imposed(friction, moved, [-10.0, 0.0, 5.0])
+    np.testing.assert_allclose(pulled.forces[sliding.local[:, 0]], [0.0, 0.0, -1.5])

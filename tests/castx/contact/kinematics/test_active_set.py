@@ -85,6 +85,8 @@ def test_noise_beside_the_largest_force_changes_nothing(comm):
     active = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
     assert not active.update(np.array([1e9, -1e-5, 1e-5]))
     assert not active.update(np.array([1e9, -1.0, 1e-5]), 2.0)
+    above = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
+    assert above.update(np.array([1e9, -2.1, 1e-5]), 2.0)
     assert active.update(np.array([1e9, -1.0, 1e-5]))
 
 
@@ -178,3 +180,16 @@ def test_a_frozen_pair_that_violates_its_state_is_seen(comm):
     assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 0.0
     active.frozen[:] = False
     assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 5.0
+
+
+def test_cycles_are_found_again_after_twenty_changes_of_friction(comm):
+    """Else friction and contact could drive each other round for ever."""
+    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
+    for _ in range(20):
+        assert active.update(np.where(active.closed, -1.0, 1.0))
+        active.restart_cycle_detection()
+        assert not active.cycles
+    for _ in range(2):
+        active.update(np.where(active.closed, -1.0, 1.0))
+        active.restart_cycle_detection()
+    assert active.cycles

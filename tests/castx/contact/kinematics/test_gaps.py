@@ -61,3 +61,13 @@ def test_signatures_tell_rows_apart(comm):
     found = everywhere(comm, two_blocks(comm, solved=False).gaps.signatures())
     assert np.all((found > 0.0) & (found < 1.0))
     assert len(np.unique(found)) == len(found) > 2
+
+
+def test_tied_pairs_have_no_gap_to_close(comm):
+    mesh = blocks(comm, symmetry=False)
+    made = problem(
+        mesh, {n: body(elastic(*SOFT)) for n in ("upper", "base")}, {"base": [fixed("bottom")]},
+        [Contact("upper", "base", "tied", initial_gap=lambda x: np.full(len(x), 1e-3))],
+    )  # fmt: skip
+    assert np.all(made.gaps.tied)
+    assert np.all(made.gaps.values(made.layout.create_vector()) == 0.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,13 +18,17 @@ from tests.elastic_bodies import blocks, everywhere, fixed
 NAMES = ("upper", "base")
 
 
-def placed(comm, conditions, treatment=Treatment.CONDENSED) -> RowPlacement:
+def placed(comm, conditions, treatment=Treatment.CONDENSED, normal=None) -> RowPlacement:
     mesh = blocks(comm, symmetry=False, size=0.01)
     maps = [mesh.bodies[n].nodes.dofmap.index_map for n in NAMES]
     directions = [
         fixed_directions(mesh.bodies[n], mesh.model, conditions.get(n, ())) for n in NAMES
     ]
-    rows = [InterfaceRows(node_pairs(mesh, *NAMES), treatment)]
+    pairs = node_pairs(mesh, *NAMES)
+    if normal is not None:
+        vectors = pairs.areas[:, None] * np.array(normal)
+        pairs = replace(pairs, area_vectors=vectors)
+    rows = [InterfaceRows(pairs, treatment)]
     return RowPlacement(Layout(comm, maps, [3, 2]), NAMES, 2, directions, rows)
 
 
@@ -65,3 +71,13 @@ def test_refuses_a_uniform_surface_with_a_prescribed_direction(comm):
 def test_refuses_a_pair_that_only_the_primary_could_open(comm):
     with pytest.raises(CaseError, match="the conditions of 'upper' hold its node"):
         placed(comm, {"upper": [fixed("base", "all")]})
+
+
+def test_a_node_that_slides_along_a_plane_leaves_what_it_does_not_graze(comm):
+    """Held along x, it can leave a partner in y, but hardly one whose normal is within 3° of x."""
+    held = {"upper": [fixed("base", "x")]}
+    for sine in (1.0, 0.06):
+        found = placed(comm, held, normal=(np.sqrt(1 - sine**2), sine))
+        assert np.all(found.interfaces[0].free)
+    with pytest.raises(CaseError, match="the conditions of 'upper' hold its node"):
+        placed(comm, held, normal=(np.sqrt(1 - 0.04**2), 0.04))

@@ -16,6 +16,7 @@ def test_what_is_common_to_all_interfaces():
         "penalty": False, "augmentation": True, "augmentations": True,
     }  # fmt: skip
     assert METHOD.updates_multipliers and not METHOD.exact
+    assert (KEYS["augmentation"].default, KEYS["augmentations"].default) == ("loop", 30)
 
 
 @pytest.mark.parametrize(
