@@ -11,6 +11,7 @@ from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.checkpoint.file import Checkpoint
 from castx.checkpoint.writing import Checkpoints, header_to_restart_from
+from castx.command.deformation_watch import DeformationWatch
 from castx.command.force_watch import ForceWatch
 from castx.command.interruption import Interruption
 from castx.command.progress import Progress
@@ -49,7 +50,8 @@ def run(
     Raises:
         CaseError: the case, its output folder, its checkpoint or a probe cannot be accepted.
         MeshError: the mesh lacks what the case asks of it.
-        ConvergenceError: even the smallest step failed; the last accepted state is on disk.
+        ConvergenceError: even the smallest step failed, or displacements are absurd; the last
+            accepted state is on disk.
         StorageError: the disk does not take the results; the last checkpoint is on disk.
         KeyboardInterrupt: a signal or the time limit asked to stop; the last accepted state is on
             disk.
@@ -104,12 +106,14 @@ def _solve(
 ) -> None:
     comm = simulation.mesh.comm
     ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
+    deformation = DeformationWatch(case, comm)
     with results, checkpoints, forces, Progress(simulation.end, comm) as progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()
             progress.show(snapshot)
             ranges.check(snapshot)
+            deformation.check(snapshot)
             forces.check(snapshot)
             if snapshot.step == 0:
                 interruption.check()

@@ -20,6 +20,7 @@ from castx.errors import CaseError
 from castx.heat.building import initial_state, run_accounts
 from castx.input.problems import among
 from castx.process.cycles import CycleEnds
+from castx.process.plausible import refuse_absurd_displacements
 from castx.process.process import Cycling, Process, StageProblem
 from castx.process.stage_case import stage_case
 from castx.process.step_control import StepSettings
@@ -88,6 +89,7 @@ def stage_cases(case: Case, mesh: CastingMesh) -> list[Case]:
     found = [stage_case(case, number, surfaces) for number in numbers]
     for stage in found:
         rigid_bodies(stage, mesh)
+        refuse_absurd_displacements(stage, mesh)
     return found
 
 
