@@ -56,8 +56,8 @@ class BodySolidification:
     """
 
     def __init__(self, body: BodyMesh, curve: FreezingCurve, axisymmetric: bool = False) -> None:
-        self._levels = [Level.of(curve, fraction) for fraction in LEVELS]
-        self._front = Front(body, curve, axisymmetric)
+        levels = [Level.of(curve, fraction) for fraction in LEVELS]
+        self._front = Front(body, curve, levels, axisymmetric)
         self._steepness = Steepness(body)
         nodes = len(body.parent_vertices)
         self._times: FloatArray = np.full((len(LEVELS), len(PLACES), nodes), np.nan)
@@ -83,31 +83,22 @@ class BodySolidification:
 
     def _begin(self, time: float, enthalpy: FloatArray) -> None:
         """Note the levels that a body has already passed when it begins; collective."""
-        start, share = Step(enthalpy, enthalpy), np.zeros(enthalpy.size)
-        parts = self._front.parts(start)
-        self._passed = np.array(
-            [
-                [self._front.excess(level, place, start, share, parts) <= 0.0 for place in PLACES]
-                for level in self._levels
-            ]
-        )
+        start = Step(enthalpy, enthalpy)
+        parts = [self._front.parts(start)] * (len(LEVELS) * len(PLACES))
+        self._passed = self._front.excess(start, np.zeros(self._passed.shape), parts) <= 0.0
         self._times[self._passed & ~self._passed[SOLIDUS, MIDDLE]] = time
         self._time, self._enthalpy = time, enthalpy
 
     def _pass(self, step: Step, start: float, end: float) -> None:
         """Note the levels passed in a step; remelting deletes those it passes; collective."""
         parts = self._front.parts(step)
-        for index, level in enumerate(self._levels):
-            passages = self._front.passages(level, step, parts, self._passed[index])
-            for place, passage in enumerate(passages):
-                times, frozen = self._times[index, place], passage.frozen
-                times[passage.remelted] = np.nan
-                times[frozen] = start + passage.share[frozen] * (end - start)
-                self._passed[index, place] ^= frozen | passage.remelted
-            if index == NIYAMA:
-                passage = passages[MIDDLE]
-                found = self._front.gradient(step, passage, parts)
-                self._gradient[passage.frozen] = found[passage.frozen]
+        found = self._front.passage(step, parts, self._passed)
+        self._times[found.remelted] = np.nan
+        self._times[found.frozen] = start + found.share[found.frozen] * (end - start)
+        self._passed ^= found.frozen | found.remelted
+        frozen, share = found.frozen[NIYAMA, MIDDLE], found.share[NIYAMA, MIDDLE]
+        gradient = self._front.gradient(step, frozen, share, parts)
+        self._gradient[frozen] = gradient[frozen]
 
     def _passing(self, level: int) -> FloatArray:
         """Return when one of the `LEVELS` passed the nodes [s].

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import basix
 import numpy as np
+from dolfinx import la
 
 from castx.arrays import BoolArray, FloatArray, LongArray
-from castx.domain.measures import nodal_sum
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
@@ -53,32 +53,39 @@ class ControlVolumes:
             radii = np.einsum("cb,aqb->caq", positions[..., 0], self.shapes)
             self.volumes *= radii
         everywhere = self.around(np.ones(len(body.points), dtype=bool))
-        self._total = self.summed(everywhere, np.ones((self.cell_nodes.size, count)))
+        own_volumes = self.volumes[everywhere].sum(axis=1)
+        self._total = self.added([self.at_nodes(everywhere, own_volumes)])[0]
 
     def around(self, nodes: BoolArray) -> tuple[LongArray, LongArray]:
         """Return cell and corner of all parts of the control volumes of marked nodes (nodes,)."""
         cells, corners = np.nonzero(nodes[self.cell_nodes])
         return cells, corners
 
-    def summed(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
-        """Return integrals over control volumes, summed over all ranks: (nodes,); collective.
+    def added(self, sums: list[FloatArray]) -> FloatArray:
+        """Return local sums, each (nodes,), over all ranks: (sums, nodes); collective."""
+        vector = la.vector(self._body.nodes.dofmap.index_map, len(sums))
+        vector.array[:] = np.column_stack(sums).ravel()
+        vector.scatter_reverse(la.InsertMode.add)
+        vector.scatter_forward()
+        return np.ascontiguousarray(vector.array.reshape(-1, len(sums)).T)
+
+    def at_nodes(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
+        """Return sums of values of parts (parts,) at the nodes on this rank, (nodes,)."""
+        size = len(self._body.parent_vertices)
+        return np.bincount(self.cell_nodes[parts], values, size).astype(np.float64)
+
+    def shares(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
+        """Return what this rank adds to the means over the control volumes, (nodes,).
 
         Args:
             parts: cell and corner of each part.
             values: at their points, (parts, points).
         """
-        at_parts = (self.volumes[parts] * values).sum(axis=1)
-        return self.added(parts, at_parts)
-
-    def added(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
-        """Return sums of values of parts (parts,) at the nodes, over all ranks; collective."""
-        nodes = self.cell_nodes[parts]
-        size = len(self._body.parent_vertices)
-        return nodal_sum(self._body, np.bincount(nodes, values, size))
+        return self.at_nodes(parts, (self.volumes[parts] * values).sum(axis=1)) / self._total
 
     def means(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
-        """Return means over control volumes, as `summed`."""
-        return self.summed(parts, values) / self._total
+        """Return means over control volumes, (nodes,), arguments as for `shares`; collective."""
+        return self.added([self.shares(parts, values)])[0]
 
 
 def corner_points(kind: basix.CellType) -> tuple[FloatArray, FloatArray]:

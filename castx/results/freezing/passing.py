@@ -18,9 +18,9 @@ when a front passes several nodes in one step.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Protocol
 
 from mpi4py import MPI
@@ -38,7 +38,9 @@ COLDEST, HOTTEST = -273.15, 1e4
 """Temperatures between which every metal freezes [°C]."""
 
 ROUNDING = 1e-12
-"""Difference of solid fraction, and share of a step, that counts as none."""
+"""Difference of solid fraction, and share of an excess, that counts as none."""
+SETTLED = 1e-11
+"""Share of a step to which passing is known where the excess has a jump."""
 MOST_TRIALS = 60
 ALL_LIQUID = 1e-6
 """Weight of a liquid cell in a gradient that is seen from the solid."""
@@ -133,10 +135,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Passage:
-    """What passed in a step.
+    """What passed in a step, the front of each level at each of `PLACES`.
 
     Attributes:
-        frozen: nodes that a level passed on cooling, (nodes,).
+        frozen: nodes that it passed on cooling, (levels, places, nodes).
         remelted: nodes that it passed on heating.
         share: of the step that had gone by, where `frozen`.
     """
@@ -187,11 +189,19 @@ class Front:
     Args:
         body: the body.
         curve: enthalpy of its material.
+        levels: of solid fraction, whose passing is noted.
         axisymmetric: whether the first coordinate is a radius.
     """
 
-    def __init__(self, body: BodyMesh, curve: FreezingCurve, axisymmetric: bool = False) -> None:
+    def __init__(
+        self,
+        body: BodyMesh,
+        curve: FreezingCurve,
+        levels: Sequence[Level],
+        axisymmetric: bool = False,
+    ) -> None:
         self._curve = curve
+        self._levels = tuple(levels)
         self._volumes = ControlVolumes(body, axisymmetric)
         self._cell_nodes = self._volumes.cell_nodes
         self._positions = body.points
@@ -210,9 +220,8 @@ class Front:
         slopes = np.einsum("cak,ca->ck", self._gradients, middle[self._cell_nodes])
         index = volumes.around(np.ones(nodes.size, dtype=bool))
         cells, corner = index
-        normal = np.column_stack(
-            [volumes.added(index, (self._sizes * slope)[cells]) for slope in slopes.T]
-        )
+        weighted = (self._sizes[:, None] * slopes)[cells]
+        normal = volumes.added([volumes.at_nodes(index, column) for column in weighted.T]).T
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
         own = self._cell_nodes[index]
@@ -222,145 +231,168 @@ class Front:
         width = np.sqrt(12.0 * volumes.means(index, points**2))
         return Parts(index, own, self._cell_nodes[cells], points, others, width[own])
 
-    def excess(
-        self, level: Level, place: float, step: Step, share: FloatArray, parts: Parts
-    ) -> FloatArray:
-        """Return by how much the enthalpy exceeds that with the front at a place; collective.
+    def excess(self, step: Step, share: FloatArray, parts: Sequence[Parts]) -> FloatArray:
+        """Return by how much enthalpies exceed those with the fronts at `PLACES`; collective.
 
         Args:
-            level: of solid fraction.
-            place: of the front from the node, in widths of the control volume.
             step: enthalpies.
-            share: of the step, (nodes,).
-            parts: the control volumes of the nodes asked for; the others have no meaning.
+            share: of the step, (levels, places, nodes).
+            parts: for each level and place the control volumes of the nodes asked for; the others
+                have no meaning.
 
         Returns:
-            (nodes,) [J/m³].
+            (levels, places, nodes) [J/m³].
         """
-        gone = share[parts.nodes]
-        shift = place * parts.width
-        at_corners = step.after(gone[:, None], parts.corners)
-        rise = self._curve.temperature(at_corners) - level.temperature
-        ahead, behind = self._slopes(parts, rise, parts.others - shift[:, None])
-        distance = parts.points - shift[:, None]
-        slope = np.where(distance > 0.0, ahead[parts.nodes, None], behind[parts.nodes, None])
-        temperature = level.temperature + slope * distance
-        values = level.enthalpy_beside(self._curve, temperature, distance)
-        nodes = np.arange(share.size)
-        return step.after(share, nodes) - self._volumes.means(parts.index, values)
+        cases: list[tuple[Level, float]] = list(product(self._levels, PLACES))
+        shares = share.reshape(len(cases), -1)
+        found = zip(cases, shares, parts, strict=True)
+        rises = [
+            self._curve.temperature(step.after(one[of.nodes][:, None], of.corners))
+            - level.temperature
+            for (level, _), one, of in found
+        ]
+        slopes = self._slopes(rises, parts)
+        sums = []
+        for (level, place), of, ahead, behind in zip(cases, parts, *slopes, strict=True):
+            distance = of.points - place * of.width[:, None]
+            slope = np.where(distance > 0.0, ahead[of.nodes, None], behind[of.nodes, None])
+            temperature = level.temperature + slope * distance
+            values = level.enthalpy_beside(self._curve, temperature, distance)
+            sums.append(self._volumes.shares(of.index, values))
+        own = step.start + shares * (step.end - step.start)
+        return (own - self._volumes.added(sums)).reshape(share.shape)
 
-    def _slopes(
-        self, parts: Parts, rise: FloatArray, distance: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the gradients ahead of and behind the front, least squares through it; collective.
+    def _slopes(self, rises: Sequence[FloatArray], parts: Sequence[Parts]) -> FloatArray:
+        """Return the gradients ahead of and behind each front, least squares; collective.
 
         Args:
+            rises: temperatures of the nodes of the cells over the front's, (parts, corners) [K].
             parts: control volumes.
-            rise: temperatures of the nodes of their cells over the front's, (parts, corners) [K].
-            distance: of these nodes from the front [m].
-        """
-        others = parts.corners != parts.nodes[:, None]
-        sizes = self._sizes[parts.index[0], None]
-        found = []
-        for sign in (1.0, -1.0):
-            counted = others & (sign * distance > NEAR * parts.width[:, None])
-            products, squares = (
-                self._volumes.added(parts.index, np.where(counted, sizes * terms, 0.0).sum(axis=1))
-                for terms in (rise * distance, distance**2)
-            )
-            found.append(
-                np.divide(products, squares, out=np.zeros_like(products), where=squares > 0.0)
-            )
-        return found[0], found[1]
 
-    def passages(self, level: Level, step: Step, parts: Parts, passed: BoolArray) -> list[Passage]:
-        """Return what a level passes in a step, for the front at each of `PLACES`; collective.
+        Returns:
+            Ahead and behind, (2, fronts, nodes) [K/m].
+        """
+        sums = []
+        for rise, of, place in zip(rises, parts, PLACES * len(self._levels), strict=True):
+            distance = of.others - place * of.width[:, None]
+            others = of.corners != of.nodes[:, None]
+            sizes = self._sizes[of.index[0], None]
+            for sign in (1.0, -1.0):
+                counted = others & (sign * distance > NEAR * of.width[:, None])
+                for terms in (rise * distance, distance**2):
+                    values = np.where(counted, sizes * terms, 0.0).sum(axis=1)
+                    sums.append(self._volumes.at_nodes(of.index, values))
+        products, squares = self._volumes.added(sums).reshape(len(parts), 2, 2, -1).swapaxes(0, 2)
+        return np.divide(products, squares, out=np.zeros_like(products), where=squares > 0.0)
+
+    def passage(self, step: Step, parts: Parts, passed: BoolArray) -> Passage:
+        """Return what passes in a step; collective.
 
         Args:
-            level: of solid fraction.
             step: enthalpies.
             parts: all control volumes in this step.
-            passed: nodes that the level had passed before, (places, nodes).
+            passed: nodes that had been passed before, (levels, places, nodes).
         """
-        near = self._near(level, step)
-        none, whole = np.zeros(near.size), np.ones(near.size)
-        parts = parts.of(near)
-        clear = self._curve.temperature(step.end) - level.temperature
-        found = []
-        for place, before in zip(PLACES, passed, strict=True):
-            excess = partial(self.excess, level, place, step)
-            last = np.where(near, excess(whole, parts), clear)
-            frozen, remelted = ~before & (last <= 0.0), before & (last > 0.0)
-            first = np.where(frozen & near, excess(none, parts), 0.0)
-            share = self._share(excess, frozen & near, first, last, parts)
-            found.append(Passage(frozen, remelted, share))
-        return found
+        near = np.repeat(self._near(step)[:, None], len(PLACES), axis=1)
+        here = [parts.of(one) for one in near.reshape(-1, near.shape[-1])]
+        temperature = self._curve.temperature(step.end)
+        clear = np.stack([temperature - level.temperature for level in self._levels])
+        last = np.broadcast_to(clear[:, None], near.shape)
+        if self._comm.allreduce(bool(near.any()), MPI.LOR):
+            last = np.where(near, self.excess(step, np.ones(near.shape), here), last)
+        frozen, remelted = ~passed & (last <= 0.0), passed & (last > 0.0)
+        share = np.zeros(near.shape)
+        if self._comm.allreduce(bool((frozen & near).any()), MPI.LOR):
+            first = self.excess(step, share, here)
+            share = self._share(step, frozen & near & (first > 0.0), first, last, here)
+        return Passage(frozen, remelted, share)
 
-    def _near(self, level: Level, step: Step) -> BoolArray:
-        """Return the nodes that the level may pass; around the others all is on one side of it.
+    def _near(self, step: Step) -> BoolArray:
+        """Return the nodes that each level may pass, (levels, nodes); collective.
 
-        Its control volume takes at most three quarters of its temperature from the other nodes, so
+        The control volume of a node takes at most three quarters of its temperature from others, so
         that a node farther from T* than three times the differences in its cells has not got there.
         """
         ends = np.stack([self._curve.temperature(step.start), self._curve.temperature(step.end)])
         around = ends[:, self._cell_nodes]
         low, high = around.min(axis=(0, 2)), around.max(axis=(0, 2))
         reach = REACH * (high - low)
-        near = (level.temperature >= low - reach) & (level.temperature <= high + reach)
-        cells, corners = np.nonzero(np.broadcast_to(near[:, None], self._cell_nodes.shape))
-        return self._volumes.added((cells, corners), np.ones(len(cells))) > 0.0
+        sums = []
+        for level in self._levels:
+            near = (level.temperature >= low - reach) & (level.temperature <= high + reach)
+            cells, corners = np.nonzero(np.broadcast_to(near[:, None], self._cell_nodes.shape))
+            sums.append(self._volumes.at_nodes((cells, corners), np.ones(len(cells))))
+        return np.asarray(self._volumes.added(sums) > 0.0)
 
     def _share(
         self,
-        excess: Callable[[FloatArray, Parts], FloatArray],
+        step: Step,
         nodes: BoolArray,
         first: FloatArray,
         last: FloatArray,
-        parts: Parts,
+        parts: Sequence[Parts],
     ) -> FloatArray:
         """Return the share of the step at which the excess vanishes, by the Illinois rule.
 
         M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11 (1971) 168-174.
         """
-        nodes = nodes & (first > 0.0)  # the others had passed when the step began
-        low, high = np.zeros(nodes.size), np.ones(nodes.size)
+        low, high = np.zeros(nodes.shape), np.ones(nodes.shape)
         above, below = np.where(nodes, first, 1.0), np.where(nodes, last, 0.0)
-        share, side = np.where(nodes, high, 0.0), np.zeros(nodes.size)
+        share, side = np.where(nodes, high, 0.0), np.zeros(nodes.shape)
         for _ in range(MOST_TRIALS):
-            unsettled = nodes & (high - low > ROUNDING) & (below < 0.0)
+            unsettled = nodes & (high - low > SETTLED) & (below < 0.0)
             if not self._comm.allreduce(bool(unsettled.any()), MPI.LOR):
                 break
             share = np.where(unsettled, low + (high - low) * above / (above - below), share)
-            found = excess(share, parts.of(unsettled))
+            flat = unsettled.reshape(-1, nodes.shape[-1])
+            parts = [of.of(one) for of, one in zip(parts, flat, strict=True)]
+            found = self.excess(step, share, parts)
             up, down = unsettled & (found > 0.0), unsettled & (found <= 0.0)
+            nodes = nodes & (np.abs(found) > ROUNDING * np.abs(first - last))
             below[up & (side > 0.0)] *= 0.5
             above[down & (side < 0.0)] *= 0.5
             low[up], above[up], side[up] = share[up], found[up], 1.0
             high[down], below[down], side[down] = share[down], found[down], -1.0
         return share
 
-    def gradient(self, step: Step, passage: Passage, parts: Parts) -> FloatArray:
+    def gradient(
+        self, step: Step, frozen: BoolArray, share: FloatArray, parts: Parts
+    ) -> FloatArray:
         """Return |∇T| at the nodes that a level passes, at that moment [K/m]; collective.
 
         It is interpolated between the ends of the step, and seen from the solid: the gradient jumps
         at the front of an isothermal change, so cells count with their solid fraction at either
         end, and liquid ones only where there is nothing else.
-        """
-        parts = parts.of(passage.frozen)
-        share = passage.share[parts.nodes]
-        total, counted = np.zeros((2, passage.share.size))
-        for enthalpy, near in ((step.start, 1.0 - share), (step.end, share)):
-            steep, solid = self._seen(enthalpy, parts)
-            weights = near * self._sizes[parts.index[0]] * (solid + ALL_LIQUID)
-            total += self._volumes.added(parts.index, weights * steep)
-            counted += self._volumes.added(parts.index, weights)
-        return np.divide(total, counted, out=np.full_like(total, np.nan), where=passage.frozen)
 
-    def _seen(self, enthalpy: FloatArray, parts: Parts) -> tuple[FloatArray, FloatArray]:
-        """Return |∇T| [K/m] and solid fraction of the cells of parts at an instant, (parts,)."""
-        at_corners = enthalpy[parts.corners]
-        slopes = np.einsum(
-            "pak,pa->pk", self._gradients[parts.index[0]], self._curve.temperature(at_corners)
-        )
-        solid = self._curve.solid_fraction(at_corners).mean(axis=1)
-        return np.linalg.norm(slopes, axis=1), solid
+        Args:
+            step: enthalpies.
+            frozen: those nodes, (nodes,).
+            share: of the step at which it passes them, (nodes,).
+            parts: all control volumes in this step.
+        """
+        parts = parts.of(frozen)
+        sums = []
+        gone = share[parts.nodes]
+        for enthalpy, near in ((step.start, 1.0 - gone), (step.end, gone)):
+            gradients = self._gradients[parts.index[0]]
+            steep, solid = seen_from_solid(self._curve, gradients, enthalpy[parts.corners])
+            weights = near * self._sizes[parts.index[0]] * (solid + ALL_LIQUID)
+            sums += [self._volumes.at_nodes(parts.index, values)
+                     for values in (weights * steep, weights)]  # fmt: skip
+        added = self._volumes.added(sums)
+        total, counted = added[::2].sum(axis=0), added[1::2].sum(axis=0)
+        return np.divide(total, counted, out=np.full_like(total, np.nan), where=frozen)
+
+
+def seen_from_solid(
+    curve: FreezingCurve, gradients: FloatArray, enthalpy: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return |∇T| [K/m] and solid fraction of cells, each (cells,).
+
+    Args:
+        curve: of the material.
+        gradients: of the shape functions, (cells, corners, dimension) [1/m].
+        enthalpy: at the corners, (cells, corners) [J/m³].
+    """
+    slopes = np.einsum("pak,pa->pk", gradients, curve.temperature(enthalpy))
+    return np.linalg.norm(slopes, axis=1), curve.solid_fraction(enthalpy).mean(axis=1)

@@ -61,7 +61,7 @@ def enthalpies(body, time):
 def passed(comm, size, step):
     """Return the times of passing of the nodes off the ends, and their x."""
     body = slab_mesh(comm, size, 6 * size).bodies["casting"]
-    front, level = Front(body, Curve()), Level.of(Curve(), 1.0)
+    front = Front(body, Curve(), [Level.of(Curve(), 1.0)])
     nodes = len(body.points)
     times, before = np.full((3, nodes), np.nan), np.zeros((3, nodes), dtype=bool)
     instants = np.arange(-size / SPEED, 6 * size / SPEED, step)
@@ -69,9 +69,10 @@ def passed(comm, size, step):
     for time in instants[:-1]:
         new = enthalpies(body, time + step)
         parts = front.parts(Step(old, new))
-        for place, found in enumerate(front.passages(level, Step(old, new), parts, before)):
-            times[place, found.frozen] = time + step * found.share[found.frozen]
-            before[place] |= found.frozen
+        found = front.passage(Step(old, new), parts, before[None])
+        frozen, share = found.frozen[0], found.share[0]
+        times[frozen] = time + step * share[frozen]
+        before |= frozen
         old = new
     inside = (body.points[:, 0] > 1.5 * size) & (body.points[:, 0] < 4.5 * size)
     return times[:, inside], body.points[inside, 0]
@@ -89,22 +90,20 @@ def test_a_eutectic_front_passes_when_it_is_at_the_node(comm):
 
 def test_what_freezes_in_one_step_passes_within_it_and_remelts(comm):
     body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
-    front = Front(body, Curve())
+    levels = [Level.of(Curve(), fraction) for fraction in (0.0, 0.9, 1.0)]
+    front = Front(body, Curve(), levels)
     x = body.points[:, 0]
     hot = Curve().enthalpy(LIQUIDUS + 20.0 + 3e3 * x)
     cold = Curve().enthalpy(300.0 + 8e3 * x)
-    none = np.zeros((3, x.size), dtype=bool)
-    earlier = np.zeros(x.size)
-    for fraction in (0.0, 0.9, 1.0):
-        level = Level.of(Curve(), fraction)
-        step = Step(hot, cold)
-        found = front.passages(level, step, front.parts(step), none)[CENTRE]
-        assert found.frozen.all() and not found.remelted.any()
-        assert (found.share >= earlier).all() and (found.share < 1.0).all()
-        gradient = front.gradient(step, found, front.parts(step))
-        if fraction > 0.0:  # seen from the solid: the liquid at the start has no say
-            np.testing.assert_allclose(gradient, 8e3, rtol=1e-3)
-        earlier = found.share
-        back = Step(cold, hot)
-        found = front.passages(level, back, front.parts(back), ~none)[CENTRE]
-        assert found.remelted.all() and not found.frozen.any()
+    none = np.zeros((3, 3, x.size), dtype=bool)
+    step = Step(hot, cold)
+    parts = front.parts(step)
+    found = front.passage(step, parts, none)
+    assert found.frozen.all() and not found.remelted.any()
+    shares = found.share[:, CENTRE]
+    assert (np.diff(shares, axis=0) >= 0.0).all() and (shares < 1.0).all() and (shares > 0.0).all()
+    gradient = front.gradient(step, found.frozen[1, CENTRE], shares[1], parts)
+    np.testing.assert_allclose(gradient, 8e3, rtol=1e-3)  # the liquid at the start has no say
+    back = Step(cold, hot)
+    found = front.passage(back, front.parts(back), ~none)
+    assert found.remelted.all() and not found.frozen.any()
