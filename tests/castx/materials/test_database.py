@@ -378,3 +378,10 @@ def test_all_problems_of_an_entry_are_shown_together() -> None:
     del content["density"]["source"], content["conductivity"]["unit"]
     with pytest.raises(CaseError, match=r"a.toml: 2 problems\n  density.source.*\n  conductivity"):
         read_entry(content, "a.toml")
+
+
+@pytest.mark.parametrize("name", MELTING)
+def test_what_freezes_shrinks_and_cast_iron_swells(name) -> None:
+    shrinkage = find_material(name, {}).description.solidification_shrinkage
+    iron = name.startswith("GJ")
+    assert within([shrinkage], (-0.03, -0.003) if iron else (0.02, 0.075))
