@@ -34,7 +34,8 @@ class PointState(NamedTuple):
         thermal_strain: volumetric thermal strain e^θ in the cells.
         out_of_plane: ε_zz of plane stress; None in all other models.
         trapped: one in trapped liquid, which cannot be fed, else zero.
-        trapped_pressure: pressure of trapped liquid [Pa].
+        porous: one where pores have opened in it, else zero.
+        trapped_pressure: given pressure of porous liquid, reference of full one [Pa].
     """
 
     stress: Any
@@ -45,6 +46,7 @@ class PointState(NamedTuple):
     thermal_strain: Any
     out_of_plane: Any = None
     trapped: Any = 0.0
+    porous: Any = 0.0
     trapped_pressure: Any = 0.0
 
 
@@ -86,8 +88,8 @@ def mixed_internal_virtual_work(
 ) -> Any:
     """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ), the mixed weak form of section 2.2.
 
-    Trapped liquid acts with its given pressure and has (p_trapped - p)/K as the last factor: its
-    volume is free.
+    Trapped liquid has its content as e^θ and (p - p_trapped)/K in place of p/K. Where it is porous
+    it acts with p_trapped and has (p_trapped - p)/K as the last factor: its volume is free.
 
     Args:
         total: strain ε(u).
@@ -99,10 +101,10 @@ def mixed_internal_virtual_work(
         dx_p: weighted measure of the terms with p or q, exact for linear p.
     """
     shear = ufl.inner(state.stress, variation) * dx
-    given = state.trapped * state.trapped_pressure
-    pressure = ((1 - state.trapped) * p + given) * ufl.tr(variation) * dx_p
-    dilatation = (1 - state.trapped) * ufl.tr(_total(total, state)) - state.thermal_strain
-    relative_pressure = p - given
+    given = state.porous * state.trapped_pressure
+    pressure = ((1 - state.porous) * p + given) * ufl.tr(variation) * dx_p
+    dilatation = (1 - state.porous) * (ufl.tr(_total(total, state)) - state.thermal_strain)
+    relative_pressure = p - state.trapped * state.trapped_pressure
     continuity = q * (dilatation - state.compressibility * relative_pressure) * dx_p
     return shear + pressure + continuity
 
@@ -129,7 +131,7 @@ def mixed_tangent(
         normal = -(stress[2, 2] + dp) / _normal_tangent(state)
         increment = _with_normal(increment, normal)
     shear = ufl.inner(tangent_stress(increment, state), variation) * dx
-    free = 1 - state.trapped
+    free = 1 - state.porous
     pressure = free * dp * ufl.tr(variation) * dx_p
     continuity = q * (free * ufl.tr(increment) - state.compressibility * dp) * dx_p
     return shear + pressure + continuity

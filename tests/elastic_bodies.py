@@ -115,7 +115,10 @@ def problem(
     """Return a problem to be solved to round-off, at the stress-free temperature."""
     tight = MechanicsSettings(**{"tolerance": 1e-12, "linear": "direct", **settings})
     made = MechanicalProblem(mesh, bodies, displacements, contacts, tight)
-    heat(made, STRESS_FREE)
+    for name, part in made.bodies.items():
+        nodes = len(part.mesh.parent_vertices)
+        solid = 0.0 if bodies[name].starts_liquid else 1.0
+        part.update_state(np.full(nodes, STRESS_FREE), np.full(nodes, solid), 1.0)
     return made
 
 

@@ -34,6 +34,7 @@ ORDER = [
     "heat/foreign",
     "heat",
     "mechanics/constitutive",
+    "mechanics/liquid",
     "mechanics",
     "contact/kinematics",
     "contact/friction",

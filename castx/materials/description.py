@@ -231,6 +231,7 @@ class MaterialDescription(Description):
     stress_free: Temperature | None = None
     liquid: Annotated[Liquid | None, LiquidEntry()] = None
     solidification_shrinkage: Annotated[float, Quantity(PURE_NUMBER, above=-1.0, below=1.0)] = 0.0
+    cavitation: Annotated[float, Quantity(STRESS, least=0.0)] | None = None
     yield_stress: (
         Annotated[Table, over_temperature(STRESS, least=0.0), PeoplesUnit("MPa", 1e-6)] | None
     ) = None
@@ -282,7 +283,9 @@ class MaterialDescription(Description):
 
     def _never_melting_problems(self) -> Iterator[Problem]:
         cure = "acts only in a material that melts; give solidus and liquidus or leave it out"
-        for key in ("latent_heat", "liquid", "partition_coefficient", "melting_point"):
+        for key in (
+            "latent_heat", "liquid", "partition_coefficient", "melting_point", "cavitation"
+        ):  # fmt: skip
             if getattr(self, key) is not None:
                 yield Problem((key,), cure)
         if self.solidification_shrinkage:

@@ -119,6 +119,14 @@ class Material:
         return self.description.liquid
 
     @property
+    def cavitation(self) -> float:
+        """Depression below the surroundings at which pores open in trapped melt [Pa]; or none.
+
+        Melt that holds gas needs no tension: its default here is zero.
+        """
+        return self.description.cavitation or 0.0
+
+    @property
     def dissipation(self) -> float:
         """Fraction of the plastic work that becomes heat."""
         return self.description.dissipation

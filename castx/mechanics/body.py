@@ -83,7 +83,10 @@ class BodyMechanics:
         pockets = (
             NoPockets(len(self.cell_nodes))
             if self.is_compressible
-            else Pockets(self.mesh, self.model, given.closed, given.body_force)
+            else Pockets(
+                self.mesh, self.model, given.closed, given.body_force,
+                self._law.material.cavitation,
+            )
         )
         if given.formulation == "q1p0":
             return Q1P0Formulation(*parts, pockets, cells, self._law.largest_shear_modulus())
@@ -92,7 +95,7 @@ class BodyMechanics:
     @property
     def is_linear(self) -> bool:
         """Whether the Jacobian is the same for all displacements of a step."""
-        return self._law.is_linear
+        return self._law.is_linear and not self.formulation.has_pockets
 
     @property
     def is_compressible(self) -> bool:
@@ -114,10 +117,12 @@ class BodyMechanics:
         """Whether the cells are solid in the trial step, shape (cells,)."""
         return self.material.conditions.coherent
 
-    @property
-    def unfed_volume(self) -> float | None:
-        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
-        return self.formulation.unfed_volume
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return totals of feeding demand, pores and pressure by the name of their column.
+
+        None for a body that never is a liquid.
+        """
+        return self.formulation.liquid_totals()
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]; collective."""

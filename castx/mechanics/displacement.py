@@ -83,7 +83,11 @@ class DisplacementFormulation:
         return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
 
     @property
-    def unfed_volume(self) -> None:
+    def has_pockets(self) -> bool:
+        """Return False: it has no liquid."""
+        return False
+
+    def liquid_totals(self) -> None:
         """None: the body never is a liquid."""
         return None
 

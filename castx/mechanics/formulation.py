@@ -182,8 +182,11 @@ class Formulation(Protocol):
         """Return the pressure at the local nodes [Pa], shape (nodes,); collective."""
 
     @property
-    def unfed_volume(self) -> float | None:
-        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
+    def has_pockets(self) -> bool:
+        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
+
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts; collective."""

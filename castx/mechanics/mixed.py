@@ -63,7 +63,7 @@ class MixedFormulation:
         length = stabilisation.element_length(unknowns.mesh.mesh, unknowns.dimension)
         constant = stabilisation.CONSTANTS[kind]
         # A given pressure needs no stabilisation.
-        tau = (1 - state.trapped) * stabilisation.tau(material.secant_modulus, length, constant)
+        tau = (1 - state.porous) * stabilisation.tau(material.secant_modulus, length, constant)
         self.forms = WeakForms(
             unknowns,
             self._internal(total, pressure, state, tau),
@@ -114,7 +114,10 @@ class MixedFormulation:
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
         """Evaluate material, trapped liquid and projection for a trial step; collective."""
         self._material.begin(temperature, solid_fraction, step)
-        self._pockets.begin(self._material)
+        self._pockets.begin(self._material, solid_fraction)
+        self._assemble_projections()
+
+    def _assemble_projections(self) -> None:
         for projection in self._projections:
             projection.assemble()
 
@@ -140,8 +143,11 @@ class MixedFormulation:
         return [projection.add_product for projection in self._projections]
 
     def improve_pressures(self) -> bool:
-        """Return False: there are no multipliers."""
-        return False
+        """Open and close the pores of trapped liquid; return whether any pocket has changed."""
+        changed = self._pockets.turn(self._material, self.mean_stress())
+        if changed:
+            self._assemble_projections()
+        return changed
 
     def mean_stress(self) -> FloatArray:
         """Return the mean of the nodal pressures of each cell [Pa], shape (cells,)."""
@@ -155,19 +161,25 @@ class MixedFormulation:
         return np.asarray(unknowns.pressure_scale * scaled)
 
     @property
-    def unfed_volume(self) -> float | None:
-        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
-        return self._pockets.volume
+    def has_pockets(self) -> bool:
+        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
+        return self._pockets.exist
+
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
+        return self._pockets.totals()
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts; collective."""
         self.update()
         self._material.commit()
-        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
+        self._pockets.commit(self.nodal_pressure, self.mean_stress(), self._material.dilatation)
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
         self._material.rewind()
+        self._pockets.rewind()
+        self._assemble_projections()
 
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the history of the integration points and that of trapped liquid."""

@@ -24,11 +24,10 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics, momentum
-from castx.mechanics.constitutive.law import Conditions
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms, cell_stress
 from castx.mechanics.loads import BodyLoads
@@ -80,8 +79,16 @@ class Q1P0Formulation:
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
         """Evaluate material and trapped liquid for a trial step; collective."""
         self._material.begin(temperature, solid_fraction, step)
-        self._pockets.begin(self._material)
-        self._mean.begin(self._material.conditions, self._pockets.cell_pressures())
+        self._pockets.begin(self._material, solid_fraction)
+        self._set_volumes()
+
+    def _set_volumes(self) -> None:
+        material, pockets = self._material, self._pockets
+        compressibility = material.compressibility.x.array
+        free = material.thermal_strain.x.array - compressibility * pockets.reference_pressures()
+        self._mean.begin(
+            compressibility, free, pockets.cell_pressures(), pockets.full_cells()
+        )
 
     def update(self) -> None:
         """Find stresses, tangents and pressures at the present displacement."""
@@ -104,10 +111,17 @@ class Q1P0Formulation:
         return []
 
     def improve_pressures(self) -> bool:
-        """Take the present pressures for the multipliers, if any cell of this rank has one."""
-        if self._mean.iterates:
+        """Take the present pressures for the multipliers, if any cell of this rank has one.
+
+        The pores of trapped liquid open and close; return whether anything has changed.
+        """
+        iterates, changed = self._mean.iterates, False
+        if iterates:
             self._mean.improve()
-        return self._mean.iterates
+        if self._pockets.turn(self._material, self.mean_stress()):
+            self._set_volumes()
+            changed = True
+        return iterates or changed
 
     def mean_stress(self) -> FloatArray:
         """Return the pressures of the cells [Pa], shape (cells,)."""
@@ -120,20 +134,25 @@ class Q1P0Formulation:
         return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
 
     @property
-    def unfed_volume(self) -> float | None:
-        """Volume that trapped liquid lacks [m³]; None for a body that never is a liquid."""
-        return self._pockets.volume
+    def has_pockets(self) -> bool:
+        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
+        return self._pockets.exist
+
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
+        return self._pockets.totals()
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts; collective."""
         self.update()
         self._material.commit()
         self._mean.commit()
-        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
+        self._pockets.commit(self.nodal_pressure, self.mean_stress(), self._material.dilatation)
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
         self._material.rewind()
+        self._pockets.rewind()
         self._mean.rewind()
 
     def stateful_parts(self) -> dict[str, Stateful]:
@@ -179,19 +198,28 @@ class MeanDilatation:
         self._compressibility = np.ones(count)
         self._free = np.zeros(count)
         self._given = np.full(count, np.nan)
+        self._penalised: BoolArray = np.zeros(count, dtype=bool)
         self.pressure: FloatArray = np.zeros(count)
         self._cell_values = self._matrix.createVecLeft()
         self._forces = self._matrix.createVecRight()
 
-    def begin(self, conditions: Conditions, given: FloatArray) -> None:
-        """Set the conditions of a trial step.
+    def begin(
+        self,
+        compressibility: FloatArray,
+        free: FloatArray,
+        given: FloatArray,
+        penalised: BoolArray,
+    ) -> None:
+        """Set the volumes of a trial step.
 
         Args:
-            conditions: of the step.
-            given: pressures of trapped liquid [Pa], nan elsewhere, shape (cells,).
+            compressibility: c of the cells [1/Pa], shape (cells,).
+            free: volumetric strain without pressure, shape (cells,).
+            given: pressures of porous liquid [Pa], nan elsewhere, shape (cells,).
+            penalised: cells that have no multiplier, however small c is, shape (cells,).
         """
-        self._compressibility, self._free = conditions.compressibility, conditions.thermal_strain
-        self._given = given
+        self._compressibility, self._free = compressibility.copy(), free
+        self._given, self._penalised = given, penalised
 
     def update(self, dilatation: FloatArray) -> None:
         """Find the pressures for volumetric strains of the cells, shape (cells,)."""
@@ -200,7 +228,8 @@ class MeanDilatation:
         self.pressure = np.where(np.isnan(self._given), self.pressure, self._given)
 
     def _least(self) -> FloatArray:
-        return np.maximum(self._compressibility, self._smallest)
+        c = self._compressibility
+        return np.where(self._penalised, c, np.maximum(c, self._smallest))
 
     def improve(self) -> None:
         """Take the present pressures for the multipliers."""
@@ -209,7 +238,7 @@ class MeanDilatation:
     @property
     def iterates(self) -> bool:
         """Whether any cell of this rank is so little compressible that it has a multiplier."""
-        return bool((self._compressibility < self._smallest).any())
+        return bool((self._compressibility < self._least()).any())
 
     def forces(self) -> FloatArray:
         """Return ∫ p ∇·η of the owned unknowns [N]."""

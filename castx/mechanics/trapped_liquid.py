@@ -1,43 +1,51 @@
-"""Trapped liquid, which no free surface feeds: where it is, and the volume that it lacks.
+"""Trapped liquid, which no free surface feeds: its pressure, and the pores that open in it.
 
-An incompressible pocket inside a shrinking shell would be squeezed to absurd pressures. It keeps
-the pressure at which it closed instead, p = p_trapped, and its change of volume is booked: the
-shrinkage porosity. A cell that freezes in a pocket is born with the volumetric strain that it has
-there; else the shell would have to close the pocket in one step.
+A pocket is incompressible, and its pressure follows from its walls; below the cavity pressure pores
+open. With p the mean stress (tension positive), φ the void fraction of the pocket and p_c the
+depression at which pores open at its highest point (`cavitation`; −b·x adds the weight of what
+stands above):
+
+    φ ≥ 0,   p ≤ p_c,   φ (p − p_c) = 0,   φ = mean(∇·u) − mean(e),
+
+with e the content of its cells (`castx.mechanics.liquid.content`). One state holds for all of a
+pocket, since its liquid flows freely; it changes between iterations only, when the pressure of a
+full pocket rises above p_c, or the void of a porous one falls below zero. A pore that closes has to
+be filled before the pocket resists.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Sequence
-from typing import Any
-
-from mpi4py import MPI
+from collections.abc import Callable, Collection
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
-from dolfinx import mesh as dmesh
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from dolfinx import fem
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
+from castx.materials.thermal_strain import liquid_shrinkage, shrinkage_strain
 from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.feeding_paths import FeedingPaths
+from castx.mechanics.liquid.pores import Pores
+from castx.mechanics.liquid.pressures import Force, PocketPressures
 from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
 
-TRAPPED_SHARE = 1e-6
-"""Weight of the equation p = p_trapped inside trapped liquid, in units of the solid's 1/K."""
+POROUS_SHARE = 1e-6
+"""Weight of the equation p = p_c inside porous liquid, in units of the solid's 1/K."""
 
-Force = Sequence[float] | Callable[[Any], Any]
+FULL_SHARE = 1e-3
+"""Compressibility of full trapped liquid beside the solid's, far below that of any shell: a mould
+filled with nothing else has a pressure by it."""
 
 
 class Pockets:
-    """Pressure and missing volume of the trapped liquid of one body.
+    """Pressure and pores of the trapped liquid of one body.
 
     Args:
         body: mesh of the body.
@@ -45,123 +53,193 @@ class Pockets:
         closed: names of the surfaces through which no liquid can follow.
         body_force: on the liquid [N/m³]; a pocket that is closed from the start carries it by a
             hydrostatic pressure, unless it depends on the position.
+        cavitation: p_c, the depression at which pores open [Pa].
 
     Attributes:
         trapped: one in the trapped cells of the trial step, else zero.
-        pressure: pressure of trapped liquid at the nodes [Pa].
-        volume: volume that trapped liquid has gained so far, the porosity [m³].
+        porous: one in those of porous pockets, else zero.
+        pressure: given pressure of porous liquid, reference of that of full one, at the nodes [Pa].
+        content: what the cells hold, and the balance of feeding.
+        mean_pressure: mean of p over the trapped liquid after the last step [Pa], 0: there is none.
     """
 
     def __init__(
-        self, body: BodyMesh, model: str, closed: Collection[str], body_force: Force = ()
+        self,
+        body: BodyMesh,
+        model: str,
+        closed: Collection[str],
+        body_force: Force = (),
+        cavitation: float = 0.0,
     ) -> None:
-        cells = fem.functionspace(body.mesh, ("DG", 0))
-        self.trapped = fem.Function(cells)
+        space = fem.functionspace(body.mesh, ("DG", 0))
+        self.trapped, self.porous = fem.Function(space), fem.Function(space)
         self.pressure = fem.Function(body.nodes)
-        self.volume = 0.0
-        self._body, self._comm = body, body.mesh.comm
+        self._body = body
         self._paths = FeedingPaths(body, model, closed)
         self._cell_nodes: IntArray = body.nodes.dofmap.list
-        self._volumes = fem.assemble_vector(
-            fem.form(ufl.TestFunction(cells) * cell_measure(body, model, 2))
-        ).array[: cells.dofmap.index_map.size_local]
-        self._was_trapped: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
-        self._closing_pressure: FloatArray = np.zeros(len(body.parent_vertices))
-        self._last_pressure: FloatArray = _hydrostatic(body, body_force)
-        self._last_dilatation: FloatArray = np.zeros(len(self._cell_nodes))
-        self._born: FloatArray = np.zeros(len(self._cell_nodes))
-        self._liquid: BoolArray = np.zeros(len(self._cell_nodes), dtype=bool)
+        volumes = fem.assemble_vector(
+            fem.form(ufl.TestFunction(space) * cell_measure(body, model, 2))
+        ).array[: space.dofmap.index_map.size_local]
+        self.content = Content(body.mesh.comm, body.cell_numbering, volumes)
+        self.mean_pressure = 0.0
+        self._pressures = PocketPressures(body, body_force, cavitation)
+        self._pores = Pores(self.content, body.cell_numbering)
+        self._scale: FloatArray = np.zeros(0)
+        self._accepted = [f.x.array.copy() for f in self._functions]
+
+    @property
+    def _functions(self) -> tuple[fem.Function, ...]:
+        return self.trapped, self.porous, self.pressure
+
+    @property
+    def exist(self) -> bool:
+        """Whether there is trapped liquid in the trial step, on any rank."""
+        return len(self._pores.open) > 0
 
     def state(self, points: PointState) -> PointState:
-        """Return the state of the integration points, with the pressure of trapped liquid."""
-        return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
+        """Return the state of the integration points, with that of trapped liquid."""
+        return points._replace(
+            trapped=self.trapped, porous=self.porous, trapped_pressure=self.pressure
+        )
 
-    def begin(self, material: MaterialPoints) -> None:
-        """Find the pockets of a trial step and set their compressibility and volume; collective."""
-        trapped = self.update(~material.conditions.coherent)
-        conditions = material.add_free_volume(self.birth_volume)
-        # Little enough to leave the pressures of the shell alone.
-        share = TRAPPED_SHARE * conditions.solid_compressibility[trapped]
-        material.compressibility.x.array[trapped] = share
+    def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
+        """Find the pockets of a trial step, their content and their state; collective.
 
-    def cell_pressures(self) -> FloatArray:
-        """Return the pressures of the trapped cells [Pa], nan elsewhere, shape (cells,)."""
-        trapped = self.trapped.x.array.astype(bool)
-        return np.where(trapped, self.pressure.x.array[self._cell_nodes].mean(axis=1), np.nan)
+        Args:
+            material: of the body, at the conditions of the step.
+            solid_fraction: at the nodes, shape (nodes,).
+        """
+        metal, liquid = material.law.material, ~material.conditions.coherent
+        fraction = solid_fraction[self._cell_nodes].mean(axis=1)
+        shrunk, skeleton = liquid_shrinkage(metal, fraction), shrinkage_strain(metal, fraction)
+        self.update(liquid, shrunk, skeleton)
+        self._scale = np.zeros(0)
+        if self.exist:
+            self._scale = self.content.mean(material.conditions.solid_compressibility)
+        self.apply(material)
 
-    def update(self, liquid: BoolArray) -> BoolArray:
-        """Find the trapped cells of a trial step and their pressures; collective.
+    def update(self, liquid: BoolArray, shrunk: FloatArray, skeleton: FloatArray) -> None:
+        """Find the pockets of a trial step, their pressures and a first guess of their state.
 
         Args:
             liquid: whether a cell is a liquid, shape (cells,).
-
-        Returns:
-            Whether a cell is trapped, shape (cells,).
+            shrunk: s min(f_s, f_c) of the cells, shape (cells,).
+            skeleton: −s (f_s − f_c) beyond coherency, shape (cells,); collective.
         """
-        trapped = self._paths.trapped(liquid)
-        self.trapped.x.array[:], self._liquid = trapped, liquid
-        closing = np.zeros(len(self._closing_pressure), dtype=bool)
-        closing[self._cell_nodes[trapped & ~self._was_trapped].ravel()] = True
-        closing[self._cell_nodes[trapped & self._was_trapped].ravel()] = False
-        self.pressure.x.array[:] = np.where(closing, self._last_pressure, self._closing_pressure)
-        return trapped
+        self.content.begin(self._paths.pockets(liquid), liquid, shrunk, skeleton)
+        self._pressures.begin(self.content)
+        self._pores.begin()
 
-    @property
-    def birth_volume(self) -> FloatArray:
-        """Volumetric strain at which the solid cells have no stress, shape (cells,)."""
-        return np.where(self._liquid, 0.0, self._born)
+    def apply(self, material: MaterialPoints) -> None:
+        """Give the state of the pockets to the material and to the forms."""
+        trapped, porous = self.content.pocket >= 0, self._pores.cells
+        self.trapped.x.array[:], self.porous.x.array[:] = trapped, porous
+        self.pressure.x.array[:] = self._pressures.acting(porous)
+        solid = material.conditions.solid_compressibility
+        # So little that the pressures of the shell stay their own.
+        share = np.where(porous, POROUS_SHARE, FULL_SHARE)
+        material.compressibility.x.array[trapped] = (share * solid)[trapped]
+        material.set_free_volume(np.where(porous, 0.0, self.content.free_volume))
 
-    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
-        """Book the volume that trapped cells gained in an accepted step; collective.
+    def full_cells(self) -> BoolArray:
+        """Return whether the cells are full trapped liquid, shape (cells,)."""
+        return (self.content.pocket >= 0) & ~self._pores.cells
+
+    def cell_pressures(self) -> FloatArray:
+        """Return the given pressures of the porous cells [Pa], nan elsewhere, shape (cells,)."""
+        porous = self.porous.x.array.astype(bool)
+        return np.where(porous, self._pressures.of_cells(self.pressure.x.array), np.nan)
+
+    def reference_pressures(self) -> FloatArray:
+        """Return p at which a full trapped cell has its volume, zero elsewhere [Pa], (cells,)."""
+        pressures = self._pressures
+        return np.where(self.content.pocket >= 0, pressures.of_cells(pressures.reference), 0.0)
+
+    def _limits(self) -> FloatArray:
+        return self._pressures.of_cells(self._pressures.limit)
+
+    def turn(self, material: MaterialPoints, pressure: FloatArray) -> bool:
+        """Open and close pores at an iterate; return whether any pocket has changed; collective.
+
+        Args:
+            material: of the body, with the volumetric strains there.
+            pressure: mean stress of the cells there [Pa], shape (cells,).
+        """
+        if not self.exist:
+            return False
+        content = self.content
+        excess = self._scale * content.mean(pressure - self._limits())
+        void = content.void_fraction(material.dilatation)
+        turned = self._pores.turn(excess, void)
+        if turned:
+            self.apply(material)
+        return turned
+
+    def commit(
+        self, pressure: Callable[[], FloatArray], cells: FloatArray, dilatation: FloatArray
+    ) -> None:
+        """Book an accepted step; collective.
 
         Args:
             pressure: returns that at the local nodes [Pa], shape (nodes,).
+            cells: pressures of the cells [Pa], shape (cells,).
             dilatation: volumetric strain of the cells, shape (cells,).
         """
-        trapped = self.trapped.x.array.astype(bool)
-        self._announce(trapped)
-        growth = np.where(trapped, dilatation - self._last_dilatation, 0.0)
-        gained = float(self._volumes @ growth[: len(self._volumes)])
-        self.volume += self._comm.allreduce(gained, op=MPI.SUM)
-        self._closing_pressure = self.pressure.x.array.copy()
-        self._last_pressure, self._last_dilatation = pressure().copy(), dilatation.copy()
-        self._was_trapped = trapped
-        self._born = np.where(trapped, dilatation, self.birth_volume)
+        volumes = self.content.pockets
+        self.mean_pressure = 0.0
+        if self.exist:
+            for pockets, what in self._pores.news():
+                if pockets.any():
+                    logger.info("%s: %.3g m³ %s", self._body.name, volumes[pockets].sum(), what)
+            porous = self.porous.x.array.astype(bool)
+            means = self.content.mean(np.where(porous, self._limits(), cells))
+            self.mean_pressure = float(means @ volumes / volumes.sum())
+        self.content.commit(dilatation, self._pores.open)
+        self._pressures.commit(pressure())
+        self._pores.commit()
+        self._accepted = [f.x.array.copy() for f in self._functions]
+
+    def rewind(self) -> None:
+        """Return to the state of the last accepted step."""
+        self._pores.rewind()
+        for function, values in zip(self._functions, self._accepted, strict=True):
+            function.x.array[:] = values
+
+    def totals(self) -> dict[str, float] | None:
+        """Return demand, what is fed, pores [m³] and pressure [Pa] by the name of the column."""
+        return {
+            "feeding_demand": self.content.demand,
+            "fed_volume": self.content.fed,
+            "void_volume": self.content.void,
+            "pocket_pressure": self.mean_pressure,
+        }
 
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the parts that a checkpoint keeps, by their name there."""
-        return {"pockets": self}
+        return {"pockets": self, "content": self.content}
 
     def saved(self) -> dict[str, Saved]:
-        """Return the committed state and the volume gained so far."""
+        """Return the committed state of the pockets and their pressures."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
+        trapped, porous, pressure = self._accepted
         return {
-            "volume": number(self.volume, bodies=(self._body.name,)),
-            "trapped": Saved(self._was_trapped, cells),
-            "dilatation": Saved(self._last_dilatation, cells),
-            "born": Saved(self._born, cells),
-            "pressure": Saved(self._last_pressure, nodes),
-            "held_pressure": Saved(self._closing_pressure, nodes),
+            "trapped": Saved(trapped, cells),
+            "porous": Saved(porous, cells),
+            "given_pressure": Saved(pressure, nodes),
+            "mean_pressure": number(self.mean_pressure, bodies=(self._body.name,)),
+            **self._pressures.saved(),
+            **self._pores.saved(),
         }
 
     def restore(self, arrays: Arrays) -> None:
         """Restore a committed state."""
-        self.volume = float(arrays["volume"])
-        self._was_trapped = arrays["trapped"].astype(bool)
-        self._last_dilatation = arrays["dilatation"].copy()
-        self._born = arrays["born"].copy()
-        self._last_pressure = arrays["pressure"].copy()
-        self._closing_pressure = arrays["held_pressure"].copy()
-
-    def _announce(self, trapped: BoolArray) -> None:
-        new = trapped[: len(self._volumes)] & ~self._was_trapped[: len(self._volumes)]
-        volume = self._comm.allreduce(float(self._volumes[new].sum()), op=MPI.SUM)
-        if volume > 0:
-            logger.info(
-                "%s: %.3g m³ of liquid cannot be fed any more and keeps its pressure",
-                self._body.name,
-                volume,
-            )
+        self._pores.restore(arrays)
+        self._accepted = [
+            arrays[name].astype(np.float64) for name in ("trapped", "porous", "given_pressure")
+        ]
+        self._pressures.restore(arrays)
+        self.mean_pressure = float(arrays["mean_pressure"])
+        self.rewind()
 
 
 class NoPockets:
@@ -171,7 +249,7 @@ class NoPockets:
         cells: number of cells of this rank.
     """
 
-    volume = None
+    exist = False
 
     def __init__(self, cells: int) -> None:
         self._cells = cells
@@ -180,15 +258,36 @@ class NoPockets:
         """Return the state of the integration points as it is."""
         return points
 
-    def begin(self, material: MaterialPoints) -> None:
+    def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
         """Leave the material of a trial step as it is."""
+
+    def full_cells(self) -> BoolArray:
+        """Return False, shape (cells,)."""
+        return np.zeros(self._cells, dtype=bool)
 
     def cell_pressures(self) -> FloatArray:
         """Return nan, shape (cells,)."""
         return np.full(self._cells, np.nan)
 
-    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
+    def reference_pressures(self) -> FloatArray:
+        """Return zero, shape (cells,)."""
+        return np.zeros(self._cells)
+
+    def turn(self, material: MaterialPoints, pressure: FloatArray) -> bool:
+        """Return that nothing has changed."""
+        return False
+
+    def commit(
+        self, pressure: Callable[[], FloatArray], cells: FloatArray, dilatation: FloatArray
+    ) -> None:
         """Book nothing."""
+
+    def rewind(self) -> None:
+        """Return to nothing."""
+
+    def totals(self) -> dict[str, float] | None:
+        """Return None: nothing is booked."""
+        return None
 
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return nothing."""
@@ -196,93 +295,3 @@ class NoPockets:
 
 
 TrappedLiquid = Pockets | NoPockets
-
-
-def _hydrostatic(body: BodyMesh, body_force: Force) -> FloatArray:
-    """Return the pressures at rest [Pa], zero at the highest node, shape (nodes,)."""
-    if callable(body_force) or len(body_force) == 0:
-        return np.zeros(len(body.parent_vertices))
-    head: FloatArray = body.points @ np.asarray(body_force[: body.points.shape[1]])
-    lowest = body.mesh.comm.allreduce(float(head.min(initial=np.inf)), op=MPI.MIN)
-    return np.asarray(lowest - head)
-
-
-class FeedingPaths:
-    """Finds the liquid cells of a body that are not connected to a free surface by liquid.
-
-    Args:
-        body: mesh of the body.
-        model: geometric model; the axis of an axisymmetric body is no surface.
-        closed: names of the surfaces through which no liquid can follow.
-    """
-
-    def __init__(self, body: BodyMesh, model: str, closed: Collection[str]) -> None:
-        self._comm = body.mesh.comm
-        self._cell_nodes: IntArray = body.nodes.dofmap.list
-        self._nodes = len(body.parent_vertices)
-        self._fed_nodes = la.vector(body.nodes.dofmap.index_map, 1, dtype=np.int8)
-        self._at_free_surface = np.zeros(len(self._cell_nodes), dtype=bool)
-        self._at_free_surface[_free_cells(body, model, closed)] = True
-
-    def trapped(self, liquid: BoolArray) -> BoolArray:
-        """Return which of the liquid cells are cut off from all free surfaces; collective.
-
-        Args:
-            liquid: the liquid cells of this rank, ghosts included, shape (cells,).
-        """
-        pocket = np.full(len(liquid), -1)
-        count = 0
-        if liquid.any():
-            count, labels = self._regions(self._cell_nodes[liquid])
-            pocket[liquid] = labels
-        fed = np.zeros(count, dtype=bool)
-        fed[pocket[liquid & self._at_free_surface]] = True
-        while True:
-            reached = self._reached(self._cell_nodes[liquid][fed[pocket[liquid]]])
-            touched = reached[self._cell_nodes].any(axis=1) & liquid
-            grown = fed.copy()
-            grown[pocket[touched]] = True
-            if not self._comm.allreduce(bool((grown != fed).any()), op=MPI.LOR):
-                break
-            fed = grown
-        trapped = liquid.copy()
-        trapped[liquid] = ~fed[pocket[liquid]]
-        return trapped
-
-    def _regions(self, cells: IntArray) -> tuple[int, IntArray]:
-        """Return the number of connected regions of cells on this rank, and that of each cell."""
-        number, corners = cells.shape
-        rows = np.repeat(np.arange(number), corners)
-        ones = np.ones(rows.size, dtype=np.int8)
-        total = number + self._nodes
-        joins = coo_matrix((ones, (rows, number + cells.ravel())), shape=(total, total))
-        labels = connected_components(joins, directed=False)[1][:number]
-        names, inverse = np.unique(labels, return_inverse=True)
-        return len(names), inverse.astype(np.int32)
-
-    def _reached(self, cells: IntArray) -> BoolArray:
-        """Return which local nodes are corners of the given cells of any rank; collective."""
-        flags = self._fed_nodes
-        flags.array[:] = 0
-        flags.array[cells.ravel()] = 1
-        flags.scatter_reverse(la.InsertMode.add)
-        flags.array[:] = flags.array != 0
-        flags.scatter_forward()
-        return flags.array.astype(bool)
-
-
-def _free_cells(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray:
-    """Return the owned cells with a facet on a free surface."""
-    topology, dimension = body.mesh.topology, body.mesh.topology.dim
-    outer = dmesh.exterior_facet_indices(topology)
-    shut = [body.facet_tags.find(body.surfaces[name]) for name in closed]
-    free = np.setdiff1d(outer, np.concatenate([np.zeros(0, dtype=np.int32), *shut]))
-    if model == "axisymmetric":
-        largest = np.abs(body.mesh.geometry.x[:, 0]).max(initial=0.0)
-        on_axis = dmesh.locate_entities(
-            body.mesh, dimension - 1, lambda x: np.abs(x[0]) < 1e-9 * largest
-        )
-        free = np.setdiff1d(free, on_axis)
-    cells = topology.connectivity(dimension - 1, dimension)
-    first = cells.offsets[free]
-    return np.asarray(cells.array[first], dtype=np.int32)

@@ -143,8 +143,8 @@ class State:
             totals |= self._interface_totals(interface.name, state)
         if self.problem.mechanics is not None:
             for name, body in self.problem.mechanics.bodies.items():
-                if body.unfed_volume is not None:
-                    totals[f"{name}.unfed_volume"] = body.unfed_volume
+                of_liquid = body.liquid_totals() or {}
+                totals |= {f"{name}.{key}": value for key, value in of_liquid.items()}
             totals |= self._balance_totals(self.problem.mechanics)
         for name, coefficient in self.friction.items():
             if name in self.mesh.bodies:

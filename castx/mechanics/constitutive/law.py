@@ -110,13 +110,13 @@ class Law:
         corners = points.cell_nodes
         compressibility = np.mean((3 * (1 - 2 * nu) / E)[corners], axis=1)
         strain = volumetric_thermal_strain(self.material, temperature, self.stress_free)
-        strain = strain + shrinkage_strain(self.material, solid_fraction)
+        fraction = np.mean(solid_fraction[corners], axis=1)
         thermal_strain = np.mean(strain[corners], axis=1)
+        thermal_strain = thermal_strain + shrinkage_strain(self.material, fraction)
         share: FloatArray = np.ones(points.cells)
         coherent: BoolArray = np.ones(points.cells, dtype=bool)
         liquid = self.material.liquid
         if liquid is not None:
-            fraction = np.mean(solid_fraction[corners], axis=1)
             coherent = fraction >= liquid.coherency
             share = _solid_share(fraction, liquid.coherency)
             thermal_strain = np.where(coherent, thermal_strain, 0.0)

@@ -48,7 +48,8 @@ class MaterialPoints:
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
         self._free_volume: FloatArray = np.zeros(points.cells)
-        self._committed: tuple[PointHistory, Conditions, float, FloatArray] | None = None
+        self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
+        self._committed = None
 
     @property
     def conditions(self) -> Conditions:
@@ -81,15 +82,15 @@ class MaterialPoints:
     ) -> Conditions:
         """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
         c = self.law.conditions(self.points, temperature, solid_fraction, step)
+        self._free_volume = np.zeros(self.points.cells)
         self._use(self.history.start(c.coherent, self.points), c, step)
         return c
 
-    def add_free_volume(self, strain: FloatArray) -> Conditions:
-        """Add a volumetric strain of the cells, shape (cells,), to the thermal one of the step."""
-        c, self._free_volume = self.conditions, strain
-        self._conditions = c._replace(thermal_strain=c.thermal_strain + strain)
-        self.thermal_strain.x.array[:] = self._conditions.thermal_strain
-        return self._conditions
+    def set_free_volume(self, strain: FloatArray) -> None:
+        """Let a volumetric strain of the cells, shape (cells,), stand beside the thermal one."""
+        self._conditions = self.conditions._replace(thermal_strain=self.thermal_change + strain)
+        self._free_volume = strain
+        self.thermal_strain.x.array[:] = self.conditions.thermal_strain
 
     @property
     def thermal_change(self) -> FloatArray:
@@ -177,8 +178,8 @@ class MaterialPoints:
             secant_softening(response, self.conditions, self._start, strain),
             self.conditions.coherent,
         )
-        compressibility = self.compressibility.x.array.copy()
-        self._committed = self._start, self.conditions, self._step, compressibility
+        compressibility, free = self.compressibility.x.array.copy(), self._free_volume
+        self._committed = self._start, self.conditions, self._step, compressibility, free
 
     def rewind(self) -> None:
         """Return to the end of the last accepted step.
@@ -186,6 +187,6 @@ class MaterialPoints:
         It is evaluated from its own start: from its end, a viscous material would flow on.
         """
         if self._committed is not None:
-            start, conditions, step, compressibility = self._committed
+            start, conditions, step, compressibility, self._free_volume = self._committed
             self._use(start, conditions, step)
             self.compressibility.x.array[:] = compressibility  # trapped liquid has its own

@@ -8,7 +8,6 @@ import ufl
 from dolfinx import fem
 
 from castx.domain.measures import cell_measure
-from castx.mechanics.constitutive.law import Conditions
 from castx.mechanics.q1p0 import SMALLEST_COMPRESSIBILITY, MeanDilatation
 from tests.castx.mechanics.lone_bodies import (
     LENGTH,
@@ -82,12 +81,13 @@ class Cells:
         )
         self.nothing_given = np.full(self.count, np.nan)
 
-    def begin(self, compressibility: float, free: float = 0.0, given=None) -> None:
-        none, true = np.zeros(0), np.ones(0, dtype=bool)
+    def begin(
+        self, compressibility: float, free: float = 0.0, given=None, penalised=False
+    ) -> None:
         every = np.full(self.count, compressibility)
         strain = np.full(self.count, free)
-        conditions = Conditions(none, None, none, None, None, every, every, strain, true)
-        self.mean.begin(conditions, self.nothing_given if given is None else given)
+        given = self.nothing_given if given is None else given
+        self.mean.begin(every, strain, given, np.full(self.count, penalised))
 
 
 def test_pressure_of_a_compressible_cell(comm):
@@ -115,7 +115,15 @@ def test_pressure_of_an_incompressible_cell_grows_until_its_volume_is_right(comm
     np.testing.assert_allclose(cells.mean.pressure, 4e-6 / least, rtol=1e-12)
 
 
-def test_trapped_cells_have_the_pressure_that_is_given(comm):
+def test_a_penalised_cell_has_its_pressure_at_once(comm):
+    cells, small = Cells(comm), 1e-2 * SMALLEST_COMPRESSIBILITY / SHEAR
+    cells.begin(small, 1e-6, penalised=True)
+    cells.mean.update(np.full(cells.count, 3e-6))
+    np.testing.assert_allclose(cells.mean.pressure, 2e-6 / small, rtol=1e-12)
+    assert not cells.mean.iterates
+
+
+def test_porous_cells_have_the_pressure_that_is_given(comm):
     cells = Cells(comm)
     given = np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan)
     cells.begin(1e-11, given=given)

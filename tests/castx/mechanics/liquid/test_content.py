@@ -1,0 +1,148 @@
+"""Content and pores of cells by hand: five cells of 1, 2, 3, 4, 5 m³, s = 10 %, coherent at 0.6."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.mechanics.liquid.content import Content
+from castx.stateful import Numbering
+
+pytestmark = pytest.mark.serial
+
+VOLUMES = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+S, COHERENCY = 0.1, 0.6
+ONE = np.array([True])
+
+
+def content() -> Content:
+    numbering = Numbering("cells of casting", np.arange(5), 5, ("casting",))
+    return Content(MPI.COMM_SELF, numbering, VOLUMES)
+
+
+def begin(cells: Content, fraction: list[float], pocket: list[int]) -> None:
+    """Start a trial step with the solid fraction and the pocket of each cell."""
+    f = np.array(fraction)
+    shrunk, skeleton = S * np.minimum(f, COHERENCY), -S * np.maximum(f - COHERENCY, 0.0)
+    cells.begin(np.array(pocket, dtype=np.int32), f < COHERENCY, shrunk, skeleton)
+
+
+def commit(cells: Content, dilatation: list[float] | float = 0.0, porous=ONE) -> None:
+    cells.commit(np.full(5, dilatation), porous[: len(cells.pockets)])
+
+
+def test_a_fed_region_demands_what_it_is_given() -> None:
+    cells = content()
+    begin(cells, [0.0] * 5, [-1] * 5)
+    begin(cells, [0.2, 0.4, 0.6, 0.9, 1.0], [-1] * 5)
+    commit(cells)
+    wanted = S * (VOLUMES @ [0.2, 0.4, 0.6, 0.6, 0.6])
+    assert (cells.demand, cells.fed, cells.void) == pytest.approx((wanted, wanted, 0.0), rel=1e-14)
+    assert not cells.free_volume.any()
+
+
+def test_a_sealed_pocket_in_rigid_walls_ends_with_all_its_demand_as_pores() -> None:
+    """Also in cells that freeze, those that freeze last included; volumes are never forgotten."""
+    cells = content()
+    begin(cells, [0.0] * 5, [0] * 5)
+    history = (
+        ([0.3, 0.2, 0.1, 0.1, 0.0], [0, 0, 0, 0, 0]),
+        ([0.7, 0.5, 0.3, 0.2, 0.1], [-1, 0, 0, 0, 0]),
+        ([1.0, 1.0, 0.5, 0.4, 0.3], [-1, -1, 0, 0, 0]),
+        ([1.0, 1.0, 1.0, 1.0, 1.0], [-1] * 5),
+    )
+    for fraction, pocket in history:
+        begin(cells, fraction, pocket)
+        expected = S * (VOLUMES @ np.minimum(fraction, COHERENCY))
+        commit(cells)
+        assert cells.void == pytest.approx(expected, rel=1e-13)
+        assert cells.demand == pytest.approx(expected, rel=1e-13)
+    assert cells.fed == 0.0
+    np.testing.assert_allclose(cells.free_volume, 0.0, atol=1e-16)  # born where the walls are
+    pores = cells.saved()["pores"].values
+    assert VOLUMES @ pores == pytest.approx(0.06 * VOLUMES.sum(), rel=1e-13)
+    assert (pores > 0).all() and (np.diff(pores) >= -1e-15).all()  # the last to freeze have most
+
+
+def test_walls_that_give_way_take_from_the_void_which_is_filled_before_they_resist() -> None:
+    cells = content()
+    begin(cells, [0.0] * 5, [0] * 5)
+    begin(cells, [0.3] * 5, [0] * 5)
+    np.testing.assert_allclose(cells.expected_void_fraction(), [0.03], rtol=1e-14)
+    np.testing.assert_allclose(cells.void_fraction(np.full(5, -0.01)), [0.02], rtol=1e-14)
+    commit(cells, -0.01)
+    assert cells.void == pytest.approx(0.02 * 15, rel=1e-14)
+    for theta in (-0.02, -0.03, -0.04):
+        begin(cells, [0.3] * 5, [0] * 5)
+        np.testing.assert_allclose(
+            cells.void_fraction(np.full(5, theta)), [theta + 0.03], rtol=1e-13, atol=1e-17
+        )
+    commit(cells, -0.03, ~ONE)
+    assert cells.void == 0.0
+    np.testing.assert_allclose(cells.free_volume, -0.03, rtol=1e-13)
+
+
+def test_a_cell_that_freezes_keeps_its_share_and_draws_what_it_lacks_from_the_pocket() -> None:
+    cells = content()
+    begin(cells, [0.0] * 5, [0] * 5)
+    begin(cells, [0.5] * 5, [0] * 5)
+    commit(cells, [0.02, 0.0, 0.0, 0.0, -0.004])  # no volume changes in all: void 0.05 · 15
+    begin(cells, [0.8, 0.5, 0.5, 0.5, 0.5], [-1, 0, 0, 0, 0])
+    # Born at its volumetric strain; its last 0.1 · s are drawn from the other 14 m³.
+    assert cells.free_volume[0] == pytest.approx(0.02, rel=1e-13)
+    void = cells.void_fraction(np.array([0.02, 0.0, 0.0, 0.0, -0.004]))
+    np.testing.assert_allclose(14 * void, 0.05 * 14 + 0.01 * 1, rtol=1e-13)
+
+
+def test_a_pocket_that_is_reached_again_is_filled_and_one_that_melts_has_its_pores_again() -> None:
+    cells = content()
+    begin(cells, [0.0] * 5, [0] * 5)
+    begin(cells, [0.4] * 5, [0] * 5)
+    commit(cells)
+    begin(cells, [1.0] * 5, [-1] * 5)
+    commit(cells)
+    assert cells.void == pytest.approx(0.06 * 15, rel=1e-13)
+    begin(cells, [0.2] * 5, [0] * 5)
+    np.testing.assert_allclose(cells.void_fraction(np.zeros(5)), [0.02], rtol=1e-12)
+    commit(cells)
+    begin(cells, [0.2] * 5, [-1] * 5)
+    commit(cells)
+    assert cells.void == 0.0
+    assert cells.fed == pytest.approx(0.02 * 15, rel=1e-12)
+    assert cells.demand == pytest.approx(cells.fed, rel=1e-12)
+    np.testing.assert_allclose(cells.free_volume, 0.0, atol=1e-15)
+
+
+def test_graphite_swells_and_a_last_cell_without_pores_is_born_larger() -> None:
+    cells = content()
+    cells.begin(np.zeros(5, np.int32), np.ones(5, bool), np.zeros(5), np.zeros(5))
+    cells.begin(np.full(5, -1, np.int32), np.zeros(5, bool), np.full(5, -0.006), np.full(5, 0.004))
+    np.testing.assert_allclose(cells.free_volume, 0.006, rtol=1e-14)
+    cells.commit(np.full(5, 0.01), np.zeros(0, bool))
+    assert cells.void == 0.0
+    assert cells.demand == pytest.approx(-0.006 * 15, rel=1e-14)
+
+
+def test_a_body_that_starts_solid_is_full_as_it_is() -> None:
+    """The strain of its skeleton is no change: e + s_skeleton = 0 at the start."""
+    cells = content()
+    begin(cells, [1.0] * 5, [-1] * 5)
+    np.testing.assert_allclose(cells.free_volume, 0.04, rtol=1e-14)
+    commit(cells)
+    assert (cells.demand, cells.fed, cells.void) == (0.0, 0.0, 0.0)
+
+
+def test_the_state_comes_back() -> None:
+    cells, other = content(), content()
+    begin(cells, [0.0] * 5, [0, 0, 1, 1, -1])
+    begin(cells, [0.3, 0.2, 0.4, 0.1, 0.2], [0, 0, 1, 1, -1])
+    commit(cells, [0.01, 0.0, -0.01, 0.0, 0.0], np.array([True, False]))
+    other.restore({name: saved.values for name, saved in cells.saved().items()})
+    assert (other.demand, other.fed, other.void) == (cells.demand, cells.fed, cells.void)
+    for each in (cells, other):
+        begin(each, [0.7, 0.5, 0.5, 0.7, 0.7], [-1, 0, 1, -1, -1])
+        commit(each, 0.002, np.array([True, True]))
+    np.testing.assert_array_equal(other.free_volume, cells.free_volume)
+    assert (other.demand, other.fed, other.void) == (cells.demand, cells.fed, cells.void)

@@ -1,0 +1,74 @@
+"""State of three pockets: when pores open and close, what is said, what is kept."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.pores import MOST_TURNS, Pores
+from castx.stateful import Numbering
+
+pytestmark = pytest.mark.serial
+
+NUMBERING = Numbering("cells of casting", np.arange(4), 4, ("casting",))
+POCKET = np.array([0, 1, 2, -1], dtype=np.int32)
+NOTHING = np.zeros(3)
+
+
+def pores(*shrunk: float) -> Pores:
+    """Return the pores of three pockets, each of one cell, that have shrunk in the step."""
+    content = Content(MPI.COMM_SELF, NUMBERING, np.ones(4))
+    none, liquid = np.zeros(4), POCKET >= 0
+    content.begin(POCKET, liquid, none, none)
+    content.begin(POCKET, liquid, np.array([*shrunk, 0.0]), none)
+    made = Pores(content, NUMBERING)
+    made.begin()
+    return made
+
+
+def test_a_new_pocket_is_expected_to_have_pores_where_its_liquid_shrinks() -> None:
+    found = pores(0.01, 0.0, -0.01)
+    assert found.open.tolist() == [True, False, False]
+    assert found.cells.tolist() == [True, False, False, False]
+
+
+def test_pressure_opens_and_a_negative_void_closes() -> None:
+    found = pores(0.01, 0.01, 0.0)
+    assert not found.turn(np.array([5.0, 5.0, 0.0]), np.array([0.01, 0.0, 9.0]))
+    assert found.turn(np.array([0.0, 0.0, 1e-6]), np.array([0.01, -1e-6, 0.0]))
+    assert found.open.tolist() == [True, False, True]
+    assert not found.turn(np.array([1e-6, -1e-6, 0.0]), np.array([0.0, -1.0, 0.01]))
+
+
+def test_who_finds_neither_state_right_stays_full() -> None:
+    found = pores(0.0, 0.0, 0.0)
+    turns = 0
+    while found.turn(np.array([1e-3, 0.0, 0.0]), np.array([-1e-3, 0.0, 0.0])):
+        turns += 1
+    assert turns == MOST_TURNS and not found.open.any()
+
+
+def test_a_step_that_is_taken_back_leaves_nothing_behind() -> None:
+    found = pores(0.0, 0.0, 0.0)
+    assert [which.tolist() for which, _ in found.news()] == [[True] * 3, [False] * 3, [False] * 3]
+    found.commit()
+    found.turn(np.array([1e-3, 0.0, 0.0]), NOTHING)
+    assert [which.tolist() for which, _ in found.news()] == [
+        [False] * 3, [True, False, False], [False] * 3
+    ]  # fmt: skip
+    found.begin()
+    assert found.open.tolist() == [True, False, False]  # the last iterate is the next guess
+    found.rewind()
+    found.begin()
+    assert not found.open.any()
+    other = pores(0.01, 0.01, 0.01)
+    other.restore({name: saved.values for name, saved in found.saved().items()})
+    other.begin()
+    assert not other.open.any()
+    found.turn(np.ones(3), NOTHING)
+    found.commit()
+    found.turn(NOTHING, -np.ones(3))
+    assert [which.any() for which, _ in found.news()] == [False, False, True]

@@ -1,0 +1,76 @@
+"""Pressures of pockets at depths, on a cylinder of aluminium."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.arrays import IntArray
+from castx.case.geometry import Geometry
+from castx.domain.mesh import BodyMesh, build_mesh
+from castx.mechanics.liquid.content import Content
+from castx.mechanics.liquid.pressures import PocketPressures
+
+RADIUS, HEIGHT, WEIGHT = 0.03, 0.06, 2700 * 9.81
+
+
+@pytest.fixture(scope="module")
+def casting() -> BodyMesh:
+    sizes = {"radius": RADIUS, "height": HEIGHT, "wall": 0.01, "size": 0.005}
+    description = {"model": "axisymmetric", "generator": "cylinder_in_mould", **sizes}
+    geometry = Geometry.model_validate(description)
+    return build_mesh(geometry, ["casting", "mould"], MPI.COMM_WORLD).bodies["casting"]
+
+
+def pockets_of(body: BodyMesh, *pockets: np.ndarray) -> Content:
+    """Return the content of these pockets, trapped in the second step only."""
+    numbering, nothing = body.cell_numbering, np.zeros(len(body.nodes.dofmap.list))
+    content = Content(body.mesh.comm, numbering, np.ones(numbering.owned))
+    pocket: IntArray = np.full(len(nothing), -1, dtype=np.int32)
+    content.begin(pocket, pocket < 0, nothing, nothing)
+    for number, cells in enumerate(pockets):
+        pocket = np.where(cells, number, pocket).astype(np.int32)
+    content.begin(pocket, pocket >= 0, nothing, nothing)
+    return content
+
+
+def test_pores_open_first_at_the_top_of_each_pocket(casting) -> None:
+    corners = casting.nodes.dofmap.list
+    z = casting.points[corners].mean(axis=1)[:, 1]
+    low, high = z < 0.4 * HEIGHT, z > 0.6 * HEIGHT
+    pressures = PocketPressures(casting, (0.0, -WEIGHT), 2e5)
+    pressures.begin(pockets_of(casting, low, high))
+    tops = [
+        casting.mesh.comm.allreduce(casting.points[corners[part], 1].max(initial=0), op=MPI.MAX)
+        for part in (low, high)
+    ]
+    assert tops[1] == pytest.approx(HEIGHT) and tops[0] < 0.5 * HEIGHT
+    for part, top in zip((low, high), tops, strict=True):
+        depth = top - casting.points[corners[part], 1]
+        np.testing.assert_allclose(pressures.limit[corners[part]], 2e5 - WEIGHT * depth, rtol=1e-12)
+
+
+def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(casting) -> None:
+    nodes = len(casting.points)
+    everything = np.ones(len(casting.nodes.dofmap.list), dtype=bool)
+    pressures = PocketPressures(casting, (0.0, -WEIGHT), 0.0)
+    depth = HEIGHT - casting.points[:, 1]
+    np.testing.assert_allclose(pressures.reference, -WEIGHT * depth, rtol=1e-12, atol=1e-9)
+    pressures.commit(np.full(nodes, -3e5))
+    pressures.begin(pockets_of(casting, everything))
+    np.testing.assert_array_equal(pressures.reference, -3e5)
+    none = np.zeros(len(everything), dtype=bool)
+    np.testing.assert_array_equal(pressures.acting(none), -3e5)
+    np.testing.assert_allclose(pressures.acting(everything), -WEIGHT * depth, atol=1e-9)
+    other = PocketPressures(casting, (0.0, -WEIGHT), 0.0)
+    other.restore({name: saved.values for name, saved in pressures.saved().items()})
+    other.begin(pockets_of(casting, everything))
+    np.testing.assert_array_equal(other.reference, -3e5)
+
+
+def test_a_force_that_depends_on_the_place_has_no_depth(casting) -> None:
+    pressures = PocketPressures(casting, lambda x: x, 1e4)
+    pressures.begin(pockets_of(casting, np.ones(len(casting.nodes.dofmap.list), dtype=bool)))
+    np.testing.assert_array_equal(pressures.limit, 1e4)

@@ -1,0 +1,89 @@
+"""Castings whose last liquid is cut off: balance of feeding, and what their pores depend on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.coupled_cases import fields, largest_difference, merged, states
+
+VISCOPLASTIC = "thermo-elasto-viscoplastic"
+
+
+def box(*changes: dict[str, Any], cells: str = "simplices", lid: bool = True) -> dict[str, Any]:
+    """Return a box of an alloy of the database, 40 × 30 mm, in a mould with a lid."""
+    data = {
+        "geometry": {
+            "generator": "box_in_mould", "model": "plane-strain", "cells": cells,
+            "box": [0.04, 0.03], "wall": 0.015, "lid": lid, "size": 0.005,
+        },
+        "materials": {"alloy": {"extends": "AlSi7Mg"},
+                      "die": {"extends": "steel-H13", "stress_free": 200}},
+        "bodies": [
+            {"name": "casting", "material": "alloy", "temperature": 640, "law": VISCOPLASTIC},
+            {"name": "mould", "material": "die", "temperature": 200},
+        ],
+        "interfaces": [
+            {"bodies": ["casting", "mould"], "contact": {"method": "condensed"},
+             "heat": {"law": "limited", "closed": 3000, "gas_conductivity": 0.05}},
+        ],
+        "loads": {"gravity": [0.0, -9.81]},
+        "time": {"end": 30.0},
+    }  # fmt: skip
+    for change in changes:
+        data = merged(data, change)
+    return data
+
+
+def history(comm, data) -> dict[str, np.ndarray]:
+    """Return the totals of the casting in all accepted steps, and the fields of the last one."""
+    found: dict[str, list[float]] = {}
+    for state in states(comm, data):
+        for name, value in state.totals.items():
+            if name.startswith("casting."):
+                found.setdefault(name.removeprefix("casting."), []).append(value)
+        last = fields(state)
+        cutbacks = state.counters.cutbacks
+    assert cutbacks == 0
+    return {name: np.array(values) for name, values in found.items()} | last
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_a_lidded_box_ends_with_pores(comm, cells) -> None:
+    """Nothing is fed; the void, never negative, is the demand but for what the walls give way."""
+    found = history(comm, box(cells=cells))
+    demand, void = found["feeding_demand"], found["void_volume"]
+    volume = 0.04 * 0.03
+    assert (void >= 0).all() and not found["fed_volume"].any()
+    assert (np.diff(demand) >= 0).all()
+    expected = 0.05 * 0.7 * volume  # s f_c V
+    frozen = found["solid_fraction"][-1]
+    assert 0.5 < frozen and 0.4 * expected < demand[-1] <= expected * (1 + 1e-9)
+    assert 0.25 * demand[-1] < void[-1] < demand[-1]
+    assert found["pocket_pressure"].max() < 1e3  # without `cavitation` pockets do not pull
+
+
+def test_an_open_box_is_fed(comm) -> None:
+    """As long as its top is liquid: the balance is demand = fed."""
+    found = history(comm, box({"time": {"end": 4.0}}, lid=False))
+    assert found["feeding_demand"][-1] > 1e-6
+    np.testing.assert_allclose(found["fed_volume"], found["feeding_demand"], rtol=1e-12)
+    assert not found["void_volume"].any()
+
+
+def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
+    """Before pores open at 20 kPa the walls follow, and so less void is left."""
+    short = {"time": {"end": 6.0}}
+    without = history(comm, box(short))
+    depressed = history(comm, box(short, {"materials": {"alloy": {"cavitation": 2e4}}}))
+    assert (
+        largest_difference(
+            {"casting displacement": without["casting displacement"]},
+            {"casting displacement": depressed["casting displacement"]},
+        )[0]
+        > 1e-3
+    )
+    assert depressed["void_volume"][-1] < without["void_volume"][-1]
+    assert without["pocket_pressure"].max() < 0 < depressed["pocket_pressure"].max() < 2e4
