@@ -1,0 +1,126 @@
+"""The launcher: what a batch system leaves out, and what it asks bubblewrap for."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import pwd
+import shlex
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.serial
+
+PROJECT = Path(__file__).parents[1]
+LAUNCHER = PROJECT / "bin/with-fenicsx"
+
+BWRAP = """#!/bin/sh
+# Stands for bubblewrap: shows its arguments, and what the command would get.
+[ "$1" = --info-fd ] || exit 0
+echo '{"child-pid": 1}' >&4
+printf 'argument %s\\n' "$@"
+echo "TMPDIR ${TMPDIR-none} HOME ${HOME-none}"
+echo "input $(cat)"
+"""
+
+
+@pytest.fixture
+def debian(tmp_path):
+    """Return the environment of a machine whose Debian 13 is there, and whose bwrap is a stub."""
+    recipe = b"".join(
+        (PROJECT / "bin" / name).read_bytes()
+        for name in ("build-root", "debian-packages.txt", "dpkg-excludes.conf")
+    )
+    digest = hashlib.sha256(recipe).hexdigest()[:12]
+    (tmp_path / "cache" / "castx" / f"debian-13-{platform.machine()}-{digest}").mkdir(parents=True)
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "bwrap").write_text(BWRAP)
+    (tmp_path / "bin" / "bwrap").chmod(0o755)
+    return {
+        "PATH": f"{tmp_path / 'bin'}:/usr/bin:/bin",
+        "HOME": str(tmp_path),
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "CASTX_FENICSX": "debian",
+    }
+
+
+def launch(environment, redirection="", cwd=PROJECT):
+    """Start `castx info` from a shell with redirections."""
+    line = f"exec {shlex.quote(str(LAUNCHER))} castx info {redirection}"
+    return subprocess.run(
+        ["sh", "-c", line], env=environment, cwd=cwd, capture_output=True, text=True, timeout=60,
+        input="typed", check=False,
+    )  # fmt: skip
+
+
+def test_the_command_gets_streams_and_folders(debian):
+    ended = launch(debian)
+    assert ended.returncode == 0, ended.stderr
+    lines = ended.stdout.splitlines()
+    assert lines[-1] == "input typed" and lines[-2] == f"TMPDIR none HOME {debian['HOME']}"
+    arguments = [line.removeprefix("argument ") for line in lines]
+    assert arguments[-5:-2] == [str(LAUNCHER), "castx", "info"]
+
+
+def test_a_closed_input_is_an_empty_one(debian):
+    ended = launch(debian, "<&-")
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.endswith("input \n")
+
+
+@pytest.mark.parametrize("redirection", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_outputs_lose_only_what_is_written(debian, redirection):
+    assert launch(debian, redirection).returncode == 0
+
+
+@pytest.mark.parametrize("folder", ["/nowhere/at/all", "/etc/passwd"])
+def test_temporary_files_go_elsewhere_when_their_folder_is_missing(debian, folder):
+    ended = launch(debian | {"TMPDIR": folder})
+    assert ended.returncode == 0
+    assert f"castx: TMPDIR={folder} is no folder to write to; /tmp is used" in ended.stderr
+    assert "TMPDIR none" in ended.stdout
+
+
+def test_without_home_the_one_of_the_user_counts(debian):
+    del debian["HOME"]
+    ended = launch(debian)
+    assert ended.returncode == 0
+    assert f"HOME {pwd.getpwuid(os.getuid()).pw_dir}" in ended.stdout
+
+
+def test_without_any_place_for_a_cache_it_is_not_started(debian, tmp_path):
+    """A user whom nobody knows, without HOME."""
+    del debian["HOME"], debian["XDG_CACHE_HOME"]
+    (tmp_path / "bin" / "getent").write_text("#!/bin/sh\nexit 2\n")
+    (tmp_path / "bin" / "getent").chmod(0o755)
+    ended = launch(debian)
+    assert ended.returncode == 125
+    assert "castx: neither HOME nor XDG_CACHE_HOME is set" in ended.stderr
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root has rights to give up")
+def test_root_gives_up_what_is_not_needed(debian):
+    arguments = [line.removeprefix("argument ") for line in launch(debian).stdout.splitlines()]
+    kept = {b for a, b in pairwise(arguments) if a == "--cap-add"}
+    dropped = [b for a, b in pairwise(arguments) if a == "--cap-drop"]
+    assert dropped == ["ALL"]
+    assert kept == {"CAP_DAC_OVERRIDE", "CAP_FOWNER", "CAP_SYS_PTRACE"}
+
+
+@pytest.mark.parametrize(
+    "command", [["-m", "castx", "--help"], ["-c", "import castx; castx.load_case; print('metal')"]]
+)
+def test_a_checkout_called_castx_does_not_hide_the_package(tmp_path, command):
+    """Seen from above it is a folder of that name without __init__.py."""
+    (tmp_path / "castx" / "castx").mkdir(parents=True)
+    ended = subprocess.run(
+        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+        check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert "metal" in ended.stdout
