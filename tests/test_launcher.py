@@ -9,6 +9,7 @@ import pwd
 import shlex
 import subprocess
 import sys
+import tempfile
 from itertools import pairwise
 from pathlib import Path
 
@@ -52,10 +53,13 @@ def debian(tmp_path):
 def launch(environment, redirection="", cwd=PROJECT):
     """Start `castx info` from a shell with redirections."""
     line = f"exec {shlex.quote(str(LAUNCHER))} castx info {redirection}"
-    return subprocess.run(
-        ["sh", "-c", line], env=environment, cwd=cwd, capture_output=True, text=True, timeout=60,
-        input="typed", check=False,
-    )  # fmt: skip
+    with tempfile.TemporaryFile() as typed:  # no pipe, whose reader may leave
+        typed.write(b"typed")
+        typed.seek(0)
+        return subprocess.run(
+            ["sh", "-c", line], env=environment, cwd=cwd, capture_output=True, text=True,
+            timeout=60, stdin=typed, check=False,
+        )  # fmt: skip
 
 
 def test_the_command_gets_streams_and_folders(debian):

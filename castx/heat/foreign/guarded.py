@@ -10,6 +10,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 
@@ -66,16 +67,18 @@ def interpolated(path: Path, field: str, points: FloatArray) -> Interpolated:
     patience = PATIENCE + size_of(path) / SPEED + len(points) / POINTS_A_SECOND
     request = {"path": str(path), "field": field, "refused": REFUSED}
     request |= {"memory": MEMORY, "unpacked": UNPACKED}
-    content = io.BytesIO()
-    np.save(content, np.ascontiguousarray(points, dtype=np.float64))
     script = str(Path(__file__).with_name("child.py"))
     kept = {key: value for key, value in os.environ.items() if not key.startswith(OF_MPI)}
     try:
-        ended = subprocess.run(
-            [sys.executable, "-P", script, json.dumps(request)],
-            input=content.getvalue(), capture_output=True, env=kept | {"OPENBLAS_NUM_THREADS": "1"},
-            timeout=patience, check=False,
-        )  # fmt: skip
+        # A file and no pipe: PETSc ends a process that writes to a reader which has died.
+        with TemporaryFile() as places:
+            np.save(places, np.ascontiguousarray(points, dtype=np.float64))
+            places.seek(0)
+            ended = subprocess.run(
+                [sys.executable, "-P", script, json.dumps(request)],
+                stdin=places, capture_output=True, env=kept | {"OPENBLAS_NUM_THREADS": "1"},
+                timeout=patience, check=False,
+            )  # fmt: skip
     except subprocess.TimeoutExpired:
         raise CaseError(f"{path} cannot be read: it took more than {patience:.0f} s") from None
     if ended.returncode == 0:

@@ -1,6 +1,7 @@
 """A reader that crashes, hangs or is killed gives words, and its process is no rank of a run."""
 
 import os
+import signal
 from pathlib import Path
 
 import meshio
@@ -33,7 +34,7 @@ def test_values_are_those_of_the_file(file):
 
 def stub(monkeypatch, tmp_path: Path, code: str) -> None:
     """Let another program stand for the reader."""
-    (tmp_path / "child.py").write_text(f"import os, sys, time\nsys.stdin.buffer.read()\n{code}\n")
+    (tmp_path / "child.py").write_text(f"import os, sys, time\n{code}\n")
     monkeypatch.setattr(guarded, "__file__", str(tmp_path / "guarded.py"))
 
 
@@ -53,6 +54,17 @@ def test_any_end_of_the_reader_is_a_refusal(file, monkeypatch, tmp_path, code, w
     monkeypatch.setattr(guarded, "PATIENCE", 1.0)
     with pytest.raises(CaseError, match=words):
         interpolated(file, "T", POINT)
+
+
+def test_a_reader_that_dies_before_it_has_read_all_ends_nothing_else(file, monkeypatch, tmp_path):
+    """Broken pipes end a process in which PETSc is loaded."""
+    stub(monkeypatch, tmp_path, "os.abort()")
+    before = signal.signal(signal.SIGPIPE, lambda *_: pytest.fail("a broken pipe"))
+    try:
+        with pytest.raises(CaseError, match="SIGABRT"):
+            interpolated(file, "T", np.zeros((100_000, 2)))
+    finally:
+        signal.signal(signal.SIGPIPE, before)
 
 
 def test_the_reader_is_no_rank(file, monkeypatch, tmp_path):
