@@ -1,6 +1,6 @@
 """Do the tests notice a small fault in the code?
 
-    bin/with-fenicsx python3 bench/mutation.py [--only TEXT] [--limit SECONDS]
+    bin/with-fenicsx python3 bench/mutation.py [--only TEXT …] [--limit SECONDS]
 
 Plants the faults of bench/mutants.toml one after the other in a copy of this checkout, runs the
 tests that should notice, and prints those that no test did. A fault replaces one line or a part of
@@ -37,7 +37,7 @@ class Mutant(NamedTuple):
         path: of the file, relative to the checkout.
         text: what is replaced; it occurs once.
         replacement: what stands there instead.
-        tests: files of tests.
+        tests: files of tests, or single tests in them.
     """
 
     path: str
@@ -135,10 +135,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--only", default="", help="those whose file or text contains this")
+    parser.add_argument("--only", nargs="+", default=[""], help="those whose file or text has one")
     parser.add_argument("--limit", type=float, default=600.0, help="for the tests of one [s]")
     given = parser.parse_args(arguments)
-    chosen = [mutant for mutant in mutants() if given.only in str(mutant)]
+    chosen = [m for m in mutants() if any(text in str(m) for text in given.only)]
     counts: Counter[tuple[str, bool]] = Counter()
     survivors = []
     with tempfile.TemporaryDirectory() as folder:

@@ -120,3 +120,12 @@ def test_the_stabilisation_takes_the_modulus_of_the_phase(comm, fraction, share)
     np.testing.assert_allclose(
         part.material.secant_modulus.x.array, share * G + (1 - share) * viscosity / step, rtol=1e-12
     )
+
+
+def test_the_stabilisation_takes_the_secant_modulus_of_the_last_step(comm):
+    """Where plastic flow has softened the solid to a quarter, τ is four times as large."""
+    part = alone(comm)
+    history = part.material.history
+    part.material.history = history._replace(softening=0.25 * np.ones_like(history.softening))
+    begin(part, 20.0)
+    np.testing.assert_allclose(part.material.secant_modulus.x.array, 0.25 * SHEAR, rtol=1e-12)
