@@ -88,3 +88,10 @@ def test_a_fault_that_stands_nowhere_or_twice_is_refused():
     for code in ("y = 1\n", "x = 1\nx = 1\n"):
         with pytest.raises(ValueError, match=r"a\.py: x = 1  →  x = 2: stands there"):
             fault.planted(code)
+
+
+def test_faults_are_planted_where_python_finds_them(tmp_path):
+    """In a copy that is imported in place of the checkout that is installed."""
+    mutation = script("mutation")
+    copy = mutation.copy_of_checkout(tmp_path)  # asks Python, and raises if it looks elsewhere
+    assert (copy / "castx" / "forms").resolve() == copy / "forms"
