@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from mpi4py import MPI
+
+import numpy as np
+
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
 from castx.case.boundaries import Boundary
@@ -16,7 +20,7 @@ from castx.coupling.interface import CoupledInterface
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.coupling.step import CoupledProblem
 from castx.coupling.temperatures import Temperatures
-from castx.domain.measures import nodal_volumes
+from castx.domain.measures import nodal_sum, nodal_volumes
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import initial_gap
@@ -31,6 +35,7 @@ from castx.input.problems import among, show
 from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
@@ -66,9 +71,13 @@ def build_problem(
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
     gaps = {i.name: initial_gap(i, pairs[i.name]) for i in case.interfaces}
     mechanics, counters = None, StepCounters()
+    known = temperatures
+    if scheme != "mechanical" and known is None:
+        known = initial_state(case.bodies, mesh)
     if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
         placed = [(pairs[i.name], gaps[i.name]) for i in contacts]
-        mechanics = _mechanics(case, mesh, materials, contacts, placed, counters)
+        free = {b.name: _stress_free(b, mesh, materials[b.name], known) for b in case.bodies}
+        mechanics = _mechanics(case, mesh, materials, free, contacts, placed, counters)
     own = dict(laws or {})
     _check_laws(case, own)
     exchanges = [
@@ -79,7 +88,7 @@ def build_problem(
         given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
         heat = PrescribedTemperatures(mesh, given, exchanges)
     else:
-        known = initial_state(case.bodies, mesh) if temperatures is None else temperatures
+        assert known is not None
         heat = _heat(case, mesh, materials, exchanges, known, accounts, counters)
     interfaces = [
         CoupledInterface(
@@ -168,12 +177,13 @@ def _mechanics(
     case: Case,
     mesh: CastingMesh,
     materials: dict[str, Material],
+    stress_free: dict[str, StressFreeState],
     contacts: list[Interface],
     pairs: list[tuple[NodePairs, FloatArray]],
     counters: StepCounters,
 ) -> MechanicalProblem:
     bodies = {
-        b.name: _mechanical_body(case, mesh, b, materials[b.name])
+        b.name: _mechanical_body(case, mesh, b, materials[b.name], stress_free[b.name])
         for b in case.bodies
         if b.law != "rigid"
     }
@@ -225,21 +235,41 @@ def _contact(interface: Interface) -> Contact:
     )
 
 
+def _stress_free(
+    body: Body, mesh: CastingMesh, material: Material, known: Mapping[str, FloatArray] | None
+) -> StressFreeState:
+    """Return the state without thermal strain that follows from the start of a body; collective."""
+    uniform = body.temperature.uniform
+    if uniform is not None:
+        return StressFreeState.at_start(material, uniform, uniform)
+    assert known is not None
+    there, owned = mesh.bodies[body.name], known[body.name]
+    values = np.zeros(len(there.parent_vertices))
+    values[: len(owned)] = owned
+    hottest = mesh.comm.allreduce(float(owned.max(initial=-np.inf)), op=MPI.MAX)
+    return StressFreeState.at_start(material, nodal_sum(there, values), hottest)
+
+
+def _solved_material(mesh: CastingMesh, body: Body, material: Material) -> Material:
+    """Return the material of a body, without liquid where its formulation has none."""
+    if formulation_of(mesh, body) != "displacement" or material.liquid is None:
+        return material
+    if not body.starts_solid(material.description):
+        raise CaseError(
+            f"body {body.name!r} has formulation 'displacement', but its material "
+            f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
+        )
+    return material.without_liquid()
+
+
 def _mechanical_body(
-    case: Case, mesh: CastingMesh, body: Body, material: Material
+    case: Case, mesh: CastingMesh, body: Body, material: Material, stress_free: StressFreeState
 ) -> MechanicalBody:
-    formulation = formulation_of(mesh, body)
-    if formulation == "displacement" and material.liquid is not None:
-        if not body.starts_solid(material.description):
-            raise CaseError(
-                f"body {body.name!r} has formulation 'displacement', but its material "
-                f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
-            )
-        material = material.without_liquid()
+    material = _solved_material(mesh, body, material)
     loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
     return MechanicalBody(
-        Law(material, material.stress_free_temperature(_uniform(body)), body.law),
-        formulation,
+        Law(material, stress_free, body.law),
+        formulation_of(mesh, body),
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
         tuple(loads),
@@ -256,9 +286,7 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
     if case.coupling.scheme == "thermal":
         return []
     materials = {
-        body.name: _mechanical_body(
-            case, mesh, body, find_material(body.material, case.materials)
-        ).law.material
+        body.name: _solved_material(mesh, body, find_material(body.material, case.materials))
         for body in case.bodies
         if body.law != "rigid"
     }

@@ -164,8 +164,26 @@ class Material:
             return np.ones_like(temperature)
         return fraction_at(self.solid_fraction, self.solidus, self.liquidus, temperature)
 
+    @property
+    def given_stress_free(self) -> float | None:
+        """Stress-free temperature [°C] that the case gives; that of the database is of castings."""
+        return None if "stress_free" in self.sources else self.stress_free
+
+    @property
+    def contraction_start(self) -> float | None:
+        """Temperature from which the freezing metal contracts [°C]; None: it never melts.
+
+        That of the database where it has one, else the solidus.
+        """
+        tabled = None if self.given_stress_free is not None else self.stress_free
+        return self.solidus if tabled is None else tabled
+
     def stress_free_temperature(self, initial: float) -> float:
-        """Return the stress-free temperature [°C] of a body with this initial temperature."""
+        """Return the stress-free temperature [°C] of a casting, or of what never melts.
+
+        Args:
+            initial: its initial temperature [°C].
+        """
         if self.stress_free is not None:
             return self.stress_free
         return initial if self.solidus is None else self.solidus

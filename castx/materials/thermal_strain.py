@@ -5,29 +5,101 @@ Here the mean expansion α(T) counts from a reference temperature T_ref, as tabl
 strain is zero at the stress-free temperature T_sf:
 
     e^θ = 3 [α(T)(T − T_ref) − α(T_sf)(T_sf − T_ref)].
+
+Metal expands as long as it is a solid: above a temperature T_s its strain stays that of T_s. What
+freezes has T_s = T_sf, so that it has no strain before it contracts. A chill, core or die begins as
+a solid; its T_sf is the temperature at its start, or the one of the case, and its T_s that at which
+it melts. Its liquid keeps the volume of the solid: frozen and cold again it fills its place.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, IntArray
 from castx.materials.material import Material
 
 
+@dataclass(frozen=True, eq=False)
+class StressFreeState:
+    """State in which a body has neither thermal strain nor one of solidification.
+
+    Attributes:
+        temperature: T_sf [°C], one number or one for each node.
+        solid_below: T_s [°C]; None: T_sf in a material that melts, infinite in another.
+        solid_fraction: one number or one for each node.
+    """
+
+    temperature: float | FloatArray
+    solid_below: float | None = None
+    solid_fraction: float | FloatArray = 0.0
+
+    @classmethod
+    def at_start(cls, material: Material, initial: float | FloatArray, hottest: float) -> Self:
+        """Return the state of a body that starts with given temperatures.
+
+        What is solid at the start is free of strain there, what is not at the temperature at which
+        the metal begins to contract; or all of it at the one that the case gives.
+
+        Args:
+            material: of the body.
+            initial: temperature at the start [°C], one number or one for each node.
+            hottest: highest one of the body on all ranks [°C].
+        """
+        given, contracts, solidus = (
+            material.given_stress_free, material.contraction_start, material.solidus
+        )  # fmt: skip
+        if contracts is None or solidus is None:
+            return cls(initial if given is None else given)
+        if given is not None:
+            return cls(given, solidus, 1.0) if hottest < solidus else cls(given)
+        solid = np.asarray(initial) < contracts
+        fraction = np.where(solid, material.solid_fraction_at(np.asarray(initial)), 0.0)
+        return cls(np.minimum(initial, contracts), contracts, fraction)
+
+    def thermal_strain(self, material: Material, temperature: FloatArray) -> FloatArray:
+        """Return e^θ at the nodes; that of the liquid at an infinite temperature.
+
+        Args:
+            material: of the body.
+            temperature: at the nodes [°C], shape (nodes,).
+        """
+        return volumetric_thermal_strain(material, temperature, self.temperature, self.solid_below)
+
+    def shrinkage(
+        self, material: Material, solid_fraction: FloatArray, corners: IntArray
+    ) -> FloatArray:
+        """Return the strain of solidification since this state in the cells, shape (cells,).
+
+        Args:
+            material: of the body.
+            solid_fraction: mean of each cell, shape (cells,).
+            corners: nodes of each cell, shape (cells, corners).
+        """
+        start = np.asarray(self.solid_fraction)
+        if start.ndim:
+            start = np.mean(start[corners], axis=1)
+        return shrinkage_strain(material, solid_fraction) - shrinkage_strain(material, start)
+
+
 def volumetric_thermal_strain(
-    material: Material, temperature: Any, stress_free: float
+    material: Material,
+    temperature: Any,
+    stress_free: float | FloatArray,
+    solid_below: float | None = None,
 ) -> FloatArray:
     """Return e^θ = 3 [α(T)(T − T_ref) − α(T_sf)(T_sf − T_ref)], expansion positive.
 
-    Zero above T_sf in a material that melts, and everywhere without `expansion`.
+    Above T_s it is that of T_s; without `expansion` it is zero.
 
     Args:
         material: gives α [1/K] and T_ref.
         temperature: T [°C], array of any shape.
-        stress_free: T_sf [°C], see `Material.stress_free_temperature`; also the default of T_ref.
+        stress_free: T_sf [°C], one number or in the shape of T; also the default of T_ref.
+        solid_below: T_s [°C]; None: T_sf in a material that melts, infinite in another.
     """
     temperature = np.asarray(temperature, dtype=np.float64)
     expansion = material.expansion
@@ -36,10 +108,11 @@ def volumetric_thermal_strain(
     given = material.expansion_reference
     reference = stress_free if given is None else given
     born = expansion(stress_free) * (stress_free - reference)
-    strain = 3.0 * (expansion(temperature) * (temperature - reference) - born)
-    if material.melts:
-        strain = np.where(temperature > stress_free, 0.0, strain)
-    return np.asarray(strain)
+    if solid_below is not None:
+        temperature = np.minimum(temperature, solid_below)
+    elif material.melts:
+        temperature = np.minimum(temperature, stress_free)
+    return np.asarray(3.0 * (expansion(temperature) * (temperature - reference) - born))
 
 
 def shrinkage_strain(material: Material, solid_fraction: Any) -> FloatArray:

@@ -74,7 +74,7 @@ def _enthalpy_problems(material: Material) -> Iterator[Problem]:
 def _body_problems(
     case: Case, index: int, body: Body, material: MaterialDescription
 ) -> Iterator[Problem]:
-    yield from _temperature_problems(case, index, body, material)
+    yield from _temperature_problems(case, index, body)
     scheme = case.coupling.scheme
     for key, purpose in _needed_properties(case, body, material):
         if getattr(material, key) is None:
@@ -116,9 +116,7 @@ def _needed_properties(
         yield "expansion", "its thermal strain"
 
 
-def _temperature_problems(
-    case: Case, index: int, body: Body, material: MaterialDescription
-) -> Iterator[Problem]:
+def _temperature_problems(case: Case, index: int, body: Body) -> Iterator[Problem]:
     given, place = body.temperature, ("bodies", index, "temperature")
     coordinates = case.geometry.coordinates
     if given.table is not None and not given.table.is_constant and given.along not in coordinates:
@@ -126,13 +124,9 @@ def _temperature_problems(
         yield Problem((*place, "along"), allowed)
     if given.uniform is not None or given.is_missing:
         return
-    scheme = case.coupling.scheme
-    if scheme == "mechanical":
+    if case.coupling.scheme == "mechanical":
         text = 'must be uniform with coupling.scheme = "mechanical", which solves no heat equation'
         yield Problem(place, text)
-    elif scheme != "thermal" and material.stress_free is None and material.freezing_range is None:
-        text = f"is not uniform, so {body.material!r} needs stress_free, the temperature at which"
-        yield Problem(place, f"{text} {body.name!r} is free of stress")
 
 
 def _interface_problems(case: Case) -> Iterator[Problem]:

@@ -38,7 +38,7 @@ class IntegrationPoints:
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
         self._mesh, self.model = body.mesh, model
-        self.numbering = body.cell_numbering
+        self.numbering, self.node_numbering = body.cell_numbering, body.node_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
         self._all_cells = np.arange(self.cells, dtype=np.int32)

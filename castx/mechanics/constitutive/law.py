@@ -27,7 +27,7 @@ from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
 from castx.materials.flow import FlowProperties, liquid_flow, solid_flow
 from castx.materials.material import Material
-from castx.materials.thermal_strain import shrinkage_strain, volumetric_thermal_strain
+from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.tables import Table
 
@@ -66,13 +66,19 @@ class Law:
 
     Attributes:
         material: the material of the body.
-        stress_free: temperature without thermal strain [°C].
+        stress_free: state without thermal strain; a number: a temperature of the solid [°C].
         name: "thermo-elastic", "thermo-elasto-plastic" or "thermo-elasto-viscoplastic".
     """
 
     material: Material
-    stress_free: float
+    stress_free: float | StressFreeState
     name: str = ELASTIC
+
+    @property
+    def stress_free_state(self) -> StressFreeState:
+        """State without thermal strain."""
+        given = self.stress_free
+        return given if isinstance(given, StressFreeState) else StressFreeState(given)
 
     @property
     def is_linear(self) -> bool:
@@ -109,17 +115,21 @@ class Law:
         shear_modulus = points.from_nodes(E / (2 * (1 + nu)))
         corners = points.cell_nodes
         compressibility = np.mean((3 * (1 - 2 * nu) / E)[corners], axis=1)
-        strain = volumetric_thermal_strain(self.material, temperature, self.stress_free)
         fraction = np.mean(solid_fraction[corners], axis=1)
-        thermal_strain = np.mean(strain[corners], axis=1)
-        thermal_strain = thermal_strain + shrinkage_strain(self.material, fraction)
+        unstressed = self.stress_free_state
+        nodal = unstressed.thermal_strain(self.material, temperature)
+        shrinkage = unstressed.shrinkage(self.material, fraction, corners)
+        thermal_strain = np.mean(nodal[corners], axis=1) + shrinkage
         share: FloatArray = np.ones(points.cells)
         coherent: BoolArray = np.ones(points.cells, dtype=bool)
         liquid = self.material.liquid
         if liquid is not None:
             coherent = fraction >= liquid.coherency
             share = _solid_share(fraction, liquid.coherency)
-            thermal_strain = np.where(coherent, thermal_strain, 0.0)
+            nodal = unstressed.thermal_strain(self.material, np.full(len(temperature), np.inf))
+            molten = np.mean(nodal[corners], axis=1)
+            molten = molten + unstressed.shrinkage(self.material, np.zeros(points.cells), corners)
+            thermal_strain = np.where(coherent, thermal_strain, molten)
         at_points = points.from_nodes(temperature)
         viscous, flowing = self._liquid(shear_modulus, at_points, step)
         flow = None

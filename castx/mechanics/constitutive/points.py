@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -154,11 +155,17 @@ class MaterialPoints:
         return np.asarray(self.response.work / self._step)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the history, and in plane stress the strain ε_zz."""
+        """Return the history, the strain ε_zz of plane stress, and a field of T_sf.
+
+        A field of stress-free temperatures is kept, since the file that it came from may be gone.
+        """
         found = self.history.saved(self.points)
         if self.out_of_plane is not None:
             normal = self.points.by_cell(self.out_of_plane.x.array).copy()
             found["out_of_plane"] = Saved(normal, self.points.numbering)
+        unstressed = self.law.stress_free_state.temperature
+        if np.ndim(unstressed):
+            found["stress_free"] = Saved(np.asarray(unstressed), self.points.node_numbering)
         return found
 
     def restore(self, arrays: Arrays) -> None:
@@ -166,6 +173,9 @@ class MaterialPoints:
         self.history, self._committed = self.history.restored(arrays), None
         if self.out_of_plane is not None:
             self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
+        if "stress_free" in arrays:
+            unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
+            self.law = replace(self.law, stress_free=unstressed)
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""

@@ -12,7 +12,7 @@ from castx.case.initial_temperature import read_initial_temperature
 from castx.case.reading.read import read_case
 from castx.command.run import run_case
 from castx.errors import CaseError
-from tests.coupled_cases import cylinder, merged, nodal, places, simulation
+from tests.coupled_cases import ALUMINIUM, cylinder, merged, nodal, places, simulation
 
 ALONG_Z = {"along": "z", "table": [[0, 150], ["60 mm", "523.15 K"]]}
 
@@ -66,7 +66,6 @@ def test_refused(value, text):
     "changes, text",
     [
         ({"coupling": {"scheme": "mechanical"}}, 'must be uniform with coupling.scheme = "mechan'),
-        ({"coupling": {"scheme": "iterated"}}, "'steel' needs stress_free, the temperature at wh"),
     ],
 )
 def test_what_a_field_needs(changes, text):
@@ -81,11 +80,42 @@ def test_coordinate_of_the_model():
         read_case(with_temperatures(670.0, wrong), Path("case.toml"))
 
 
-@pytest.mark.serial
-def test_given_stress_free_temperature_lets_a_field_into_mechanics(comm):
-    changes = {"coupling": {"scheme": "iterated"}, "materials": {"steel": {"stress_free": 200.0}}}
-    state = next(iter(simulation(comm, with_temperatures(670.0, ALONG_Z, **changes))))
-    assert np.ptp(nodal(state, "mould", "temperature")) == pytest.approx(100.0)
+@pytest.mark.parametrize("metal", ["steel", "copper"])
+def test_a_field_is_free_of_strain_as_it_starts(metal, comm, shared_tmp_path):
+    """Its gradient strains nothing; with a given stress-free temperature it bends the mould."""
+    copper = {**ALUMINIUM, "solidus": 1084.0, "liquidus": 1084.0}
+    changes = {
+        "coupling": {"scheme": "iterated"}, "materials": {"copper": copper},
+        "time": {"end": 1e-6},
+    }  # fmt: skip
+    data = with_temperatures(670.0, ALONG_Z, **changes)
+    data["bodies"][1]["material"] = metal
+
+    def moved() -> float:
+        *_, state = simulation(comm, data)
+        return float(np.abs(nodal(state, "mould", "displacement")).max())
+
+    assert moved() < 1e-9
+    data["materials"][metal] = {**data["materials"][metal], "stress_free": 200.0}
+    assert moved() > 1e-5
+
+
+def test_the_stress_free_field_of_a_file_outlives_the_file(comm, shared_tmp_path):
+    """A checkpoint keeps it: what starts from another field has the old strain again."""
+    changes = {"coupling": {"scheme": "iterated"}, "time": {"end": 1e-6}}
+    made = simulation(comm, with_temperatures(670.0, ALONG_Z, **changes))
+    for _ in made:
+        pass
+    saved = made.process.now.problem.mechanics.bodies["mould"].material
+    other = {"along": "z", "table": [[0, 20], [1, 30]]}
+    again = simulation(comm, with_temperatures(670.0, other, **changes))
+    material = again.process.now.problem.mechanics.bodies["mould"].material
+    before = material.law.stress_free_state.temperature
+    material.restore({name: part.values for name, part in saved.saved().items()})
+    after = material.law.stress_free_state.temperature
+    assert np.abs(before - 20.0).max(initial=0.0) < 1.0
+    np.testing.assert_array_equal(after, saved.law.stress_free_state.temperature)
+    assert np.all(after >= 150.0)
 
 
 def test_table_along_a_coordinate(comm):

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
 from castx.materials.thermal_strain import (
+    StressFreeState,
     liquid_shrinkage,
     shrinkage_strain,
     volumetric_thermal_strain,
@@ -45,6 +48,60 @@ def test_thermal_strain_of_what_never_melts_goes_on_above() -> None:
     # reference default: the stress-free temperature
     strain = volumetric_thermal_strain(mould, np.array([100.0, 300.0]), 200.0)
     np.testing.assert_allclose(strain, [3 * 22e-6 * -100.0, 3 * 24e-6 * 100.0])
+
+
+def strain(state, material, temperature, fraction=1.0):
+    """Return the strain of cells that have a node of their own each."""
+    T, fraction = np.atleast_1d(temperature), np.atleast_1d(fraction)
+    cells = np.arange(len(T))[:, None]
+    found = state.thermal_strain(material, T) + state.shrinkage(material, fraction, cells)
+    return found if len(found) > 1 else found[0]
+
+
+@pytest.mark.parametrize("given", [None, 20.0, 120.0, 500.0])
+def test_copper_that_starts_solid_expands_from_its_reference(given) -> None:
+    """e^θ = 3[α(T)(T − 20) − α(T_sf)(T_sf − 20)] with the table of the database."""
+    changed = {} if given is None else {"stress_free": given}
+    description = MaterialDescription.read({"extends": "Cu-pure", **changed})
+    copper = find_material("chill", {"chill": description})
+    state = StressFreeState.at_start(copper, 120.0, 120.0)
+    mean = {20.0: 16.8e-6, 120.0: 16.9e-6, 500.0: 18.6e-6, 900.0: 20.3e-6, 1084.62: 21.1e-6}
+    free = given or 120.0
+    for T, alpha in mean.items():
+        expected = 3 * (alpha * (T - 20.0) - mean[free] * (free - 20.0))
+        assert strain(state, copper, T) == pytest.approx(expected, rel=1e-12, abs=1e-16)
+    molten = strain(state, copper, 1084.62, 0.0)
+    assert strain(state, copper, 1500.0, 0.0) == molten == strain(state, copper, np.inf, 0.0)
+
+
+def test_a_field_is_free_of_strain_where_it_is_solid_and_melts_as_a_casting_does() -> None:
+    material = alloy(expansion=2e-5, solidification_shrinkage=0.06)
+    initial = np.array([20.0, 300.0, 600.0])
+    state = StressFreeState.at_start(material, initial, 600.0)
+    fraction = material.solid_fraction_at(initial)
+    start = strain(state, material, initial, fraction)
+    mushy = float(shrinkage_strain(material, fraction[2]))
+    np.testing.assert_allclose(start, np.array([0.0, 0.0, mushy]), atol=1e-18)
+    cold = strain(state, material, np.full(3, 20.0), np.ones(3))
+    expected = [0.0, -6e-5 * 280.0, -6e-5 * 530.0 - 0.06]
+    np.testing.assert_allclose(cold, expected, atol=1e-16)
+    # Molten, the cold node gains what the metal loses when it freezes and cools to 20 °C.
+    molten = strain(state, material, np.full(3, np.inf), np.zeros(3))
+    np.testing.assert_allclose(molten, [6e-5 * 530.0 + 0.06, 6e-5 * 250.0 + 0.06, 0.0])
+
+
+def test_the_database_speaks_of_castings_and_the_case_of_its_bodies() -> None:
+    bronze = find_material("CuSn12")
+    assert bronze.stress_free == bronze.contraction_start == 870.0
+    assert bronze.given_stress_free is None
+    assert StressFreeState.at_start(bronze, 20.0, 20.0).temperature == 20.0
+    assert StressFreeState.at_start(bronze, 1100.0, 1100.0).temperature == 870.0
+    description = MaterialDescription.read({"extends": "CuSn12", "stress_free": 200.0})
+    own = find_material("own", {"own": description})
+    assert StressFreeState.at_start(own, 20.0, 20.0).temperature == 200.0
+    assert strain(StressFreeState.at_start(own, 20.0, 20.0), own, 500.0) > 0.0
+    frozen = StressFreeState.at_start(own, 1100.0, 1100.0)
+    assert frozen.thermal_strain(own, np.array([500.0]))[0] == 0.0, "a casting contracts only below"
 
 
 def test_without_expansion_there_is_no_strain() -> None:
