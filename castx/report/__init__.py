@@ -2,5 +2,5 @@
 
 Public: `drawing.draw`, `drawing.Drawing`, `interface_law.heat_transfer_coefficient`,
 `report.write_report`, `material_figure.write_figure`, `pictures.picture`, `pictures.View`,
-`curves.curves`, `display.display`.
+`moments.moments`, `curves.curves`, `display.display`.
 """

@@ -124,8 +124,9 @@ def row(
     label: str,
     limits: tuple[float, float],
     colours: str,
+    beside: tuple[str, tuple[float, float], str] | None = None,
 ) -> bytes:
-    """Return pictures side by side with one colour bar as PNG.
+    """Return pictures side by side with one colour bar or two as PNG.
 
     Args:
         images: all of one size.
@@ -133,21 +134,24 @@ def row(
         label: of the colour bar, with its unit.
         limits: values at its ends.
         colours: name of the colour map.
+        beside: label, limits and colours of a second bar.
     """
     images = trimmed(images)
     height, width = images[0].shape[:2]
     tall = min(3.4 * height / width, 4.2)
     wide = tall * width / height
-    with figure(len(images) * (wide + 0.15) + 1.1, tall + 0.35) as (canvas, stream):
+    bars = [(label, limits, colours), *([] if beside is None else [beside])]
+    with figure(len(images) * (wide + 0.15) + 1.1 * len(bars), tall + 0.55) as (canvas, stream):
         axes = canvas.subplots(1, len(images), squeeze=False)[0]
         for axis, image, title in zip(axes, images, titles, strict=True):
             axis.imshow(image, interpolation="antialiased")
-            axis.set_title(title, fontsize=10)
+            axis.set_title(title, fontsize=9)
             axis.axis("off")
-        scale = ScalarMappable(Normalize(*limits), colours)
-        bar = canvas.colorbar(scale, ax=list(axes), shrink=0.9, pad=0.02, aspect=25)
-        bar.set_label(label)
-        bar.ax.spines["outline"].set_visible(False)
+        for text, ends, name in bars:
+            scale = ScalarMappable(Normalize(*ends), name)
+            bar = canvas.colorbar(scale, ax=list(axes), shrink=0.9, pad=0.02, aspect=25)
+            bar.set_label(text)
+            bar.ax.spines["outline"].set_visible(False)
         canvas.savefig(stream, dpi=DOTS_PER_INCH)
         return stream.getvalue()
 

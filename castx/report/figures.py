@@ -12,7 +12,9 @@ import pyvista
 from castx.arrays import FloatArray
 from castx.report.curves import Panel, curves, row
 from castx.report.display import display
+from castx.report.moments import moments
 from castx.report.pictures import (
+    Scale,
     View,
     chosen_times,
     deformed,
@@ -23,6 +25,7 @@ from castx.report.pictures import (
 from castx.results.reading import Results
 
 State = Mapping[str, pyvista.UnstructuredGrid]
+NUMERICS = "How the solution went"
 SMALLEST_RANGE = 1e-6
 """Range of values, in the unit shown, below which a picture would show round-off."""
 
@@ -60,7 +63,7 @@ def curve_figures(run: Results) -> list[Figure]:
         ),
         ("Displacements", "Displacements at the probes.", displacements(run), run.probes),
         (
-            "How the solution went",
+            NUMERICS,
             "Step size, iterations of each step with all passes and tries, and the energy balance.",
             numerics(run),
             run.history,
@@ -178,7 +181,8 @@ class Topic:
         label: of the colour bar.
         colours: name of the colour map.
         factor: from SI to the unit of the label.
-        melting: whether only the bodies that freeze show it.
+        melting: whether only the bodies that freeze show it; else the others have colours of
+            their own, `beside`.
         final: whether it is shown at the end only.
         front: whether the line f_s = 0.5 is drawn.
         share: of the values inside the colours.
@@ -193,6 +197,7 @@ class Topic:
     colours: str
     factor: float = 1.0
     melting: bool = False
+    beside: str = "cividis"
     final: bool = False
     front: bool = False
     share: float = 1.0
@@ -202,7 +207,7 @@ class Topic:
 
 TOPICS = (
     Topic("temperature", "Temperature", "The blue line is f_s = 0.5.", "temperature [°C]",
-          "inferno", front=True),
+          "inferno", front=True, beside="viridis"),
     Topic("solid_fraction", "Solid fraction", "", "solid fraction", "Blues", melting=True),
     Topic("von_mises", "Distortion and stress", "", "von Mises stress [MPa]", "viridis", 1e-6,
           share=0.99, moved=True),
@@ -221,27 +226,28 @@ TOPICS = (
 
 def field_figures(run: Results) -> list[Figure]:
     """Return the figures of the written fields."""
-    times = chosen_times(run.times)
+    times = chosen_times(run.times, moments(run))
     states = [run.grids(time) for time in times]
+    titles = [f"{time:.4g} s\n{what}".strip() for time, what in times.items()]
     with display():
-        return [figure for topic in TOPICS for figure in topic_figures(run, topic, times, states)]
+        return [figure for topic in TOPICS for figure in topic_figures(run, topic, titles, states)]
 
 
 def topic_figures(
-    run: Results, topic: Topic, times: Sequence[float], states: Sequence[State]
+    run: Results, topic: Topic, titles: Sequence[str], states: Sequence[State]
 ) -> Iterator[Figure]:
     """Yield the figure of a field if it was written and varies.
 
     Args:
         run: the results.
         topic: the field.
-        times: of the pictures [s].
-        states: the bodies at these times.
+        titles: of the pictures.
+        states: the bodies at their times.
     """
-    bodies = run.freezing if topic.melting else list(states[0])
+    bodies = run.freezing or list(states[0])
     model = run.model
     if topic.final:
-        times, states = times[-1:], states[-1:]
+        titles, states = titles[-1:], states[-1:]
     if topic.outside:
         states = [{name: state[name] for name in bodies if name in state} for state in states]
     limits = limits_of(states, topic.field, bodies, topic.share)
@@ -249,33 +255,55 @@ def topic_figures(
         return
     if topic.factor * (limits[1] - limits[0]) < SMALLEST_RANGE:
         return
-    view, factor = topic_view(model, topic, states)
+    beside = None if topic.melting else scale_beside(topic, states, bodies)
+    view, factor = topic_view(model, topic, states, bodies)
     if topic.field == "solid_fraction":
         limits = (0.0, 1.0)
     images = [
         picture(view, state, topic.field, limits, colours=topic.colours, coloured=bodies,
-                front=topic.front, exaggeration=factor)
+                front=topic.front, exaggeration=factor, beside=beside)
         for state in states
     ]  # fmt: skip
-    titles = [f"{time:.4g} s" for time in times]
     scaled = (limits[0] * topic.factor, limits[1] * topic.factor)
+    label, second = topic.label, None
+    if beside is not None:
+        ends = (beside.limits[0] * topic.factor, beside.limits[1] * topic.factor)
+        second = (f"{topic.label}, {' and '.join(beside.bodies)}", ends, beside.colours)
+        label = f"{topic.label}, {' and '.join(bodies)}"
     caption = topic.caption
     if factor:
         caption = f"Displacements drawn {factor:g} times as large as they are. {caption}".strip()
-    yield Figure(topic.title, caption, row(images, titles, topic.label, scaled, topic.colours))
+    yield Figure(topic.title, caption, row(images, titles, label, scaled, topic.colours, second))
 
 
-def topic_view(model: str, topic: Topic, states: Sequence[State]) -> tuple[View, float]:
+def scale_beside(topic: Topic, states: Sequence[State], bodies: Sequence[str]) -> Scale | None:
+    """Return the colours of the bodies beside those that freeze, None where there are none.
+
+    Args:
+        topic: the field.
+        states: the bodies at the times of the pictures.
+        bodies: those that freeze.
+    """
+    names = sorted({name for state in states for name in state} - set(bodies))
+    limits = limits_of(states, topic.field, names, topic.share)
+    return None if limits is None else Scale(limits, topic.beside, tuple(names))
+
+
+def topic_view(
+    model: str, topic: Topic, states: Sequence[State], bodies: Sequence[str]
+) -> tuple[View, float]:
     """Return the view of a field, and the factor on the displacements.
 
     Args:
         model: of the run.
         topic: the field.
         states: the bodies at the times of the pictures.
+        bodies: those that freeze.
     """
-    view = View.of(model, states[-1].values(), topic.outside)
+    castings = [states[0][name] for name in bodies if name in states[0]]
+    view = View.of(model, states[-1].values(), topic.outside, castings)
     factor = exaggeration(view, states[-1]) if topic.moved else 0.0
     if factor:
         moved = [deformed(grid, factor) for grid in states[-1].values()]
-        view = View.of(model, [*states[0].values(), *moved])
+        view = View.of(model, [*states[0].values(), *moved], castings=castings)
     return view, factor

@@ -25,6 +25,7 @@ SHADING = {"ambient": 0.7, "diffuse": 0.35}
 NEUTRAL = "#c9ccd1"
 EDGE = "#30343a"
 FRONT = "#00a0ff"
+ROUNDING = 1e-9
 NICE = (1.0, 2.0, 5.0, 10.0)
 VISIBLE_DISPLACEMENT = 0.06
 """Share of the size of the bodies that an exaggerated displacement has at most."""
@@ -38,41 +39,53 @@ class View:
         model: of the run; axisymmetric bodies are shown with their mirror image.
         low: lowest corner of what is in view (3,) [m].
         high: highest corner [m].
-        cut: whether y < 0 is cut away to show the inside.
+        cut: place of a plane whose side towards smaller y is cut away to show the inside [m]; None:
+            nothing is.
         direction: from the bodies to the eye (3,); None: straight at the plane.
     """
 
     model: str
     low: FloatArray
     high: FloatArray
-    cut: bool
+    cut: float | None
     direction: FloatArray | None
 
     @classmethod
     def of(
-        cls, model: str, grids: Iterable[pyvista.UnstructuredGrid], outside: bool = False
+        cls,
+        model: str,
+        grids: Iterable[pyvista.UnstructuredGrid],
+        outside: bool = False,
+        castings: Iterable[pyvista.UnstructuredGrid] = (),
     ) -> View:
         """Return the view that shows all bodies.
+
+        A 3-D model is cut through the middle of its castings, which is their plane of symmetry if
+        they have one, wherever they lie. If they show at a side of the whole, as those of a half or
+        a quarter do, they are seen from there instead.
 
         Args:
             model: of the run.
             grids: the bodies.
             outside: whether a 3-D model is seen from the side opposite to its planes of symmetry.
+            castings: the bodies that matter; none: the smallest of several.
         """
-        points = np.concatenate([grid.points for grid in grids])
-        low, high = points.min(axis=0), points.max(axis=0)
+        boxes = [box(grid) for grid in grids]
+        low, high = merged(boxes)
+        inner = merged([box(grid) for grid in castings] or [min(boxes, key=diagonal)])
         if model != "3d":
             margin = 0.04 * np.linalg.norm(high - low) * np.array([1.0, 1.0, 0.0])
             if model == "axisymmetric":
                 low = low * [0.0, 1.0, 1.0] - high * [1.0, 0.0, 0.0]
-            return cls(model, low - margin, high + margin, False, None)
-        open_x, open_y = np.abs(low[:2]) < 1e-6 * (high - low)[:2]
+            return cls(model, low - margin, high + margin, None, None)
+        shows = np.abs(inner[0] - low)[:2] < 1e-6 * (high - low)[:2]
+        open_x, open_y = shows & (len(boxes) > 1)
         along = {(True, True): (-0.75, -1.0), (True, False): (-1.0, -0.45)}
         direction = np.array([*along.get((bool(open_x), bool(open_y)), (-0.45, -1.0)), 0.55])
         if outside:
-            return cls(model, low, high, False, direction * [-1.0, -1.0, 1.0])
-        cut = not (open_x or open_y) and low[1] < 0.0 < high[1]
-        return cls(model, low, high, cut, direction)
+            return cls(model, low, high, None, direction * [-1.0, -1.0, 1.0])
+        middle = float(0.5 * (inner[0] + inner[1])[1])
+        return cls(model, low, high, None if open_x or open_y else middle, direction)
 
     @property
     def size(self) -> float:
@@ -81,8 +94,8 @@ class View:
 
     def shown(self, grid: pyvista.UnstructuredGrid) -> pyvista.PolyData:
         """Return the surface of a body that is drawn."""
-        if self.cut:
-            grid = grid.clip("-y", origin=(0.0, 0.0, 0.0))
+        if self.cut is not None:
+            grid = grid.clip("-y", origin=(0.0, self.cut, 0.0))
         surface = grid.extract_surface()
         if self.model == "axisymmetric":
             surface = surface.triangulate()  # pyvista flips triangles only
@@ -115,6 +128,41 @@ class View:
         plotter.reset_camera_clipping_range()
 
 
+Box = tuple[FloatArray, FloatArray]
+"""Lowest and highest corner, (3,) each [m]."""
+
+
+def box(grid: pyvista.UnstructuredGrid) -> Box:
+    """Return the box round a body."""
+    points = np.asarray(grid.points, dtype=np.float64)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def merged(boxes: Sequence[Box]) -> Box:
+    """Return the box round all boxes."""
+    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+
+def diagonal(of: Box) -> float:
+    """Return the diagonal of a box [m]."""
+    return float(np.linalg.norm(of[1] - of[0]))
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Colours of values.
+
+    Attributes:
+        limits: values at the ends of the colours.
+        colours: name of the colour map.
+        bodies: that are shown so.
+    """
+
+    limits: tuple[float, float]
+    colours: str
+    bodies: tuple[str, ...]
+
+
 def picture(
     view: View,
     grids: Mapping[str, pyvista.UnstructuredGrid],
@@ -125,6 +173,7 @@ def picture(
     coloured: Sequence[str],
     front: bool = False,
     exaggeration: float = 0.0,
+    beside: Scale | None = None,
 ) -> Image:
     """Return a picture of a field on bodies.
 
@@ -137,15 +186,21 @@ def picture(
         coloured: bodies that show the field; the others are grey.
         front: draw the line f_s = 0.5.
         exaggeration: factor on the displacements; 0: undeformed.
+        beside: colours of other bodies, such as moulds beside a casting.
     """
+    scales = [Scale(limits, colours, tuple(coloured)), *([] if beside is None else [beside])]
+    scale_of = {name: scale for scale in reversed(scales) for name in scale.bodies}
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.window()))
     plotter.background_color = "white"
     flat = view.direction is None
-    shown = {"scalars": field, "clim": limits, "cmap": colours, "nan_color": NEUTRAL,
-             "show_scalar_bar": False}  # fmt: skip
     for name, grid in grids.items():
         surface = view.shown(deformed(grid, exaggeration))
-        style = shown if name in coloured else {"color": NEUTRAL}
+        scale = scale_of.get(name)
+        if scale is None or field not in grid.array_names:
+            style: dict[str, object] = {"color": NEUTRAL}
+        else:
+            style = {"scalars": field, "clim": scale.limits, "cmap": scale.colours,
+                     "nan_color": NEUTRAL, "show_scalar_bar": False}  # fmt: skip
         plotter.add_mesh(surface, lighting=not flat, **SHADING, **style)
         add_lines(plotter, outline(surface), EDGE, 2)
         if front and name in coloured and "solid_fraction" in surface.point_data:
@@ -228,7 +283,16 @@ def limits_of(
     return float(found.min()), float(np.quantile(found, share))
 
 
-def chosen_times(times: Sequence[float]) -> list[float]:
-    """Return up to four of the times: the last one, and those nearest to 1/9, 2/9 and 4/9 of it."""
-    wanted = [share * times[-1] for share in (1 / 9, 2 / 9, 4 / 9, 1.0)]
-    return sorted({min(times, key=lambda time: abs(time - share)) for share in wanted})
+def chosen_times(times: Sequence[float], moments: Mapping[float, str]) -> dict[float, str]:
+    """Return the first times after some moments, and what has happened; the last time always.
+
+    Args:
+        times: at which there are fields, ascending [s].
+        moments: what happens, by its time [s].
+    """
+    found: dict[float, list[str]] = {}
+    for moment, what in sorted(moments.items()):
+        after = [time for time in times if time >= moment * (1.0 - ROUNDING)]
+        found.setdefault(min(after, default=times[-1]), []).append(what)
+    found.setdefault(times[-1], [])
+    return {time: ", ".join(found[time]) for time in sorted(found)}

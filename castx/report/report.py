@@ -10,7 +10,7 @@ import jinja2
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.report.figures import curve_figures, field_figures
+from castx.report.figures import NUMERICS, curve_figures, field_figures
 from castx.report.stages import process_rows
 from castx.results.files.folder import REPORT, write_whole
 from castx.results.reading import Results
@@ -31,11 +31,13 @@ def write_report(folder: Path) -> Path:
     template = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
     ).get_template("report.html.j2")
+    curves = curve_figures(run)
     text = template.render(
         record=run.record,
         ended=run.record["exit"],
         summary=summary(run),
-        curves=curve_figures(run),
+        curves=[figure for figure in curves if figure.title != NUMERICS],
+        numerics=[figure for figure in curves if figure.title == NUMERICS],
         pictures=field_figures(run),
     )
     target = folder / REPORT
@@ -49,7 +51,8 @@ def summary(run: Results) -> list[tuple[str, str]]:
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
     for body in run.freezing:
         rows.append((f"{body} all solid", solid_text(history, body)))
-    for name in record["interfaces"]:
+    coupled = record["scheme"] != "thermal"  # a run without mechanics knows no gaps
+    for name in record["interfaces"] if coupled else ():
         largest = history.get(f"{name}.max_gap")
         if largest is not None:
             rows.append((f"largest gap {name}", gap_text(largest)))

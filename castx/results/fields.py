@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,12 +14,15 @@ from castx.arrays import FloatArray
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
-from castx.results.quantities import CELLWISE, PAIRED, on_secondary_nodes
+from castx.results.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
 from castx.results.snapshot import Snapshot
 from castx.results.solidification import QUANTITIES, Solidification
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
+
+OF_MELTING = ("solid_fraction", *QUANTITIES)
+"""Fields that only bodies which melt have."""
 
 
 @dataclass
@@ -58,6 +61,8 @@ class Fields:
         mesh: the bodies.
         solidification: the foundry quantities, followed elsewhere.
         disk: takes the failures of single ranks.
+        melting: the bodies that melt, which alone have solid fraction and foundry quantities; None:
+            all.
     """
 
     def __init__(
@@ -68,9 +73,11 @@ class Fields:
         mesh: CastingMesh,
         solidification: Solidification,
         disk: Disk,
+        melting: Collection[str] | None = None,
     ) -> None:
         self._folder = folder
         self._names = tuple(names)
+        self._melting = tuple(mesh.bodies) if melting is None else tuple(melting)
         self._every = every
         self._comm, self._disk = mesh.comm, disk
         self._solidification = solidification
@@ -111,7 +118,7 @@ class Fields:
             state.nodal[body] = {
                 name: self._nodal(snapshot, body, name)[piece.nodes]
                 for name in self._names
-                if name not in CELLWISE
+                if name not in CELLWISE and (name not in OF_MELTING or body in self._melting)
             }
             state.cellwise[body] = {
                 name: snapshot.cellwise(body, name)[: piece.cells].copy()
@@ -141,7 +148,8 @@ class Fields:
             for number, (body, piece) in enumerate(self._pieces.items()):
                 if piece.cells > 0 and body in state.nodal:
                     path = self._folder / piece_name(body, index, self._comm.rank)
-                    write_piece(path, piece, number, state.nodal[body], state.cellwise[body])
+                    fields = state.nodal[body], state.cellwise[body]
+                    write_piece(path, piece, number, *fields, body, UNITS)
         self._disk.raise_failures()
         holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
         self._outputs.append(WrittenMoment(state.time, holders))

@@ -12,6 +12,25 @@ CELLWISE = ("stress", "von_mises", "plastic_strain")
 MECHANICAL = ("displacement", "pressure", *CELLWISE)
 """What a run without mechanics does not have."""
 
+UNITS = {
+    "temperature": "°C",
+    "solid_fraction": "1",
+    "enthalpy": "J/m³",
+    "displacement": "m",
+    "pressure": "Pa",
+    "stress": "Pa",
+    "von_mises": "Pa",
+    "plastic_strain": "1",
+    "gap": "m",
+    "contact_pressure": "Pa",
+    "heat_transfer_coefficient": "W/m²/K",
+    "solidification_time": "s",
+    "gradient": "K/m",
+    "cooling_rate": "K/s",
+    "niyama": "K^½ s^½/m",
+}
+"""Unit of each field in the files."""
+
 PAIRED = ("gap", "contact_pressure", "heat_transfer_coefficient")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from contextlib import suppress
 from types import TracebackType
@@ -12,7 +13,15 @@ from castx.errors import CaseError
 from castx.materials.lookup import find_material
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
-from castx.results.files.folder import FIELDS, RECORD, SERIES, claim_folder, clear_results
+from castx.results.files.folder import (
+    CASE,
+    FIELDS,
+    RECORD,
+    SERIES,
+    claim_folder,
+    clear_results,
+    write_whole,
+)
 from castx.results.files.series import damage_of
 from castx.results.history import History
 from castx.results.probes import Probes
@@ -34,7 +43,7 @@ log = logging.getLogger(__name__)
 
 
 class ResultsWriter:
-    """The results folder of one run: probes.csv, history.csv, fields/ and run.json.
+    """The results folder of one run: probes.csv, history.csv, fields/, case.json and run.json.
 
     Making it checks everything that could be wrong with probes, fields and folder and touches no
     old results; entering it replaces them, or after `resume` goes on behind them. Leaving it writes
@@ -81,7 +90,9 @@ class ResultsWriter:
             mesh,
             self._solidification,
             self._disk,
+            [body.name for body in case.bodies if melts(case, body.material)],
         )
+        self._case = json.dumps(case.content, indent=2, ensure_ascii=False) + "\n"
         self._record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))
         self._rows = 0
         self._lost: dict[str, int] = {}
@@ -124,6 +135,7 @@ class ResultsWriter:
                 self._record.write(Reason.RUNNING)
                 if self._resumed is None:
                     clear_results(self._folder)
+                write_whole(self._folder / CASE, self._case)
                 (self._folder / FIELDS).mkdir(exist_ok=True)
                 kept = [self._rows - self._lost.get(name, 0) for name in SERIES]
                 self._probes.open(None if self._resumed is None else kept[0])
@@ -293,6 +305,11 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         "interfaces": interfaces,
         "ranks": mesh.comm.size,
     }
+
+
+def melts(case: Case, name: str) -> bool:
+    """Return whether a material melts."""
+    return find_material(name, case.materials).melts
 
 
 def freezing_range(case: Case, name: str) -> list[float] | None:

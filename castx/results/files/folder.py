@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     from castx.case.case import Case
 
 RECORD = "run.json"
+CASE = "case.json"
 SERIES = ("probes.csv", "history.csv")
 REPORT = "report.html"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
-OURS = (LOCK, RECORD, *SERIES, REPORT, FIELDS, CHECKPOINT)
+OURS = (LOCK, RECORD, CASE, *SERIES, REPORT, FIELDS, CHECKPOINT)
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
 """Time for the holder of a lock to say who it is [s]."""
@@ -167,9 +168,10 @@ def other_case(record: dict[str, Any]) -> str:
 
 def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
-    for name in (*SERIES, REPORT):
+    for name in (CASE, *SERIES, REPORT):
         (folder / name).unlink(missing_ok=True)
-    ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"))
+    ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
+            ("", f".{CASE}.*"))  # fmt: skip
     for place, pattern in ours:
         for path in (folder / place).glob(pattern):
             path.unlink()

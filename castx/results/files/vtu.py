@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from dolfinx.plot import vtk_mesh
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataSetAttributes, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
@@ -75,6 +75,8 @@ def write_piece(
     number: int,
     nodal: Mapping[str, FloatArray],
     cellwise: Mapping[str, FloatArray],
+    name: str = "",
+    units: Mapping[str, str] | None = None,
 ) -> None:
     """Write a piece as VTU: binary, appended, compressed.
 
@@ -84,6 +86,8 @@ def write_piece(
         number: of the body; a cell array `body` holds it, so that bodies can be told apart.
         nodal: fields at the points, (points,) or (points, gdim); vectors get three components.
         cellwise: fields of the cells, (cells,), a symmetric tensor (cells, 6) as in `Snapshot`.
+        name: of the body; the field data `name` hold it.
+        units: of the fields by name, written into their arrays as VTK's UNITS_LABEL.
     """
     grid = vtkUnstructuredGrid()
     points = vtkPoints()
@@ -97,10 +101,15 @@ def write_piece(
         numpy_to_vtkIdTypeArray(piece.connectivity, deep=True),
     )
     grid.SetCells(piece.kind, cells)
-    add_arrays(grid.GetPointData(), nodal)
-    add_arrays(grid.GetCellData(), cellwise)
+    add_arrays(grid.GetPointData(), nodal, units or {})
+    add_arrays(grid.GetCellData(), cellwise, units or {})
+    if name:
+        text = vtkStringArray()
+        text.SetName("name")
+        text.InsertNextValue(name)
+        grid.GetFieldData().AddArray(text)
     bodies = np.full(piece.cells, number, dtype=np.int32)
-    add_arrays(grid.GetCellData(), {"body": bodies})
+    add_arrays(grid.GetCellData(), {"body": bodies}, {})
     writer = vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(grid)
@@ -115,9 +124,11 @@ def write_piece(
 
 
 def add_arrays(
-    target: vtkDataSetAttributes, arrays: Mapping[str, FloatArray | IntArray]
+    target: vtkDataSetAttributes,
+    arrays: Mapping[str, FloatArray | IntArray],
+    units: Mapping[str, str],
 ) -> None:
-    """Add named arrays to the point or cell data of a grid."""
+    """Add named arrays, with the units known, to the point or cell data of a grid."""
     for name, values in arrays.items():
         columns: npt.NDArray[Any] = values
         if values.ndim == 2 and values.shape[1] == 2:
@@ -126,4 +137,6 @@ def add_arrays(
             columns = values[:, VTK_TENSOR]
         array = numpy_to_vtk(np.ascontiguousarray(columns), deep=True)
         array.SetName(name)
+        if name in units:
+            array.GetInformation().Set(vtkDataArray.UNITS_LABEL(), units[name])
         target.AddArray(array)

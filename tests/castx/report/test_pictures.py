@@ -4,9 +4,17 @@ import os
 
 import numpy as np
 import pytest
+import pyvista
 
 from castx.report.display import display
-from castx.report.pictures import View, chosen_times, exaggeration, limits_of, picture
+from castx.report.pictures import (
+    Scale,
+    View,
+    chosen_times,
+    exaggeration,
+    limits_of,
+    picture,
+)
 from castx.results.fields import Fields
 from castx.results.files.collection import FieldSeries
 from castx.results.files.disk import Disk
@@ -62,7 +70,8 @@ def test_an_axisymmetric_body_is_shown_with_its_mirror_image(series, monkeypatch
 def test_a_quarter_is_seen_from_its_planes_of_symmetry(series):
     grids = series.read(0.0)
     view = View.of("3d", grids.values())
-    assert view.direction is not None and (view.direction[:2] < 0.0).all() and not view.cut
+    assert view.direction is not None and (view.direction[:2] < 0.0).all()
+    assert view.cut is None
     outside = View.of("3d", grids.values(), outside=True)
     assert (outside.direction[:2] > 0.0).all()
     with display():
@@ -94,7 +103,49 @@ def test_the_exaggeration_is_a_round_factor(series):
     assert exaggeration(view, grids) == 0.0
 
 
-def test_times_are_chosen_early_and_late():
-    assert chosen_times([float(t) for t in range(0, 91, 5)]) == [10.0, 20.0, 40.0, 90.0]
-    assert chosen_times([0.0, 3.0]) == [0.0, 3.0]
-    assert chosen_times([0.0]) == [0.0]
+def test_times_are_those_after_what_happens_and_the_last_one():
+    times = [float(t) for t in range(0, 91, 5)]
+    moments = {11.0: "25 % solid", 12.0: "first air gap", 33.0: "all solid"}
+    chosen = {15.0: "25 % solid, first air gap", 35.0: "all solid", 90.0: ""}
+    assert chosen_times(times, moments) == chosen
+    assert chosen_times([0.0, 3.0], {1.0: "50 % solid"}) == {3.0: "50 % solid"}
+    assert chosen_times([0.0], {}) == {0.0: ""}
+
+
+SHIFT = np.array([0.3, -0.7, 0.05])
+
+
+def block(low, high, value):
+    """Return a box of one temperature at a place that is not the origin."""
+    image = pyvista.ImageData(dimensions=(9, 9, 9)).cast_to_unstructured_grid()
+    low, high = np.array(low), np.array(high)
+    image.points = SHIFT + low + image.points / 8.0 * (high - low)
+    image["temperature"] = np.full(image.n_points, value)
+    return image
+
+
+def test_a_part_away_from_the_origin_is_cut_through_its_casting():
+    casting = block([-0.02] * 3, [0.02, 0.02, 0.02], 100.0)
+    mould = block([-0.05] * 3, [0.05, 0.09, 0.05], 0.0)
+    away = np.abs(mould.cell_centers().points - SHIFT).max(axis=1)
+    mould = mould.extract_cells(np.flatnonzero(away > 0.02))
+    grids = {"casting": casting, "mould": mould}
+    for castings in ([casting], []):  # the smallest, if nobody says which
+        view = View.of("3d", grids.values(), castings=castings)
+        assert view.cut == pytest.approx(SHIFT[1], abs=1e-6)
+    with display():
+        pixels = picture(
+            view, grids, "temperature", (0.0, 100.0), colours="Reds", coloured=["casting"],
+            beside=Scale((0.0, 1.0), "Blues", ("mould",)),
+        )  # fmt: skip
+    red, green, blue = (pixels[..., band].astype(int) for band in range(3))
+    assert (red - blue > 60).mean() > 0.02  # the casting shows inside its mould
+    assert ((red > 200) & (blue - red > 3) & (green > 200)).mean() > 0.2  # with its own colours
+
+
+def test_a_casting_at_a_side_is_seen_from_there():
+    casting, mould = block([0] * 3, [0.02] * 3, 1.0), block([0, 0, -0.03], [0.05] * 3, 0.0)
+    view = View.of("3d", [casting, mould], castings=[casting])
+    assert view.cut is None and (view.direction[:2] < 0.0).all()
+    alone = View.of("3d", [mould])
+    assert alone.cut == pytest.approx(SHIFT[1] + 0.025)

@@ -50,6 +50,18 @@ def test_the_summary_has_the_numbers_of_the_run(folder):
     assert results.freezing == ["casting"]
 
 
+def test_pictures_stand_before_numerics(folder):
+    titles = re.findall(r"<h2>([^<]+)</h2>", write_report(folder).read_text())
+    assert titles.index("Pictures") < titles.index("Curves") < titles.index("Numerics")
+
+
+def test_a_thermal_run_has_no_gaps_in_its_summary(folder):
+    results = Results(folder)
+    assert any("gap" in name for name, _ in summary(results))
+    results.record = {**results.record, "scheme": "thermal"}
+    assert not any("gap" in name or "open" in name for name, _ in summary(results))
+
+
 def test_when_it_was_solid_and_when_it_opened():
     time = np.array([0.0, 1.0, 2.0, 3.0])
     history = {"time": time, "a.solid_fraction": np.array([0.0, 0.5, 1.0, 1.0])}

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import pyvista
 
+from castx.case.output import FIELDS
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
+from castx.results.quantities import UNITS
 from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
@@ -87,6 +89,26 @@ def test_values_are_those_of_the_snapshot(cells, comm, shared_tmp_path):
         assert np.isnan(block["niyama"]).all()
     for block in pieces(reader, 0.0, "mould"):
         assert (block["gap"] == 0.0).all()
+
+
+def test_bodies_that_do_not_melt_have_no_solid_fraction_and_no_foundry_quantities(
+    comm, shared_tmp_path
+):
+    mesh = cylinder_mesh(comm, size=5e-3)
+    names = ("temperature", "solid_fraction", "niyama")
+    solidification, disk = Solidification(mesh, {}), Disk(comm)
+    fields = Fields(shared_tmp_path, names, None, mesh, solidification, disk, ["casting"])
+    fields.update(FakeSnapshot(0.0, 0, mesh, casting_pairs(mesh), FORMULAS))
+    comm.Barrier()
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    for name, known in (("casting", set(names)), ("mould", {"temperature"})):
+        for block in pieces(reader, 0.0, name):
+            assert set(block.point_data) == known
+            assert list(block.field_data["name"]) == [name]
+
+
+def test_every_field_has_a_unit():
+    assert set(UNITS) == set(FIELDS)
 
 
 def test_first_last_and_every_are_written(comm, shared_tmp_path):

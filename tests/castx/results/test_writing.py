@@ -75,6 +75,9 @@ def test_a_finished_run_leaves_everything(comm, shared_tmp_path):
     assert len(read_series(shared_tmp_path / "history.csv")["time"]) == 3
     reader = pyvista.get_reader(shared_tmp_path / "fields" / "castx.pvd")
     assert reader.time_values == [0.0, 1.0]
+    copy = json.loads((shared_tmp_path / "case.json").read_text())
+    assert copy == {**CONTENT, "output": {"folder": str(shared_tmp_path)}}
+    assert read_case(copy, Path("case.toml")).digest == written["case"]["digest"]
 
 
 @pytest.mark.parametrize(

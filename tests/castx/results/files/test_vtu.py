@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
+from vtkmodules.vtkCommonCore import vtkDataArray
 
 from castx.results.files.vtu import Piece, write_piece
 from tests.castx.fakes import cylinder_mesh
@@ -33,6 +34,19 @@ def test_a_piece_is_read_as_it_was_written(tmp_path):
     np.testing.assert_array_equal(grid["displacement"][:, 2], 0.0)
     np.testing.assert_array_equal(grid["von_mises"], [1.0, 2.0])
     np.testing.assert_array_equal(grid["body"], [7, 7])
+
+
+def test_files_name_their_body_and_the_units_of_their_fields(tmp_path):
+    nodal, cellwise = {"temperature": np.arange(4.0)}, {"von_mises": np.array([1.0, 2.0])}
+    units = {"temperature": "°C", "von_mises": "Pa", "niyama": "K^½ s^½/m"}
+    write_piece(tmp_path / "a.vtu", SQUARE, 0, nodal, cellwise, name="casting", units=units)
+    grid = pyvista.read(tmp_path / "a.vtu")
+    assert list(grid.field_data["name"]) == ["casting"]
+    for data in (grid.GetPointData(), grid.GetCellData()):
+        for index in range(data.GetNumberOfArrays()):
+            array = data.GetArray(index)
+            label = array.GetInformation().Get(vtkDataArray.UNITS_LABEL())
+            assert label == units.get(array.GetName())
 
 
 def test_shear_stresses_come_in_the_order_of_vtk(tmp_path):

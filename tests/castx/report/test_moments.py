@@ -1,0 +1,41 @@
+"""Moments of a run: what its pictures show."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from castx.report.moments import moments
+from castx.results.reading import Columns
+
+pytestmark = pytest.mark.serial
+
+TIME = np.arange(11.0)
+
+
+def test_moments_are_those_at_which_something_happens():
+    history = Columns(
+        {
+            "time": TIME,
+            "casting.solid_fraction": np.clip(TIME / 8.0, 0.0, 1.0),
+            "casting/mould.max_gap": np.where(TIME > 2.5, 1e-5, 0.0),
+        }
+    )
+    events = [{"stage": 1, "cycle": 1, "time": 8.0}, {"stage": 1, "cycle": 2, "time": 9.0}]
+    record = {"interfaces": {"casting/mould": {}}, "process": events}
+    run = SimpleNamespace(history=history, record=record, freezing=["casting"])
+    assert moments(run) == {
+        2.0: "25 % solid",
+        3.0: "first air gap",
+        4.0: "50 % solid",
+        6.0: "75 % solid",
+        8.0: "all solid, stage 1",
+        10.0: "end",
+    }
+
+
+def test_a_run_in_which_nothing_freezes_has_its_end():
+    run = SimpleNamespace(history=Columns({"time": TIME}), record={"interfaces": {}}, freezing=[])
+    assert moments(run) == {10.0: "end"}
