@@ -17,6 +17,8 @@ from castx.materials.flow import law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 
+RIGID = 'law = "rigid", as sand may have, and to stand second in the bodies of its interfaces'
+
 
 def case_problems(case: Case) -> Iterator[Problem]:
     """Yield all contradictions between the parts of a case but for its stages."""
@@ -108,7 +110,8 @@ def _needed_properties(
         return
     if body.law == "rigid":
         return
-    yield from ((key, "mechanics") for key in ("young_modulus", "poisson_ratio"))
+    purpose = f"mechanics, or {RIGID}"
+    yield from ((key, purpose) for key in ("young_modulus", "poisson_ratio"))
     if scheme == "mechanical" and any(case.loads.gravity):
         yield "density", "gravity"
     constant = body.temperature_history is None and material.stress_free is None

@@ -134,6 +134,10 @@ def test_accepted(changes):
             {"materials__steel__young_modulus": REMOVED},
             "materials.steel.young_modulus: missing; body 'mould' needs it for mechanics",
         ),
+        (
+            {"bodies__1__material": "sand-silica"},
+            "has no young_modulus; body 'mould' needs it for mechanics, or law = \"rigid\"",
+        ),
         ({"materials__steel__poisson_ratio": REMOVED}, "materials.steel.poisson_ratio: missing;"),
         (
             {"materials__steel__expansion": REMOVED},
