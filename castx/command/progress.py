@@ -67,9 +67,10 @@ class Progress:
         """Show the state after an accepted step."""
         if not self._shown:
             return
-        if snapshot.step == 0:
+        # The first one shown is a later one after a restart.
+        if self._freezing is None:
             self._freezing = freezing_body(snapshot)
-        else:
+        if snapshot.step > 0:
             self._recent.append((snapshot.counters.step, snapshot.counters.wall))
         with suppress(OSError):  # of a terminal that was closed: the run goes on without it
             self._print(snapshot)

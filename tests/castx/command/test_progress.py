@@ -45,3 +45,13 @@ def test_a_bar_on_a_terminal(comm):
     text = show(comm, True)
     assert "\x1b[" in text and "━" in text
     assert "solid 50.0 %" in text and "left 0:00:36" in text
+
+
+def test_the_solid_fraction_is_shown_after_a_restart(comm):
+    stream = io.StringIO()
+    console = Console(file=stream, force_terminal=False, width=200, quiet=comm.rank != 0)
+    with Progress(10.0, comm, console) as progress:
+        totals = {"casting.solid_fraction": 0.5}
+        counters = StepCounters(step=1.0, wall=1.0)
+        progress.show(FakeSnapshot(3.0, 3, None, totals=totals, counters=counters))
+    assert ("solid 50.0 %" in stream.getvalue()) == (comm.rank == 0)
