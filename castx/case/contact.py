@@ -36,6 +36,7 @@ class Pairing:
         kind: "node-to-node" for matching meshes, "node-to-face" for others.
         surfaces: from node to face those of the secondary and primary body; None: the shared one.
         meshed_gap: whether the distance of the meshes counts as a gap, from node to face.
+        search_distance: beyond which a node faces nothing [m]; None: the size of the mesh there.
     """
 
     normals: str = "averaged"
@@ -43,6 +44,7 @@ class Pairing:
     kind: str = "node-to-node"
     surfaces: tuple[str, str] | None = None
     meshed_gap: bool = True
+    search_distance: float | None = None
 
 
 BY_NODES = Pairing()
@@ -128,6 +130,8 @@ class InterfaceContact(Description):
         surfaces: from node to face those of the two bodies; None: the surface they share.
         meshed_gap: from node to face, whether a gap or overlap between the meshes is one of the
             bodies, or with "ignored" only that of facets along a common curved surface.
+        search_distance: from node to face, beyond which a node faces nothing [m]; None: the longest
+            edge of the facets there, on that side where they are longer.
         friction: Coulomb's coefficient μ.
         fallback: methods that take over one after the other for a step in which those before have
             failed.
@@ -142,6 +146,7 @@ class InterfaceContact(Description):
     pairing: Annotated[str, Choice(("node-to-node", "node-to-face"))] = "node-to-node"
     surfaces: Annotated[tuple[str, str] | None, PlainValidator(_surfaces)] = None
     meshed_gap: Annotated[str, Choice(("counts", "ignored"))] = "counts"
+    search_distance: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
     friction: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=10.0)] = 0.0
     fallback: Annotated[tuple[str, ...], PlainValidator(_fallback)] = ()
 
@@ -154,17 +159,18 @@ class InterfaceContact(Description):
             yield Problem(("sharp_angle",), 'belongs to normals = "patches"')
         if faces and self.normals == "patches":
             yield Problem(("normals",), 'from node to face only "averaged" and "primary"')
-        if self.surfaces is not None and not faces:
-            yield Problem(("surfaces",), 'belongs to pairing = "node-to-face"')
-        if "meshed_gap" in self.model_fields_set and not faces:
-            yield Problem(("meshed_gap",), 'belongs to pairing = "node-to-face"')
+        for key in ("surfaces", "meshed_gap", "search_distance"):
+            if key in self.model_fields_set and not faces:
+                yield Problem((key,), 'belongs to pairing = "node-to-face"')
 
     @property
     def pairing_rule(self) -> Pairing:
         """How nodes find partners and normals."""
         angle = math.radians(self.sharp_angle)
         counts = self.meshed_gap == "counts"
-        return Pairing(self.normals, angle, self.pairing, self.surfaces, counts)
+        return Pairing(
+            self.normals, angle, self.pairing, self.surfaces, counts, self.search_distance
+        )
 
     @property
     def settings(self) -> dict[str, Setting]:

@@ -19,8 +19,9 @@ from castx.command.range_watch import outside_used_range, ranges_text
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
+from castx.domain.pairs.areas import area_text, area_warning
 from castx.domain.pairs.node_pairs import NodePairs
-from castx.domain.pairs.pairing import paired
+from castx.domain.pairs.pairing import case_pairs
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
@@ -47,7 +48,7 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     names = [body.name for body in case.bodies]
     refuse_too_large(case.geometry, names, comm, solved=False)
     mesh = build_mesh(case.geometry, names, comm)
-    pairs = {item.name: paired(mesh, item) for item in case.interfaces}
+    pairs = case_pairs(mesh, case.interfaces)
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
     _show_mesh(case, mesh_summary(mesh), formulations, console)
@@ -55,7 +56,8 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
-    for warning in material_warnings(case):
+    areas = [area_warning(found, comm) for found in pairs.values()]
+    for warning in (*filter(None, areas), *material_warnings(case)):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
 
@@ -181,10 +183,11 @@ def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> s
         pairs: its nodes with the facets they face.
         comm: the ranks.
     """
-    count, area = comm.allreduce(np.array([len(pairs.areas), pairs.areas.sum()]), op=MPI.SUM)
+    count = comm.allreduce(len(pairs.areas), op=MPI.SUM)
     least = comm.allreduce(float(pairs.gap.min(initial=np.inf)), op=MPI.MIN)
     most = comm.allreduce(float(pairs.gap.max(initial=-np.inf)), op=MPI.MAX)
-    sizes = f"{count:g} nodes face facets, {area:.4g} m², meshed gap {least:.3g} to {most:.3g} m"
+    areas = area_text(pairs, comm)
+    sizes = f"{count} nodes face facets, {areas}, meshed gap {least:.3g} to {most:.3g} m"
     laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
     return f"interface {interface.name}: {sizes}, {laws}"
 

@@ -13,7 +13,7 @@ from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
-from castx.domain.pairs.pairing import interface_pairs
+from castx.domain.pairs.pairing import Facing, pairs_of
 from castx.equilibrium.building import DeformableBodies, MechanicsSettings, build_methods
 from castx.equilibrium.memory import MechanicalMemory
 from castx.mechanics.assembly import BodyAssembly
@@ -72,7 +72,7 @@ class MechanicalProblem:
             [body.space.dofmap.index_map for body in parts],
             [body.block_size for body in parts],
         )
-        placed = [_described_pairs(mesh, c) for c in contacts] if pairs is None else pairs
+        placed = _described_pairs(mesh, contacts) if pairs is None else pairs
         self.pairs = [found for found, _ in placed]
         self.rigid = {
             n: rigid_body(n, mesh.model, displacements.get(n, ()))
@@ -111,10 +111,15 @@ class MechanicalProblem:
         self._assembly.destroy()
 
 
-def _described_pairs(mesh: CastingMesh, contact: Contact) -> tuple[NodePairs, FloatArray]:
-    """Return the pairs of a contact and their gaps without displacements [m]; collective."""
-    pairs = interface_pairs(mesh, contact.secondary, contact.primary, contact.pairing)
-    return pairs, pairs.gap + contact.initial_gap(pairs.points)
+def _described_pairs(
+    mesh: CastingMesh, contacts: Sequence[Contact]
+) -> list[tuple[NodePairs, FloatArray]]:
+    """Return the pairs of contacts and their gaps without displacements [m]; collective."""
+    found = pairs_of(mesh, [Facing(c.secondary, c.primary, c.pairing) for c in contacts])
+    return [
+        (pairs, pairs.gap + contact.initial_gap(pairs.points))
+        for contact, pairs in zip(contacts, found, strict=True)
+    ]
 
 
 def _closed_surfaces(

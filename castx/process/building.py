@@ -15,6 +15,7 @@ from castx.coupling.building import (
     rigid_bodies,
 )
 from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.areas import area_text, area_warning
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.errors import CaseError
 from castx.heat.building import initial_state, run_accounts
@@ -103,6 +104,11 @@ def process_of(
     schedule = Schedule(case.stages, case.time.end)
     for line in laws_above_solidus(case, mesh):
         _log.info("%s", line)
+    for found in pairs.values():
+        if found.primary_area is not None:
+            _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))
+        if warning := area_warning(found, mesh.comm):
+            _log.warning("%s", warning)
     builder = StageBuilder(case, mesh, pairs, laws or {})
     ejected = [{}, *(stage.friction for stage in case.stages)]
     if schedule.cycles == 1:

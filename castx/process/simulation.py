@@ -18,7 +18,7 @@ from castx.coupling.change import StepChange
 from castx.coupling.step import CoupledProblem
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import build_mesh
-from castx.domain.pairs.pairing import paired
+from castx.domain.pairs.pairing import case_pairs
 from castx.errors import ConvergenceError
 from castx.process.building import process_of, step_settings
 from castx.process.process import Process
@@ -111,7 +111,7 @@ class Simulation:
         names = [body.name for body in case.bodies]
         refuse_too_large(case.geometry, names, comm, solved=True)
         mesh = build_mesh(case.geometry, names, comm)
-        pairs = {i.name: paired(mesh, i) for i in case.interfaces}
+        pairs = case_pairs(mesh, case.interfaces)
         process = process_of(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given

@@ -38,6 +38,8 @@ class NodePairs:
         weights: (n, corners) of those nodes at the point that it faces.
         distances: (n,) from that point along the normal [m]; None: both are at one place.
         named_surface: of the secondary body; empty: the one shared with the primary body.
+        primary_area: of that part of the primary surface which faces the secondary one, of all
+            ranks [m²]; None: both are one surface.
     """
 
     secondary: str
@@ -54,6 +56,7 @@ class NodePairs:
     weights: FloatArray | None = None
     distances: FloatArray | None = None
     named_surface: str = ""
+    primary_area: float | None = None
 
     @property
     def partners(self) -> tuple[LongArray, FloatArray]:

@@ -1,6 +1,9 @@
-"""Pairs of an interface by the rule of its case."""
+"""Pairs of the interfaces by the rules of their case."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,19 +11,46 @@ from castx.arrays import FloatArray
 from castx.case.contact import Pairing
 from castx.case.interfaces import Interface
 from castx.domain.mesh import CastingMesh
-from castx.domain.pairs.face_pairs import face_pairs
+from castx.domain.pairs.face_pairs import face_interface
 from castx.domain.pairs.node_pairs import NodePairs, node_pairs
 from castx.domain.pairs.patches import pairs_by_patch
+from castx.domain.pairs.sharing import shared_pairs
+
+
+class Facing(NamedTuple):
+    """Two bodies that face each other.
+
+    Attributes:
+        secondary: name of the body whose nodes carry the pairs.
+        primary: name of the other body.
+        rule: how nodes find partners and normals.
+    """
+
+    secondary: str
+    primary: str
+    rule: Pairing
+
+
+def case_pairs(
+    mesh: CastingMesh, interfaces: Sequence[Interface]
+) -> dict[str, NodePairs]:
+    """Return the pairs of all interfaces of a case by their names; collective.
+
+    Raises:
+        MeshError: as in `pairs_of`.
+    """
+    facing = [Facing(i.secondary, i.primary, i.contact.pairing_rule) for i in interfaces]
+    found = pairs_of(mesh, facing)
+    return {item.name: pairs for item, pairs in zip(interfaces, found, strict=True)}
 
 
 def paired(mesh: CastingMesh, interface: Interface) -> NodePairs:
-    """Return the pairs of an interface of a case; collective.
+    """Return the pairs of an interface of a case that shares no area with others; collective.
 
     Raises:
-        MeshError: the bodies share no surface, or its normals cancel at a node; on all ranks.
+        MeshError: as in `pairs_of`.
     """
-    rule = interface.contact.pairing_rule
-    return interface_pairs(mesh, interface.secondary, interface.primary, rule)
+    return case_pairs(mesh, [interface])[interface.name]
 
 
 def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
@@ -40,11 +70,29 @@ def interface_pairs(
         rule: how nodes find partners and normals.
 
     Raises:
-        MeshError: the bodies share no surface, its normals cancel at a node, or nothing faces the
+        MeshError: as in `pairs_of`.
+    """
+    return pairs_of(mesh, [Facing(secondary, primary, rule)])[0]
+
+
+def pairs_of(mesh: CastingMesh, facing: Sequence[Facing]) -> list[NodePairs]:
+    """Return the pairs of bodies that face each other, each area in one of them; collective.
+
+    Args:
+        mesh: mesh of the bodies.
+        facing: all bodies that do, and by which rule.
+
+    Raises:
+        MeshError: bodies share no surface, its normals cancel at a node, or nothing faces the
             other surface; on all ranks.
     """
-    if rule.kind == "node-to-face":
-        return face_pairs(mesh, secondary, primary, rule)
+    faces = [item for item in facing if item.rule.kind == "node-to-face"]
+    by_faces = iter(shared_pairs(mesh, [face_interface(mesh, *item) for item in faces]))
+    return [next(by_faces) if item in faces else _matching(mesh, item) for item in facing]
+
+
+def _matching(mesh: CastingMesh, facing: Facing) -> NodePairs:
+    secondary, primary, rule = facing
     if rule.normals == "patches":
         return pairs_by_patch(mesh, secondary, primary, rule.sharp_angle)
     # Matching surfaces have the same facets on both sides, and so the same normals.

@@ -65,6 +65,7 @@ def test_what_asks_for_nothing_is_accepted():
         ({"surfaces": ["a", "b"]}, 'surfaces: belongs to pairing = "node-to-face"'),
         ({"surfaces": ["a"], "pairing": "node-to-face"}, "surfaces: two names are needed"),
         ({"meshed_gap": "ignored"}, 'meshed_gap: belongs to pairing = "node-to-face"'),
+        ({"search_distance": 1e-3}, 'search_distance: belongs to pairing = "node-to-face"'),
         ({"normals": "patches", "pairing": "node-to-face"}, "normals: from node to face only"),
         ({"fallback": "penalty"}, "fallback: a list of methods is needed"),
         ({"fallback": ["tied"]}, r"fallback\[0\]: unknown; allowed: condensed, multipliers"),

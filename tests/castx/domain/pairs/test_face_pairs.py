@@ -14,7 +14,7 @@ from castx.contact.choice import Contact
 from castx.domain.pairs.face_pairs import face_pairs
 from castx.errors import MeshError
 from tests.contact_methods import AT_ONCE, EXACT, sharp
-from tests.coupled_cases import final_state
+from tests.coupled_cases import final_state, simulation
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -262,3 +262,22 @@ def test_the_keys_of_a_case(comm, shared_tmp_path):
     separate(comm, shared_tmp_path, 6, 4)
     state = final_state(comm, case(shared_tmp_path))
     assert state.totals["upper/base.force.y"] == pytest.approx(PRESSURE * WIDTH, rel=1e-6)
+
+
+def test_the_search_distance_of_a_case_acts(comm, shared_tmp_path):
+    """A block at 1 mm faces the base by default, and not within half of that."""
+    separate(comm, shared_tmp_path, 6, 4, gap=1e-3)
+    data = case(shared_tmp_path)
+    contact = data["interfaces"][0]["contact"]
+    assert len(simulation(comm, data).pairs) == 1
+    contact["search_distance"] = "0.5 mm"
+    with pytest.raises(MeshError, match=r"contact.search_distance \(0.0005 m\)"):
+        simulation(comm, data)
+
+
+def test_the_log_names_the_areas_of_both_sides(comm, shared_tmp_path, caplog):
+    separate(comm, shared_tmp_path, 6, 4)
+    with caplog.at_level("INFO", logger="castx"):
+        simulation(comm, case(shared_tmp_path)).destroy()
+    assert "interface upper/base: 0.02 m² of upper face 0.02 m² of base" in caplog.text
+    assert "areas of both sides differ" not in caplog.text
