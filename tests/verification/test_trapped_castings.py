@@ -29,6 +29,7 @@ def box(*changes: dict[str, Any], cells: str = "simplices", lid: bool = True) ->
             {"bodies": ["casting", "mould"], "contact": {"method": "condensed"},
              "heat": {"law": "limited", "closed": 3000, "gas_conductivity": 0.05}},
         ],
+        "boundaries": [{"on": "mould/base", "displacement": {"y": 0}}],
         "loads": {"gravity": [0.0, -9.81]},
         "time": {"end": 30.0},
     }  # fmt: skip
@@ -86,4 +87,4 @@ def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
         > 1e-3
     )
     assert depressed["void_volume"][-1] < without["void_volume"][-1]
-    assert without["pocket_pressure"].max() < 0 < depressed["pocket_pressure"].max() < 2e4
+    assert without["pocket_pressure"][-1] < 0.0 < depressed["pocket_pressure"].max() <= 2e4
