@@ -75,3 +75,15 @@ def test_factor_is_one_for_all_ranks(comm):
     spread = iterate(comm, lambda x: 1.0 + slopes[own] * x, np.ones(own.stop - own.start), 6)[-1]
     spread = np.concatenate(comm.allgather(spread))
     assert spread == pytest.approx(alone, rel=1e-12)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("residuals", "factor"), [((0.2, 0.19), 1.5), ((0.2, 0.25), 0.05), ((0.2, -20.0), 0.05)]
+)
+def test_the_factor_stays_within_its_bounds(comm, residuals, factor):
+    """Aitken's would be 20, -4 and 0.0099: at nearly equal residuals it says nothing."""
+    relaxation, tried = Relaxation(comm), np.array([100.0])
+    for residual in residuals:
+        before, tried = tried, relaxation.next(tried, tried + residual)
+    assert tried - before == pytest.approx(factor * residuals[-1], rel=1e-9)

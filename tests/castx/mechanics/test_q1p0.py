@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 import ufl
@@ -130,6 +132,29 @@ def test_porous_cells_have_the_pressure_that_is_given(comm):
     cells.mean.update(np.full(cells.count, 1e-3))
     np.testing.assert_allclose(cells.mean.pressure[::2], -7e5)
     np.testing.assert_allclose(cells.mean.pressure[1::2], 1e8)
+
+
+def test_tangent_is_the_derivative_of_the_forces_where_pressures_are_given_too(comm):
+    """Under a uniform strain all cells dilate equally; those with a given pressure do not answer."""
+    cells = Cells(comm)
+    cells.begin(1e-11, given=np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan))
+    forces = []
+    for dilatation in (0.0, float(np.trace(GRADIENT[:2, :2]))):
+        cells.mean.update(np.full(cells.count, dilatation))
+        forces.append(cells.mean.forces().copy())
+    begin(cells.part, STRESS_FREE)
+    A = cells.part.create_jacobian()
+    cells.part.assemble_jacobian(A)
+    A.zeroEntries()
+    cells.mean.add_tangent(A)
+    x, y = A.createVecs()
+    move(cells.part, GRADIENT)
+    x.array[:] = cells.part.solution.x.array[: x.getLocalSize()]
+    A.mult(x, y)
+    size = comm.allreduce(float(np.abs(forces[1]).max(initial=0.0)), op=MPI.MAX)
+    np.testing.assert_allclose(y.array_r, forces[1] - forces[0], atol=1e-10 * size)
+    for item in (A, x, y):
+        item.destroy()
 
 
 def test_work_of_the_pressures_is_that_on_the_change_of_volume(comm):

@@ -165,3 +165,12 @@ def test_a_row_holds_a_motion_that_it_meets_at_a_small_angle(comm, sine, holds):
     )
     row = np.array([[sine], [0.0]]) if comm.rank == 0 else np.zeros((2, 0))
     assert (floating.find(mine == 1, row) is None) == holds
+
+
+def test_the_entry_that_moves_most_is_pinned(comm):
+    """One that moves little would hold the motion badly; of equal ones the first is taken."""
+    motion = np.array([[0.6, 0.0, 1.0, 0.0, 1.0 + 1e-9, 0.9]])
+    mine = np.array_split(np.arange(6), comm.size)[comm.rank]
+    floating = FloatingMotions(motion[:, mine], motion[:, mine], 2.0, comm)
+    support = floating.find(np.zeros(len(mine), dtype=bool))
+    assert list(everywhere(comm, mine[support.pins])) == [2]
