@@ -51,6 +51,14 @@ def test_round_off_beside_the_stored_heat_is_no_change(comm):
     assert change.share(1e-3 * ROUNDING * stored) == pytest.approx(1e-3, rel=1e-12)
 
 
+def test_a_billionth_of_the_stored_heat_is_a_change(comm):
+    """Hot bodies that hardly move any more: what moves counts, not what they hold."""
+    heat, change = problem(comm)
+    heat.enthalpy["casting"].x.array[0] += 7e-8
+    moved = comm.size * 7e-8
+    assert change.share(0.1 * moved) == pytest.approx(0.1, rel=1e-6)
+
+
 def test_the_fastest_node_of_all_ranks_decides(comm):
     heat, change = problem(comm)
     heat.solid_fraction["casting"].x.array[1] = 0.1 * (comm.rank + 1)

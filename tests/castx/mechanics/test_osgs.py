@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 import ufl
@@ -13,7 +16,7 @@ from castx.domain.mesh import BodyMesh
 from castx.forms import stabilisation
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.formulation import BodyUnknowns
-from castx.mechanics.osgs import OrthogonalProjection
+from castx.mechanics.osgs import OrthogonalProjection, _tangential
 from tests.castx.mechanics.lone_bodies import slab
 
 SHEAR = 26e9
@@ -106,3 +109,16 @@ def test_without_weight_nothing_is_projected(comm):
     operator = OrthogonalProjection(unknowns, tau, ())
     operator.assemble()
     assert not product(unknowns, operator, np.sin(np.arange(len(body.points)))).any()
+
+
+@pytest.mark.serial
+def test_planes_at_any_angle_leave_the_direction_that_both_allow():
+    """Planes of 22° between them leave nothing in the plane, and their common line in space."""
+    c, s = np.cos(np.pi / 8), np.sin(np.pi / 8)
+    for dimension, allowed in ((2, np.zeros((2, 2))), (3, np.diag([0.0, 0.0, 1.0]))):
+        normals = np.zeros((2, 1, dimension))
+        normals[:, 0, :2] = [[1.0, 0.0], [c, s]]
+        planes: Any = [SimpleNamespace(nodes=np.array([1]), directions=n) for n in normals]
+        nodes, projectors = _tangential(planes, 3, dimension)
+        np.testing.assert_array_equal(nodes, [1])
+        np.testing.assert_allclose(projectors[0], allowed, atol=1e-12)

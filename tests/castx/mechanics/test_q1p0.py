@@ -135,7 +135,7 @@ def test_porous_cells_have_the_pressure_that_is_given(comm):
 
 
 def test_tangent_is_the_derivative_of_the_forces_where_pressures_are_given_too(comm):
-    """Under a uniform strain all cells dilate equally; those with a given pressure do not answer."""
+    """Under a uniform strain all cells dilate equally; those whose pressure is given stay put."""
     cells = Cells(comm)
     cells.begin(1e-11, given=np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan))
     forces = []

@@ -55,6 +55,15 @@ def test_a_liquid_has_its_viscosity_over_the_step_and_no_volume_strain(points):
         np.testing.assert_allclose(c.liquid_modulus, VISCOSITY / step)
         assert c.thermal_strain.max() == c.compressibility.max() == c.solid_share.max() == 0.0
         np.testing.assert_allclose(c.solid_compressibility, 1 / K)
+    nodes = points.cell_nodes.max() + 1
+    cold = law.conditions(points, np.full(nodes, 300.0), np.full(nodes, 0.3), 1.0)
+    assert np.all(cold.thermal_strain == 0.0) and not cold.coherent.any()
+
+
+def test_the_share_of_the_solid_rises_from_coherency_to_full_solidity(points):
+    law = Law(metal(viscosity=VISCOSITY, coherency=0.6), 560.0, PLASTIC)
+    for fraction, share in ((0.5, 0.0), (0.6, 0.0), (0.7, 0.25), (0.9, 0.75), (1.0, 1.0)):
+        np.testing.assert_allclose(at(points, law, fraction).solid_share, share, atol=1e-12)
 
 
 @pytest.mark.parametrize(
