@@ -176,9 +176,10 @@ def largest_difference(
     """Return the largest difference relative to the largest value of its kind, and the field.
 
     A kind is the last word of the name: a body that does not move is compared with one that does.
+    While all pairs are closed, their gaps are rounding: of a micrometre at least.
     """
     assert a.keys() == b.keys()
-    scales: dict[str, float] = {}
+    scales: dict[str, float] = {"gap": 1e-6}
     for name in a:
         kind, size = name.split()[-1], float(max(np.abs(a[name]).max(), np.abs(b[name]).max()))
         scales[kind] = max(size, scales.get(kind, 0.0))

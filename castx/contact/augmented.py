@@ -21,6 +21,7 @@ class AugmentedMultipliers:
     Attributes:
         pressures: λ [Pa], shape (rows,).
         updates: how often they have changed since `begin`.
+        may_pull: pairs whose pressure may be negative, shape (rows,).
 
     Args:
         comm: communicator of the pairs.
@@ -38,6 +39,7 @@ class AugmentedMultipliers:
         self._work = gaps.matrix.createVecLeft()
         self.pressures: FloatArray = np.zeros(len(gaps.local))
         self._committed: FloatArray = self.pressures.copy()
+        self.may_pull: BoolArray = np.zeros(len(gaps.local), dtype=bool)
         self.updates = 0
 
     def forces(self) -> FloatArray:
@@ -67,7 +69,7 @@ class AugmentedMultipliers:
             return False
         if self.updates >= self._most or not (balanced or self._every_iteration):
             return False
-        better: FloatArray = np.maximum(pressures, 0.0)
+        better = np.where(self.may_pull, pressures, np.maximum(pressures, 0.0))
         changed = self._comm.allreduce(bool(np.any(better != self.pressures)), op=MPI.LOR)
         self.pressures = np.asarray(better)
         self.updates += int(changed)

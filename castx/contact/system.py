@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from petsc4py import PETSc
@@ -82,6 +83,7 @@ class ContactSystem:
         self.layout = pairs.unknowns.layout
         self._friction, self._multipliers, self._penalty = friction, multipliers, penalty
         self._memories: list[PairMemory] = [*multipliers, *friction]
+        self._held: BoolArray = np.zeros((), dtype=bool)
 
     @property
     def follows_set(self) -> bool:
@@ -106,6 +108,20 @@ class ContactSystem:
             memory.begin()
         self.pairs.update_bodies(A)
 
+    def hold(self, held: BoolArray) -> None:
+        """Let pairs pull that liquid holds closed; they bear no friction.
+
+        Args:
+            held: shape (pairs,).
+        """
+        self._held = held
+        for part in self._multipliers:
+            part.may_pull = held
+
+    def _rubbing(self, iterate: PairIterate) -> PairIterate:
+        """Return the iterate as friction sees it: a liquid touches without any."""
+        return replace(iterate, closed=iterate.closed & ~self._held)
+
     def matrix(self, iterate: PairIterate) -> PETSc.Mat:
         """Return the derivative of the rows, before any unknown is constrained."""
         matrix = self.pairs.matrix(iterate)
@@ -123,12 +139,13 @@ class ContactSystem:
         """
         self.pairs.impose(iterate, forces, rows)
         for friction in self._friction:
-            friction.impose(iterate, forces, rows)
+            friction.impose(self._rubbing(iterate), forces, rows)
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray | None:
         """Return values of constraint rows that fix no unknown, shape (motions, rows), if any."""
         found = [self.pairs.constraint_values(motions, closed)]
-        found += [part.constraint_values(motions, closed) for part in self._friction]
+        rubbing = closed & ~self._held
+        found += [part.constraint_values(motions, rubbing) for part in self._friction]
         values = [value for value in found if value is not None]
         return np.concatenate(values, axis=1) if values else None
 
@@ -152,12 +169,14 @@ class ContactSystem:
             threshold: force that is noise [N].
             settled: whether the rows nearly balance for the present state of the pairs.
         """
-        changed = [part.update(iterate, forces, threshold, settled) for part in self._friction]
+        rubbing = self._rubbing(iterate)
+        changed = [part.update(rubbing, forces, threshold, settled) for part in self._friction]
         return any(changed)
 
     def along_surface(self, iterate: PairIterate) -> FloatArray | None:
         """Return the friction on secondary nodes [N], (rows, dimension); None: there is none."""
-        return next((part.vectors(iterate) for part in self._friction), None)
+        rubbing = self._rubbing(iterate)
+        return next((part.vectors(rubbing) for part in self._friction), None)
 
     def augment(
         self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float

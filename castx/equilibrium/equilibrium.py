@@ -6,6 +6,8 @@ from typing import Protocol
 
 from petsc4py import PETSc
 
+import numpy as np
+
 from castx.arrays import FloatArray
 from castx.contact.kinematics.active_set import ActiveSet
 from castx.contact.kinematics.gaps import Gaps
@@ -99,6 +101,11 @@ class Equilibrium:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         return self.balance.pair_values(self.x)
 
+    def liquid_pressures(self) -> FloatArray:
+        """Return the pressures of liquid columns at all rows [Pa]; collective."""
+        balance = self.balance
+        return np.where(balance.active.held, balance.skin.pressures(), 0.0)
+
     def along_surface(self) -> FloatArray | None:
         """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
         return self.balance.along_surface(self.x)
@@ -123,16 +130,19 @@ class Equilibrium:
         """Accept the present solution as the start of the next step."""
         self.committed = self.x.array_r.copy()
         self.balance.commit(self.x)
+        self.balance.skin.forget()
         self._procedure.forget()
 
     def rewind(self) -> None:
         """Return to the last committed solution, the displacements of the bodies included."""
         self.x.array[:] = self.committed
         self.balance.rewind(self.x)
+        self.balance.skin.forget()
         self._procedure.forget()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""
         self._procedure.destroy()
+        self.balance.skin.destroy()
         self.balance.destroy()
         self.x.destroy()

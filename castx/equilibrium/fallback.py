@@ -100,6 +100,10 @@ class FallbackMethods:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         return self._present.pair_values()
 
+    def liquid_pressures(self) -> FloatArray:
+        """Return the pressures of liquid columns at all rows [Pa]; collective."""
+        return self._present.liquid_pressures()
+
     def along_surface(self) -> FloatArray | None:
         """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
         return self._present.along_surface()

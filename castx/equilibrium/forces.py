@@ -14,6 +14,7 @@ from castx.contact.kinematics.active_set import ActiveSet
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
 from castx.contact.kinematics.transform import ConstraintTransform
+from castx.contact.liquid_skin import LiquidSkin
 from castx.contact.system import ContactSystem
 from castx.equilibrium.accuracy.convergence import ForceConvergence
 from castx.equilibrium.accuracy.net_forces import NetForces
@@ -35,6 +36,7 @@ class MomentumBalance:
         contact: the contact method.
         supports: springs and in-gates.
         active: closed pairs.
+        skin: finds pairs that a liquid holds.
         operator: the Jacobian.
         convergence: tests residuals.
         frozen: unknowns that stay where they are, whatever acts on them.
@@ -65,6 +67,7 @@ class MomentumBalance:
         self.transform, self.supports = transform, supports
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.signatures())
+        self.skin = LiquidSkin(assembly.layout, assembly.bodies, gaps)
         self.operator = SystemOperator(assembly.corrections())
         self._net = NetForces(assembly, transform, gaps)
         self.convergence = ForceConvergence(assembly, contact.layout, self._net, tolerance)
@@ -82,6 +85,8 @@ class MomentumBalance:
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""
         self._time = time
+        self.active.hold(self.skin.held())
+        self.contact.hold(self.active.held)
         self.supports.begin(self.active.committed)
         self.gaps.set_time(time)
         for body in self.assembly.bodies:

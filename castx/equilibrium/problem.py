@@ -97,10 +97,11 @@ class MechanicalProblem:
         """Return what the pairs of each interface do; collective."""
         gaps, forces = self.equilibrium.pair_values()
         closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
+        column = self.equilibrium.liquid_pressures()
         return [
             contact_state(
                 interface, gaps[part], forces[part], closed[part],
-                None if friction is None else friction[part],
+                None if friction is None else friction[part], column[part],
             )
             for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
         ]  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, surface_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms import momentum
@@ -31,18 +32,30 @@ class BodyLoads:
         self._body, self._model, self._loads = body, model, tuple(description.loads)
         dimension = body.mesh.geometry.dim
         force = description.body_force
+        self._uniform: FloatArray = np.zeros(dimension)
         if callable(force):
             self.body_force = force(ufl.SpatialCoordinate(body.mesh))
         else:
-            components = np.zeros(dimension)
-            components[: len(force)] = force[:dimension]
-            self.body_force = fem.Constant(body.mesh, components)
+            self._uniform[: len(force)] = force[:dimension]
+            self.body_force = fem.Constant(body.mesh, self._uniform)
         self._values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
         for load in self._loads:
             tables = load.traction if load.pressure is None else (load.pressure,)
             assert tables is not None
             none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
             self._values.append((fem.Constant(body.mesh, none), tables))
+
+    @property
+    def weighs(self) -> bool:
+        """Whether a body force acts that is the same everywhere."""
+        return bool(np.any(self._uniform))
+
+    def potential(self) -> FloatArray:
+        """Return x·b at the local nodes [Pa], shape (nodes,): pressures at rest differ by it.
+
+        A body force that depends on the position counts as none.
+        """
+        return np.asarray(self._body.points @ self._uniform)
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]."""

@@ -30,6 +30,7 @@ class ActiveSet:
     Attributes:
         closed: closed pairs, shape (pairs,).
         frozen: pairs that do not change until the end of the step, shape (pairs,).
+        held: pairs that stay closed whatever the sign of their force, shape (pairs,).
         changes: pairs that have changed since `begin`, on all ranks.
         cycles: whether a set has returned since `begin`.
         one_by_one: whether pairs change one at a time.
@@ -48,6 +49,7 @@ class ActiveSet:
         self.closed: BoolArray = free & (initial_gaps <= 0)
         self._committed = self.closed.copy()
         self.frozen: BoolArray = np.zeros(len(free), dtype=bool)
+        self.held: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
 
     def begin(self) -> None:
@@ -58,6 +60,15 @@ class ActiveSet:
         self._fewest, self._in_order = np.inf, False
         self.changes = self._restarts = 0
         self.cycles = self.one_by_one = False
+
+    def hold(self, held: BoolArray) -> None:
+        """Close pairs and keep them closed until the next call; judge the others as usual.
+
+        Args:
+            held: pairs that carry a constraint, shape (pairs,).
+        """
+        self.held = held.copy()
+        self.closed = self.closed | held
 
     def restart_cycle_detection(self) -> None:
         """Let known sets return after the friction state has changed, at most 20 times a solve."""
@@ -96,7 +107,8 @@ class ActiveSet:
         carried = float(np.abs(forces[self.closed]).max(initial=0.0))
         largest = self._comm.allreduce(carried, op=MPI.MAX)
         violation = np.where(self.closed, -forces, forces)
-        violation[~self._free | (violation <= max(1e-12 * largest, threshold))] = 0.0
+        noise = violation <= max(1e-12 * largest, threshold)
+        violation[~self._free | self.held | noise] = 0.0
         return violation
 
     def _to_change(self, violation: FloatArray) -> BoolArray:
@@ -143,7 +155,7 @@ class ActiveSet:
 
     def largest_pull(self, forces: FloatArray) -> float:
         """Return the largest force by which a closed pair is pulled [N], on all ranks."""
-        pulls = -forces[self.closed & self._free & ~self.frozen]
+        pulls = -forces[self.closed & self._free & ~self.frozen & ~self.held]
         return float(self._comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
 
     def any(self, pairs: BoolArray) -> bool:
@@ -196,4 +208,4 @@ class ActiveSet:
     def rewind(self) -> None:
         """Return to the set of the last accepted step."""
         self.closed = self._committed.copy()
-        self.frozen[:] = False
+        self.frozen[:] = self.held[:] = False

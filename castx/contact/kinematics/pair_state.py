@@ -16,6 +16,7 @@ def contact_state(
     force: FloatArray,
     closed: BoolArray,
     friction: FloatArray | None,
+    least: FloatArray | float = 0.0,
 ) -> PairState:
     """Return the state of an interface.
 
@@ -26,6 +27,7 @@ def contact_state(
         closed: rows that touch.
         friction: on the secondary nodes of the rows [N], shape (rows, dimension); None: there is
             none.
+        least: pressure that the rows have whatever their forces, such as that of a liquid [Pa].
     """
     pairs = placed.pairs
     vectors = np.zeros_like(pairs.area_vectors)
@@ -37,7 +39,9 @@ def contact_state(
         count = len(pairs.areas)
         gap, closed, areas = np.zeros(count), np.ones(count, dtype=bool), pairs.areas
         force = np.sum(vectors * pairs.normals, axis=1)
-    # The last digits of a closed pair without pressure may pull.
+    # The last digits of a closed pair without pressure may pull, and so may what a liquid holds.
     pushes = np.maximum(force, 0.0)
     pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
+    if placed.treatment is not Treatment.TIED:
+        pressure = np.maximum(pressure, least)
     return PairState(gap, pressure, closed.copy(), vectors)

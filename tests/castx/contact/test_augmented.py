@@ -66,3 +66,11 @@ def test_memory(comm):
     other, _ = made(comm)
     other.restore(multipliers.saved())
     np.testing.assert_allclose(other.pressures, 1e5)
+
+
+def test_pairs_that_a_liquid_holds_may_pull(comm):
+    multipliers, gaps = made(comm)
+    multipliers.may_pull = np.array([False, True, True])
+    closed = np.array([True, True, False])
+    multipliers.augment(np.array([-3e5, -2e5, -4e5]) * gaps.areas, closed, True, 0.0)
+    np.testing.assert_allclose(multipliers.pressures, [0.0, -2e5, 0.0])

@@ -55,3 +55,12 @@ def test_a_force_may_depend_on_the_position(comm):
     forces = part.formulation.forms.load.reshape(-1, part.block_size)
     resultant = comm.allreduce(forces.sum(axis=0))
     np.testing.assert_allclose(resultant[:2], [0.0, 8e6 * 0.02**2 * 0.01 / 2], atol=1e-9)
+
+
+def test_pressures_at_rest_follow_a_uniform_body_force(comm):
+    part = alone(comm, "plane-strain", body_force=(3.0, -7.0))
+    assert part.loads.weighs
+    points = part.mesh.points
+    np.testing.assert_allclose(part.loads.potential(), 3.0 * points[:, 0] - 7.0 * points[:, 1])
+    varying = alone(comm, "plane-strain", body_force=lambda x: ufl.as_vector((x[1], 0.0)))
+    assert not varying.loads.weighs and not varying.loads.potential().any()

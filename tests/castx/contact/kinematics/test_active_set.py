@@ -193,3 +193,29 @@ def test_cycles_are_found_again_after_twenty_changes_of_friction(comm):
         active.update(np.where(active.closed, -1.0, 1.0))
         active.restart_cycle_detection()
     assert active.cycles
+
+
+def test_held_pairs_are_closed_whatever_their_force(comm):
+    """Of two closed pairs that pull and one that is open, the held ones end closed."""
+    active = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
+    active.hold(np.array([True, False, True]))
+    assert active.closed.all()
+    pull = np.array([-5.0, -3.0, -9.0])
+    assert active.largest_pull(pull) == 3.0
+    assert active.update(pull)
+    np.testing.assert_array_equal(active.closed, [True, False, True])
+    assert not active.update(pull)
+    active.hold(np.zeros(3, dtype=bool))
+    active.begin()
+    assert active.update(pull)
+    assert not active.closed.any()
+
+
+def test_rewind_lets_go_of_held_pairs(comm):
+    active = ActiveSet(comm, np.ones(2), np.ones(2, dtype=bool), np.array([0.2, 0.7]))
+    active.hold(np.array([True, False]))
+    active.rewind()
+    assert not active.closed.any() and not active.held.any()
+    active.hold(np.array([True, False]))
+    active.commit()
+    np.testing.assert_array_equal(active.committed, [True, False])

@@ -57,3 +57,11 @@ def test_a_tied_pair_presses_along_its_normal():
     np.testing.assert_allclose(state.force, [[3.0, 40.0], [0.0, -7.0]])
     np.testing.assert_allclose(state.pressure, [2e5, 0.0])
     assert np.all(state.closed) and np.all(state.gap == 0.0)
+
+
+def test_a_liquid_presses_at_least_by_its_column():
+    rows = placed([0, 1], [UP, UP], [2e-4, 5e-4])
+    force, least = np.array([30.0, -9.0]), np.array([1e3, 2e3])
+    state = contact_state(rows, np.zeros(2), force, np.ones(2, bool), None, least)
+    np.testing.assert_allclose(state.pressure, [1.5e5, 2e3])
+    np.testing.assert_allclose(state.force, [[0.0, 30.0], [0.0, -9.0]])

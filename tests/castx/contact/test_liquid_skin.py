@@ -1,0 +1,207 @@
+"""Liquid follows the wall, its skin leaves it without stress, and what melts again comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.contact.choice import Contact
+from castx.contact.liquid_skin import LiquidSkin
+from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.tables import Table
+from tests.contact_methods import AT_ONCE, EXACT, FORCE_OF_GAP, TWO_BODIES, WITH_FRICTION, sharp
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    generated,
+    problem,
+)
+
+WIDTH, HEIGHT, VISCOSITY, PULL = 0.01, 0.03, 1e6, 1e-5
+"""Of half the upper block [m], viscosity [Pa s], motion of the base in a step of 1 s [m]."""
+ALLOY = {
+    "latent_heat": 4e5, "solidus": 560.0, "liquidus": 610.0, "stress_free": 560.0,
+    "liquid": {"model": "viscous", "viscosity": VISCOSITY, "coherency": 0.7},
+}  # fmt: skip
+LIQUID, SOLID = (650.0, 0.0), (560.0, 1.0)
+VISCOUS_FORCE = 4 * VISCOSITY * PULL / HEIGHT * WIDTH
+"""Of a viscous bar stretched in plane strain [N]: σ = 4 η ε̇."""
+ORDERS = [("upper", "base"), ("base", "upper")]
+HARD = sharp(AT_ONCE)
+
+
+def drawn_apart(
+    comm, order=ORDERS[0], method="condensed", alloy=ALLOY, model="plane-strain", **contact
+):
+    """Return a block that is held above, on a base that sinks by 10 µm a second."""
+    bodies = {
+        "upper": body(elastic(7e9, 0.33, **alloy), starts_liquid=True),
+        "base": body(elastic(70e12, 0.3)),
+    }
+    down = SurfaceDisplacement("bottom", "normal", Table((0.0, 9.0), (0.0, 9 * PULL)))
+    conditions = {"upper": [fixed("top")], "base": [down]}
+    return problem(blocks(comm, model), bodies, conditions, [Contact(*order, method, **contact)])
+
+
+def step(made, time, state, base=None):
+    """Bring the upper block into a state, temperature [°C] and solid fraction, for one step."""
+    for name, part in made.bodies.items():
+        count = len(part.mesh.parent_vertices)
+        temperature, fraction = state if name == "upper" else base or (20.0, 1.0)
+        fractions = fraction(part.mesh.points) if callable(fraction) else np.full(count, fraction)
+        part.update_state(np.full(count, temperature), fractions, 1.0)
+    made.equilibrium.solve(time)
+    states = made.contact_states()
+    made.equilibrium.commit()
+    return states[0]
+
+
+def total(comm, state):
+    return float(comm.allreduce(state.force[:, 1].sum()))
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("method", TWO_BODIES)
+def test_liquid_follows_its_wall_and_the_skin_leaves_it(comm, method, order):
+    """A liquid bar is drawn out with the force 4 η ε̇ A, a frozen one stays where it froze."""
+    made = drawn_apart(comm, order, method)
+    first = step(made, 1.0, LIQUID)
+    assert comm.allreduce(int(np.count_nonzero(~first.closed))) == 0
+    assert np.all(first.pressure < 1e-6)
+    soft = method in FORCE_OF_GAP and method not in HARD
+    stretched = PULL - max(comm.allgather(float(first.gap.max(initial=-1.0))))
+    if not soft:
+        sign = -1.0 if order == ORDERS[0] else 1.0
+        force = sign * VISCOUS_FORCE * stretched / PULL
+        assert total(comm, first) == pytest.approx(force, rel=1e-3)
+        assert stretched == pytest.approx(PULL, rel=1e-6 if method in EXACT else 0.03)
+    frozen = step(made, 2.0, SOLID)
+    np.testing.assert_allclose(frozen.gap, 2 * PULL - stretched, rtol=1e-4)
+    assert not frozen.closed.any()
+    assert total(comm, frozen) == pytest.approx(0.0, abs=1e-9)
+    # A solid would have been drawn by 2 MPa to follow.
+    assert np.abs(made.bodies["upper"].stress()).max() < 1.0
+    molten = step(made, 2.0, LIQUID)
+    assert molten.closed.all()
+    if not soft:
+        np.testing.assert_allclose(molten.gap, 0.0, atol=1e-12 if method in EXACT else 3e-7)
+
+
+@pytest.mark.serial
+def test_a_given_gap_stays_open(comm):
+    """There is no metal at a wall that is away from it from the start."""
+    made = drawn_apart(comm, initial_gap=lambda x: np.full(len(x), 5e-6))
+    state = step(made, 1.0, LIQUID)
+    np.testing.assert_allclose(state.gap, 5e-6 + PULL, rtol=1e-6)
+    assert not state.closed.any()
+
+
+@pytest.mark.serial
+def test_a_body_that_never_is_a_liquid_is_free(comm):
+    alloy = {name: value for name, value in ALLOY.items() if name != "liquid"}
+    state = step(drawn_apart(comm, alloy=alloy), 1.0, LIQUID)
+    np.testing.assert_allclose(state.gap, PULL, rtol=1e-4)
+
+
+@pytest.mark.serial
+def test_both_sides_have_to_be_coherent(comm):
+    mesh = blocks(comm)
+    down = SurfaceDisplacement("bottom", "normal", Table((0.0, 9.0), (0.0, 9 * PULL)))
+    metal = elastic(7e9, 0.33, **ALLOY)
+    bodies = {name: body(metal, starts_liquid=True) for name in ("upper", "base")}
+    held = {"upper": [fixed("top")], "base": [down]}
+    for upper, base, closed in (
+        (SOLID, LIQUID, True), (LIQUID, SOLID, True), (SOLID, SOLID, False)
+    ):  # fmt: skip
+        made = problem(mesh, bodies, held, [Contact("upper", "base")])
+        step(made, 0.0, upper, base)
+        assert step(made, 1.0, upper, base).closed.all() == closed
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_cells_at_a_pair_decide(comm, order, model):
+    """Held are the pairs of the upper block none of whose cells has a mean of 0.7 or more."""
+    made = drawn_apart(comm, order, model=model)
+    part = made.bodies["upper"]
+
+    def fraction(points):
+        return np.where(points[:, 0] < 0.0030, 1.0, 0.1)
+
+    part.update_state(np.full(len(part.mesh.points), 600.0), fraction(part.mesh.points), 1.0)
+    skin = LiquidSkin(made.layout, list(made.bodies.values()), made.gaps)
+    held = skin.held()
+    cells = part.mesh.points[part.cell_nodes]
+    solid = np.mean([fraction(corner) for corner in cells.transpose(1, 0, 2)], axis=0) >= 0.7
+    corners = np.round(everywhere(comm, cells[solid].reshape(-1, part.dimension)), 9)
+    coherent = {tuple(corner) for corner in corners}
+    found = {tuple(p) for p in np.round(everywhere(comm, made.pairs[0].points[held]), 9)}
+    everyone = {tuple(p) for p in np.round(everywhere(comm, made.pairs[0].points), 9)}
+    assert found == everyone - coherent
+    assert 0 < len(found) < len(everyone)
+    skin.destroy()
+
+
+@pytest.mark.serial
+def test_a_released_pair_stays_released_until_the_end_of_the_step(comm):
+    """Else heat and mechanics would alternate: an open gap delays the freezing that opens it."""
+    made = drawn_apart(comm)
+    upper, skin = made.bodies["upper"], made.equilibrium.balance.skin
+    count = len(upper.mesh.points)
+    held = []
+    for fraction in (0.69, 0.71, 0.69):
+        upper.update_state(np.full(count, 580.0), np.full(count, fraction), 1.0)
+        held.append(bool(skin.held().all()))
+    skin.forget()
+    held.append(bool(skin.held().all()))
+    assert held == [True, False, False, True]
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("method", sharp(WITH_FRICTION))
+def test_a_liquid_rubs_at_no_wall(comm, method):
+    """Pressed on its base and pushed sideways, a solid bears friction and a liquid none."""
+    friction = {}
+    for name, state in (("liquid", LIQUID), ("solid", SOLID)):
+        bodies = {
+            "upper": body(elastic(7e9, 0.33, **ALLOY), starts_liquid=True),
+            "base": body(elastic(70e9, 0.3)),
+        }
+        conditions = {
+            "upper": [fixed("top", "normal", -1e-6), fixed("top", "x", 1e-6)],
+            "base": [fixed("bottom", "all")],
+        }
+        contact = Contact("upper", "base", method, friction=0.3)
+        made = problem(blocks(comm, symmetry=False), bodies, conditions, [contact])
+        state = step(made, 1.0, state)
+        friction[name] = abs(state.force[:, 0].sum())
+        assert state.force[:, 1].sum() > 1.0
+    assert friction["liquid"] < 1e-9
+    assert friction["solid"] > 1.0
+
+
+@pytest.mark.parametrize("formulation", ["mixed", "q1p0"])
+@pytest.mark.parametrize("order", ORDERS)
+def test_the_pressure_is_at_least_that_of_the_column(comm, order, formulation):
+    """Of 7000 kg/m³ under gravity, a wall that gives way feels ρ g h all the same."""
+    weight, cells = -7000.0 * 9.81, "quadrilaterals" if formulation == "q1p0" else "simplices"
+    mesh = generated(
+        comm, "plane-strain", "stacked_blocks", ["upper", "base"], upper=[0.02, HEIGHT],
+        base=[0.02, 0.02], size=0.005, cells=cells,
+    )  # fmt: skip
+    bodies = {
+        "upper": body(
+            elastic(7e9, 0.33, **ALLOY), starts_liquid=True, formulation=formulation,
+            body_force=(0.0, weight),
+        ),
+        "base": body(elastic(70e12, 0.3), formulation=formulation),
+    }  # fmt: skip
+    down = SurfaceDisplacement("bottom", "normal", Table((0.0, 9.0), (0.0, 900 * PULL)))
+    conditions = {"upper": [fixed("side"), fixed("top")], "base": [down]}
+    made = problem(mesh, bodies, conditions, [Contact(*order)])
+    state = step(made, 1.0, LIQUID)
+    assert total(comm, state) * (1 if order == ORDERS[0] else -1) < -100.0
+    np.testing.assert_allclose(everywhere(comm, state.pressure), -weight * HEIGHT, rtol=1e-12)
