@@ -241,6 +241,8 @@ class Newton:
         balance, limits = self.balance, self.balance.convergence
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
+        # Behind the rounding of the terms no iteration gets, however many it takes.
+        wanted = max(wanted, limits.rounding)
         share = wanted / norm if norm > 0 else 1e-2
         if not balance.is_linear and limits.weakest > 0:
             share = max(share, min(norm / limits.weakest, LOOSEST))

@@ -60,9 +60,27 @@ class PairChanges:
             changed = active.update(self._forces_to_judge(settled), noise, settled)
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
-            return False
+            return limits.is_met(f) and self._release(x, f)
         balance.sum_up_again(x, f)
         return True
+
+    def _release(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
+        """Let go of bodies that closed pairs hold without force; return whether there were any.
+
+        A wall that moves away would draw them along. On springs they stay where they were after
+        the last accepted step, unless the pairs close again.
+        """
+        balance, active = self._balance, self._balance.active
+        floating = balance.supports.floating
+        released = active.release(balance.trial_forces, balance.convergence.smallest)
+        if not active.any(released):
+            return False
+        balance.sum_up_again(x, f)
+        if balance.supports.floating > floating:
+            return True
+        active.close(released)
+        balance.sum_up_again(x, f)
+        return False
 
     def _is_settled(self, f: PETSc.Vec, slides: bool) -> bool:
         """Return whether the residual is small beside the pulls that would open pairs.
@@ -90,9 +108,9 @@ class PairChanges:
         return np.where(balance.active.closed, pushed, balance.trial_forces)
 
     def violates(self) -> bool:
-        """Return whether a frozen pair pulls or penetrates by more than the balance allows."""
+        """Return whether a pair pulls or penetrates by more than the balance of forces allows."""
         balance = self._balance
-        return balance.active.violates_frozen(balance.trial_forces, balance.convergence.smallest)
+        return balance.active.violates(balance.trial_forces, balance.convergence.smallest)
 
     def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.

@@ -22,6 +22,107 @@ MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
 
 
+class Pivoting:
+    """Which pairs change their state next, so that the sets end at the solution.
+
+    Attributes:
+        frozen: pairs that chatter and do not change any more, shape (pairs,).
+        cycles: whether a set has returned since `begin`.
+        one_by_one: whether pairs change one at a time.
+
+    Args:
+        comm: communicator of the pairs.
+        signatures: one number for each pair by which sets are distinguished, shape (pairs,).
+    """
+
+    def __init__(self, comm: MPI.Intracomm, signatures: FloatArray) -> None:
+        self._comm, self._signatures = comm, signatures
+        self.frozen: BoolArray = np.zeros(len(signatures), dtype=bool)
+        self._left: FloatArray = np.zeros(len(signatures))
+        self.restart(self.frozen)
+
+    def begin(self, closed: BoolArray) -> None:
+        """Begin a solve from a set of closed pairs."""
+        self._left[:] = 0.0
+        self.restart(closed)
+
+    def restart(self, closed: BoolArray) -> None:
+        """Forget all sets but the present one."""
+        self._seen = {self._signature(closed)}
+        self._fewest, self._in_order = np.inf, False
+        self.cycles = self.one_by_one = False
+
+    def at_once(self, violation: FloatArray) -> BoolArray:
+        """Return which pairs change where sets are not compared: none once one has returned.
+
+        Args:
+            violation: forces by which pairs violate their state [N], zero where they do not.
+        """
+        wrong = (violation > 0) & ~self.frozen & (not self.cycles)
+        self._left[wrong] = np.inf
+        return np.asarray(wrong)
+
+    def next(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
+        """Return which pairs change, and remember the set to which that leads; collective.
+
+        Args:
+            closed: the present set of closed pairs.
+            violation: forces by which pairs violate their state [N], zero where they do not.
+        """
+        wrong = self._choose(closed, violation)
+        self._left = np.where(wrong, violation, self._left)
+        self._seen.add(self._signature(closed ^ wrong))
+        return wrong
+
+    def _choose(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
+        wrong = (violation > 0) & ~self.frozen
+        count = int(self._comm.allreduce(int(np.count_nonzero(wrong)), op=MPI.SUM))
+        if count == 0:
+            return wrong
+        if self.one_by_one and count < self._fewest:
+            self.one_by_one, self._seen = False, {self._signature(closed)}
+        self._fewest = min(self._fewest, count)
+        if not self.one_by_one:
+            if self._signature(closed ^ wrong) not in self._seen:
+                return wrong
+            self.cycles = self.one_by_one = True
+            self._in_order, self._seen = False, {self._signature(closed)}
+        return self._single(closed, violation)
+
+    def _single(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
+        """Return the pair that changes alone: the worst, the first in order, or none is left."""
+        while True:
+            keys = self._signatures if self._in_order else -violation
+            chosen = self._least(np.where((violation > 0) & ~self.frozen, keys, np.inf))
+            if not self._any(chosen) or self._signature(closed ^ chosen) not in self._seen:
+                return chosen
+            if not self._in_order:
+                self._in_order, self._seen = True, {self._signature(closed)}
+                continue
+            self.frozen = self.frozen | chosen
+            goes_back = chosen & (violation > self._left)
+            if self._any(goes_back):
+                return goes_back
+
+    def _least(self, keys: FloatArray) -> BoolArray:
+        """Return the pair with the least key on all ranks, none where no key is finite."""
+        local = float(keys.min(initial=np.inf))
+        least, rank = self._comm.allreduce((local, self._comm.rank), op=MPI.MINLOC)
+        chosen = np.zeros(len(keys), dtype=bool)
+        if rank == self._comm.rank and np.isfinite(least):
+            chosen[int(np.argmin(keys))] = True
+        return chosen
+
+    def _any(self, pairs: BoolArray) -> bool:
+        return bool(self._comm.allreduce(bool(pairs.any()), op=MPI.LOR))
+
+    def _signature(self, closed: BoolArray) -> tuple[int, int]:
+        chosen = np.round(self._signatures[closed] * 2**40).astype(np.int64)
+        both = np.array([len(chosen), int(chosen.sum())], dtype=np.int64)
+        total = self._comm.allreduce(both, op=MPI.SUM)
+        return int(total[0]), int(total[1])
+
+
 class ActiveSet:
     """The closed pairs of all interfaces on this rank.
 
@@ -29,11 +130,8 @@ class ActiveSet:
 
     Attributes:
         closed: closed pairs, shape (pairs,).
-        frozen: pairs that do not change until the end of the step, shape (pairs,).
         held: pairs that stay closed whatever the sign of their force, shape (pairs,).
         changes: pairs that have changed since `begin`, on all ranks.
-        cycles: whether a set has returned since `begin`.
-        one_by_one: whether pairs change one at a time.
 
     Args:
         comm: communicator of the pairs.
@@ -45,21 +143,33 @@ class ActiveSet:
     def __init__(
         self, comm: MPI.Intracomm, initial_gaps: FloatArray, free: BoolArray, signatures: FloatArray
     ) -> None:
-        self._comm, self._free, self._signatures = comm, free, signatures
+        self._comm, self._free = comm, free
+        self._pivoting = Pivoting(comm, signatures)
         self.closed: BoolArray = free & (initial_gaps <= 0)
         self._committed = self.closed.copy()
-        self.frozen: BoolArray = np.zeros(len(free), dtype=bool)
         self.held: BoolArray = np.zeros(len(free), dtype=bool)
+        self._released: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
+
+    @property
+    def frozen(self) -> BoolArray:
+        """Pairs that do not change until the end of the step, shape (pairs,)."""
+        return self._pivoting.frozen
+
+    @property
+    def cycles(self) -> bool:
+        """Whether a set has returned since `begin`."""
+        return self._pivoting.cycles
+
+    @property
+    def one_by_one(self) -> bool:
+        """Whether pairs change one at a time."""
+        return self._pivoting.one_by_one
 
     def begin(self) -> None:
         """Begin a solve from the present set."""
-        self._seen = {self._signature(self.closed)}
-        self._left: FloatArray = np.zeros(len(self.closed))
-        self._known_singles: set[tuple[int, int]] = set()
-        self._fewest, self._in_order = np.inf, False
+        self._pivoting.begin(self.closed)
         self.changes = self._restarts = 0
-        self.cycles = self.one_by_one = False
 
     def hold(self, held: BoolArray) -> None:
         """Close pairs and keep them closed until the next call; judge the others as usual.
@@ -74,8 +184,7 @@ class ActiveSet:
         """Let known sets return after the friction state has changed, at most 20 times a solve."""
         if self._restarts < MOST_RESTARTS:
             self._restarts += 1
-            self._seen = {self._signature(self.closed)}
-            self._fewest, self.cycles, self.one_by_one = np.inf, False, False
+            self._pivoting.restart(self.closed)
 
     def update(self, forces: FloatArray, threshold: float = 0.0, settled: bool = True) -> bool:
         """Change the pairs that violate their state; return whether any did, on any rank.
@@ -90,15 +199,11 @@ class ActiveSet:
         """
         violation = self._violation(forces, threshold)
         if settled:
-            wrong = self._to_change(violation)
-            self._left = np.where(wrong, violation, self._left)
+            wrong = self._pivoting.next(self.closed, violation)
         else:
-            wrong = (violation > 0) & ~self.frozen & (not self.cycles)
-            self._left[wrong] = np.inf
+            wrong = self._pivoting.at_once(violation)
         changed = self._count(wrong)
         self.closed = self.closed ^ wrong
-        if settled:
-            self._seen.add(self._signature(self.closed))
         self.changes += changed
         return changed > 0
 
@@ -111,80 +216,45 @@ class ActiveSet:
         violation[~self._free | self.held | noise] = 0.0
         return violation
 
-    def _to_change(self, violation: FloatArray) -> BoolArray:
-        wrong = (violation > 0) & ~self.frozen
-        count = self._count(wrong)
-        if self.one_by_one and count < self._fewest:
-            self.one_by_one = False
-            self._seen = {self._signature(self.closed)}
-        self._fewest = min(self._fewest, count)
-        if not self.one_by_one and not self._is_known(wrong, self._seen):
-            return wrong
-        if not self.one_by_one:
-            self.cycles = self.one_by_one = True
-            self._in_order, self._known_singles = False, {self._signature(self.closed)}
-        while True:
-            choose = self._first if self._in_order else self._worst
-            chosen = choose(np.where(self.frozen, 0.0, violation))
-            if not self._is_known(chosen, self._known_singles):
-                self._known_singles.add(self._signature(self.closed ^ chosen))
-                return chosen
-            if not self._in_order:
-                self._in_order, self._known_singles = True, {self._signature(self.closed)}
-                continue
-            self.frozen = self.frozen | chosen
-            goes_back = chosen & (violation > self._left)
-            if self.any(goes_back):
-                return goes_back
-
-    def _is_known(self, wrong: BoolArray, sets: set[tuple[int, int]]) -> bool:
-        """Return whether a change leads to one of some sets."""
-        return self.any(wrong) and self._signature(self.closed ^ wrong) in sets
-
     def _count(self, pairs: BoolArray) -> int:
         return int(self._comm.allreduce(int(np.count_nonzero(pairs)), op=MPI.SUM))
 
-    def violates_frozen(self, forces: FloatArray, threshold: float) -> bool:
-        """Return whether a frozen pair pulls or penetrates by more than noise, on any rank.
+    def violates(self, forces: FloatArray, threshold: float) -> bool:
+        """Return whether any pair, frozen or not, pulls or penetrates by more than noise.
 
         Args:
             forces: that closed pairs carry and open ones would [N], shape (pairs,).
             threshold: force that is noise [N].
         """
-        return self.any(self.frozen & (self._violation(forces, threshold) > 0))
+        return self.any(self._violation(forces, threshold) > 0)
 
     def largest_pull(self, forces: FloatArray) -> float:
         """Return the largest force by which a closed pair is pulled [N], on all ranks."""
         pulls = -forces[self.closed & self._free & ~self.frozen & ~self.held]
         return float(self._comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
 
+    def release(self, forces: FloatArray, threshold: float) -> BoolArray:
+        """Open closed pairs without force, each of them once in a step; return which.
+
+        Args:
+            forces: that closed pairs carry [N], compressive positive, shape (pairs,).
+            threshold: force that is none [N].
+        """
+        may = self.closed & self._free & ~self.frozen & ~self.held & ~self._released
+        weak = may & (forces <= threshold)
+        self._released = self._released | weak
+        self.closed = self.closed & ~weak
+        self._pivoting.restart(self.closed)
+        return weak
+
+    def close(self, pairs: BoolArray) -> None:
+        """Close pairs that need not have been released."""
+        self.closed = self.closed | pairs
+        self._pivoting.restart(self.closed)
+
     def any(self, pairs: BoolArray) -> bool:
         """Return whether one of some pairs is marked, on any rank."""
         return bool(self._comm.allreduce(bool(pairs.any()), op=MPI.LOR))
-
-    def _worst(self, violation: FloatArray) -> BoolArray:
-        """Return the pair that violates its state most, none where none does."""
-        return self._extreme(violation, -violation)
-
-    def _first(self, violation: FloatArray) -> BoolArray:
-        """Return the first pair that violates its state, in an order of all pairs."""
-        return self._extreme(violation, self._signatures)
-
-    def _extreme(self, violation: FloatArray, keys: FloatArray) -> BoolArray:
-        """Return the pair with the least key among those that violate their state."""
-        keys = np.where(violation > 0, keys, np.inf)
-        local = float(keys.min(initial=np.inf))
-        least, rank = self._comm.allreduce((local, self._comm.rank), op=MPI.MINLOC)
-        chosen = np.zeros(len(keys), dtype=bool)
-        if rank == self._comm.rank and np.isfinite(least):
-            chosen[int(np.argmin(keys))] = True
-        return chosen
-
-    def _signature(self, closed: BoolArray) -> tuple[int, int]:
-        chosen = np.round(self._signatures[closed] * 2**40).astype(np.int64)
-        both = np.array([len(chosen), int(chosen.sum())], dtype=np.int64)
-        total = self._comm.allreduce(both, op=MPI.SUM)
-        return int(total[0]), int(total[1])
 
     def frozen_pairs(self) -> int:
         """Return the number of frozen pairs of all ranks."""
@@ -193,7 +263,11 @@ class ActiveSet:
     def commit(self) -> None:
         """Accept the present set as that of the last step."""
         self._committed = self.closed.copy()
+        self._begin_step()
+
+    def _begin_step(self) -> None:
         self.frozen[:] = False
+        self._released[:] = False
 
     def restore(self, closed: BoolArray) -> None:
         """Take back a set of closed pairs as that of the last accepted step."""
@@ -208,4 +282,5 @@ class ActiveSet:
     def rewind(self) -> None:
         """Return to the set of the last accepted step."""
         self.closed = self._committed.copy()
-        self.frozen[:] = self.held[:] = False
+        self.held[:] = False
+        self._begin_step()

@@ -39,7 +39,8 @@ def contact_state(
         count = len(pairs.areas)
         gap, closed, areas = np.zeros(count), np.ones(count, dtype=bool), pairs.areas
         force = np.sum(vectors * pairs.normals, axis=1)
-    # The last digits of a closed pair without pressure may pull, and so may what a liquid holds.
+    # What a liquid holds may pull. Else it is noise: an equilibrium with a pair that pulls by more
+    # is not accepted.
     pushes = np.maximum(force, 0.0)
     pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
     if placed.treatment is not Treatment.TIED:

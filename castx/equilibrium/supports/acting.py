@@ -46,6 +46,11 @@ class Supports:
         self._place: FloatArray = np.zeros(size)
 
     @property
+    def floating(self) -> int:
+        """Number of motions on springs."""
+        return 0 if self.springs is None else len(self.springs.motions)
+
+    @property
     def motions(self) -> FloatArray | None:
         """The rigid motions of all bodies, shape (motions, owned); None: there are no springs."""
         return None if self._floating is None else self._floating.motions
@@ -110,8 +115,17 @@ class Supports:
         return forces
 
     def commit(self, x: FloatArray) -> None:
-        """Accept the state at owned unknowns x as the start of the next step."""
+        """Accept the state at owned unknowns x as the start of the next step.
+
+        Motions that something else holds begin there when they come onto springs, so that a body
+        that is set free stays where it was.
+        """
+        stretch = 0.0 if self.springs is None else self.springs.amplitudes(x - self.origin)
         self._place, self._committed = x.copy(), self.springs
+        self.origin = x.copy()
+        if self.springs is not None:
+            # What hangs on springs stays on them: else it would fall a little in every step.
+            self.origin -= stretch @ self.springs.motions
 
     def rewind(self, x: FloatArray) -> None:
         """Return to the accepted state, whose owned unknowns are x."""

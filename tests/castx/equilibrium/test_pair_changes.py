@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.contact.methods.registry import METHODS
 from castx.equilibrium.pair_changes import PairChanges
-from tests.contact_methods import AT_ONCE
-from tests.elastic_bodies import everywhere
-from tests.small_contact import two_blocks
+from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.tables import Table
+from tests.contact_methods import AT_ONCE, EXACT
+from tests.elastic_bodies import blocks, body, elastic, everywhere, gaps, motion, problem
+from tests.small_contact import SOFT, STIFF, two_blocks
 
 
 def pushed_down(made, by):
@@ -81,7 +84,9 @@ def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual,
         active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool)),
         assembly=SimpleNamespace(improve_pressures=lambda: False, unknowns=None),
         contact=SimpleNamespace(slide=slide, has_friction=False),
-        convergence=SimpleNamespace(smallest=5.0, weakest=1e3, rounding=rounding),
+        convergence=SimpleNamespace(
+            smallest=5.0, weakest=1e3, rounding=rounding, is_met=lambda f: False
+        ),
         supports=SimpleNamespace(change=lambda closed, all_quiet: False), is_linear=True,
         is_evaluated_at=lambda x: True, present=lambda x: x, trial_forces=np.zeros(2),
     )  # fmt: skip
@@ -89,3 +94,23 @@ def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual,
     x: Any = None
     assert not PairChanges(balance).change_set(x, f)
     assert thresholds == pytest.approx([noise, noise], rel=1e-12)
+
+
+@pytest.mark.parametrize("method", EXACT)
+def test_a_wall_pushes_a_body_and_draws_none_along(comm, method):
+    """Without weight, touching pairs bear nothing: the body stays where it was left."""
+    way = Table.from_points([(0, 0.0), (1, 2e-5), (2, 0.0), (3, -1e-5), (4, 3e-5)])
+    held = {"x": Table.constant(0.0), "y": way}
+    base = [SurfaceDisplacement("bottom", axis, table) for axis, table in held.items()]
+    mesh = blocks(comm, symmetry=False, size=0.01)
+    bodies = {"upper": body(elastic(*SOFT)), "base": body(elastic(*STIFF))}
+    made = problem(mesh, bodies, {"base": base}, [Contact("upper", "base", method)])
+    for time, height in ((0.0, 0.0), (1.0, 2e-5), (2.0, 2e-5), (3.0, 2e-5), (4.0, 3e-5)):
+        made.equilibrium.solve(time)
+        made.equilibrium.commit()
+        moved = everywhere(comm, motion(made, "upper"))
+        np.testing.assert_allclose(moved[:, 1], height, atol=1e-11)
+        np.testing.assert_allclose(moved[:, 0], 0.0, atol=1e-11)
+        open_by = height - way(time)
+        np.testing.assert_allclose(everywhere(comm, gaps(comm, made)), open_by, atol=1e-11)
+        assert made.equilibrium.active.frozen_pairs() == 0

@@ -167,19 +167,36 @@ def test_ends_at_the_solution_of_every_p_matrix(comm, seed):
     assert problem.active.frozen_pairs() == 0
 
 
-def test_a_frozen_pair_that_violates_its_state_is_seen(comm):
+def test_a_pair_that_violates_its_state_is_seen_frozen_or_not(comm):
     here = slice(0, 2 if comm.rank == 0 else 0)
     active = ActiveSet(
         comm, np.array([0.0, 1.0])[here], np.ones(2, dtype=bool)[here], np.array([0.3, 0.6])[here]
     )
-    assert not active.violates_frozen(np.array([-5.0, 5.0])[here], 1.0)
-    active.frozen[:1] = True
-    assert active.violates_frozen(np.array([-5.0, 0.0])[here], 1.0)
-    assert not active.violates_frozen(np.array([-5.0, 0.0])[here], 6.0)
-    assert not active.violates_frozen(np.array([5.0, 5.0])[here], 1.0)
-    assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 0.0
-    active.frozen[:] = False
-    assert active.largest_pull(np.array([-5.0, -9.0])[here]) == 5.0
+    for _ in range(2):
+        assert active.violates(np.array([-5.0, 0.0])[here], 1.0)
+        assert active.violates(np.array([5.0, 5.0])[here], 1.0)
+        assert not active.violates(np.array([-5.0, 5.0])[here], 6.0)
+        assert not active.violates(np.array([5.0, -5.0])[here], 1.0)
+        assert active.largest_pull(np.array([-5.0, -9.0])[here]) == (
+            0.0 if active.frozen_pairs() else 5.0
+        )
+        active.frozen[:1] = True
+
+
+def test_pairs_without_force_are_released_once_in_a_step(comm):
+    here = slice(0, 3 if comm.rank == comm.size - 1 else 0)
+    active = ActiveSet(
+        comm, np.zeros(3)[here], np.ones(3, dtype=bool)[here], np.array([0.2, 0.4, 0.6])[here]
+    )
+    forces = np.array([5.0, 1e-9, -1e-9])[here]
+    released = active.release(forces, 1e-6)
+    np.testing.assert_array_equal(everywhere(comm, released), [False, True, True])
+    np.testing.assert_array_equal(everywhere(comm, active.closed), [True, False, False])
+    active.close(released)
+    assert everywhere(comm, active.closed).all()
+    assert not everywhere(comm, active.release(forces, 1e-6)).any()
+    active.commit()
+    assert everywhere(comm, active.release(forces, 1e-6)).sum() == 2
 
 
 def test_cycles_are_found_again_after_twenty_changes_of_friction(comm):

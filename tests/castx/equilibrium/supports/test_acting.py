@@ -63,3 +63,17 @@ def test_what_is_fixed_gets_no_springs(comm):
     acting.find_springs(constrained, np.eye(6))
     assert acting.springs is None
     assert everywhere(comm, constrained).any()
+
+
+def test_what_comes_onto_springs_stays_where_it_was_and_what_hangs_does_not_fall(comm):
+    """The loaded block keeps its place on the springs, however many steps are accepted."""
+    made = hanging(comm)
+    acting, x = made.equilibrium.balance.supports, made.equilibrium.x
+    place = x.array_r.copy()
+    for _ in range(3):
+        made.equilibrium.commit()
+        made.equilibrium.solve(0.0)
+        np.testing.assert_allclose(x.array_r, place, atol=1e-9 * np.abs(place).max(initial=1.0))
+    acting.springs = None
+    acting.commit(x.array_r)
+    np.testing.assert_array_equal(acting.origin, x.array_r)
