@@ -32,6 +32,9 @@ LINEAR_SHARE = 1e-3
 EXACT_SHARE = 1e-9
 """The same with factors, by which it costs little: a contact force such as the weight of a body may
 be a millionth of the thermal forces, to which the tolerance belongs."""
+MOST_WITH_OLD_FACTORS = 30
+"""Linear iterations with factors of another set of pairs: where these do not get there they stagnate
+far above rounding, and new factors are cheaper."""
 LOOSEST = 1e-4
 """Part of the residual to which they go at least where bodies flow: those that hardly resist have a
 displacement from which no iteration returns behind a residual of 1e-2."""
@@ -111,6 +114,7 @@ class Newton:
         self._solver.snes.ksp.pc.setType("python")
         self._solver.snes.ksp.pc.setPythonContext(self._preconditioner)
         self._linear_tolerance_given = "ksp_rtol" in options
+        self._most_linear = int(self._solver.snes.ksp.getTolerances()[3])
         self._failure = ""
         self._always_fresh, self._was_fresh = False, True
         self._residuals: list[float] = []
@@ -195,6 +199,9 @@ class Newton:
             preconditioner.discard()
         preconditioner.refresh(snes.ksp.getIterationNumber())
         self._was_fresh &= preconditioner.is_fresh
+        if preconditioner.is_exact:
+            old = min(MOST_WITH_OLD_FACTORS, self._most_linear)
+            snes.ksp.setTolerances(max_it=self._most_linear if preconditioner.is_fresh else old)
         J.assemble()
 
     def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
@@ -241,8 +248,6 @@ class Newton:
         balance, limits = self.balance, self.balance.convergence
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
-        # Behind the rounding of the terms no iteration gets, however many it takes.
-        wanted = max(wanted, limits.rounding)
         share = wanted / norm if norm > 0 else 1e-2
         if not balance.is_linear and limits.weakest > 0:
             share = max(share, min(norm / limits.weakest, LOOSEST))

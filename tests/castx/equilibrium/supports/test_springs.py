@@ -23,6 +23,7 @@ from tests.elastic_bodies import (
 )
 
 SOLID = (70e9, 0.33)
+DOWN = (0.0, -1e4)
 
 
 def found(made):
@@ -94,7 +95,7 @@ def test_a_pushed_block_is_held_by_the_spring_alone(comm, method):
 
 def test_symmetry_plane_and_floor_hold_a_block(comm):
     made = problem(
-        blocks(comm), {n: body(elastic(*SOLID)) for n in ("upper", "base")},
+        blocks(comm), {n: body(elastic(*SOLID), body_force=DOWN) for n in ("upper", "base")},
         {"base": [fixed("bottom")]}, [Contact("upper", "base")],
     )  # fmt: skip
     made.equilibrium.solve(0.0)
