@@ -123,7 +123,9 @@ class PairChanges:
         if springs is None:
             return False
         open_pairs = balance.gaps.free & ~active.closed & ~active.frozen
-        force = 2 * NOISE_SHARE * balance.convergence.smallest
+        limits = balance.convergence
+        # Behind what counts as noise at any residual, else the pair would never close.
+        force = 2 * max(NOISE_SHARE * limits.smallest, limits.rounding)
         return self._first_contact.stop(springs, x, y, open_pairs, force, balance.stiffness)
 
     def augment(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
