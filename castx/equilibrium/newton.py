@@ -33,8 +33,8 @@ EXACT_SHARE = 1e-9
 """The same with factors, by which it costs little: a contact force such as the weight of a body may
 be a millionth of the thermal forces, to which the tolerance belongs."""
 MOST_WITH_OLD_FACTORS = 30
-"""Linear iterations with factors of another set of pairs: where these do not get there they stagnate
-far above rounding, and new factors are cheaper."""
+"""Linear iterations with factors of another set of pairs: where these do not get there they
+stagnate far above rounding, and new factors are cheaper."""
 LOOSEST = 1e-4
 """Part of the residual to which they go at least where bodies flow: those that hardly resist have a
 displacement from which no iteration returns behind a residual of 1e-2."""

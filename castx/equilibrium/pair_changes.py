@@ -71,6 +71,8 @@ class PairChanges:
         the last accepted step, unless the pairs close again.
         """
         balance, active = self._balance, self._balance.active
+        if balance.contact.pairs.follows_set:
+            return False  # pairs whose force follows their gap hold nothing without force
         floating = balance.supports.floating
         released = active.release(balance.trial_forces, balance.convergence.smallest)
         if not active.any(released):
