@@ -13,6 +13,7 @@ from rich.table import Table
 
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.case.caveats import caveats
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.command.range_watch import outside_used_range, ranges_text
@@ -57,7 +58,7 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
     areas = [area_warning(found, comm) for found in pairs.values()]
-    for warning in (*filter(None, areas), *material_warnings(case)):
+    for warning in (*filter(None, areas), *material_warnings(case), *caveats(case)):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from castx.case.case import Case
+from castx.case.caveats import caveats
 from castx.case.stages import Schedule
 from castx.coupling.building import (
     build_problem,
@@ -104,6 +105,8 @@ def process_of(
     schedule = Schedule(case.stages, case.time.end)
     for line in laws_above_solidus(case, mesh):
         _log.info("%s", line)
+    for caveat in caveats(case):
+        _log.warning("%s", caveat)
     for found in pairs.values():
         if found.primary_area is not None:
             _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))

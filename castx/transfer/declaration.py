@@ -143,6 +143,7 @@ class GapHeatLaw:
         exchange: "law": by the law that is built, and by radiation; "perfect": facing nodes have
             one temperature; "none": as the first, but nothing is conducted.
         needs_solid_fraction: whether it depends on the solid fraction of the secondary body.
+        follows_gap: whether its conductance falls as the gap opens.
     """
 
     name: str = ""
@@ -156,6 +157,7 @@ class GapHeatLaw:
     problems: Callable[[Given], Iterator[Problem]] = no_problems
     exchange: Literal["law", "perfect", "none"] = "law"
     needs_solid_fraction: bool = False
+    follows_gap: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a law that is not declared completely.

@@ -69,4 +69,5 @@ LAW = GapHeatLaw(
     build=build,
     needed=(CLOSED.varying_over("temperature", "time", "pressure"), DECAY_LENGTH),
     useful=(PRESSURE, GAS_CONDUCTIVITY, *ROUGH, RADIATION),
+    follows_gap=True,
 )

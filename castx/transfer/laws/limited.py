@@ -114,4 +114,5 @@ LAW = GapHeatLaw(
     useful=(OPEN.varying_over("gap"), PRESSURE, TRANSITION, *ROUGH, RADIATION),
     instead={OPEN: (GAS_CONDUCTIVITY, TRANSITION)},
     problems=problems,
+    follows_gap=True,
 )

@@ -65,4 +65,5 @@ LAW = GapHeatLaw(
     build=build,
     needed=(CLOSED.varying_over("temperature", "time", "pressure"), GAS_CONDUCTIVITY),
     useful=(PRESSURE, TRANSITION, *ROUGH, RADIATION),
+    follows_gap=True,
 )

@@ -87,7 +87,7 @@ def test_pairs_are_found_once_and_handed_to_every_stage(comm, monkeypatch):
     def again(*_):
         raise AssertionError("node pairs are computed once more")
 
-    monkeypatch.setattr("castx.equilibrium.problem.interface_pairs", again)
+    monkeypatch.setattr("castx.equilibrium.problem.pairs_of", again)
     process = process_of(case, mesh, pairs)
     for _ in range(2):
         problem = process.now.problem

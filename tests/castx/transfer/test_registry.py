@@ -132,6 +132,12 @@ def test_a_law_says_whether_it_needs_the_solid_fraction(law):
     assert (np.abs(values[1] - values[0]) > 0.0).any() == law.needs_solid_fraction
 
 
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_a_law_says_whether_it_follows_the_gap(law):
+    values = coefficient(law.example(), [0.0, 1e-3], solid=0.5)
+    assert (values[1] < values[0]) == law.follows_gap
+
+
 @pytest.mark.parametrize("law", ["limited", "series"])
 @pytest.mark.parametrize("exponent", [0.5, 0.95, 1.0, 1.5])
 @pytest.mark.parametrize("transition", [0.0, 10e-6, 1e-3])

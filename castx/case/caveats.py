@@ -1,0 +1,48 @@
+"""What a case may mean otherwise than its author thinks, though it can be run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from castx.case.case import Case
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+
+COLD = 250.0
+"""A table of mean expansions that begins below this may be a handbook's, counted from 20 °C."""
+
+
+def caveats(case: Case) -> Iterator[str]:
+    """Yield a warning for each thing that gives another answer than its author may expect."""
+    yield from _shut_gaps(case)
+    if case.coupling.scheme != "thermal":
+        for name in dict.fromkeys(body.material for body in case.bodies if body.law != "rigid"):
+            yield from _expansion(find_material(name, case.materials))
+
+
+def _shut_gaps(case: Case) -> Iterator[str]:
+    """Yield interfaces whose law waits for a gap that no scheme without mechanics opens."""
+    if case.coupling.scheme != "thermal":
+        return
+    for interface in case.interfaces:
+        heat = interface.heat
+        if heat is not None and heat.declared.follows_gap:
+            yield (
+                f'interface {interface.name}: with scheme = "thermal" nothing moves, so that the '
+                f'gap keeps its initial value and law = "{heat.law}" stays as it is there; use '
+                'scheme = "iterated", or law = "solid-fraction" or coefficients over time or '
+                "temperature"
+            )
+
+
+def _expansion(material: Material) -> Iterator[str]:
+    """Yield a table of mean expansions that is counted from where a casting is free of stress."""
+    table, reference = material.expansion, material.expansion_reference
+    if table is None or reference is not None or not material.melts:
+        return
+    if table.arguments[0] < COLD and table.values[0] < table.values[-1]:
+        yield (
+            f"{material.name}: expansion is a table of mean values without expansion_reference, "
+            "and so counts from the stress-free temperature; if it counts from room temperature, "
+            "as in handbooks, give expansion_reference = 20, else it contracts too little"
+        )

@@ -1,0 +1,51 @@
+"""Cases that run and mean something else than their author may think."""
+
+import pytest
+
+from castx.case.caveats import caveats
+from castx.case.reading.read import load_case
+
+pytestmark = pytest.mark.serial
+
+CYLINDER = "demos/cylinder.toml"
+
+
+@pytest.mark.parametrize(
+    ("law", "scheme", "warned"),
+    [
+        ('"limited", closed = 2000, gas_conductivity = 0.05', "thermal", True),
+        ('"series", closed = 2000, gas_conductivity = 0.05', "thermal", True),
+        ('"series", closed = 2000, gas_conductivity = 0.05', "iterated", False),
+        ('"constant", closed = 2000', "thermal", False),
+        ('"solid-fraction", closed = 2000, open = 100', "thermal", False),
+    ],
+)
+def test_a_gap_that_nothing_opens_is_told(law, scheme, warned):
+    given = [f"interfaces.0.heat={{ law = {law} }}", f'coupling.scheme="{scheme}"']
+    found = [text for text in caveats(load_case(CYLINDER, given)) if "keeps its" in text]
+    assert len(found) == warned
+    assert not warned or ("casting/mould" in found[0] and "iterated" in found[0])
+
+
+@pytest.mark.parametrize(
+    ("expansion", "reference", "warned"),
+    [
+        ("[[20, 2.3e-5], [500, 2.8e-5]]", "", True),
+        ("[[100, 2.3e-5], [500, 2.8e-5]]", "", True),
+        ("[[100, 2.3e-5], [500, 2.8e-5]]", ", expansion_reference = 20", False),
+        ("[[400, 2.3e-5], [600, 2.8e-5]]", "", False),
+        ("2.4e-5", "", False),
+    ],
+)
+def test_a_handbook_table_without_its_reference_is_told(expansion, reference, warned):
+    mine = f'materials.mine={{ extends = "plain", expansion = {expansion}{reference} }}'
+    plain = (
+        "materials.plain={ density = 2700, heat_capacity = 1000, conductivity = 200, "
+        "latent_heat = 4e5, solidus = 600, liquidus = 650, young_modulus = 7e10, "
+        "poisson_ratio = 0.3 }"
+    )
+    given = [plain, mine, "bodies.0.material=mine"]
+    found = [text for text in caveats(load_case(CYLINDER, given)) if "expansion_reference" in text]
+    assert len(found) == warned
+    thermal = load_case(CYLINDER, [*given, 'coupling.scheme="thermal"'])
+    assert not any("expansion_reference" in text for text in caveats(thermal))
