@@ -18,6 +18,7 @@ def caveats(case: Case) -> Iterator[str]:
     if case.coupling.scheme != "thermal":
         for name in dict.fromkeys(body.material for body in case.bodies if body.law != "rigid"):
             yield from _expansion(find_material(name, case.materials))
+        yield from _elastic_melts(case)
 
 
 def _shut_gaps(case: Case) -> Iterator[str]:
@@ -46,3 +47,17 @@ def _expansion(material: Material) -> Iterator[str]:
             "and so counts from the stress-free temperature; if it counts from room temperature, "
             "as in handbooks, give expansion_reference = 20, else it contracts too little"
         )
+
+
+def _elastic_melts(case: Case) -> Iterator[str]:
+    """Yield the bodies that start molten and have the law of a solid."""
+    for body in case.bodies:
+        material = find_material(body.material, case.materials)
+        molten = material.melts and not body.starts_solid(material.description)
+        if body.law != "rigid" and molten and material.liquid is None:
+            yield (
+                f"{body.name} starts molten, but {body.material} has no liquid, so that its melt "
+                "is elastic: it leaves the wall at once and presses on cores and dies by tens of "
+                "MPa; give the material a liquid (viscosity and coherency), or take an alloy of "
+                "the database with its own"
+            )

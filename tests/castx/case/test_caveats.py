@@ -49,3 +49,23 @@ def test_a_handbook_table_without_its_reference_is_told(expansion, reference, wa
     assert len(found) == warned
     thermal = load_case(CYLINDER, [*given, 'coupling.scheme="thermal"'])
     assert not any("expansion_reference" in text for text in caveats(thermal))
+
+
+@pytest.mark.parametrize(
+    ("material", "temperature", "scheme", "warned"),
+    [
+        ("mine", 700, "iterated", True),
+        ("mine", 700, "thermal", False),
+        ("mine", 500, "iterated", False),
+        ("AlSi7Mg", 700, "iterated", False),
+    ],
+)
+def test_a_melt_that_is_elastic_is_told(material, temperature, scheme, warned):
+    given = [
+        'materials.mine={ extends = "AlSi7Mg", liquid = "none" }',
+        f"bodies.0.material={material}", f"bodies.0.temperature={temperature}",
+        f'coupling.scheme="{scheme}"',
+    ]  # fmt: skip
+    found = [text for text in caveats(load_case(CYLINDER, given)) if "elastic" in text]
+    assert len(found) == warned
+    assert not warned or "casting starts molten, but mine has no liquid" in found[0]
