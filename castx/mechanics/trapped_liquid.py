@@ -210,7 +210,7 @@ class Pockets:
         return {
             "feeding_demand": self.content.demand,
             "fed_volume": self.content.fed,
-            "void_volume": self.content.void,
+            "unfed_volume": self.content.void,
             "pocket_pressure": self.mean_pressure,
         }
 

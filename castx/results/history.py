@@ -13,7 +13,7 @@ from castx.solvers.counters import StepCounters
 COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))
 BODY_TOTALS = (
     "solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "force_error",
-    "power", "feeding_demand", "fed_volume", "void_volume", "pocket_pressure",
+    "power", "feeding_demand", "fed_volume", "unfed_volume", "pocket_pressure",
 )  # fmt: skip
 INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
 RUN_TOTALS = ("energy_error", "support_force", "cycle", "stage")

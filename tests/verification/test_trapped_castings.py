@@ -55,7 +55,7 @@ def history(comm, data) -> dict[str, np.ndarray]:
 def test_a_lidded_box_ends_with_pores(comm, cells) -> None:
     """Nothing is fed; the void, never negative, is the demand but for what the walls give way."""
     found = history(comm, box(cells=cells))
-    demand, void = found["feeding_demand"], found["void_volume"]
+    demand, void = found["feeding_demand"], found["unfed_volume"]
     volume = 0.04 * 0.03
     assert (void >= 0).all() and not found["fed_volume"].any()
     assert (np.diff(demand) >= 0).all()
@@ -71,7 +71,7 @@ def test_an_open_box_is_fed(comm) -> None:
     found = history(comm, box({"time": {"end": 4.0}}, lid=False))
     assert found["feeding_demand"][-1] > 1e-6
     np.testing.assert_allclose(found["fed_volume"], found["feeding_demand"], rtol=1e-12)
-    assert not found["void_volume"].any()
+    assert not found["unfed_volume"].any()
 
 
 def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
@@ -86,5 +86,5 @@ def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
         )[0]
         > 1e-3
     )
-    assert depressed["void_volume"][-1] < without["void_volume"][-1]
+    assert depressed["unfed_volume"][-1] < without["unfed_volume"][-1]
     assert without["pocket_pressure"][-1] < 0.0 < depressed["pocket_pressure"].max() <= 2e4

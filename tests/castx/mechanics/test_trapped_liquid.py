@@ -117,14 +117,14 @@ def test_a_pocket_that_is_drawn_apart_opens_and_one_pressed_together_closes(comm
         part.commit()
     volume = 0.02 * 0.01
     totals = part.liquid_totals()
-    assert totals["void_volume"] == pytest.approx(2e-3 * volume, rel=1e-9)
+    assert totals["unfed_volume"] == pytest.approx(2e-3 * volume, rel=1e-9)
     assert totals["pocket_pressure"] == pytest.approx(2e5 - 26.5e3 * 0.005, rel=1e-9)
     assert "cannot be fed" in caplog.text and "pores open" in caplog.text
     begin(part, 640.0, 0.0)
     move(part, 0.1 * stretched, 2e5)
     part.residual()
     assert not part.improve_pressures() or cells != "simplices"
-    assert part.liquid_totals()["void_volume"] == pytest.approx(2e-3 * volume, rel=1e-9)
+    assert part.liquid_totals()["unfed_volume"] == pytest.approx(2e-3 * volume, rel=1e-9)
     move(part, -0.1 * stretched, 2e5)
     part.residual()
     assert part.improve_pressures()
@@ -132,7 +132,7 @@ def test_a_pocket_that_is_drawn_apart_opens_and_one_pressed_together_closes(comm
     with caplog.at_level(logging.INFO, logger="castx"):
         part.commit()
     assert "pores have closed" in caplog.text
-    assert part.liquid_totals()["void_volume"] == 0.0
+    assert part.liquid_totals()["unfed_volume"] == 0.0
 
 
 def test_the_state_of_pockets_comes_back(casting) -> None:
