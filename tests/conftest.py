@@ -85,10 +85,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
     """Leave a test to the run that has claimed its file, if several runs share them."""
     folder = os.environ.get("CASTX_TEST_CLAIMS")
-    return None if folder is None or selection.is_own(item, Path(folder)) else True
+    if folder is None or selection.is_own(item, Path(folder)):
+        return None
+    # The test before left standing what this one would have needed.
+    item.session._setupstate.teardown_exact(nextitem)
+    return True
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -57,6 +59,18 @@ def test_each_file_is_run_by_the_one_that_claims_it_first(tmp_path, monkeypatch)
         if selection.is_own(Item(name), tmp_path):
             runs[number].append(name)
     assert names_of_files(runs[11]) == {"a.py"} and names_of_files(runs[12]) == {"b.py"}
+
+
+def test_a_file_that_another_run_has_claimed_leaves_the_others_as_they_are(tmp_path):
+    files = ["tests/castx/input/test_units.py", "tests/castx/input/test_printable.py",
+             "tests/castx/test_errors.py"]  # fmt: skip
+    (tmp_path / files[1].replace("/", ".")).write_text("of another run")
+    found = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files],
+        env={**os.environ, "CASTX_TEST_CLAIMS": str(tmp_path)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert found.returncode == 0, found.stdout
 
 
 def names_of_files(tests: list[str]) -> set[str]:
