@@ -183,7 +183,9 @@ def test_final_iterations_are_quadratic(comm, shared_tmp_path, kind):
     """The exponent by which the residual falls in the last iteration, from step to step."""
     exact = {"ksp_rtol": 1e-13}
     reports = loaded(comm, shared_tmp_path, kind, 16, exact).reports
-    iterated = [report.residuals for report in reports if report.iterations >= 3]
+    # The last iteration of a step may end in rounding, 1e-14 of forces of about 1 N.
+    above = [[r for r in report.residuals if r > 1e-12] for report in reports]
+    iterated = [residuals for residuals in above if len(residuals) > 3]
     assert len(iterated) > 8
     for *_, before, last, final in iterated:
         assert np.log(final / last) / np.log(last / before) > 1.6
