@@ -17,7 +17,7 @@ from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.sources import Property, numbers, unit_of
 
-WIDTH = 52
+WIDTH = 48
 """Characters that a line of a table may have beside the names, in a terminal of 80 columns."""
 
 DATA = {
