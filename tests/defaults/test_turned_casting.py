@@ -22,7 +22,7 @@ SHAPES: dict[str, dict[str, Any]] = {
     "plane-strain": {"box": [0.04, 0.03], "wall": 0.02, "size": 0.005},
     "3d": {"box": [0.04, 0.03, 0.03], "wall": 0.015, "size": 0.015},
 }
-END = {"plane-strain": 20.0, "3d": 8.0}
+END = {"plane-strain": 30.0, "3d": 16.0}
 
 
 def about(axis: tuple[float, float, float], angle: float) -> FloatArray:
