@@ -59,7 +59,9 @@ def test_a_lidded_box_ends_with_pores(comm, cells) -> None:
     volume = 0.04 * 0.03
     assert (void >= 0).all() and not found["fed_volume"].any()
     assert (np.diff(demand) >= 0).all()
-    expected = 0.05 * 0.7 * volume  # s f_c V
+    alloy = find_material("AlSi7Mg", {})
+    assert alloy.liquid is not None
+    expected = alloy.description.solidification_shrinkage * alloy.liquid.coherency * volume
     frozen = found["solid_fraction"][-1]
     assert 0.5 < frozen and 0.4 * expected < demand[-1] <= expected * (1 + 1e-9)
     assert 0.25 * demand[-1] < void[-1] < demand[-1]
@@ -75,10 +77,10 @@ def test_an_open_box_is_fed(comm) -> None:
 
 
 def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
-    """Before pores open at 20 kPa the walls follow, and so less void is left."""
+    """Before pores open at 100 kPa the walls follow, and so less void is left."""
     short = {"time": {"end": 6.0}}
     without = history(comm, box(short))
-    depressed = history(comm, box(short, {"materials": {"alloy": {"cavitation": 2e4}}}))
+    depressed = history(comm, box(short, {"materials": {"alloy": {"cavitation": 1e5}}}))
     assert (
         largest_difference(
             {"casting displacement": without["casting displacement"]},
@@ -87,4 +89,4 @@ def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
         > 1e-3
     )
     assert depressed["unfed_volume"][-1] < without["unfed_volume"][-1]
-    assert without["pocket_pressure"][-1] < 0.0 < depressed["pocket_pressure"].max() <= 2e4
+    assert without["pocket_pressure"][-1] < 0.0 < depressed["pocket_pressure"].max() <= 1e5
