@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from castx.materials.lookup import find_material
 from tests.coupled_cases import fields, largest_difference, merged, states
 
 VISCOPLASTIC = "thermo-elasto-viscoplastic"
@@ -64,7 +65,8 @@ def test_a_lidded_box_ends_with_pores(comm, cells) -> None:
     expected = alloy.description.solidification_shrinkage * alloy.liquid.coherency * volume
     frozen = found["solid_fraction"][-1]
     assert 0.5 < frozen and 0.4 * expected < demand[-1] <= expected * (1 + 1e-9)
-    assert 0.25 * demand[-1] < void[-1] < demand[-1]
+    # The cavity itself grows by less than a hundredth as the mould warms, and metal follows it.
+    assert 0.25 * demand[-1] < void[-1] < demand[-1] + 0.01 * volume
     assert found["pocket_pressure"].max() < 1e3  # without `cavitation` pockets do not pull
 
 
