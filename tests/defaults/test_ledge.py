@@ -17,6 +17,8 @@ from castx.domain.source import gmsh_session
 from castx.materials.lookup import find_material
 from tests.coupled_cases import states
 
+pytestmark = pytest.mark.sampled
+
 STEM, FLANGE, HEIGHT, WALL = 0.015, 0.030, 0.015, 0.012
 ALLOY = "AlSi7Mg"
 BELOW, ABOVE = "stem below a flange", "foot below an overhang"

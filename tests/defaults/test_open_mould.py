@@ -16,6 +16,8 @@ from castx.process.state import State
 from tests.coupled_cases import merged, states
 from tests.elastic_bodies import everywhere
 
+pytestmark = pytest.mark.sampled
+
 WIDTH, HEIGHT, GRAVITY = 0.04, 0.03, 9.81
 WEIGHT = find_material("AlSi7Mg", {}).density * GRAVITY * WIDTH * HEIGHT
 

@@ -17,6 +17,8 @@ from castx.mechanics.constitutive.law import ELASTIC
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import merged, states
 
+pytestmark = pytest.mark.sampled
+
 WIDTH, HEIGHT, GRAVITY = 0.02, 0.02, 9.81
 
 

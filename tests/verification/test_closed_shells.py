@@ -25,6 +25,8 @@ from tests.verification.closed_shells import (
     settle,
 )
 
+pytestmark = pytest.mark.sampled
+
 shells = pytest.mark.parametrize("dimension", [3, 2], ids=["sphere", "cylinder"])
 kinds = pytest.mark.parametrize("kind", KINDS)
 ACROSS = {"osgs": 40, "gls": 40, "q1p0": 20}
