@@ -18,6 +18,8 @@ from castx.materials.flow import VISCOPLASTIC
 from castx.meshes.generators import GENERATORS
 from tests.coupled_cases import simulation
 
+pytestmark = pytest.mark.sampled
+
 SHAPES: dict[str, dict[str, Any]] = {
     "plane-strain": {"box": [0.04, 0.03], "wall": 0.02, "size": 0.005},
     "3d": {"box": [0.04, 0.03, 0.03], "wall": 0.015, "size": 0.015},
