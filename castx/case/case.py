@@ -39,7 +39,7 @@ class Case(Description):
     >>> import castx
     >>> case = castx.load_case("cylinder.toml")
     >>> [body.material for body in case.bodies]
-    ['aluminium', 'steel-H13']
+    ['Al-pure', 'steel-H13']
     >>> case.interfaces[0].name, case.time.end
     ('casting/mould', 90.0)
 

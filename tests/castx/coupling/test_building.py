@@ -223,7 +223,7 @@ def test_a_displacement_body_that_starts_solid_goes_without_its_liquid(comm):
 
 def test_the_law_above_the_solidus_is_named():
     copper = find_material("Cu-pure", {})
-    text = "core: Cu-pure flows with its viscosity below a solid fraction of 0.7"
+    text = "core: Cu-pure flows with its viscosity below a solid fraction of 0.99"
     assert law_above_solidus("core", copper) == text
     text = "core: Cu-pure keeps its solid's law at every temperature, without liquid"
     assert law_above_solidus("core", copper.without_liquid()) == text
