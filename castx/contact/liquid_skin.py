@@ -25,6 +25,7 @@ from castx.arrays import BoolArray, FloatArray
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.liquid_column import column_pressure
 from castx.mechanics.body import BodyMechanics
+from castx.mechanics.liquid.regions import CellRegions
 from castx.solvers.layout import Layout
 from castx.solvers.remote_entries import RemoteEntries
 
@@ -62,14 +63,14 @@ class LiquidSkin:
 
     def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics], gaps: Gaps) -> None:
         self._layout, self._bodies = layout, list(bodies)
-        self._liquid = [not body.is_compressible for body in bodies]
+        self._regions = {b.name: CellRegions(b.mesh) for b in bodies if not b.is_compressible}
         self._can_hold = gaps.free & (gaps.at_rest <= 0.0)
         self._values = layout.create_vector()
         self._sides = list(self._find_sides(gaps))
         self._released: BoolArray = np.zeros(len(gaps.free), dtype=bool)
 
     def _find_sides(self, gaps: Gaps) -> Iterator[_Side]:
-        numbers = {body.name: b for b, body in enumerate(self._bodies) if self._liquid[b]}
+        numbers = {b.name: n for n, b in enumerate(self._bodies) if b.name in self._regions}
         for part, interface in zip(gaps.slices, gaps.interfaces, strict=True):
             pairs, index = interface.pairs, interface.index
             nodes, weights = pairs.partners
@@ -101,7 +102,7 @@ class LiquidSkin:
         found = np.zeros(len(self._can_hold))
         if not self._sides or not any(body.loads.weighs for body in self._bodies):
             return found
-        self._fill([_column(body) for body in self._bodies])
+        self._fill([self._column(body) for body in self._bodies])
         for side in self._sides:
             column = np.sum(side.get(self._values) * side.weights, axis=1)
             found[side.rows] = np.maximum(found[side.rows], column)
@@ -112,6 +113,13 @@ class LiquidSkin:
         for b, (body, values) in enumerate(zip(self._bodies, nodal, strict=True)):
             own = self._values.array[self._layout.local_slice(b)]
             own[:: body.block_size] = values[: body.owned_nodes]
+
+    def _column(self, body: BodyMechanics) -> FloatArray:
+        """Return the pressure of the column at the local nodes of a body [Pa]; collective."""
+        head = body.loads.potential()
+        if body.name not in self._regions:
+            return np.zeros_like(head)
+        return column_pressure(self._regions[body.name], ~body.coherent, head)
 
     def forget(self) -> None:
         """Begin another step, in which no pair has been released."""
@@ -135,11 +143,3 @@ def _coherent_nodes(body: BodyMechanics) -> FloatArray:
     flags.array[body.cell_nodes[body.coherent].ravel()] = 1
     flags.scatter_reverse(la.InsertMode.add)
     return np.asarray(flags.array > 0, dtype=np.float64)
-
-
-def _column(body: BodyMechanics) -> FloatArray:
-    """Return the hydrostatic pressure in the liquid at the local nodes [Pa]; collective."""
-    head = body.loads.potential()
-    if body.is_compressible:
-        return np.zeros(len(head))
-    return column_pressure(body.mesh, ~body.coherent, head)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -103,8 +104,10 @@ class Equilibrium:
 
     def liquid_pressures(self) -> FloatArray:
         """Return the pressures of liquid columns at all rows [Pa]; collective."""
-        balance = self.balance
-        return np.where(balance.active.held, balance.skin.pressures(), 0.0)
+        held = self.active.held
+        if not self.balance.assembly.layout.comm.allreduce(bool(held.any()), op=MPI.LOR):
+            return np.zeros(len(held))
+        return np.where(held, self.balance.skin.pressures(), 0.0)
 
     def along_surface(self) -> FloatArray | None:
         """Return the friction on the secondary nodes of all rows [N]; None: there is none."""

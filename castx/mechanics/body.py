@@ -84,7 +84,7 @@ class BodyMechanics:
             NoPockets(len(self.cell_nodes))
             if self.is_compressible
             else Pockets(
-                self.mesh, self.model, given.closed, given.body_force,
+                self.mesh, self.model, given.closed, self.loads.potential(),
                 self._law.material.cavitation,
             )
         )

@@ -31,7 +31,7 @@ from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
 from castx.mechanics.liquid.pores import Pores
-from castx.mechanics.liquid.pressures import Force, PocketPressures
+from castx.mechanics.liquid.pressures import PocketPressures
 from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
@@ -51,8 +51,8 @@ class Pockets:
         body: mesh of the body.
         model: geometric model.
         closed: names of the surfaces through which no liquid can follow.
-        body_force: on the liquid [N/m³]; a pocket that is closed from the start carries it by a
-            hydrostatic pressure, unless it depends on the position.
+        potential: x·b of the body force b at the local nodes [Pa], shape (nodes,), or one value;
+            a pocket that is closed from the start carries it by a hydrostatic pressure.
         cavitation: p_c, the depression at which pores open [Pa].
 
     Attributes:
@@ -68,7 +68,7 @@ class Pockets:
         body: BodyMesh,
         model: str,
         closed: Collection[str],
-        body_force: Force = (),
+        potential: FloatArray | float = 0.0,
         cavitation: float = 0.0,
     ) -> None:
         space = fem.functionspace(body.mesh, ("DG", 0))
@@ -82,7 +82,7 @@ class Pockets:
         ).array[: space.dofmap.index_map.size_local]
         self.content = Content(body.mesh.comm, body.cell_numbering, volumes)
         self.mean_pressure = 0.0
-        self._pressures = PocketPressures(body, body_force, cavitation)
+        self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
         self._scale: FloatArray = np.zeros(0)
         self._accepted = [f.x.array.copy() for f in self._functions]

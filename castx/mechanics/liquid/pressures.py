@@ -6,9 +6,6 @@ at p = p_c − ρ g h (tension positive): the weight of the liquid above keeps t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
-
 from mpi4py import MPI
 
 import numpy as np
@@ -18,15 +15,13 @@ from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.content import Content
 from castx.stateful import Arrays, Saved
 
-Force = Sequence[float] | Callable[[Any], Any]
-
 
 class PocketPressures:
     """Pressures at the nodes of the pockets of one body.
 
     Args:
         body: mesh of the body.
-        body_force: on the liquid [N/m³]; one that depends on the position gives no depth.
+        potential: x·b of the body force b at the local nodes [Pa], shape (nodes,), or one value.
         cavitation: p_c [Pa].
 
     Attributes:
@@ -34,10 +29,13 @@ class PocketPressures:
         reference: pressure at which a pocket closed, at the nodes in it [Pa], shape (nodes,).
     """
 
-    def __init__(self, body: BodyMesh, body_force: Force, cavitation: float) -> None:
+    def __init__(
+        self, body: BodyMesh, potential: FloatArray | float, cavitation: float
+    ) -> None:
         self._body, self._cavitation = body, cavitation
         self._cell_nodes: IntArray = body.nodes.dofmap.list
-        self._head = _head(body, body_force)
+        # The pressure at rest, tension positive, but for a constant.
+        self._head: FloatArray = np.zeros(len(body.parent_vertices)) - potential
         highest = body.mesh.comm.allreduce(float(self._head.max(initial=-np.inf)), op=MPI.MAX)
         # Liquid that is trapped from the start is at rest, with no pressure at the highest node.
         self._last: FloatArray = self._head - highest
@@ -82,10 +80,3 @@ class PocketPressures:
         """Restore them."""
         self._last = arrays["pressure"].copy()
         self._committed = arrays["reference_pressure"].copy()
-
-
-def _head(body: BodyMesh, body_force: Force) -> FloatArray:
-    """Return −b·x, the hydrostatic pressure but for a constant [Pa], shape (nodes,)."""
-    if callable(body_force) or len(body_force) == 0:
-        return np.zeros(len(body.parent_vertices))
-    return np.asarray(-(body.points @ np.asarray(body_force[: body.points.shape[1]])))

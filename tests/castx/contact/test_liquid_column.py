@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.liquid_column import column_pressure
+from castx.mechanics.liquid.regions import CellRegions
 from tests.elastic_bodies import everywhere, generated
 
 WEIGHT = 2.0
@@ -22,7 +23,7 @@ def test_two_pools_have_their_own_level(comm, model):
     corners = mesh.points[mesh.nodes.dofmap.list]
     left = corners[:, :, 0].max(axis=1) < 0.0151
     right = (corners[:, :, 0].min(axis=1) > 0.0249) & (corners[:, :, -1].max(axis=1) < 0.0101)
-    found = column_pressure(mesh, left | right, -WEIGHT * up)
+    found = column_pressure(CellRegions(mesh), left | right, -WEIGHT * up)
     wanted = np.where(x < 0.0151, WEIGHT * (0.02 - up), 0.0)
     wanted = np.where((x > 0.0249) & (up < 0.0101), WEIGHT * (0.01 - up), wanted)
     # Nodes of other ranks may have their liquid there.
@@ -38,4 +39,4 @@ def test_no_liquid_has_no_pressure(comm):
     mesh = generated(comm, "plane-strain", "slab", ["casting"], length=0.01, width=0.01, size=0.005)
     body = mesh.bodies["casting"]
     none = np.zeros(len(body.nodes.dofmap.list), dtype=bool)
-    assert np.all(column_pressure(body, none, body.points[:, 1]) == 0.0)
+    assert np.all(column_pressure(CellRegions(body), none, body.points[:, 1]) == 0.0)

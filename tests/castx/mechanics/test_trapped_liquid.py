@@ -59,7 +59,7 @@ def test_a_pocket_that_is_closed_from_the_start_carries_its_weight(casting) -> N
     """Liquid that fills a closed box is at rest, with the pressure of its depth."""
     everywhere = np.ones(len(casting.nodes.dofmap.list), dtype=bool)
     shut = ["mould", "base", "top"]
-    pockets = Pockets(casting, "axisymmetric", shut, (0.0, WEIGHT))
+    pockets = Pockets(casting, "axisymmetric", shut, WEIGHT * casting.points[:, 1])
     assert update(pockets, everywhere).all()
     depth = HEIGHT - casting.points[casting.nodes.dofmap.list].mean(axis=1)[:, 1]
     assert np.allclose(pockets.reference_pressures(), WEIGHT * depth, rtol=1e-12, atol=1e-9)

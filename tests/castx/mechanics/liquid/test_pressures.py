@@ -40,7 +40,7 @@ def test_pores_open_first_at_the_top_of_each_pocket(casting) -> None:
     corners = casting.nodes.dofmap.list
     z = casting.points[corners].mean(axis=1)[:, 1]
     low, high = z < 0.4 * HEIGHT, z > 0.6 * HEIGHT
-    pressures = PocketPressures(casting, (0.0, -WEIGHT), 2e5)
+    pressures = PocketPressures(casting, -WEIGHT * casting.points[:, 1], 2e5)
     pressures.begin(pockets_of(casting, low, high))
     tops = [
         casting.mesh.comm.allreduce(casting.points[corners[part], 1].max(initial=0), op=MPI.MAX)
@@ -55,7 +55,7 @@ def test_pores_open_first_at_the_top_of_each_pocket(casting) -> None:
 def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(casting) -> None:
     nodes = len(casting.points)
     everything = np.ones(len(casting.nodes.dofmap.list), dtype=bool)
-    pressures = PocketPressures(casting, (0.0, -WEIGHT), 0.0)
+    pressures = PocketPressures(casting, -WEIGHT * casting.points[:, 1], 0.0)
     depth = HEIGHT - casting.points[:, 1]
     np.testing.assert_allclose(pressures.reference, -WEIGHT * depth, rtol=1e-12, atol=1e-9)
     pressures.commit(np.full(nodes, -3e5))
@@ -64,13 +64,13 @@ def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(c
     none = np.zeros(len(everything), dtype=bool)
     np.testing.assert_array_equal(pressures.acting(none), -3e5)
     np.testing.assert_allclose(pressures.acting(everything), -WEIGHT * depth, atol=1e-9)
-    other = PocketPressures(casting, (0.0, -WEIGHT), 0.0)
+    other = PocketPressures(casting, -WEIGHT * casting.points[:, 1], 0.0)
     other.restore({name: saved.values for name, saved in pressures.saved().items()})
     other.begin(pockets_of(casting, everything))
     np.testing.assert_array_equal(other.reference, -3e5)
 
 
-def test_a_force_that_depends_on_the_place_has_no_depth(casting) -> None:
-    pressures = PocketPressures(casting, lambda x: x, 1e4)
+def test_without_a_potential_there_is_no_depth(casting) -> None:
+    pressures = PocketPressures(casting, 0.0, 1e4)
     pressures.begin(pockets_of(casting, np.ones(len(casting.nodes.dofmap.list), dtype=bool)))
     np.testing.assert_array_equal(pressures.limit, 1e4)

@@ -1,0 +1,89 @@
+"""Connected regions of chosen cells of a body, the same on any number of ranks."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+from dolfinx import la
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from castx.arrays import BoolArray, IntArray, LongArray
+from castx.domain.mesh import BodyMesh
+
+
+class CellRegions:
+    """Finds the regions of cells that are joined by common nodes.
+
+    Args:
+        body: mesh of the body.
+
+    Attributes:
+        comm: ranks that share the body.
+        cell_nodes: nodes of each cell, shape (cells, corners).
+    """
+
+    def __init__(self, body: BodyMesh) -> None:
+        index_map = body.nodes.dofmap.index_map
+        nodes = np.arange(len(body.parent_vertices), dtype=np.int32)
+        self.comm = body.mesh.comm
+        self.cell_nodes: IntArray = body.nodes.dofmap.list
+        self._global: LongArray = index_map.local_to_global(nodes)
+        self._shared = _shared_nodes(body)
+
+    def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
+        """Return the number of regions, and that of each cell, −1: none, (cells,); collective.
+
+        All ranks number the regions alike.
+
+        Args:
+            chosen: cells of this rank, ghosts included, shape (cells,).
+        """
+        corners = self.cell_nodes[chosen]
+        cells = np.repeat(np.arange(len(corners)), self.cell_nodes.shape[1])
+        count, of_cell = _joined(cells, corners.ravel(), len(corners), len(self._global))
+        total, of_region = self._across_ranks(count, of_cell, corners)
+        found = np.full(len(chosen), -1, dtype=np.int32)
+        found[chosen] = of_region[of_cell]
+        return total, found
+
+    def _across_ranks(
+        self, count: int, region: IntArray, corners: IntArray
+    ) -> tuple[int, IntArray]:
+        """Return the number of regions of all ranks, and which of them each one here is part of.
+
+        Those that have a node in common are one.
+        """
+        first = self.comm.exscan(count, op=MPI.SUM) or 0
+        total = self.comm.allreduce(count, op=MPI.SUM)
+        shared = self._shared[corners]
+        regions = np.broadcast_to(first + region[:, None], corners.shape)[shared]
+        links = np.column_stack([regions, self._global[corners[shared]]])
+        every = np.concatenate(self.comm.allgather(np.unique(links, axis=0)))
+        nodes, columns = np.unique(every[:, 1], return_inverse=True)
+        number, of_region = _joined(every[:, 0], columns.ravel(), total, len(nodes))
+        return number, of_region[first : first + count]
+
+
+def _joined(
+    rows: IntArray | LongArray, columns: IntArray | LongArray, row_count: int, column_count: int
+) -> tuple[int, IntArray]:
+    """Return the number of groups of rows that common columns join, and the group of each row."""
+    size = row_count + column_count
+    ones = np.ones(len(rows), dtype=np.int8)
+    links = coo_matrix((ones, (rows, row_count + columns)), shape=(size, size))
+    labels = connected_components(links, directed=False)[1][:row_count]
+    names, group = np.unique(labels, return_inverse=True)
+    return len(names), group.ravel().astype(np.int32)
+
+
+def _shared_nodes(body: BodyMesh) -> BoolArray:
+    """Return which local nodes another rank has too, shape (nodes,); collective."""
+    index_map = body.nodes.dofmap.index_map
+    copies = la.vector(index_map, 1, dtype=np.int32)
+    copies.array[:] = 0
+    copies.array[index_map.size_local :] = 1
+    copies.scatter_reverse(la.InsertMode.add)
+    copies.scatter_forward()
+    return np.asarray(copies.array > 0)
