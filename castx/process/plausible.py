@@ -10,7 +10,6 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
-from castx.case.interfaces import Interface
 from castx.domain.mesh import CastingMesh
 from castx.errors import CaseError
 
@@ -68,10 +67,6 @@ def _displacements(case: Case) -> Iterator[tuple[str, float, str]]:
 
 def _interferences(case: Case) -> Iterator[tuple[str, float, str]]:
     for interface in case.interfaces:
-        for body in _bodies(interface):
+        for body in interface.bodies:
             where = f"interface {interface.name!r}, initial_gap: an interference"
             yield where, -float(interface.contact.initial_gap.table.values.min()), body
-
-
-def _bodies(interface: Interface) -> tuple[str, str]:
-    return interface.secondary, interface.primary

@@ -93,27 +93,6 @@ class FacingNodes:
         )
 
 
-def face_pairs(
-    mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
-) -> NodePairs:
-    """Return pairs of the nodes of a surface with the facets that they face; collective.
-
-    Each node brings its whole area, as if the surface stood in no other interface.
-
-    Args:
-        mesh: mesh of the bodies.
-        secondary: name of the body whose nodes carry the pairs.
-        primary: name of the other body.
-        rule: names of surfaces, normals, search distance, and whether the distance of the meshes
-            counts.
-
-    Raises:
-        MeshError: a surface is missing, or nothing faces the other one; on all ranks.
-    """
-    facing = facing_nodes(mesh, face_interface(mesh, secondary, primary, rule))
-    return facing.pairs(facing.areas, facing.outward)
-
-
 def face_interface(
     mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
 ) -> FaceInterface:

@@ -44,35 +44,9 @@ def case_pairs(
     return {item.name: pairs for item, pairs in zip(interfaces, found, strict=True)}
 
 
-def paired(mesh: CastingMesh, interface: Interface) -> NodePairs:
-    """Return the pairs of an interface of a case that shares no area with others; collective.
-
-    Raises:
-        MeshError: as in `pairs_of`.
-    """
-    return case_pairs(mesh, [interface])[interface.name]
-
-
 def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
     """Return the gaps of pairs without displacements, the meshed ones and those of the case [m]."""
     return np.asarray(pairs.gap + interface.contact.initial_gap.at(pairs.points))
-
-
-def interface_pairs(
-    mesh: CastingMesh, secondary: str, primary: str, rule: Pairing
-) -> NodePairs:
-    """Return the pairs of two bodies by a rule; collective.
-
-    Args:
-        mesh: mesh of the bodies.
-        secondary: name of the body whose nodes carry the pairs.
-        primary: name of the other body.
-        rule: how nodes find partners and normals.
-
-    Raises:
-        MeshError: as in `pairs_of`.
-    """
-    return pairs_of(mesh, [Facing(secondary, primary, rule)])[0]
 
 
 def pairs_of(mesh: CastingMesh, facing: Sequence[Facing]) -> list[NodePairs]:

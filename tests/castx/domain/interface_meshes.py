@@ -1,8 +1,14 @@
 """Meshes whose two bodies meet at edges, corners and curved sides, made by generators."""
 
+from castx.domain.pairs.pairing import Facing, pairs_of
 from tests.elastic_bodies import generated
 
 NAMES = ("casting", "mould")
+
+
+def pairs_by(rule, mesh, secondary, primary):
+    """Return the pairs of two bodies by a rule."""
+    return pairs_of(mesh, [Facing(secondary, primary, rule)])[0]
 
 
 def box(comm, model, cells):

@@ -9,7 +9,7 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
-from castx.domain.pairs.pairing import paired
+from castx.domain.pairs.pairing import case_pairs
 from castx.errors import CaseError
 from castx.process.building import process_of, stage_cases, step_settings
 from castx.transfer.conductance import ConstantConductance
@@ -26,7 +26,7 @@ def case_of(**changes: Any):
 
 def meshed(comm, case):
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-    return mesh, {interface.name: paired(mesh, interface) for interface in case.interfaces}
+    return mesh, case_pairs(mesh, case.interfaces)
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,12 @@ import numpy as np
 
 from castx.case.contact import Pairing
 from castx.domain.pairs.areas import area_text, area_warning
-from castx.domain.pairs.pairing import interface_pairs
-from tests.castx.domain.interface_meshes import NAMES, box
+from tests.castx.domain.interface_meshes import NAMES, box, pairs_by
 
 
 def test_matching_surfaces_have_equal_areas(comm):
     mesh = box(comm, "plane-strain", "simplices")
-    pairs = interface_pairs(mesh, *NAMES, Pairing(kind="node-to-face"))
+    pairs = pairs_by(Pairing(kind="node-to-face"), mesh, *NAMES)
     area = comm.allreduce(pairs.areas.sum())
     np.testing.assert_allclose(pairs.primary_area, area, rtol=1e-9)
     assert area_warning(pairs, comm) == ""

@@ -11,8 +11,8 @@ import pytest
 
 from castx.case.contact import Pairing
 from castx.contact.choice import Contact
-from castx.domain.pairs.face_pairs import face_pairs
 from castx.errors import MeshError
+from tests.castx.domain.interface_meshes import pairs_by
 from tests.contact_methods import AT_ONCE, EXACT, sharp
 from tests.coupled_cases import final_state, simulation
 from tests.elastic_bodies import (
@@ -88,7 +88,7 @@ def squeezed(comm, mesh, method, pairing=FACES, **contact):
 
 def test_weights_gap_and_areas(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 7, 4, gap=1e-3)
-    pairs = face_pairs(mesh, "upper", "base", FACES)
+    pairs = pairs_by(FACES, mesh, "upper", "base")
     assert comm.allreduce(len(pairs.areas)) == 8
     assert comm.allreduce(pairs.areas.sum()) == pytest.approx(WIDTH)
     np.testing.assert_allclose(pairs.gap, 1e-3, rtol=1e-12)
@@ -105,7 +105,7 @@ def test_weights_gap_and_areas(comm, shared_tmp_path):
 
 def test_nodes_beside_the_other_surface_face_nothing(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 8, 6, base_width=0.6 * WIDTH)
-    pairs = face_pairs(mesh, "upper", "base", FACES)
+    pairs = pairs_by(FACES, mesh, "upper", "base")
     assert everywhere(comm, pairs.points[:, 0]).max() < 0.6 * WIDTH + 1e-12
     assert comm.allreduce(len(pairs.areas)) == 5
 
@@ -149,7 +149,7 @@ def test_evenly_divided_facets_pass_the_patch_test(comm, shared_tmp_path, method
 
 def test_an_ignored_gap_of_the_meshes_is_none(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 7, 4, gap=1e-3)
-    pairs = face_pairs(mesh, "upper", "base", replace(FACES, meshed_gap=False))
+    pairs = pairs_by(replace(FACES, meshed_gap=False), mesh, "upper", "base")
     assert np.all(pairs.gap == 0.0)
 
 
@@ -183,7 +183,7 @@ def curved(comm, normals):
         comm, "plane-strain", "core_in_ring", ["core", "casting"],
         core_radius=0.03, outer_radius=0.05, size=0.008,
     )  # fmt: skip
-    return face_pairs(mesh, "casting", "core", Pairing(normals, kind="node-to-face"))
+    return pairs_by(Pairing(normals, kind="node-to-face"), mesh, "casting", "core")
 
 
 def test_normals_of_the_facets_or_of_both_sides(comm):
@@ -220,7 +220,7 @@ def test_the_choice_of_normals_acts_where_a_node_faces_the_inside_of_a_facet(com
     mesh = drawn(comm, "plane-strain", ["ring", "core"], shared_tmp_path / "arcs.msh", draw)
     rules = {n: replace(FACES, normals=n, surfaces=("hole", "skin"))
              for n in ("primary", "averaged")}  # fmt: skip
-    pairs = {n: face_pairs(mesh, "ring", "core", rule) for n, rule in rules.items()}
+    pairs = {n: pairs_by(rule, mesh, "ring", "core") for n, rule in rules.items()}
     difference = everywhere(comm, pairs["primary"].normals - pairs["averaged"].normals)
     assert np.abs(difference).max() > 0.02
     for found in pairs.values():
@@ -230,11 +230,11 @@ def test_the_choice_of_normals_acts_where_a_node_faces_the_inside_of_a_facet(com
 def test_refusals(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 4, 4)
     with pytest.raises(MeshError, match="'upper' and 'base' share no surface: name those"):
-        face_pairs(mesh, "upper", "base", Pairing(kind="node-to-face"))
+        pairs_by(Pairing(kind="node-to-face"), mesh, "upper", "base")
     with pytest.raises(MeshError, match="body 'base' has no surface 'ovr'"):
-        face_pairs(mesh, "upper", "base", replace(FACES, surfaces=("under", "ovr")))
+        pairs_by(replace(FACES, surfaces=("under", "ovr")), mesh, "upper", "base")
     with pytest.raises(MeshError, match="no node of upper/top faces base/over"):
-        face_pairs(mesh, "upper", "base", replace(FACES, surfaces=("top", "over")))
+        pairs_by(replace(FACES, surfaces=("top", "over")), mesh, "upper", "base")
 
 
 def case(folder: Path, **interface):

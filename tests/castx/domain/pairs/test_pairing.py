@@ -5,11 +5,11 @@ import pytest
 
 from castx.case.contact import BY_NODES, Pairing
 from castx.case.interfaces import Interface
-from castx.domain.pairs.face_pairs import face_pairs
+from castx.domain.pairs.face_pairs import face_interface, facing_nodes
 from castx.domain.pairs.node_pairs import node_pairs
-from castx.domain.pairs.pairing import initial_gap, interface_pairs, paired
+from castx.domain.pairs.pairing import case_pairs, initial_gap
 from castx.domain.pairs.patches import pairs_by_patch
-from tests.castx.domain.interface_meshes import NAMES, box
+from tests.castx.domain.interface_meshes import NAMES, box, pairs_by
 
 FACES = Pairing(kind="node-to-face")
 
@@ -17,6 +17,10 @@ FACES = Pairing(kind="node-to-face")
 @pytest.fixture
 def mesh(comm):
     return box(comm, "plane-strain", "simplices")
+
+
+def pairs_of_case(mesh, interface):
+    return case_pairs(mesh, [interface])[interface.name]
 
 
 def same(one, other):
@@ -27,9 +31,10 @@ def same(one, other):
 
 def test_each_rule_has_its_pairs(mesh):
     sharp = Pairing("patches", np.radians(30))
-    same(interface_pairs(mesh, *NAMES, BY_NODES), node_pairs(mesh, *NAMES))
-    same(interface_pairs(mesh, *NAMES, sharp), pairs_by_patch(mesh, *NAMES, np.radians(30)))
-    same(interface_pairs(mesh, *NAMES, FACES), face_pairs(mesh, *NAMES, FACES))
+    same(pairs_by(BY_NODES, mesh, *NAMES), node_pairs(mesh, *NAMES))
+    same(pairs_by(sharp, mesh, *NAMES), pairs_by_patch(mesh, *NAMES, np.radians(30)))
+    facing = facing_nodes(mesh, face_interface(mesh, *NAMES, FACES))
+    same(pairs_by(FACES, mesh, *NAMES), facing.pairs(facing.areas, facing.outward))
 
 
 @pytest.mark.parametrize(
@@ -42,15 +47,15 @@ def test_each_rule_has_its_pairs(mesh):
 )
 def test_an_interface_of_a_case_is_paired_by_its_keys(mesh, contact, rule):
     interface = Interface.read({"bodies": list(NAMES), "contact": contact})
-    same(paired(mesh, interface), interface_pairs(mesh, *NAMES, rule))
+    same(pairs_of_case(mesh, interface), pairs_by(rule, mesh, *NAMES))
 
 
 def test_the_initial_gap_adds_to_the_meshed_one(mesh):
     gap = {"along": "x", "table": [[-1, -1], [1, 1]]}
     interface = Interface.read({"bodies": list(NAMES), "contact": {"initial_gap": gap}})
-    pairs = paired(mesh, interface)
+    pairs = pairs_of_case(mesh, interface)
     np.testing.assert_allclose(initial_gap(interface, pairs), pairs.points[:, 0], atol=1e-15)
     faces = {"initial_gap": "1 mm", "pairing": "node-to-face"}
     interface = Interface.read({"bodies": list(NAMES), "contact": faces})
-    pairs = paired(mesh, interface)
+    pairs = pairs_of_case(mesh, interface)
     np.testing.assert_allclose(initial_gap(interface, pairs), pairs.gap + 1e-3, atol=1e-15)

@@ -10,10 +10,11 @@ import pytest
 
 from castx.case.contact import Pairing
 from castx.domain.pairs.areas import area_text, area_warning
-from castx.domain.pairs.face_pairs import face_interface, face_pairs
+from castx.domain.pairs.face_pairs import face_interface
 from castx.domain.pairs.facing import SurfacePoints, faced
 from castx.domain.pairs.sharing import shared_pairs
 from castx.errors import MeshError
+from tests.castx.domain.interface_meshes import pairs_by
 from tests.elastic_bodies import drawn, everywhere
 
 WIDTH, HEIGHT, SPLIT, GAP = 0.02, 0.01, 4 / 7, 1e-4
@@ -60,7 +61,7 @@ def total(comm, found):
 
 
 def test_areas_of_all_pairs_add_up_to_the_skin_once(comm, mesh):
-    alone = [face_pairs(mesh, "upper", base, RULE) for base in ("one", "two")]
+    alone = [pairs_by(RULE, mesh, "upper", base) for base in ("one", "two")]
     assert total(comm, alone) == pytest.approx(8 / 7 * WIDTH)  # the node in both counts twice
     one, two = shared(mesh)
     assert total(comm, [one, two]) == pytest.approx(WIDTH, rel=1e-12)
@@ -73,18 +74,18 @@ def test_areas_of_all_pairs_add_up_to_the_skin_once(comm, mesh):
 def test_a_node_that_stands_in_two_interfaces_shares_its_area(comm, mesh):
     """The same primary surface twice: every part is equally close to both."""
     interface = face_interface(mesh, "upper", "one", RULE)
-    lone = face_pairs(mesh, "upper", "one", RULE)
+    lone = pairs_by(RULE, mesh, "upper", "one")
     for pairs in shared_pairs(mesh, [interface, interface]):
         np.testing.assert_allclose(pairs.areas, 0.5 * lone.areas, rtol=1e-12)
         np.testing.assert_allclose(pairs.normals, lone.normals, atol=1e-12)
 
 
 def test_beyond_the_search_distance_a_node_faces_nothing(comm, mesh):
-    near = face_pairs(mesh, "upper", "one", replace(RULE, search_distance=1.01 * GAP))
-    whole = face_pairs(mesh, "upper", "one", RULE)
+    near = pairs_by(replace(RULE, search_distance=1.01 * GAP), mesh, "upper", "one")
+    whole = pairs_by(RULE, mesh, "upper", "one")
     assert comm.allreduce(len(near.areas)) == comm.allreduce(len(whole.areas)) > 0
     with pytest.raises(MeshError, match=r"contact.search_distance \(9e-05 m\)"):
-        face_pairs(mesh, "upper", "one", replace(RULE, search_distance=0.9 * GAP))
+        pairs_by(replace(RULE, search_distance=0.9 * GAP), mesh, "upper", "one")
 
 
 def test_by_default_a_node_reaches_as_far_as_the_coarser_facet(comm, mesh):
