@@ -1,7 +1,6 @@
 """What the user asks for: every key of a case file, checked and in SI units.
 
 Public: `case.Case`, `bodies.Body`, `boundaries.Boundary`, `caveats.caveats`,
-`contact.InterfaceContact`,
-`control.Time`, `geometry.Geometry`, `heat_transfer.InterfaceHeat`, `interfaces.Interface`,
-`output.Output`, `stages.Stage`.
+`contact.InterfaceContact`, `control.Time`, `geometry.Geometry`, `heat_transfer.InterfaceHeat`,
+`interfaces.Interface`, `output.Output`, `stages.Stage`.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -19,6 +20,9 @@ def caveats(case: Case) -> Iterator[str]:
         for name in dict.fromkeys(body.material for body in case.bodies if body.law != "rigid"):
             yield from _expansion(find_material(name, case.materials))
         yield from _elastic_melts(case)
+        for body in case.bodies:
+            if body.law != "rigid":
+                yield from _stress_free(body, find_material(body.material, case.materials))
 
 
 def _shut_gaps(case: Case) -> Iterator[str]:
@@ -61,3 +65,24 @@ def _elastic_melts(case: Case) -> Iterator[str]:
                 "MPa; give the material a liquid (viscosity and coherency), or take an alloy of "
                 "the database with its own"
             )
+
+
+def _stress_free(body: Body, material: Material) -> Iterator[str]:
+    """Yield a warning of a stress-free temperature that does not suit the start of a body."""
+    given, solidus = material.given_stress_free, material.solidus
+    if given is None or solidus is None:
+        return
+    if body.starts_solid(material.description):
+        if given >= solidus:
+            yield (
+                f"{body.name} starts solid at {body.temperature.text}, but {body.material} says "
+                f"stress_free = {given:g} °C, so that it is strained from the first step on; for "
+                "a mould, a core or a chill leave stress_free out: it is free of stress as it "
+                "starts"
+            )
+    elif given < solidus and body.temperature.file is None:
+        yield (
+            f"{body.name} starts at {body.temperature.text} and freezes, but {body.material} says "
+            f"stress_free = {given:g} °C: it contracts only below that; leave stress_free out, or "
+            "give the chill that needs it a material of its own"
+        )

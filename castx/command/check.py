@@ -11,7 +11,6 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.case.caveats import caveats
 from castx.case.heat_transfer import InterfaceHeat
@@ -26,7 +25,6 @@ from castx.domain.pairs.pairing import case_pairs
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
-from castx.materials.material import Material
 from castx.process.building import stage_cases
 from castx.report.stages import cycle_text, stage_table
 from castx.results.probes import readings_of
@@ -203,7 +201,7 @@ def heat_text(heat: InterfaceHeat | None) -> str:
 
 
 def material_warnings(case: Case) -> Iterator[str]:
-    """Yield warnings of materials whose data or stress-free temperature may not suit the case."""
+    """Yield warnings of materials whose data end within the temperatures of the case."""
     low, high = temperature_range(case)
     for body in case.bodies:
         material = find_material(body.material, case.materials)
@@ -214,29 +212,6 @@ def material_warnings(case: Case) -> Iterator[str]:
                 f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
                 "used"
             )
-        if case.coupling.scheme != "thermal" and body.law != "rigid":
-            yield from stress_free_warnings(body, material)
-
-
-def stress_free_warnings(body: Body, material: Material) -> Iterator[str]:
-    """Yield a warning of a stress-free temperature that does not suit the start of a body."""
-    given, solidus = material.given_stress_free, material.solidus
-    if given is None or solidus is None:
-        return
-    if body.starts_solid(material.description):
-        if given >= solidus:
-            yield (
-                f"{body.name} starts solid at {body.temperature.text}, but {body.material} says "
-                f"stress_free = {given:g} °C, so that it is strained from the first step on; for "
-                "a mould, a core or a chill leave stress_free out: it is free of stress as it "
-                "starts"
-            )
-    elif given < solidus and body.temperature.file is None:
-        yield (
-            f"{body.name} starts at {body.temperature.text} and freezes, but {body.material} says "
-            f"stress_free = {given:g} °C: it contracts only below that; leave stress_free out, or "
-            "give the chill that needs it a material of its own"
-        )
 
 
 def temperature_range(case: Case) -> tuple[float, float]:

@@ -69,3 +69,17 @@ def test_a_melt_that_is_elastic_is_told(material, temperature, scheme, warned):
     found = [text for text in caveats(load_case(CYLINDER, given)) if "elastic" in text]
     assert len(found) == warned
     assert not warned or "casting starts molten, but mine has no liquid" in found[0]
+
+
+def test_a_stress_free_temperature_that_does_not_suit_the_start_is_warned_of():
+    def warned(word: str, body: int, stress_free: str) -> bool:
+        mine = f'materials.mine={{ extends = "AlSi7Mg"{stress_free} }}'
+        case = load_case("demos/stages.toml", [f"bodies.{body}.material=mine", mine])
+        return any(word in warning for warning in caveats(case))
+
+    for good in ("", ", stress_free = 200", ", stress_free = 20"):
+        assert not warned("core starts", 1, good)
+    assert warned("core starts solid at 200 °C", 1, ", stress_free = 557")
+    for good in ("", ", stress_free = 560"):
+        assert not warned("casting starts", 0, good)
+    assert warned("and freezes", 0, ", stress_free = 200")

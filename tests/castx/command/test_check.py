@@ -13,7 +13,6 @@ from castx.command.check import (
     free_text,
     heat_text,
     interface_text,
-    material_warnings,
     size_text,
     temperature_range,
 )
@@ -73,20 +72,6 @@ def test_temperatures_of_the_case_are_those_of_bodies_surroundings_and_stages():
     assert temperature_range(case) == (25.0, 650.0)
     hotter = load_case("demos/stages.toml", ["stages.1.spray.ambient=[[0, 20], [5, 900]]"])
     assert temperature_range(hotter) == (20.0, 900.0)
-
-
-def test_a_stress_free_temperature_that_does_not_suit_the_start_is_warned_of():
-    def warned(word: str, body: int, stress_free: str) -> bool:
-        mine = f'materials.mine={{ extends = "AlSi7Mg"{stress_free} }}'
-        case = load_case("demos/stages.toml", [f"bodies.{body}.material=mine", mine])
-        return any(word in warning for warning in material_warnings(case))
-
-    for good in ("", ", stress_free = 200", ", stress_free = 20"):
-        assert not warned("core starts", 1, good)
-    assert warned("core starts solid at 200 °C", 1, ", stress_free = 557")
-    for good in ("", ", stress_free = 560"):
-        assert not warned("casting starts", 0, good)
-    assert warned("and freezes", 0, ", stress_free = 200")
 
 
 @pytest.mark.parametrize(
