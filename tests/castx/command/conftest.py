@@ -1,7 +1,9 @@
-"""The small case on disk, and what commands have printed about it."""
+"""The small case on disk, what commands have printed about it, and what they have logged."""
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
 from functools import partial
 
 import pytest
@@ -23,3 +25,23 @@ def case_file(comm, shared_tmp_path):
 def said(comm, capsys):
     """Return what tells what rank 0 has printed since it was asked last."""
     return partial(command_line.said, comm, capsys)
+
+
+class Heard(logging.Handler):
+    """Keeps what is logged, whatever the command line did to the loggers above."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.messages: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.messages.append(record.getMessage())
+
+
+@pytest.fixture
+def heard(request) -> Iterator[list[str]]:
+    """Return the messages of the logger that the tests of a file name LISTENED."""
+    handler, logger = Heard(), logging.getLogger(request.module.LISTENED)
+    logger.addHandler(handler)
+    yield handler.messages
+    logger.removeHandler(handler)

@@ -2,35 +2,14 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator
 from pathlib import Path
-
-import pytest
 
 from castx.case.reading.read import read_case
 from castx.command.force_watch import ForceWatch
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 
-
-class Heard(logging.Handler):
-    """Keeps what is logged."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(record.getMessage())
-
-
-@pytest.fixture
-def heard() -> Iterator[list[str]]:
-    handler, logger = Heard(), logging.getLogger("castx.command.force_watch")
-    logger.addHandler(handler)
-    yield handler.messages
-    logger.removeHandler(handler)
+LISTENED = "castx.command.force_watch"
 
 
 def watch(comm, *errors: dict[str, float], tolerance: float = 1e-3) -> None:

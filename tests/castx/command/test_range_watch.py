@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ from castx.materials.lookup import find_material
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
 
+LISTENED = "castx.command.range_watch"
 HEAT = {"heat_capacity", "conductivity"}
 ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 FLOW = {"yield_stress", "hardening", "kinematic_hardening"}
@@ -28,25 +28,6 @@ FLOW = {"yield_stress", "hardening", "kinematic_hardening"}
 def case_of(**changes) -> Case:
     materials = {"bodies__0__material": "AlSi7Mg", "bodies__1__material": "steel-H13"}
     return read_case(cylinder(**{**materials, **changes}), Path("case.toml"))
-
-
-class Heard(logging.Handler):
-    """Keeps what is logged, whatever the command line did to the loggers above."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(record.getMessage())
-
-
-@pytest.fixture
-def heard() -> Iterator[list[str]]:
-    handler, logger = Heard(), logging.getLogger("castx.command.range_watch")
-    logger.addHandler(handler)
-    yield handler.messages
-    logger.removeHandler(handler)
 
 
 def snapshots(comm, *temperatures: tuple[float, float]) -> Iterator[FakeSnapshot]:
