@@ -145,8 +145,9 @@ class MixedFormulation:
     def improve_pressures(self) -> bool:
         """Open and close the pores of trapped liquid; return whether any pocket has changed."""
         changed = self._pockets.turn(self._material, self.mean_stress())
-        if changed:
+        if changed:  # pores end the stabilisation, of which GLS has a part in the load
             self._assemble_projections()
+            self.forms.update_load()
         return changed
 
     def mean_stress(self) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from mpi4py import MPI
@@ -9,6 +10,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.coupling.dissipation import Dissipation
 from tests import coupled_cases
 from tests.coupled_cases import merged
 
@@ -104,6 +106,26 @@ def test_rewind_restores_the_dissipated_power(comm):
         simulation.problem.commit()
     one, other = (s.problem.heat.totals()["casting.dissipation"] for s in made)
     assert one == pytest.approx(other, rel=1e-12)
+
+
+@pytest.mark.serial
+def test_only_accepted_powers_are_kept():
+    """A step that is taken back leaves those of the last one, and a checkpoint has no others."""
+    body = SimpleNamespace(dissipated_fraction=0.5, owned_nodes=2)
+    body.mesh = SimpleNamespace(node_numbering=None)
+    dissipation = Dissipation(MPI.COMM_SELF, {"casting": body})
+    body.nodal_plastic_power = lambda: np.array([2.0, 4.0])
+    assert dissipation.update() == 3.0
+    dissipation.commit()
+    body.nodal_plastic_power = lambda: np.array([8.0, 4.0])
+    assert dissipation.update() == 3.0
+    saved = {name: each.values for name, each in dissipation.saved().items()}
+    np.testing.assert_array_equal(saved["casting"], [1.0, 2.0])
+    dissipation.rewind()
+    np.testing.assert_array_equal(dissipation.powers["casting"], [1.0, 2.0])
+    other = Dissipation(MPI.COMM_SELF, {"casting": body})
+    other.restore(saved)
+    np.testing.assert_array_equal(other.powers["casting"], [1.0, 2.0])
 
 
 @pytest.mark.serial

@@ -135,6 +135,23 @@ def test_a_pocket_that_is_drawn_apart_opens_and_one_pressed_together_closes(comm
     assert part.liquid_totals()["unfed_volume"] == 0.0
 
 
+@pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
+def test_the_pressure_given_in_porous_liquid_leaves_the_others_alone(comm, stabilisation):
+    """Whatever the nodes there have for a pressure, it hardly enters the equations of a shell."""
+    part = shut_slab(comm, MELTING, starts_liquid=True, stabilisation=stabilisation)
+    begin(part, 640.0, 0.0)
+    move(part, 1e-3 * np.diag([1.0, 1.0, 0.0]), 1e6)
+    part.residual()
+    assert part.improve_pressures()
+    bend = 1e6 * (part.mesh.points[:, 0] / 0.02) ** 2
+    values = part.solution.x.array.reshape(-1, part.block_size)
+    values[:, 2] = bend / part.unknowns.pressure_scale
+    rows = part.residual().reshape(-1, part.block_size)[:, 2] / part.unknowns.pressure_scale
+    stiffness = part.material.conditions.solid_compressibility.max()
+    everywhere = 0.02 * 0.01 * stiffness * 1e6  # what a solid's pressure enters them by
+    assert 0.0 < np.abs(rows).sum() < 1e-5 * everywhere
+
+
 def test_the_state_of_pockets_comes_back(casting) -> None:
     core, cells = core_of(casting), len(casting.nodes.dofmap.list)
     nodes = len(casting.points)

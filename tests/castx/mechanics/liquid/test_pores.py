@@ -48,7 +48,7 @@ def test_who_finds_neither_state_right_stays_full() -> None:
     turns = 0
     while found.turn(np.array([1e-3, 0.0, 0.0]), np.array([-1e-3, 0.0, 0.0])):
         turns += 1
-    assert turns == MOST_TURNS and not found.open.any()
+    assert turns == MOST_TURNS < 20 and not found.open.any()  # long before a solution gives up
 
 
 def test_a_step_that_is_taken_back_leaves_nothing_behind() -> None:
