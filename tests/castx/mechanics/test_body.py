@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.castx.mechanics.lone_bodies import MELTING, MODELS, alone, slab_mesh
+from castx.mechanics.body import BodyMechanics
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody
+from tests.castx.mechanics.lone_bodies import MELTING, MODELS, alone, begin, move, slab_mesh
 from tests.elastic_bodies import (
     STRESS_FREE,
     body,
@@ -94,6 +97,45 @@ def test_stress_components_of_a_shear_in_space(comm):
     G = 70e9 / (2 * 1.33)
     expected = G * np.array([0, 0, 0, 4e-3, 7e-3, 10e-3])
     np.testing.assert_allclose(part.stress(), np.tile(expected, (len(part.stress()), 1)), atol=1.0)
+
+
+def size_of_forces(part) -> float:
+    """Return the size of the internal forces at the present displacement [N]."""
+    part.residual()
+    return part.mesh.mesh.comm.allreduce(part.force_scale()[0]) ** 0.5
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_the_size_of_forces_is_that_of_the_stress_in_any_axes(comm, model):
+    """Stretched along an axis and pressed along another is sheared at 45°."""
+    part = alone(comm, model, formulation="displacement")
+    begin(part, STRESS_FREE)
+    move(part, 1e-4 * np.diag([1.0, -1.0, 0.0]))
+    stretched = size_of_forces(part)
+    move(part, 1e-4 * np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    assert size_of_forces(part) == pytest.approx(stretched, rel=1e-12)
+    assert stretched > 0.0
+
+
+def test_free_expansion_counts_little_beside_the_stress_it_would_be(comm):
+    """By 1e-4 of 2 G tr(e): round-off of it is no force, and a stress of 1e-3 outweighs it."""
+    part = alone(comm, "3d", formulation="displacement")
+    begin(part, STRESS_FREE + 50.0)
+    move(part, 1e-3 * np.eye(3))
+    free = size_of_forces(part)
+    begin(part, STRESS_FREE)
+    move(part, 1e-3 * np.diag([1.0, -1.0, 0.0]))
+    assert free == pytest.approx(1e-4 * 3 / 2**0.5 * size_of_forces(part), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "share"), [("thermo-elastic", 0.0), ("thermo-elasto-plastic", 0.9)]
+)
+def test_only_a_body_that_flows_turns_work_into_heat(comm, law, share):
+    metal = elastic(70e9, 0.33, 2e-5, yield_stress=1e8, dissipation=0.9)
+    description = MechanicalBody(Law(metal, STRESS_FREE, law))
+    made = BodyMechanics(slab_mesh(comm).bodies["casting"], "plane-strain", description)
+    assert made.dissipated_fraction == share
 
 
 def solidifying(comm, starts_liquid: bool = True):
