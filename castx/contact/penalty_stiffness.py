@@ -6,6 +6,9 @@ so ε follows them from step to step (Jaouen and Bellet 1998). Their stiffness p
 is the diagonal of the assembled matrix over the contact area, its mean over the pairs of the
 interface: a number of its own for each pair would spoil the patch test on uneven meshes, and a mean
 over the area would be that of the coarse elements far from a small contact.
+
+A melt has hardly any stiffness, and a penalty by it would let the wall move into it: the metal
+would freeze with that error in its gap. So no body counts as softer than its solid as a whole, G/L.
 """
 
 from __future__ import annotations
@@ -39,6 +42,7 @@ class PenaltyStiffness:
         dimension: number of displacement components.
         gaps: the pairs of all interfaces.
         given: ε [Pa/m], not a number where it follows the stiffness, shape (rows,).
+        moduli: G/L of the bodies, the least that counts as their stiffness per area [Pa/m].
     """
 
     def __init__(
@@ -48,6 +52,7 @@ class PenaltyStiffness:
         dimension: int,
         gaps: Gaps,
         given: FloatArray,
+        moduli: Sequence[float],
     ) -> None:
         self._gaps, self._given, self._comm = gaps, given, layout.comm
         self.springs: FloatArray = np.zeros(len(gaps.free))
@@ -63,7 +68,7 @@ class PenaltyStiffness:
                         layout.dofs(names.index(name), nodes[index], k) for k in range(dimension)
                     ]
                     entries = [RemoteEntries(vector, of) for of in numbers]
-                    self._sides.append((part, entries))
+                    self._sides.append((part, entries, moduli[names.index(name)]))
         vector.destroy()
 
     def update(self, A: PETSc.Mat) -> None:
@@ -74,11 +79,11 @@ class PenaltyStiffness:
         """Return ε [Pa/m] of all rows: `FACTOR` times the stiffness per area of the softer side."""
         diagonal = A.getDiagonal()
         softest = np.full(len(self._given), np.inf)
-        for part, entries in self._sides:
+        for part, entries, least in self._sides:
             stiffness = np.mean([entry.get(diagonal) for entry in entries], axis=0)
             areas = self._gaps.areas[part]
             local = np.array([np.sum(stiffness / areas), len(areas)])
             total, count = self._comm.allreduce(local, op=MPI.SUM)
-            softest[part] = np.minimum(softest[part], total / count)
+            softest[part] = np.minimum(softest[part], max(total / count, least))
         diagonal.destroy()
         return np.where(np.isnan(self._given), FACTOR * softest, self._given)

@@ -82,7 +82,7 @@ class DeformableBodies:
         fixed: fixed directions of each of them.
         rigid: rigid bodies by name.
         length: size of the whole [m].
-        stiffness: G/L of the stiffest body [Pa/m].
+        moduli: G/L of the bodies, G the largest of each and L the size of the whole [Pa/m].
         counters: of the step, to which the solution adds.
     """
 
@@ -91,8 +91,13 @@ class DeformableBodies:
     fixed: Sequence[Sequence[FixedDirections]]
     rigid: Mapping[str, RigidBody]
     length: float
-    stiffness: float
+    moduli: Sequence[float]
     counters: StepCounters
+
+    @property
+    def stiffness(self) -> float:
+        """G/L of the stiffest body [Pa/m]."""
+        return max(self.moduli)
 
     @property
     def layout(self) -> Layout:
@@ -144,7 +149,7 @@ def _build_equilibrium(
     )  # fmt: skip
     initial = [gap for _, gap in pairs]
     gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, initial, bodies.rigid)
-    contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.stiffness)
+    contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.moduli)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
     floating = _floating(bodies, transform, contact, springs) if settings.support else None
     gates = [

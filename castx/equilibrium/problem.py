@@ -80,10 +80,10 @@ class MechanicalProblem:
             if n not in bodies
         }
         length = extent(mesh.parent)
-        stiffness = max(b.law.largest_shear_modulus() for b in bodies.values()) / length
+        moduli = [bodies[n].law.largest_shear_modulus() / length for n in names]
         self._assembly = BodyAssembly(self.layout, parts)
         deformable = DeformableBodies(
-            names, self._assembly, fixed, self.rigid, length, stiffness, counters or StepCounters()
+            names, self._assembly, fixed, self.rigid, length, moduli, counters or StepCounters()
         )
         self.equilibrium = build_methods(deformable, contacts, placed, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)

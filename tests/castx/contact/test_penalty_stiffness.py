@@ -9,9 +9,9 @@ from castx.contact.penalty_stiffness import FACTOR, PenaltyStiffness
 from tests.small_contact import SOFT, dense, two_blocks
 
 
-def made_of(made, given):
+def made_of(made, given, moduli=(0.0, 0.0)):
     names = list(made.bodies)
-    return PenaltyStiffness(made.layout, names, 2, made.gaps, given)
+    return PenaltyStiffness(made.layout, names, 2, made.gaps, given, moduli)
 
 
 @pytest.mark.serial
@@ -32,6 +32,18 @@ def test_the_softer_side_decides(comm):
     np.testing.assert_allclose(stiffness.springs, FACTOR * sides[0] * areas, rtol=1e-12)
     # Pairs give way by about a tenth of what an element of 1 cm does.
     assert np.all(stiffness.penalties(A) == pytest.approx(10 * SOFT[0] / 0.01, rel=0.3))
+
+
+def test_no_body_counts_as_softer_than_its_solid_as_a_whole(comm):
+    """The second is stiffer than the first anyway, which counts as soon as it has the larger."""
+    made = two_blocks(comm, "penalty")
+    A = made.equilibrium.balance.assembly.matrix()
+    unknown = np.full(len(made.gaps.local), np.nan)
+    soft = made_of(made, unknown).penalties(A)
+    unchanged = made_of(made, unknown, (0.09 * soft.mean(), 1e3)).penalties(A)
+    np.testing.assert_array_equal(unchanged, soft)
+    stiffer = made_of(made, unknown, (0.11 * soft.mean(), 0.0)).penalties(A)
+    np.testing.assert_allclose(stiffer, 1.1 * soft, rtol=1e-12)
 
 
 def test_given_penalties_are_kept(comm):
