@@ -60,7 +60,8 @@ PENALTY_KEY = Key(
     "penalty",
     PenaltyKind(),
     AUTOMATIC,
-    'ε [Pa/m], or "auto": by the stiffness of the softer side at the time.',
+    'ε [Pa/m], or "auto": by the stiffness of the softer side at the time, at least of its whole '
+    "solid.",
     common=False,
 )
 
@@ -68,7 +69,7 @@ METHOD = ContactMethod(
     name="penalty",
     summary=(
         'Penetrate by p/ε, `penalty` ε [Pa/m] or `"auto"`: by the stiffness of the softer side at '
-        "the time."
+        "the time, at least of its whole solid."
     ),
     formula="p_c = ε⟨-g⟩",
     source="Chiumenti, section 7.1, t_n = ε g_n",
