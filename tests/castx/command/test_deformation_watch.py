@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +13,9 @@ from castx.command.cli import execute
 from castx.command.deformation_watch import DeformationWatch
 from castx.errors import ConvergenceError
 from tests.castx.case_data import cylinder
-from tests.castx.command.test_range_watch import Heard
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 
-
-@pytest.fixture
-def heard():
-    handler, logger = Heard(), logging.getLogger("castx.command.deformation_watch")
-    logger.addHandler(handler)
-    yield handler.messages
-    logger.removeHandler(handler)
+LISTENED = "castx.command.deformation_watch"
 
 
 def moved(gradient, offset=(0.0, 0.0), solid=1.0):
