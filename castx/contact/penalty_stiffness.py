@@ -80,10 +80,11 @@ class PenaltyStiffness:
         diagonal = A.getDiagonal()
         softest = np.full(len(self._given), np.inf)
         for part, entries, least in self._sides:
-            stiffness = np.mean([entry.get(diagonal) for entry in entries], axis=0)
+            nodal = np.mean([entry.get(diagonal) for entry in entries], axis=0)
             areas = self._gaps.areas[part]
-            local = np.array([np.sum(stiffness / areas), len(areas)])
+            local = np.array([np.sum(nodal / areas), len(areas)])
             total, count = self._comm.allreduce(local, op=MPI.SUM)
-            softest[part] = np.minimum(softest[part], max(total / count, least))
+            stiffness = max(total / count, least)
+            softest[part] = np.minimum(softest[part], stiffness)
         diagonal.destroy()
         return np.where(np.isnan(self._given), FACTOR * softest, self._given)
