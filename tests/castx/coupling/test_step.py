@@ -124,6 +124,13 @@ def self_consistent(step: float, slope: float, before: float = 0.0) -> float:
     return 0.5 * (-b + np.sqrt(b * b + 4 * (before + 0.1 * slope * step)))
 
 
+def test_a_pair_that_ends_to_conduct_has_not_settled():
+    """Open it conducts nothing, and so cools nothing that would open it: there is no solution."""
+    problem, _, _ = fake_problem(law=lambda gap, pressure: np.where(gap > 0.05, np.inf, 1.0))
+    with pytest.raises(ConvergenceError, match="changes by inf of its value"):
+        problem.advance(0.0, 2.0, 1)
+
+
 @pytest.mark.parametrize("slope", [1.0, 10.0, 100.0])
 def test_iterated_gap_is_self_consistent(slope):
     """Also where the plain iteration diverges: its factor is −slope 0.1 / (1 + g)²."""
