@@ -33,6 +33,7 @@ ORDER = [
     "solvers",
     "heat/foreign",
     "heat",
+    "mechanics/clamping",
     "mechanics/constitutive",
     "mechanics/liquid",
     "mechanics",

@@ -13,10 +13,12 @@ from castx.input.entries import Choice, Description, Quantity, over_time
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import (
     ACCELERATION,
+    FORCE,
     HEAT_FLUX,
     HEAT_TRANSFER,
     LENGTH,
     PURE_NUMBER,
+    STIFFNESS,
     STRESS,
     TEMPERATURE,
 )
@@ -24,6 +26,10 @@ from castx.input.variation import Variation, Varying
 from castx.tables import Table
 
 DIRECTIONS = ("x", "y", "z", "r", "normal", "all")
+LOADS = ("pressure", "traction", "clamp")
+"""Conditions that press or pull on a surface."""
+CONDITIONS = ("heat", "displacement", *LOADS)
+"""Kinds of conditions on a surface."""
 
 _NEEDED: dict[str, tuple[str, ...]] = {
     "insulated": (),
@@ -134,6 +140,43 @@ def _displacement(direction: str, value: Any) -> DisplacementCondition:
         raise refuse(f'{error}, or "uniform"', direction) from None
 
 
+class ClampCondition(Description):
+    """A machine that presses on a surface by a force and resists its motion by a stiffness.
+
+    Both are totals: of the full turn when axisymmetric, of one metre of depth in plane models, and
+    of the meshed part in space.
+
+    Attributes:
+        force: over time, where the surface was meshed [N].
+        stiffness: of the machine behind the surface [N/m]; None: the force follows its motion.
+        direction: axis along which it presses; None: against the normal of a flat surface.
+    """
+
+    force: Annotated[Table | None, over_time(FORCE, least=0.0)] = None
+    stiffness: Annotated[float | None, Quantity(STIFFNESS, above=0.0)] = None
+    direction: Annotated[str | None, Choice(("x", "y", "z"))] = None
+
+    @property
+    def released(self) -> ClampCondition:
+        """The same without force and stiffness: results go on to show how the surface moves."""
+        return self.model_copy(update={"force": Table.constant(0.0), "stiffness": None})
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield a clamp without force and stiffness."""
+        if self.force is None and self.stiffness is None:
+            yield Problem((), "says nothing; give force, stiffness or both")
+
+
+FREE_CLAMP = ClampCondition(force=Table.constant(0.0))
+"""What `clamp = "free"` means: a stage lifts the earlier clamp."""
+
+
+def _clamp(value: Any) -> ClampCondition:
+    if isinstance(value, ClampCondition):
+        return value
+    return FREE_CLAMP if value == FREE.direction else ClampCondition.read(value)
+
+
 class Boundary(Description):
     """Conditions on one named surface.
 
@@ -143,6 +186,7 @@ class Boundary(Description):
         displacement: prescribed displacements by direction.
         pressure: pressing on the surface, over time [Pa].
         traction: force per area over time, one table for each direction of the model [Pa].
+        clamp: a machine that presses on the surface.
     """
 
     on: str
@@ -152,6 +196,7 @@ class Boundary(Description):
     traction: (
         Annotated[tuple[Annotated[Table, over_time(STRESS)], ...], Field(max_length=3)] | None
     ) = None
+    clamp: Annotated[ClampCondition | None, PlainValidator(_clamp)] = None
 
     @field_validator("on", mode="plain")
     @classmethod
@@ -176,8 +221,8 @@ class Boundary(Description):
         for alone in ("insulated", "temperature"):
             if alone in types and len(types) > 1:
                 yield Problem(("heat",), f"type {alone!r} excludes every other heat condition")
-        if not (self.heat or self.displacement or self.pressure or self.traction):
-            yield Problem((), "says nothing; give heat, displacement, pressure or traction")
+        if not any(getattr(self, kind) for kind in CONDITIONS):
+            yield Problem((), f"says nothing; give {', '.join(CONDITIONS[:-1])} or clamp")
 
 
 class Loads(Description):

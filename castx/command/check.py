@@ -11,6 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from castx.case.boundaries import Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.caveats import caveats
 from castx.case.heat_transfer import InterfaceHeat
@@ -124,37 +125,54 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
 
 
 def size_text(model: str) -> str:
-    """Return in words to which part of a casting volumes and areas refer in a model."""
+    """Return in words to which part of a casting volumes, areas and forces refer in a model."""
     match model:
         case "axisymmetric":
-            return "volumes and areas are those of the full turn"
+            return "volumes, areas and forces are those of the full turn"
         case "3d":
-            return "volumes and areas are those of the meshed part"
+            return "volumes, areas and forces are those of the meshed part"
         case _:
-            return "volumes and areas are those of one metre of depth"
+            return "volumes, areas and forces are those of one metre of depth"
 
 
 def surface_table(case: Case, summary: MeshSummary) -> Table:
     """Return the named surfaces with their areas and boundary conditions."""
     table = Table("surface", "area, m²", "conditions", box=SIMPLE_HEAD)
-    conditions = {
-        boundary.on: ", ".join(
-            [item.type for item in boundary.heat]
-            + [f"displacement {item.direction}" for item in boundary.displacement]
-            + (["pressure"] if boundary.pressure is not None else [])
-            + (["traction"] if boundary.traction is not None else [])
-        )
-        for boundary in case.boundaries
-    }
+    conditions = {boundary.on: boundary for boundary in case.boundaries}
     names = [body.name for body in case.bodies]
     for body in summary.bodies:
         for surface, area in body.surfaces.items():
             if surface not in names:
                 on = f"{body.name}/{surface}"
-                table.add_row(on, f"{area:.4g}", conditions.get(on, free_text(surface)))
+                given = conditions.get(on)
+                text = free_text(surface) if given is None else conditions_text(given, area)
+                table.add_row(on, f"{area:.4g}", text)
         if body.unnamed > 0.0:
             table.add_row(f"{body.name}, unnamed", f"{body.unnamed:.4g}", free_text(""))
     return table
+
+
+def conditions_text(boundary: Boundary, area: float) -> str:
+    """Return the conditions on a surface of an area [m²] in words."""
+    found = [item.type for item in boundary.heat]
+    found += [f"displacement {item.direction}" for item in boundary.displacement]
+    found += [key for key in ("pressure", "traction") if getattr(boundary, key) is not None]
+    if boundary.clamp is not None:
+        found.append(clamp_text(boundary.clamp, area))
+    return ", ".join(found)
+
+
+def clamp_text(clamp: ClampCondition, area: float) -> str:
+    """Return force, pressure on an area [m²] and stiffness of a clamp in words."""
+    parts = []
+    if clamp.force is not None:
+        force = float(clamp.force.values.max())
+        most = "" if clamp.force.is_constant else "at most "
+        parts.append(f"{most}{force:.4g} N ({force / area / 1e6:.4g} MPa)")
+    if clamp.stiffness is not None:
+        parts.append(f"{clamp.stiffness:.4g} N/m")
+    along = "" if clamp.direction is None else f" along {clamp.direction}"
+    return f"clamp{along} {', '.join(parts)}"
 
 
 def free_text(surface: str) -> str:

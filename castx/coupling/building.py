@@ -16,6 +16,7 @@ from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
+from castx.coupling.clamps import refuse_held_clamps, surface_clamps
 from castx.coupling.interface import CoupledInterface
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.coupling.step import CoupledProblem
@@ -223,6 +224,11 @@ def rigid_bodies(case: Case, mesh: CastingMesh) -> dict[str, RigidBody]:
     return {name: rigid_body(name, mesh.model, given[name]) for name in rigid}
 
 
+def check_clamps(case: Case, mesh: CastingMesh) -> None:
+    """Refuse clamps that press on nothing, see `refuse_held_clamps`; collective."""
+    refuse_held_clamps(case, mesh, _displacements(case))
+
+
 def _contact(interface: Interface) -> Contact:
     wanted = interface.contact
     return Contact(
@@ -266,14 +272,15 @@ def _mechanical_body(
     case: Case, mesh: CastingMesh, body: Body, material: Material, stress_free: StressFreeState
 ) -> MechanicalBody:
     material = _solved_material(mesh, body, material)
-    loads = [load for b in case.boundaries if b.body == body.name for load in _loads(b)]
+    own = [boundary for boundary in case.boundaries if boundary.body == body.name]
     return MechanicalBody(
         Law(material, stress_free, body.law),
         formulation_of(mesh, body),
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),
-        tuple(loads),
+        tuple(load for boundary in own for load in _loads(boundary)),
         material.liquid is not None,
+        clamps=surface_clamps(own, mesh.model),
     )
 
 

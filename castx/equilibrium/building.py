@@ -244,18 +244,28 @@ def _floating(
     contact: ContactSystem,
     stiffness: float,
 ) -> FloatingMotions:
-    motions, weights, layout = [], [], bodies.layout
+    motions, weights, held, layout = [], [], [], bodies.layout
     for b, body in enumerate(bodies.parts):
         volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
         for mode in rigid_modes(body.unknowns):
             motions.append(transform.unknowns(_extended(layout, b, mode)))
             weights.append(transform.forces_on_unknowns(_extended(layout, b, volumes * mode)))
+            held.append(_strained(bodies.parts, b, mode))
     return FloatingMotions(
         contact.unknowns.extended(np.array(motions)),
         contact.unknowns.extended(np.array(weights)),
         stiffness,
         layout.comm,
+        np.array(held),
     )
+
+
+def _strained(parts: Sequence[BodyMechanics], b: int, mode: FloatArray) -> FloatArray:
+    """Return how far a motion of one body strains the springs behind the surfaces of all."""
+    motions: list[FloatArray] = [np.zeros((p.owned_nodes, p.dimension)) for p in parts]
+    motions[b] = mode.reshape(-1, parts[b].block_size)[:, : parts[b].dimension]
+    found = [part.loads.held(motion) for part, motion in zip(parts, motions, strict=True)]
+    return np.concatenate(found)
 
 
 def _extended(layout: Layout, b: int, values: FloatArray) -> FloatArray:

@@ -106,6 +106,15 @@ class MechanicalProblem:
             for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
         ]  # fmt: skip
 
+    def clamp_totals(self) -> dict[str, float]:
+        """Return force and displacement of all clamped surfaces by their columns; collective."""
+        found: dict[str, float] = {}
+        for body in self.bodies.values():
+            values = body.solution.x.array.reshape(-1, body.block_size)[:, : body.dimension]
+            for clamp in body.loads.clamps:
+                found |= clamp.totals(values)
+        return found
+
     def destroy(self) -> None:
         """Free what PETSc holds."""
         self.equilibrium.destroy()

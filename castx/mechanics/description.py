@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from castx.mechanics.clamping.clamp import SurfaceClamp
 from castx.mechanics.constitutive.law import Law
 from castx.tables import Table
 
@@ -38,6 +39,7 @@ class MechanicalBody:
         loads: loads on surfaces.
         starts_liquid: whether the body has no solid at the start.
         closed: names of the surfaces through which no liquid can follow.
+        clamps: machines that press on surfaces.
     """
 
     law: Law
@@ -47,3 +49,4 @@ class MechanicalBody:
     loads: Sequence[SurfaceLoad] = field(default_factory=tuple)
     starts_liquid: bool = False
     closed: Collection[str] = ()
+    clamps: Sequence[SurfaceClamp] = ()

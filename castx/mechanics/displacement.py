@@ -43,6 +43,7 @@ class DisplacementFormulation:
             momentum.displacement_internal_virtual_work(total, variation, state, dx),
             momentum.displacement_tangent(unknowns.strain(trial), variation, state, dx),
             loads.virtual_work(unknowns.displacement(test)),
+            loads.backing,
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
 

@@ -96,16 +96,32 @@ class BodyUnknowns:
 
 
 class WeakForms:
-    """Assembles internal forces, loads and Jacobian of one body from their weak forms.
+    """Assembles internal forces, loads, springs and Jacobian of one body from their weak forms.
 
     Args:
         unknowns: of the body.
         internal: virtual work of the internal forces at `unknowns.solution`.
         jacobian: its derivative for a change of the unknowns.
         load: virtual work of the loads.
+        backing: work of a variation against springs behind surfaces that a displacement strains,
+            which the first two lack; None: there are none.
     """
 
-    def __init__(self, unknowns: BodyUnknowns, internal: Any, jacobian: Any, load: Any) -> None:
+    def __init__(
+        self,
+        unknowns: BodyUnknowns,
+        internal: Any,
+        jacobian: Any,
+        load: Any,
+        backing: Callable[[Any, Any], Any] | None = None,
+    ) -> None:
+        self._springs: fem.Form | None = None
+        if backing is not None:
+            u, space = unknowns.displacement, unknowns.space
+            eta, du = u(ufl.TestFunction(space)), u(ufl.TrialFunction(space))
+            strained = backing(eta, u(unknowns.solution))
+            internal, jacobian = internal + strained, jacobian + backing(eta, du)
+            self._springs = fem.form(strained)
         self._internal, self._jacobian = fem.form(internal), fem.form(jacobian)
         self._load = fem.form(load)
         index_map, self._owned = unknowns.space.dofmap.index_map, unknowns.owned
@@ -120,6 +136,10 @@ class WeakForms:
         """Return internal minus external forces of the owned unknowns [N]; collective."""
         return self._assemble(self._internal) - self.load
 
+    def spring_forces(self) -> FloatArray:
+        """Return what springs bear at the present owned unknowns [N]; collective."""
+        return np.zeros(self._owned) if self._springs is None else self._assemble(self._springs)
+
     def _assemble(self, form: fem.Form) -> FloatArray:
         b = self._row
         b.array[:] = 0
@@ -132,7 +152,7 @@ class WeakForms:
         return create_matrix(self._jacobian)
 
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
-        """Assemble the derivative of the internal forces."""
+        """Assemble the derivative of the internal forces and the springs."""
         A.zeroEntries()
         assemble_matrix(A, self._jacobian)
         A.assemble()

@@ -1,7 +1,8 @@
-"""External forces on one body: body force, pressures and tractions on its surfaces."""
+"""External forces on one body: body force, pressures, tractions and clamps of its surfaces."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, surface_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms import momentum
+from castx.mechanics.clamping.clamp import Clamp
 from castx.mechanics.description import MechanicalBody
 from castx.tables import Table
 
@@ -26,6 +28,7 @@ class BodyLoads:
 
     Attributes:
         body_force: force per volume b [N/m³], for forms.
+        clamps: machines that press on its surfaces.
     """
 
     def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
@@ -44,6 +47,8 @@ class BodyLoads:
             assert tables is not None
             none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
             self._values.append((fem.Constant(body.mesh, none), tables))
+        self.clamps = [Clamp(body, model, given) for given in description.clamps]
+        self._backed = [given for given in self.clamps if given.stiffness > 0]
 
     @property
     def weighs(self) -> bool:
@@ -62,9 +67,11 @@ class BodyLoads:
         for constant, tables in self._values:
             values = np.array([float(table(time)) for table in tables])
             constant.value = values if constant.value.ndim else values[0]
+        for clamp in self.clamps:
+            clamp.set_time(time)
 
     def virtual_work(self, eta: Any) -> Any:
-        """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η of the displacement."""
+        """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η, t̄ with the force of clamps."""
         dx = cell_measure(self._body, self._model, 2)
         ds = surface_measure(self._body, self._model, 2)
         normal = ufl.FacetNormal(self._body.mesh)
@@ -75,4 +82,22 @@ class BodyLoads:
                 work += momentum.pressure_work(eta, value, normal, measure)
             else:
                 work += momentum.traction_work(eta, value, measure)
+        for clamp in self.clamps:
+            work += clamp.work(eta)
         return work
+
+    @property
+    def backing(self) -> Callable[[Any, Any], Any] | None:
+        """Work of a variation against the springs that a displacement strains; None: no springs."""
+        return self._backing_work if self._backed else None
+
+    def _backing_work(self, eta: Any, u: Any) -> Any:
+        return sum(clamp.backing_work(eta, u) for clamp in self._backed)
+
+    def held(self, motion: FloatArray) -> FloatArray:
+        """Return how far a motion strains the springs behind the surfaces, shape (springs,).
+
+        Args:
+            motion: of the owned nodes, shape (owned, dimension).
+        """
+        return np.concatenate([np.zeros(0), *(clamp.strained(motion) for clamp in self._backed)])

@@ -69,6 +69,7 @@ class MixedFormulation:
             self._internal(total, pressure, state, tau),
             self._jacobian(state, tau),
             self._load(loads, kind, tau),
+            loads.backing,
         )
         points = material.points
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))

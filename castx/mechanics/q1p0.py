@@ -70,6 +70,7 @@ class Q1P0Formulation:
             momentum.deviatoric_virtual_work(variation, state, dx),
             momentum.deviatoric_tangent(increment, variation, state, dx),
             loads.virtual_work(unknowns.displacement(test)),
+            loads.backing,
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
         self._mean = MeanDilatation(

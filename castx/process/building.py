@@ -11,6 +11,7 @@ from castx.case.caveats import caveats
 from castx.case.stages import Schedule
 from castx.coupling.building import (
     build_problem,
+    check_clamps,
     check_surfaces,
     laws_above_solidus,
     rigid_bodies,
@@ -91,6 +92,7 @@ def stage_cases(case: Case, mesh: CastingMesh) -> list[Case]:
     found = [stage_case(case, number, surfaces) for number in numbers]
     for stage in found:
         rigid_bodies(stage, mesh)
+        check_clamps(stage, mesh)
         refuse_absurd_displacements(stage, mesh)
     return found
 

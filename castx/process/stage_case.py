@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from castx.case.boundaries import FREE, Boundary, HeatCondition
+from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, HeatCondition
 from castx.case.case import Case
 from castx.case.stages import Spray, Stage
 from castx.errors import CaseError
-
-_KINDS = ("heat", "displacement", "pressure", "traction")
-"""Kinds of conditions, each replaced by a later one of its kind."""
 
 Surfaces = Mapping[str, Sequence[str]]
 """Names of the surfaces of each body; those towards another body bear its name."""
@@ -39,7 +36,7 @@ def stage_case(case: Case, number: int, surfaces: Surfaces) -> Case:
         update={
             "bodies": tuple(body for body in case.bodies if body.name in present),
             "interfaces": tuple(i for i in case.interfaces if set(i.bodies) <= set(present)),
-            "boundaries": tuple(b for b in boundaries if b.body in present),
+            "boundaries": tuple(b for b in _released(boundaries, case) if b.body in present),
         }
     )
 
@@ -48,11 +45,30 @@ def replaced(old: Iterable[Boundary], new: Iterable[Boundary]) -> list[Boundary]
     """Return boundaries in which later conditions replace earlier ones of the same kind."""
     found: dict[str, Boundary] = {}
     for boundary in (*old, *new):
-        given = {key: getattr(boundary, key) for key in _KINDS if getattr(boundary, key)}
+        given = {key: getattr(boundary, key) for key in CONDITIONS if getattr(boundary, key)}
         found[boundary.on] = found.get(boundary.on, boundary).model_copy(update=given)
     for on, boundary in found.items():
         if FREE in boundary.displacement:
             found[on] = boundary.model_copy(update={"displacement": ()})
+    return list(found.values())
+
+
+def _released(boundaries: Iterable[Boundary], case: Case) -> list[Boundary]:
+    """Return boundaries with all surfaces that are clamped in some stage, at least without force.
+
+    So that results have the same columns in all stages.
+    """
+    later = [boundary for stage in case.stages for boundary in stage.boundaries]
+    clamps = {
+        boundary.on: boundary.clamp.released
+        for boundary in (*later[::-1], *case.boundaries)
+        if boundary.clamp is not None and boundary.clamp is not FREE_CLAMP
+    }
+    found = {on: Boundary(on=on, clamp=clamp) for on, clamp in clamps.items()}
+    for boundary in boundaries:
+        open_now = boundary.clamp is None or boundary.clamp is FREE_CLAMP
+        update = {"clamp": clamps.get(boundary.on)} if open_now else {}
+        found[boundary.on] = boundary.model_copy(update=update)
     return list(found.values())
 
 

@@ -146,6 +146,7 @@ class State:
                 of_liquid = body.liquid_totals() or {}
                 totals |= {f"{name}.{key}": value for key, value in of_liquid.items()}
             totals |= self._balance_totals(self.problem.mechanics)
+            totals |= self.problem.mechanics.clamp_totals()
         for name, coefficient in self.friction.items():
             if name in self.mesh.bodies:
                 force = coefficient * normal_force(self.problem, name)

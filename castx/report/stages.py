@@ -8,6 +8,7 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from castx.case.boundaries import LOADS
 from castx.case.case import Case
 from castx.case.stages import Schedule, Stage
 
@@ -37,7 +38,7 @@ def _changes(stage: Stage) -> Iterator[str]:
     for boundary in stage.boundaries:
         kinds = [condition.type for condition in boundary.heat]
         kinds += [f"displacement {condition.direction}" for condition in boundary.displacement]
-        kinds += [key for key in ("pressure", "traction") if getattr(boundary, key) is not None]
+        kinds += [key for key in LOADS if getattr(boundary, key) is not None]
         yield f"{boundary.on}: {', '.join(kinds)}"
     if stage.spray is not None:
         yield f"spray on {', '.join(stage.spray.on) or 'what removed bodies leave bare'}"

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from castx.case.bodies import Body
-from castx.case.boundaries import FREE, Boundary
+from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
@@ -187,15 +187,17 @@ def _boundary_problems(case: Case) -> Iterator[Problem]:
     for index, boundary in enumerate(case.boundaries):
         place = ("boundaries", index)
         yield from surface_problems(case, (*place, "on"), boundary.body, boundary.surface)
-        for key in ("heat", "displacement", "pressure", "traction"):
+        for key in CONDITIONS:
             if getattr(boundary, key):
                 counts[boundary.on, key] += 1
             if counts[boundary.on, key] > 1 and getattr(boundary, key):
                 text = f"{boundary.on!r} has it already; put both in one entry"
                 yield Problem((*place, key), text)
-        if FREE in boundary.displacement:
+        free = {"displacement": FREE in boundary.displacement,
+                "clamp": boundary.clamp is FREE_CLAMP}  # fmt: skip
+        for key in (key for key, lifted in free.items() if lifted):
             text = "only a stage lifts what held a surface before; leave it out here"
-            yield Problem((*place, "displacement"), text)
+            yield Problem((*place, key), text)
         yield from direction_problems(case, place, boundary)
 
 
@@ -208,6 +210,20 @@ def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterat
             yield Problem((*place, "displacement", condition.direction), known)
     if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
         yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
+    if boundary.clamp is not None:
+        yield from _clamp_problems(case, (*place, "clamp"), boundary.surface, boundary.clamp)
+
+
+def _clamp_problems(
+    case: Case, place: KeyPath, surface: str, clamp: ClampCondition
+) -> Iterator[Problem]:
+    axes = [axis for axis in ("x", "y", "z") if axis in case.geometry.directions]
+    if clamp.direction is not None and clamp.direction not in axes:
+        known = among("", axes, what=f"a clamp in the model {case.geometry.model!r} may have")
+        yield Problem((*place, "direction"), known)
+    if surface.startswith("symmetry-"):
+        text = "the body goes on behind a symmetry plane, where no machine presses; leave it out"
+        yield Problem(place, text)
 
 
 def _gravity_problems(case: Case) -> Iterator[Problem]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from castx.case.boundaries import Boundary
+from castx.case.boundaries import LOADS, Boundary
 from castx.case.case import Case
 from castx.case.contact import NONE, body_problem
 from castx.case.interfaces import Interface
@@ -60,7 +60,7 @@ def rigid_problems(case: Case) -> Iterator[Problem]:
 def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
     """Yield loads of a boundary on a rigid body, where they have no effect."""
     rigid = [body.name for body in case.bodies if body.law == "rigid"]
-    for key in ("pressure", "traction"):
+    for key in LOADS:
         if boundary.body in rigid and getattr(boundary, key):
             text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
             yield Problem((*place, key), text)

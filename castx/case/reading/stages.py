@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from castx.case.boundaries import CONDITIONS
 from castx.case.case import Case
 from castx.case.reading.between_parts import direction_problems
 from castx.case.reading.contact import load_problems
@@ -102,7 +103,7 @@ def _surface_problems(
         yield from direction_problems(case, place, boundary)
         if case.coupling.scheme != "thermal":
             yield from load_problems(case, place, boundary)
-        for key in ("heat", "displacement", "pressure", "traction"):
+        for key in CONDITIONS:
             if getattr(boundary, key) and (boundary.on, key) in seen:
                 text = f"{boundary.on!r} has it already in this stage; put both in one entry"
                 yield Problem((*place, key), text)

@@ -39,8 +39,9 @@ class NetForces:
         """Return what acts on each body [N], shape (bodies,); collective.
 
         It is the sum of the magnitudes of the loads on its nodes, such as its weight, and of a body
-        without loads that of the contact forces. Of both it is not the larger one: walls that
-        squeeze a casting cancel like internal forces, and its weight still has to reach the floor.
+        without loads that of the contact forces, among which the springs of machines count. Of both
+        it is not the larger one: walls that squeeze a casting cancel like internal forces, and its
+        weight still has to reach the floor.
 
         Args:
             pair_forces: contact forces of all rows, zero where they are open [N], shape (rows,).
@@ -51,8 +52,9 @@ class NetForces:
         layout = self._assembly.layout
         sums = np.zeros((len(self._assembly.bodies), 2))
         for b, body in enumerate(self._assembly.bodies):
-            load = body.formulation.forms.load
-            sums[b] = _magnitudes(body, load), _magnitudes(body, contact[layout.local_slice(b)])
+            forms = body.formulation.forms
+            touching = contact[layout.local_slice(b)], forms.spring_forces()
+            sums[b] = _magnitudes(body, forms.load), sum(_magnitudes(body, f) for f in touching)
         loads, contacts = self._comm.allreduce(sums, op=MPI.SUM).T
         return np.where(loads > 0, loads, contacts)
 

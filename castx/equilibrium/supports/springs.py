@@ -70,12 +70,20 @@ class FloatingMotions:
         weights: their images under the volume matrix: Mz for the motion z.
         stiffness: of the springs per volume [Pa/m²].
         comm: communicator of the unknowns.
+        held: how far each motion strains other springs of this rank, which hold it like a
+            constraint, shape (motions, springs); None: there are no others.
     """
 
     def __init__(
-        self, motions: FloatArray, weights: FloatArray, stiffness: float, comm: MPI.Intracomm
+        self,
+        motions: FloatArray,
+        weights: FloatArray,
+        stiffness: float,
+        comm: MPI.Intracomm,
+        held: FloatArray | None = None,
     ) -> None:
         self.motions, self._comm = motions, comm
+        self._held = np.zeros((len(motions), 0)) if held is None else held
         # Springs see the mean motion: a volume-weighted inner product that integrates to one.
         volume = comm.allreduce(float(np.sum(motions[0] * weights[0])))
         self._stiffness = stiffness * volume
@@ -91,7 +99,7 @@ class FloatingMotions:
             constraint_values: values of further constraint rows of this rank for each motion,
                 shape (motions, rows).
         """
-        rows = self.motions[:, constrained]
+        rows = np.concatenate((self.motions[:, constrained], self._held), axis=1)
         if constraint_values is not None:
             rows = np.concatenate((rows, constraint_values), axis=1)
         gram = self._comm.allreduce(rows @ rows.T, op=MPI.SUM)
