@@ -106,3 +106,41 @@ def test_force_and_stiffness_together(comm, name):
     force, stiffness = 60e6 * area_of(kind), STIFFNESS * area_of(kind) / 0.01
     clamp = {"force": force, "stiffness": stiffness, "direction": direction(kind)}
     compare(comm, kind, clamped(kind, clamp), expected(kind, force, stiffness, "free"))
+
+
+CONFINED = {
+    "plane strain": (Kind("plane-strain"), "held in one direction", ()),
+    "plane strain q1p0": (
+        Kind("plane-strain", "q1p0", cells="quadrilaterals"), "held in one direction", ()
+    ),
+    "rod in a tube": (Kind("axisymmetric", "displacement"), "held", ("far",)),
+    "space": (Kind("3d", stabilisation="gls"), "held", ("top", "front")),
+}  # fmt: skip
+"""Bars with held sides: model, what the sides do, and the sides that are held besides."""
+
+
+@pytest.mark.serial  # ranks agree in the test of force and stiffness together
+@pytest.mark.parametrize("kind, sides, held", CONFINED.values(), ids=CONFINED)
+def test_held_sides(comm, kind, sides, held):
+    force, stiffness = 30e6 * area_of(kind), STIFFNESS * area_of(kind) / 0.01
+    case = clamped(kind, {"force": force, "stiffness": stiffness})
+    fixed = [{"on": f"casting/{side}", "displacement": {"normal": 0.0}} for side in held]
+    case["boundaries"] = [*fixed, *case["boundaries"]]
+    compare(comm, kind, case, expected(kind, force, stiffness, sides))
+
+
+@pytest.mark.serial  # ranks agree in the test of force and stiffness together
+def test_every_number_of_the_clamp_counts(comm):
+    """Force, stiffness and direction change the answer, and a table is followed in time."""
+    kind = KINDS["generalised displacement"]
+    force, stiffness = 50e6 * area_of(kind), STIFFNESS
+    for clamp in (
+        {"force": force},
+        {"force": force, "stiffness": stiffness},
+        {"force": 2 * force, "stiffness": stiffness},
+        {"force": force, "stiffness": 2 * stiffness},
+    ):
+        exact = expected(kind, clamp["force"], clamp.get("stiffness", 0.0), "free")
+        compare(comm, kind, clamped(kind, clamp), exact)
+    halfway = clamped(kind, {"force": [[0.0, 0.0], [2.0, f"{2 * force / 1e3} kN"]]})
+    compare(comm, kind, halfway, expected(kind, force, 0.0, "free"))

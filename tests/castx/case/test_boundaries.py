@@ -2,7 +2,7 @@
 
 import pytest
 
-from castx.case.boundaries import Boundary
+from castx.case.boundaries import FREE_CLAMP, Boundary
 from castx.input.problems import Refusal
 
 pytestmark = pytest.mark.serial
@@ -70,10 +70,21 @@ def test_pressure_and_traction():
     assert [table(5.0) for table in found.traction] == [0.0, pytest.approx(0.5e6)]
 
 
+def test_clamp():
+    ramp = [[0, 0], ["2 s", "200 kN"]]
+    found = boundary(clamp={"force": ramp, "stiffness": "1 MN/mm", "direction": "z"}).clamp
+    assert (found.force(1.0), found.stiffness, found.direction) == (1e5, pytest.approx(1e9), "z")
+    dead, springs = boundary(clamp={"force": 5e3}).clamp, boundary(clamp={"stiffness": 7}).clamp
+    assert (dead.stiffness, dead.direction, springs.force) == (None, None, None)
+    assert boundary(clamp="free").clamp is FREE_CLAMP
+    left = found.released
+    assert (left.force(1.0), left.stiffness, left.direction) == (0.0, None, "z")
+
+
 @pytest.mark.parametrize(
     "keys, text",
     [
-        ({}, "says nothing; give heat, displacement, pressure or traction"),
+        ({}, "says nothing; give heat, displacement, pressure, traction or clamp"),
         ({"on": "mould"}, 'on: a surface is named "body/surface"'),
         ({"on": "/outside"}, 'on: a surface is named "body/surface"'),
         ({"on": 3}, 'on: a surface is named "body/surface"'),
@@ -157,6 +168,19 @@ def test_pressure_and_traction():
         ({"traction": 5}, "traction: a list is needed"),
         ({"traction": [1, 2, 3, 4]}, "traction: at most 3 allowed"),
         ({"traction": [1, "5 m"]}, r"traction\[1\]: 'm' is not a unit"),
+        ({"clamp": {}}, "clamp: says nothing; give force, stiffness or both"),
+        ({"clamp": {"direction": "x"}}, "clamp: says nothing; give force, stiffness or both"),
+        ({"clamp": 5}, "clamp: a table of keys is needed"),
+        ({"clamp": "open"}, "clamp: a table of keys is needed"),
+        ({"clamp": {"force": -1}}, r"clamp.force: must be at least 0 \(in N\)"),
+        ({"clamp": {"force": [[0, 1], [1, -1]]}}, r"clamp.force\[1\]: must be at least 0"),
+        ({"clamp": {"force": "20 MPa"}}, "clamp.force: 'MPa' is not a unit of force"),
+        ({"clamp": {"stiffness": -1}}, "clamp.stiffness: must be positive"),
+        ({"clamp": {"stiffness": 0}}, "clamp.stiffness: must be positive"),
+        ({"clamp": {"stiffness": "3 N"}}, "clamp.stiffness: 'N' is not a unit of stiffness"),
+        ({"clamp": {"stiffness": [[0, 1]]}}, "clamp.stiffness: a stiffness is needed"),
+        ({"clamp": {"force": 1, "direction": "r"}}, "clamp.direction: unknown; allowed: x, y, z"),
+        ({"clamp": {"fource": 1}}, r'clamp.fource: unknown key.*did you mean "force"\?'),
         ({"presure": 5}, r'presure: unknown key.*did you mean "pressure"\?'),
     ],
 )

@@ -6,9 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from castx.case.boundaries import Boundary
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.reading.read import load_case
 from castx.command.check import (
+    conditions_text,
     corner_text,
     free_text,
     heat_text,
@@ -72,6 +74,18 @@ def test_temperatures_of_the_case_are_those_of_bodies_surroundings_and_stages():
     assert temperature_range(case) == (25.0, 650.0)
     hotter = load_case("demos/stages.toml", ["stages.1.spray.ambient=[[0, 20], [5, 900]]"])
     assert temperature_range(hotter) == (20.0, 900.0)
+
+
+def test_clamps_are_told_with_the_pressure_they_mean():
+    def told(**clamp):
+        boundary = Boundary.read({"on": "die/back", "pressure": 1e5, "clamp": clamp})
+        return conditions_text(boundary, 0.02)
+
+    both = told(force="200 kN", stiffness="1 MN/mm")
+    assert both == "pressure, clamp 2e+05 N (10 MPa), 1e+09 N/m"
+    assert told(stiffness=5.0) == "pressure, clamp 5 N/m"
+    ramp = told(force=[[0, 0], [1, 4e4], [2, 1e4]], direction="z")
+    assert ramp == "pressure, clamp along z at most 4e+04 N (2 MPa)"
 
 
 @pytest.mark.parametrize(

@@ -64,6 +64,8 @@ def test_every_array_of_a_coupled_problem_knows_its_bodies(comm):
         ("casting/mould.closed_fraction", 0.0),
         ("casting.ejection_force", 0.0),
         ("casting.force_error", 0.0),
+        ("die/back.clamp_force", 0.0),
+        ("die/back.clamp_displacement", 5.0),
         ("support_force", 0.0),
         ("casting/mould.mean_gap", math.nan),
         ("casting/mould.max_gap", math.nan),

@@ -52,6 +52,30 @@ def test_a_stage_holds_what_is_left_and_keeps_earlier_conditions():
     assert len(case.bodies) == 2  # the case itself stays as it is
 
 
+def test_surfaces_that_are_clamped_in_some_stage_are_known_in_all():
+    """Free of force before and after, along the direction of the clamp, for equal columns."""
+    pressed = {"force": 5e3, "stiffness": 1e9, "direction": "z"}
+    case = case_of(
+        {"at": 1.0, "boundaries": [{"on": "mould/top", "clamp": pressed}]},
+        {"at": 2.0, "boundaries": [{"on": "mould/top", "heat": AIR}]},
+        {"at": 3.0, "boundaries": [{"on": "mould/top", "clamp": "free"},
+                                   {"on": "mould/outside", "clamp": "free"}]},
+        {"at": 4.0, "remove": ["mould"]},
+    )  # fmt: skip
+    found = []
+    for number in range(4):
+        by_name = {b.on: b for b in stage_case(case, number, SURFACES).boundaries}
+        clamp = by_name["mould/top"].clamp
+        assert clamp is not None and clamp.direction == "z"
+        found.append((clamp.force(0.0), clamp.stiffness))
+        assert by_name["mould/base"].clamp is None
+    assert found == [(0.0, None), (5e3, 1e9), (5e3, 1e9), (0.0, None)]
+    assert by_name["mould/outside"].clamp is None  # nothing ever pressed there
+    assert by_name["mould/top"].heat
+    last = stage_case(case, 4, SURFACES)
+    assert [b.on for b in last.boundaries] == ["casting/base"]
+
+
 @pytest.mark.parametrize(
     "on, wet",
     [

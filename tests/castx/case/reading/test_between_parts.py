@@ -29,6 +29,9 @@ NORTON = {"model": "norton", "coefficient": 1e-8, "exponent": 2, "coherency": 0.
         {**SPATIAL, "boundaries__1__displacement": {"x": 0, "y": "uniform"}},
         {"boundaries__1__displacement": {"r": 0, "z": "uniform"}},
         {"boundaries__1__on": "casting/mould"},
+        {"boundaries__0__clamp": {"force": "20 kN", "stiffness": "1 MN/mm"}},
+        {"boundaries__0__clamp": {"force": "20 kN", "direction": "z"}},
+        {**SPATIAL, "boundaries__0__clamp": {"force": "20 kN", "direction": "y"}},
         {"boundaries__1__on": "mould/outside"},
         {"interfaces__0__contact__initial_gap": {"along": "z", "table": [[0, 0], [1, 1e-3]]}},
         {**MECHANICAL, "interfaces__0__heat": REMOVED},
@@ -101,6 +104,18 @@ def test_accepted(changes):
             "displacement.r = 0: directions of the model '3d': x, y, z, normal, all",
         ),
         ({"boundaries__1__traction": [1, 2, 3]}, "traction = [1, 2, 3]: needs 2 components"),
+        (
+            {"boundaries__1__clamp": {"force": 1, "direction": "y"}},
+            "clamp.direction = \"y\": a clamp in the model 'axisymmetric' may have: z",
+        ),
+        (
+            {**SPATIAL, "boundaries__1": {"on": "mould/symmetry-x", "clamp": {"force": 1}}},
+            "boundaries[1].clamp: the body goes on behind a symmetry plane",
+        ),
+        (
+            {"boundaries__1": {"on": "mould/top", "clamp": "free"}},
+            'boundaries[1].clamp = "free": only a stage lifts what held a surface before',
+        ),
         ({"loads__gravity": [0]}, "loads.gravity = [0]: needs 2 components in the model 'axisymm"),
         ({"loads__gravity": [-9.81, 0]}, "must point along the axis in an axisymmetric model"),
         ({"loads__gravity": [0, -9.81, 0]}, "must point along the axis in an axisymmetric model"),

@@ -55,6 +55,10 @@ def test_accepted(changes):
             {**RIGID, "boundaries__0": {"on": "mould/outside", "traction": [0, 1e5]}},
             "boundaries[0].traction = [0, 100000.0]: body 'mould' is rigid and feels no load",
         ),
+        (
+            {**RIGID, "boundaries__0": {"on": "mould/top", "clamp": {"force": 1e5}}},
+            "boundaries[0].clamp: body 'mould' is rigid and feels no load; leave it out",
+        ),
         ({"boundaries__0__on": "mold/outside"}, 'boundaries[0].on = "mold/outside": unknown body'),
         (
             {"boundaries__0__on": "mould/outsid"},

@@ -36,6 +36,8 @@ def stages(*items, **changes):
         [{**EJECTION, "repeat": 3, "renew": ["casting"], "periodic": "0.5 K"}],
         [{"at": "90 s", "repeat": 2}],
         [{"at": "50 s", "boundaries": [{"on": "casting/top", "pressure": 1e5}]}],
+        [{"at": "50 s", "boundaries": [{"on": "mould/top", "clamp": {"force": "5 kN"}}]}],
+        [{"at": "50 s", "boundaries": [{"on": "mould/top", "clamp": "free"}]}],
     ],
 )
 def test_accepted(items):
@@ -77,6 +79,14 @@ REFUSED = [
     (
         [{**BARE, "boundaries": BARE["boundaries"] * 2}],
         "boundaries[1].heat: 'casting/mould' has it already in this stage; put both in one entry",
+    ),
+    (
+        [{"at": 60, "boundaries": [{"on": "mould/top", "clamp": {"force": 1}}] * 2}],
+        "boundaries[1].clamp: 'mould/top' has it already in this stage; put both in one entry",
+    ),
+    (
+        [{"at": 60, "boundaries": [{"on": "mould/symmetry-x", "clamp": {"force": 1}}]}],
+        "stages[0].boundaries[0].clamp: the body goes on behind a symmetry plane",
     ),
     ([{**OPENING, "eject": -1}], "stages[0].eject = -1: a coefficient of friction is needed, mus"),
     ([{**OPENING, "eject": {}}], "stages[0].eject: names no body; give coefficients of friction"),

@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.equilibrium.accuracy.net_forces import NetForces
+from castx.mechanics.clamping.clamp import SurfaceClamp
+from castx.tables import Table
+from tests import elastic_bodies
 from tests.contact_methods import EXACT
 from tests.coupled_cases import cylinder, simulation
+from tests.elastic_bodies import blocks, elastic, fixed, heat, problem
 from tests.small_contact import two_blocks
 
 
@@ -55,3 +60,24 @@ def test_radial_forces_of_an_axisymmetric_body_have_no_resultant(comm):
     rows = balance.transform.forces_on_unknowns(nodal)
     assert net_of(mechanics).missing(rows)[0] == pytest.approx(2.0, rel=1e-12)
     run.destroy()
+
+
+def test_springs_of_a_machine_count_with_the_contact(comm):
+    """Without loads both act, S on each; a clamp force is a load. What is missing knows both."""
+    for force, of_upper in ((0.0, 2.0), (3e4, 3e4)):
+        machine = SurfaceClamp("top", Table.constant(force), 1e9)
+        metal, of_metal = elastic(70e9, 0.3, 1e-5), elastic_bodies.body
+        made = problem(
+            blocks(comm), {"upper": of_metal(metal, clamps=[machine]), "base": of_metal(metal)},
+            {"base": [fixed("bottom")]}, [Contact("upper", "base")],
+        )  # fmt: skip
+        heat(made, 220.0)
+        made.equilibrium.solve(0.0)
+        borne = made.clamp_totals()["upper/top.clamp_force"]
+        assert borne > force + 1e4
+        _, forces = made.equilibrium.pair_values()
+        found = net_of(made).acting(forces)
+        expected = of_upper * borne if force == 0.0 else of_upper
+        assert found == pytest.approx([expected, borne], rel=1e-9)
+        errors = made.equilibrium.force_errors()
+        assert max(errors.values()) < 1e-9

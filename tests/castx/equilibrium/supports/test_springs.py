@@ -7,6 +7,8 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.equilibrium.supports.springs import FloatingMotions
+from castx.mechanics.clamping.clamp import SurfaceClamp
+from castx.tables import Table
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import (
     blocks,
@@ -141,6 +143,47 @@ def test_motions_amplitudes_and_weights_fit_together(comm):
     assert len(floating.find(mine == 1, np.zeros((2, 1))).motions) == 1
     row = np.array([[1.0], [0.0]]) if comm.rank == 0 else np.zeros((2, 0))
     assert floating.find(mine == 1, row) is None
+
+
+def test_other_springs_hold_motions_like_constraints(comm):
+    springs = Springs(comm)
+    mine = np.arange(6)[comm.rank :: comm.size]
+    held = np.array([[0.5], [0.0]]) if comm.rank == comm.size - 1 else np.zeros((2, 0))
+    floating = FloatingMotions(
+        springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm, held
+    )
+    (across,) = floating.find(np.zeros(len(mine), dtype=bool)).motions
+    assert np.abs(across[mine % 2 == 0]).max(initial=0.0) < 1e-14
+    assert floating.find(mine == 1) is None
+
+
+@pytest.mark.parametrize(("model", "stiffness", "motions"), [
+    ("plane-strain", 1e9, 1), ("plane-strain", 0.0, 3), ("3d", 1e9, 3), ("3d", 0.0, 6),
+])  # fmt: skip
+def test_a_machine_holds_what_strains_its_springs(comm, model, stiffness, motions):
+    """A plate behind an end of a bar leaves sliding along it; a force alone leaves all free."""
+    none = Table.constant(0.0)
+    made = free_block(comm, model, clamps=[SurfaceClamp("far", none, stiffness)])
+    made.equilibrium.solve(0.0)
+    assert len(found(made).motions) == motions
+
+
+@pytest.mark.parametrize("method", AT_ONCE)
+def test_a_machine_holds_a_die_that_has_left_its_mould(comm, method):
+    """The fluid that has blown it off is borne by the machine, none of it by supports."""
+    machine, blown = SurfaceClamp("top", Table.constant(0.0), 1e9), pushed("base", 1e6)
+    upper = body(elastic(*SOLID), clamps=[machine], loads=(blown,))
+    made = problem(
+        blocks(comm), {"upper": upper, "base": body(elastic(*SOLID))},
+        {"base": [fixed("bottom")]}, [Contact("upper", "base", method)], tolerance=1e-8,
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    assert found(made) is None
+    assert not everywhere(comm, made.equilibrium.active.closed).any()
+    assert made.equilibrium.support_force() == 0.0
+    totals = made.clamp_totals()
+    assert totals["upper/top.clamp_force"] == pytest.approx(1e4, rel=1e-6)
+    assert totals["upper/top.clamp_displacement"] == pytest.approx(1e-5, rel=1e-6)
 
 
 def test_springs_carry_a_resultant_of_any_motion(comm):
