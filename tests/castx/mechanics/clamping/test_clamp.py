@@ -24,7 +24,7 @@ FORMULATIONS = {
 }
 formulations = pytest.mark.parametrize("formulation, cells", FORMULATIONS.items())
 EVERYWHERE = [
-    (model, *kind)
+    pytest.param(model, *kind, marks=() if model == "axisymmetric" else pytest.mark.serial)
     for model in MODELS
     for kind in FORMULATIONS.items()
     if model != "plane-stress" or kind[0] != "q1p0"  # nothing locks there
