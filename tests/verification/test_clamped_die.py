@@ -285,3 +285,33 @@ def test_a_run_of_the_command_line_at_default_settings(comm, shared_tmp_path):
     np.testing.assert_allclose(pressed, force + stiffness * moved, rtol=1e-9)
     assert pressed.max() < 0.95 * force
     assert max(history["upper.force_error"][-1], history["base.force_error"][-1]) < 1e-6
+
+
+@pytest.mark.serial
+def test_a_ring_squeezed_along_an_axis(comm):
+    """Along x its ends on x come nearer and those on y part; along y it is the mirror image."""
+    ring = {
+        "geometry": {"generator": "core_in_ring", "model": "plane-strain", "core_radius": 0.03,
+                     "outer_radius": 0.04, "height": 0.01, "size": 0.005,
+                     "cells": "quadrilaterals"},
+        "materials": {"metal": {"young_modulus": YOUNG, "poisson_ratio": POISSON}},
+        "bodies": [{"name": name, "material": "metal", "temperature": 20.0, "law": law}
+                   for name, law in (("casting", "thermo-elastic"), ("core", "rigid"))],
+        "coupling": {"scheme": "mechanical"},
+        "time": {"end": 1.0, "fixed_step": 1.0},
+    }  # fmt: skip
+    ends, totals = {}, {}
+    for axis in "xy":
+        clamp = {"force": "20 kN", "stiffness": "0.1 MN/mm", "direction": axis}
+        state = coupled_cases.final_state(
+            comm, {**ring, "boundaries": [{"on": "casting/outside", "clamp": clamp}]}
+        )
+        places = ((0.04, 0.0), (0.0, 0.04))
+        moved = [coupled_cases.value_at(state, "casting", "displacement", *p) for p in places]
+        ends[axis], totals[axis] = [float(u[i]) for i, u in enumerate(moved)], state.totals
+    assert ends["x"][0] < 0.0 < ends["x"][1]
+    assert ends["y"] == pytest.approx(ends["x"][::-1], rel=1e-6)
+    for name in ("clamp_force", "clamp_displacement"):
+        mirrored = totals["y"][f"casting/outside.{name}"]
+        assert totals["x"][f"casting/outside.{name}"] == pytest.approx(mirrored, rel=1e-6)
+    assert totals["x"]["casting/outside.clamp_force"] < 0.99 * 20e3
