@@ -17,6 +17,8 @@ import pytest
 from castx.materials.lookup import find_material
 from tests.coupled_cases import nodal, states
 
+pytestmark = pytest.mark.sampled
+
 LENGTH, START, HOT = 0.02, 100.0, 500.0
 
 

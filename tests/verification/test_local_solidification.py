@@ -28,6 +28,8 @@ from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
 from castx.results.solidification import Solidification
 
+pytestmark = pytest.mark.sampled
+
 SOLIDUS, LIQUIDUS, START, WALL = 560.0, 615.0, 640.0, 300.0
 K_SOLID, K_LIQUID, C_SOLID, C_LIQUID, LATENT = 180.0, 85.0, 2.75e6, 2.70e6, 9.8e8
 HALF, COEFFICIENT, AMBIENT = 0.01, 3000.0, 100.0

@@ -10,6 +10,8 @@ import pytest
 from castx.materials.lookup import find_material
 from tests.coupled_cases import fields, largest_difference, merged, states
 
+pytestmark = pytest.mark.sampled
+
 VISCOPLASTIC = "thermo-elasto-viscoplastic"
 
 

@@ -26,6 +26,8 @@ from tests.coupled_cases import (
     simulation,
 )
 
+pytestmark = pytest.mark.sampled
+
 LIQUID = {"model": "viscous", "viscosity": 1e6, "coherency": 0.6}
 CREEPING_LIQUID = {
     "model": "norton", "coefficient": 1e-12, "exponent": 2.0, "activation_energy": 1e4,

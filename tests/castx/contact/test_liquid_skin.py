@@ -20,6 +20,8 @@ from tests.elastic_bodies import (
     problem,
 )
 
+pytestmark = pytest.mark.sampled
+
 WIDTH, HEIGHT, VISCOSITY, PULL = 0.01, 0.03, 1e6, 1e-5
 """Of half the upper block [m], viscosity [Pa s], motion of the base in a step of 1 s [m]."""
 ALLOY = {

@@ -22,6 +22,8 @@ from tests.elastic_bodies import (
 )
 from tests.small_contact import two_blocks
 
+pytestmark = pytest.mark.sampled
+
 SOFT, STIFF = (7e9, 0.33), (70e9, 0.3)
 
 

@@ -10,6 +10,8 @@ from castx.domain.source import gmsh_session
 from castx.domain.summary import mesh_summary
 from castx.errors import MeshError
 
+pytestmark = pytest.mark.sampled
+
 
 def two_boxes(dim=2, names=("casting", "mould"), height=0.0, start=0.0):
     """Two unit squares or cubes side by side, meshed and with named bodies."""

@@ -20,6 +20,8 @@ from castx.domain.measures import (
 from castx.errors import MeshError
 from tests.elastic_bodies import everywhere, generated
 
+pytestmark = pytest.mark.sampled
+
 R, H, WALL = 0.03, 0.04, 0.01
 VOLUME = {"axisymmetric": pi * R**2 * H, "plane-strain": R * H, "3d": R * H * 0.02}
 MANTLE = {"axisymmetric": 2 * pi * R * H, "plane-strain": H, "3d": H * 0.02}

@@ -14,6 +14,8 @@ from castx.domain.source import write_mesh
 from castx.domain.summary import mesh_summary
 from castx.errors import MeshError
 
+pytestmark = pytest.mark.sampled
+
 CYLINDER = {"generator": "cylinder_in_mould", "radius": 0.03, "height": 0.1, "wall": 0.025}
 BAR = {"length": 0.1, "width": 0.02, "size": 0.005}
 RING = {"generator": "core_in_ring", "core_radius": 0.03, "core_bore": 0.01, "outer_radius": 0.06}

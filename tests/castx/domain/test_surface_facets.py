@@ -9,6 +9,8 @@ from castx.domain.surface_facets import surface_facets
 from castx.errors import MeshError
 from tests.castx.domain.interface_meshes import MESHES, NAMES, cup
 
+pytestmark = pytest.mark.sampled
+
 
 @pytest.fixture(params=MESHES)
 def mesh(request, comm):

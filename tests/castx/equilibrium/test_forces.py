@@ -10,6 +10,8 @@ from tests.contact_methods import AT_ONCE, TWO_BODIES
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, problem, pushed
 from tests.small_contact import SOFT, STIFF, two_blocks, waves
 
+pytestmark = pytest.mark.sampled
+
 
 @pytest.mark.parametrize("method", TWO_BODIES)
 def test_jacobian_against_differences_of_the_residual(comm, method):

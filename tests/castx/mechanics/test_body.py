@@ -23,6 +23,8 @@ from tests.elastic_bodies import (
     stresses,
 )
 
+pytestmark = pytest.mark.sampled
+
 
 @pytest.mark.parametrize("model", MODELS)
 def test_rigid_motions_are_free_of_force(comm, model):

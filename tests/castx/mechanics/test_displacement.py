@@ -18,6 +18,8 @@ from tests.castx.mechanics.lone_bodies import (
 )
 from tests.elastic_bodies import STRESS_FREE, pushed
 
+pytestmark = pytest.mark.sampled
+
 GRADIENT = 1e-3 * np.array([[2.0, 0.7, -0.4], [0.1, -1.2, 0.3], [0.5, -0.2, 0.9]])
 
 

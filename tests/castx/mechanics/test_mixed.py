@@ -22,6 +22,8 @@ from tests.castx.mechanics.lone_bodies import (
 )
 from tests.elastic_bodies import STRESS_FREE, pulled, pushed
 
+pytestmark = pytest.mark.sampled
+
 BULK, SHEAR = YOUNG / (3 * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON))
 GRADIENT = 1e-3 * np.array([[2.0, 0.7, -0.4], [0.1, -1.2, 0.3], [0.5, -0.2, 0.9]])
 stabilised = pytest.mark.parametrize("stabilisation", ["osgs", "gls"])

@@ -12,6 +12,8 @@ from castx.mechanics.rigid_modes import near_null_modes, rigid_modes
 from tests.castx.mechanics.lone_bodies import MODELS, YOUNG, alone, begin, jacobian_times
 from tests.elastic_bodies import STRESS_FREE
 
+pytestmark = pytest.mark.sampled
+
 COUNT = {"axisymmetric": 1, "3d": 6}
 FORMULATIONS = {
     "mixed": "simplices",

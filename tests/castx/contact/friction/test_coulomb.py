@@ -29,6 +29,8 @@ from tests.elastic_bodies import (
     pushed,
 )
 
+pytestmark = pytest.mark.sampled
+
 SOFT, STIFF = (7e9, 0.33), (70e9, 0.3)
 WEIGHT = 1e5
 AREA = 0.02 * 0.03

@@ -15,6 +15,8 @@ from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import MeshError
 
+pytestmark = pytest.mark.sampled
+
 R, H, W, F = 0.03, 0.1, 0.025, 0.02
 CYLINDER = {"generator": "cylinder_in_mould", "radius": R, "height": H, "wall": W, "floor": F}
 QUARTER = CYLINDER | {"model": "3d", "size": 0.009, "sector": "quarter"}

@@ -12,6 +12,8 @@ from castx.domain.mesh import BodyMesh
 from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
 from tests.elastic_bodies import generated
 
+pytestmark = pytest.mark.sampled
+
 LENGTH, WIDTH, DEPTH = 0.02, 0.01, 0.008
 MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
 CELLS = ("simplices", "quadrilaterals")

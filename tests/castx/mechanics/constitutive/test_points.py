@@ -30,6 +30,8 @@ from tests.elastic_bodies import (
     stresses,
 )
 
+pytestmark = pytest.mark.sampled
+
 YOUNG, POISSON, YIELD = 60e9, 0.33, 60e6
 LENGTH, WIDTH = 0.02, 0.01
 MELTING = {
