@@ -261,9 +261,17 @@ def _solved_material(mesh: CastingMesh, body: Body, material: Material) -> Mater
     if formulation_of(mesh, body) != "displacement" or material.liquid is None:
         return material
     if not body.starts_solid(material.description):
+        own = _own_formulation(mesh, body)
+        cure = f"use formulation {own!r}"
+        if own == "displacement":
+            cure = (
+                f"in the model {mesh.model!r} it needs triangles and the law {ELASTIC!r}; else "
+                "take the model 'generalised-plane-strain', or a material that extends "
+                f"{body.material!r} with liquid = \"none\""
+            )
         raise CaseError(
             f"body {body.name!r} has formulation 'displacement', but its material "
-            f"{body.material!r} has a liquid, which is incompressible; use formulation 'mixed'"
+            f"{body.material!r} has a liquid, which is incompressible; {cure}"
         )
     return material.without_liquid()
 
@@ -317,12 +325,7 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
     Raises:
         CaseError: cells or model have no such formulation.
     """
-    kind = mesh.bodies[body.name].kind
-    own = "mixed" if kind.simplex else "q1p0"
-    if mesh.model == "plane-stress" and (not kind.simplex or body.law != ELASTIC):
-        # Nothing locks, since the volume is free; and a pressure of its own may be more than a
-        # yielding point can balance out of the plane.
-        own = "displacement"
+    kind, own = mesh.bodies[body.name].kind, _own_formulation(mesh, body)
     formulation = body.formulation or own
     if formulation not in (own, "displacement"):
         raise CaseError(
@@ -331,6 +334,16 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
             f"{' or '.join(dict.fromkeys((repr(own), repr('displacement'))))}"
         )
     return formulation
+
+
+def _own_formulation(mesh: CastingMesh, body: Body) -> str:
+    """Return the formulation that a body has by default."""
+    simplex = mesh.bodies[body.name].kind.simplex
+    if mesh.model == "plane-stress" and (not simplex or body.law != ELASTIC):
+        # Nothing locks, since the volume is free; and a pressure of its own may be more than a
+        # yielding point can balance out of the plane.
+        return "displacement"
+    return "mixed" if simplex else "q1p0"
 
 
 def _loads(boundary: Boundary) -> Iterator[SurfaceLoad]:

@@ -251,3 +251,32 @@ def test_initial_gap_at_the_pairs(comm):
     )
     heights = run.pairs["casting/core"].points[:, 1]
     assert problem.states[0].gap == pytest.approx(1e-3 * heights, abs=1e-12)
+
+
+def test_liquid_in_plane_stress_is_refused_with_cures_that_run(comm):
+    """A yielding body there has no pressure of its own, and so no incompressible liquid."""
+    data: dict[str, Any] = {
+        "geometry": {"generator": "box_in_mould", "model": "plane-stress", "box": [0.04, 0.02],
+                     "wall": 0.01, "size": 0.01},
+        "materials": {"melt": {"extends": "AlSi7Mg"}},
+        "bodies": [
+            {"name": "casting", "material": "melt", "temperature": 640.0,
+             "law": "thermo-elasto-plastic"},
+            {"name": "mould", "material": "steel-H13", "temperature": 150.0},
+        ],
+        "interfaces": [{"bodies": ["casting", "mould"],
+                        "heat": {"law": "limited", "closed": 3e3, "gas_conductivity": 0.05}}],
+        "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
+        "loads": {"gravity": [0.0, -9.81]},
+        "time": {"end": 0.4, "fixed_step": 0.2},
+    }  # fmt: skip
+    said = "'melt' has a liquid.* triangles and the law 'thermo-elastic'.*liquid = \"none\""
+    for path, value in (
+        ("materials.melt.liquid", "none"),
+        ("geometry.model", "generalised-plane-strain"),
+        ("bodies.0.law", "thermo-elastic"),
+    ):
+        with pytest.raises(CaseError, match=said):
+            coupled_cases.simulation(comm, data)
+        totals = final_state(comm, changed(data, path, value)).totals
+        assert totals["casting/mould.force.y"] == pytest.approx(2680 * 9.81 * 8e-4, rel=1e-3)
