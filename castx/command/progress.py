@@ -119,7 +119,7 @@ def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) 
     if counters.fallbacks:
         parts.append(f"{counters.fallbacks} contact methods failed")
     if counters.unbalanced:
-        parts.append(f"{counters.unbalanced} equilibria not balanced")
+        parts.append(f"{counters.unbalanced} equilibria not balanced by sweeps")
     if counters.frozen_pairs:
         parts.append(f"{counters.frozen_pairs} pairs frozen")
     if remaining is not None:

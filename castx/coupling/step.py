@@ -147,9 +147,10 @@ class CoupledProblem:
         if self.mechanics is not None:
             self._update_bodies(step)
             equilibrium = self.mechanics.equilibrium
-            found = equilibrium.solve(time + step)
+            if not equilibrium.solve(time + step).balanced:
+                self.counters.unbalanced += 1
+                equilibrium.finish(time + step)
             self.interfaces.update(self.mechanics.contact_states())
-            self.counters.unbalanced += int(not found.balanced)
             self.counters.frozen_pairs = equilibrium.active.frozen_pairs()
             self.counters.fallbacks = equilibrium.fallbacks
         return report.largest_temperature_change

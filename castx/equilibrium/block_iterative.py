@@ -4,12 +4,13 @@ The unknowns are parted into blocks: the bodies, each with the springs of its cl
 the arrow-shaped system of the paper is written, the interiors of the bodies and then the nodes of
 all interfaces. Each block is solved by Newton's method while the others stay where they are; the
 sweeps contract the faster, the softer the penalty. An iteration that is stopped early has moved all
-bodies closer to their balance, so that a simulation can go on from there.
+bodies closer to their balance; from there Newton's method for all unknowns ends at it, with one
+such sweep as preconditioner of its linear systems.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from petsc4py import PETSc
 
@@ -32,10 +33,15 @@ class BlockIteration:
         newton: solves for one block, of which it knows as many as there are.
         blocks: number of blocks.
         most: sweeps after which the present state is taken as it is.
+        make_finishing: returns what solves for all blocks together from there; called when needed.
     """
 
-    def __init__(self, newton: Newton, blocks: int, most: int) -> None:
+    def __init__(
+        self, newton: Newton, blocks: int, most: int, make_finishing: Callable[[], Newton]
+    ) -> None:
         self._newton, self._blocks, self._most = newton, blocks, most
+        self._make_finishing = make_finishing
+        self._finishing: Newton | None = None
 
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies at a time [s]."""
@@ -68,13 +74,29 @@ class BlockIteration:
             linear_solves=tuple(count for report in reports for count in report.linear_solves),
         )
 
+    def finish(self, x: PETSc.Vec, time: float) -> EquilibriumReport:
+        """Solve for all unknowns x together, from where the sweeps have left them.
+
+        Raises:
+            ConvergenceError: the iteration did not converge.
+        """
+        if self._finishing is None:
+            self._finishing = self._make_finishing()
+        self._finishing.begin(x, time)
+        return self._finishing.solve(x)
+
     def forget(self) -> None:
         """Drop the factors of matrices."""
-        self._newton.forget()
+        for newton in self._all():
+            newton.forget()
 
     def destroy(self) -> None:
         """Free what PETSc holds."""
-        self._newton.destroy()
+        for newton in self._all():
+            newton.destroy()
+
+    def _all(self) -> list[Newton]:
+        return [newton for newton in (self._newton, self._finishing) if newton is not None]
 
 
 def arrow_blocks(bodies: Sequence[Block], transform: ConstraintTransform) -> list[Block]:

@@ -202,19 +202,23 @@ def _by_blocks(
     """Return the iteration over blocks, or Newton's method with one sweep as preconditioner."""
     comm = bodies.layout.comm
     solver_options = FACTORS if direct else MULTIGRID
-    blocks = _body_blocks(bodies, balance.transform, solver_options)
+    bodies_in_turn = blocks = _body_blocks(bodies, balance.transform, solver_options)
     if chosen.setting("blocks") == "interface":
         blocks = arrow_blocks(blocks, balance.transform)
-    if chosen.setting("block_solver") == "preconditioner":
-        sweep = BlockSweep(comm, BLOCKS_PREFIX, blocks)
+
+    def preconditioned(swept: Sequence[Block]) -> Newton:
+        sweep = BlockSweep(comm, BLOCKS_PREFIX, swept)
         return Newton(balance, [(None, sweep)], options, bodies.counters)
+
+    if chosen.setting("block_solver") == "preconditioner":
+        return preconditioned(blocks)
     solvers = [
         (_mask(bodies.layout, block), BlockSolver(comm, f"{BLOCKS_PREFIX}{b}_", block))
         for b, block in enumerate(blocks)
     ]
     most = int(chosen.setting("block_iterations"))
     newton = Newton(balance, solvers, options, bodies.counters)
-    return BlockIteration(newton, len(blocks), most)
+    return BlockIteration(newton, len(blocks), most, partial(preconditioned, bodies_in_turn))
 
 
 def _mask(layout: Layout, block: Block) -> BoolArray:

@@ -30,6 +30,13 @@ class Procedure(Protocol):
             ConvergenceError: there is no solution to go on with.
         """
 
+    def finish(self, x: PETSc.Vec, time: float) -> EquilibriumReport:
+        """Balance the forces at a time [s] where `solve` has left them unbalanced.
+
+        Raises:
+            ConvergenceError: there is no solution to go on with.
+        """
+
     def forget(self) -> None:
         """Drop the factors of matrices: no checkpoint has them, so no later step may use them."""
 
@@ -82,6 +89,17 @@ class Equilibrium:
         self._procedure.begin(self.x, time)
         return self._procedure.solve(self.x)
 
+    def finish(self, time: float) -> EquilibriumReport:
+        """Balance the forces where `solve` has left them unbalanced.
+
+        Args:
+            time: time of the prescribed displacements and loads [s].
+
+        Raises:
+            ConvergenceError: the iteration did not converge.
+        """
+        return self._procedure.finish(self.x, time)
+
     def adopt(self, other: Equilibrium) -> None:
         """Take over the accepted solution of another contact method for the same bodies."""
         size = self.balance.assembly.layout.size_local
@@ -116,6 +134,13 @@ class Equilibrium:
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
         return self.balance.supports.norm(self.x.array_r, self.balance.rows(self.x))
+
+    def largest_pull(self) -> float:
+        """Return the largest force by which a closed pair is pulled that no liquid holds [N].
+
+        It is zero as long as nothing is solved; collective.
+        """
+        return self.active.largest_pull(self.balance.trial_forces, with_frozen=True)
 
     def supports(self) -> dict[str, Resultant]:
         """Return what the supports exert on each body, by its name; collective."""

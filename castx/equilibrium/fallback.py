@@ -81,6 +81,23 @@ class FallbackMethods:
                 self._shown = self._present
                 return report
 
+    def finish(self, time: float) -> EquilibriumReport:
+        """Balance the forces where `solve` has not, by as many methods as it takes.
+
+        Args:
+            time: time of the prescribed displacements and loads [s].
+
+        Raises:
+            ConvergenceError: no method converged.
+        """
+        try:
+            return self._present.finish(time)
+        except ConvergenceError as error:
+            if self._failed == len(self._others):
+                raise
+            self._take_over(error)
+            return self.solve(time)
+
     def _take_over(self, error: ConvergenceError) -> None:
         name, make = self._others[self._failed]
         self._failed += 1
@@ -111,6 +128,10 @@ class FallbackMethods:
     def support_force(self) -> float:
         """Return the norm of the forces of the supports in the last solution [N]."""
         return self._shown.support_force()
+
+    def largest_pull(self) -> float:
+        """Return the largest force by which a closed pair is pulled in the last solution [N]."""
+        return self._shown.largest_pull()
 
     def supports(self) -> dict[str, Resultant]:
         """Return what the supports exert on each body in the last solution; collective."""

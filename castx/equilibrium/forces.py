@@ -80,7 +80,7 @@ class MomentumBalance:
         self._evaluated: FloatArray = np.zeros(0)
         none = np.zeros(0)
         self.iterate = PairIterate(assembly.unknowns, none, none, self.active.closed, 0.0)
-        self.trial_forces: FloatArray = none
+        self.trial_forces: FloatArray = np.zeros(len(gaps.initial))
 
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""

@@ -150,6 +150,10 @@ class Newton:
         finally:
             self.balance.frozen[:] = False
 
+    def finish(self, x: PETSc.Vec, time: float) -> EquilibriumReport:
+        """Solve for all unknowns: nothing that `solve` returns is left unbalanced."""
+        return self.solve(x)
+
     def _try(self, x: PETSc.Vec, always_fresh: bool) -> EquilibriumReport:
         self._failure, self._always_fresh, self._was_fresh = "", always_fresh, True
         active = self.balance.active

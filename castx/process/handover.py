@@ -31,7 +31,7 @@ def left_total(name: str, value: float) -> float:
         value: its last value.
     """
     quantity = name.partition(".")[2].partition(".")[0]
-    if quantity in ("mean_gap", "max_gap"):
+    if quantity in ("mean_gap", "min_gap", "max_gap"):
         return float("nan")
     gone = ("closed_fraction", "force", "force_error", "power", "ejection_force", "clamp_force")
-    return 0.0 if quantity in gone or name == "support_force" else value
+    return 0.0 if quantity in gone or name in ("support_force", "largest_pull") else value

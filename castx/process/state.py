@@ -158,7 +158,10 @@ class State:
     def _balance_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
         axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")
         about = "xyz" if self.mesh.model == "3d" else "z"
-        found = {"support_force": mechanics.equilibrium.support_force()}
+        found = {
+            "support_force": mechanics.equilibrium.support_force(),
+            "largest_pull": mechanics.equilibrium.largest_pull(),
+        }
         for name, error in mechanics.equilibrium.force_errors().items():
             found[f"{name}.force_error"] = error
         for name, (force, moment) in mechanics.equilibrium.supports().items():
@@ -185,6 +188,7 @@ class State:
         axes = {"axisymmetric": "rz", "3d": "xyz"}.get(self.mesh.model, "xy")
         found = {
             f"{name}.mean_gap": float(gap / area),
+            f"{name}.min_gap": float(comm.allreduce(state.gap.min(initial=np.inf), op=MPI.MIN)),
             f"{name}.max_gap": float(comm.allreduce(state.gap.max(initial=-np.inf), op=MPI.MAX)),
             f"{name}.closed_fraction": float(touching / area),
         }

@@ -15,8 +15,10 @@ BODY_TOTALS = (
     "solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "force_error",
     "power", "feeding_demand", "fed_volume", "unfed_volume", "pocket_pressure",
 )  # fmt: skip
-INTERFACE_TOTALS = ("heat", "power", "mean_gap", "max_gap", "closed_fraction", "force")
-RUN_TOTALS = ("energy_error", "support_force", "cycle", "stage")
+INTERFACE_TOTALS = (
+    "heat", "power", "mean_gap", "min_gap", "max_gap", "closed_fraction", "force",
+)  # fmt: skip
+RUN_TOTALS = ("energy_error", "support_force", "largest_pull", "cycle", "stage")
 
 
 def ordered_totals(

@@ -22,7 +22,8 @@ class StepCounters:
         cutbacks: tries that were rejected before the accepted one.
         wall: wall clock time spent on the step [s].
         frozen_pairs: pairs that chattered between open and closed and were frozen for the step.
-        unbalanced: equilibria that a block iteration left before they balanced.
+        unbalanced: equilibria that sweeps over blocks left before they balanced, and that a Krylov
+            method ended.
         fallbacks: contact methods that failed before the one that converged.
     """
 

@@ -228,9 +228,18 @@ class ActiveSet:
         """
         return self.any(self._violation(forces, threshold) > 0)
 
-    def largest_pull(self, forces: FloatArray) -> float:
-        """Return the largest force by which a closed pair is pulled [N], on all ranks."""
-        pulls = -forces[self.closed & self._free & ~self.frozen & ~self.held]
+    def largest_pull(self, forces: FloatArray, with_frozen: bool = False) -> float:
+        """Return the largest force by which a closed pair that is not held is pulled; collective.
+
+        Args:
+            forces: that closed pairs carry [N], compressive positive, shape (pairs,).
+            with_frozen: whether pairs count that do not change any more.
+
+        Returns:
+            It [N], zero where none is pulled.
+        """
+        pulled = self.closed & self._free & ~self.held
+        pulls = -forces[pulled if with_frozen else pulled & ~self.frozen]
         return float(self._comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
 
     def release(self, forces: FloatArray, threshold: float) -> BoolArray:

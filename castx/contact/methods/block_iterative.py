@@ -30,7 +30,12 @@ METHOD = ContactMethod(
             "iteration",
             '"iteration" sweeps over blocks, one is the "preconditioner" of a Krylov method.',
         ),
-        Key("block_iterations", Whole(1, 100_000), 50, "Sweeps of one solve, at most."),
+        Key(
+            "block_iterations",
+            Whole(1, 100_000),
+            50,
+            "Sweeps of one solve, at most; with bodies in turn as preconditioner it is ended.",
+        ),
     ),
     pair_law=linear_pair_law,
     by_blocks=True,

@@ -78,7 +78,8 @@ class FakeMechanics:
         self.equilibrium = self
         self.commits = self.rewinds = 0
         self.active = SimpleNamespace(frozen_pairs=lambda: 3)
-        self.fallbacks, self.balanced = 2, False
+        self.fallbacks = 2
+        self.finished: list[float] = []
         self.dissipated_fraction = 0.0
 
     def update_state(self, temperature, solid_fraction, step) -> None:
@@ -86,8 +87,11 @@ class FakeMechanics:
 
     def solve(self, time) -> SimpleNamespace:
         return SimpleNamespace(
-            iterations=1, linear_iterations=1, contact_changes=0, balanced=self.balanced
+            iterations=1, linear_iterations=1, contact_changes=0, balanced=False
         )
+
+    def finish(self, time) -> None:
+        self.finished.append(time)
 
     def contact_states(self):
         gap, none = np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
@@ -134,7 +138,7 @@ def test_a_pair_that_ends_to_conduct_has_not_settled():
 @pytest.mark.parametrize("slope", [1.0, 10.0, 100.0])
 def test_iterated_gap_is_self_consistent(slope):
     """Also where the plain iteration diverges: its factor is −slope 0.1 / (1 + g)²."""
-    problem, heat, _ = fake_problem(slope=slope)
+    problem, heat, mechanics = fake_problem(slope=slope)
     passes = problem.advance(0.0, 2.0, 1).passes
     gap = self_consistent(2.0, slope)
     assert problem.states[0].gap == pytest.approx([gap], rel=1e-9)
@@ -142,6 +146,7 @@ def test_iterated_gap_is_self_consistent(slope):
     assert passes == len(heat.given) < 15
     counters = problem.counters
     assert passes == counters.passes == counters.unbalanced
+    assert mechanics.finished == [2.0] * passes
     assert (counters.frozen_pairs, counters.fallbacks) == (3, 2)
 
 

@@ -134,3 +134,37 @@ def test_a_casting_that_floats_in_a_rigid_mould(comm):
     weight = exact["casting/mould.force.y"]
     assert weight > 1.0
     assert swept["casting/mould.force.y"] == pytest.approx(weight, rel=1e-3)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("form", ["bodies", "interface"])
+def test_a_step_that_sweeps_cannot_balance_is_ended_by_all_blocks_together(comm, form):
+    """Under a lid all walls hold the casting, and its weight reaches the floor all the same."""
+    found = []
+    for method in ("block-iterative", "penalty"):
+        contact = {"method": method} | ({"blocks": form} if method == "block-iterative" else {})
+        data = {
+            "geometry": {"generator": "box_in_mould", "model": "plane-strain", "lid": True,
+                         "box": [0.072, 0.054], "wall": 0.054, "size": 0.009,
+                         "cells": "quadrilaterals"},
+            "bodies": [
+                {"name": "casting", "material": "GJL-250", "temperature": 1270.0},
+                {"name": "mould", "material": "steel-H13", "temperature": 150.0},
+            ],
+            "interfaces": [{"bodies": ["casting", "mould"], "contact": contact,
+                            "heat": {"law": "limited", "closed": 7730.0,
+                                     "gas_conductivity": 0.05}}],
+            "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
+            "loads": {"gravity": [0.0, -9.81]},
+            "time": {"end": 0.02, "fixed_step": 0.01},
+        }  # fmt: skip
+        found.append(final_state(comm, data))
+    swept, exact = found
+    assert swept.counters.unbalanced >= 1
+    assert swept.totals["casting.force_error"] <= 1e-3
+    weight = 7200.0 * 9.81 * 0.072 * 0.054
+    assert swept.totals["casting/mould.force.y"] == pytest.approx(weight, rel=1e-3)
+    p = exact.paired("casting/mould", "contact_pressure")
+    np.testing.assert_allclose(
+        swept.paired("casting/mould", "contact_pressure"), p, atol=1e-3 * p.max(initial=0.0)
+    )

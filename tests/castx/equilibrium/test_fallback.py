@@ -115,11 +115,14 @@ def test_history_counts_what_took_over(comm, monkeypatch, caplog):
 
 @pytest.mark.serial
 def test_history_counts_equilibria_that_do_not_balance(comm):
-    """The run goes on, and says so."""
+    """A Krylov method ends them: the steps that are accepted balance."""
     data = cylinder({"time": {"end": 0.2, "fixed_step": 0.1}})
     data["interfaces"][0]["contact"] = {
         "method": "block-iterative", "penalty": 1e14, "block_iterations": 1,
     }  # fmt: skip
-    last = list(states(comm, data))[-1]
-    assert last.counters.unbalanced >= 1
+    run = states(comm, data)
+    next(run)
+    for last in run:
+        assert last.counters.unbalanced >= 1
+        assert max(last.totals[f"{name}.force_error"] for name in last.mesh.bodies) <= 1e-3
     assert last.counters.cutbacks == 0

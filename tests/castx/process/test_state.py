@@ -88,6 +88,10 @@ def test_totals_are_sums_over_all_ranks(run):
     assert totals[f"{INTERFACE}.mean_gap"] == pytest.approx(
         comm.allreduce(gap @ pairs.areas) / area, abs=1e-15
     )
+    for name, extreme in (("min_gap", MPI.MIN), ("max_gap", MPI.MAX)):
+        own = gap.min(initial=np.inf) if name == "min_gap" else gap.max(initial=-np.inf)
+        assert totals[f"{INTERFACE}.{name}"] == comm.allreduce(own, op=extreme)
+    assert abs(totals["largest_pull"]) < 1e-9 * comm.allreduce(p @ pairs.areas)
     force = comm.allreduce(p @ (pairs.areas * pairs.normals[:, 0]))
     assert totals[f"{INTERFACE}.force.r"] == pytest.approx(force, rel=1e-9)
     touching = comm.allreduce(((p > 0) * pairs.areas).sum()) / area

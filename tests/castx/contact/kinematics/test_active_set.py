@@ -180,6 +180,7 @@ def test_a_pair_that_violates_its_state_is_seen_frozen_or_not(comm):
         assert active.largest_pull(np.array([-5.0, -9.0])[here]) == (
             0.0 if active.frozen_pairs() else 5.0
         )
+        assert active.largest_pull(np.array([-5.0, -9.0])[here], with_frozen=True) == 5.0
         active.frozen[:1] = True
 
 
