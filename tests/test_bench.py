@@ -8,6 +8,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from castx.case.reading.read import load_case
@@ -37,12 +38,53 @@ def test_each_explains_itself(name, capsys):
     assert first.endswith(("?", ".")) and first in said
 
 
-def test_castings_drawn_at_random_are_accepted():
-    robustness = script("robustness")
+@pytest.mark.parametrize("name", ["robustness", "random_castings"])
+def test_castings_drawn_at_random_are_accepted(name):
+    drawing = script(name)
     for number in range(60):
-        case = robustness.casting(random.Random(f"1/{number}"))
-        assert tomllib.loads("\n".join(robustness.toml(case))) == case
+        case = drawing.casting(random.Random(f"1/{number}"))
+        assert tomllib.loads("\n".join(drawing.toml(case))) == case
         load_case(case)
+
+
+def history(gap=1e-4, **changes):
+    """Return two accepted steps of a casting of 20 N, as they are read from a history."""
+    steps = {
+        "time": [0.0, 1.0, 2.0], "casting/mould.force.y": 19.0,
+        "casting.support_force.y": 1.0, "casting.force_error": 1e-4, "mould.force_error": 0.0,
+        "casting/mould.min_gap": 0.0, "casting/mould.mean_gap": gap / 2,
+        "casting/mould.max_gap": gap, "largest_pull": 0.0, "frozen_pairs": 1.0, "cutbacks": 0.0,
+        "fallbacks": 0.0, "unbalanced": 0.0, "mechanics_iterations": 1.0,
+    } | changes  # fmt: skip
+    return {name: np.broadcast_to(value, 3) for name, value in steps.items()}
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({}, []),
+        ({"casting/mould.force.y": [19.0, 19.0, 18.0]},
+         ["the weight is missed by 5.0e-02", "exact methods differ by 5.0e-02"]),
+        ({"mould.force_error": [0.0, 0.1, 0.0]}, ["forces are missing by 1.0e-01"]),
+        ({"casting/mould.min_gap": [0.0, 0.0, -1e-3], "frozen_pairs": 0.0},
+         ["penetration of 1.0e-02 of the size"]),
+        ({"largest_pull": [0.0, 1.0, 0.0]},
+         ["1 steps with a frozen pair in violation", "a pair pulls by 5.0e-02 of the weight"]),
+        ({"gap": 1.1e-4}, ["exact methods differ by 1.0e-01"]),
+    ],
+)  # fmt: skip
+def test_castings_are_judged_by_every_accepted_step(changes, said):
+    bench = script("random_castings")
+    case = {
+        "geometry": {"model": "plane-strain", "box": [0.1, 20.0 / (2680 * 9.81 * 0.1)]},
+        "bodies": [{"material": "AlSi7Mg"}], "loads": {},
+        "interfaces": [{"bodies": ["casting", "mould"]}],
+    }  # fmt: skip
+    found = history(**changes)
+    apart = bench.difference(case, history(), found)
+    judged = bench.judged(case, found)
+    assert list(bench.wrongs({"condensed": found}, judged, apart)) == said
+    assert list(bench.wrongs({"penalty": "3"}, {}, None)) == ["penalty did not end (3)"]
 
 
 def test_cases_that_are_written_out_are_accepted():
