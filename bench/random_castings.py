@@ -265,8 +265,8 @@ def difference(case: Case, one: Mapping[str, FloatArray], two: Mapping[str, Floa
     """Return how far gaps and forces of two runs are apart at common times.
 
     Gaps count beside the largest one, or a hundred-thousandth of the casting if they are less;
-    resultants beside the largest one, or the weight. Where a step was cut, times differ, and the
-    other run is interpolated.
+    resultants, where there is a weight, beside the largest one, or the weight. Where a step was
+    cut, times differ, and the other run is interpolated.
     """
     interface = "/".join(case["interfaces"][0]["bodies"])
 
@@ -275,8 +275,9 @@ def difference(case: Case, one: Mapping[str, FloatArray], two: Mapping[str, Floa
         return float(np.abs(one[name] - other).max() / max(np.abs(one[name]).max(), least))
 
     gaps = [apart(f"{interface}.{kind}_gap", 1e-5 * length(case)) for kind in ("mean", "max")]
-    forces = [name for name in one if name.startswith(f"{interface}.force.")]
-    largest = max(weight(case), *(float(np.abs(one[name]).max()) for name in forces))
+    load = weight(case)
+    forces = [name for name in one if load and name.startswith(f"{interface}.force.")]
+    largest = max([load, *(float(np.abs(one[name]).max()) for name in forces)])
     return max(*gaps, *(apart(name, largest) for name in forces))
 
 

@@ -213,7 +213,7 @@ class Newton:
         stopped = self._changes.stop_at_contact(x, y)
         if self.balance.assembly.is_linear and self.balance.contact.pairs.is_linear:
             return stopped
-        return shorten_step(self._residual, x, y, snes) or stopped
+        return shorten_step(self._residual, x, y, snes, _vanishing(self.balance)) or stopped
 
     def _converged(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
@@ -267,3 +267,10 @@ class Newton:
         self._solver.destroy()
         self._matrix.destroy()
         self._vector.destroy()
+
+
+def _vanishing(balance: MomentumBalance) -> BoolArray:
+    """Return the unknowns that are multipliers of open pairs: zero, whatever the bodies do."""
+    constrained = balance.operator.constrained.copy()
+    constrained[: balance.assembly.layout.size_local] = False
+    return constrained

@@ -7,9 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
+import numpy as np
 from scipy.optimize import brentq
+
+from castx.arrays import BoolArray
 
 ENOUGH = 0.5
 """Part of the first work to which a full step may leave work undone on its way."""
@@ -24,7 +28,9 @@ SHORTEST = 1e-9
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 
 
-def shorten_step(residual: Residual, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
+def shorten_step(
+    residual: Residual, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES, at_once: BoolArray
+) -> bool:
     """Scale a Newton step y to the critical point of the energy on the way from x to x − y.
 
     There the residual does no work on the step, F(x − λy)·y = 0. A full step that overshoots little
@@ -35,26 +41,31 @@ def shorten_step(residual: Residual, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNE
         x: present unknowns.
         y: step, changed in place.
         snes: the solver; its residual vector holds F(x).
+        at_once: owned unknowns that go all the way in any case, such as multipliers that vanish:
+            their rows are linear and no forces, so that no energy has them as its gradient.
 
     Returns:
         Whether the step has changed.
     """
     if snes.getIterationNumber() < FULL_STEPS:
         return False
-    trial, force = x.duplicate(), x.duplicate()
+    trial, force, begin, rest = (x.duplicate() for _ in range(4))
+    jump = np.where(at_once, y.array_r, 0.0)
+    begin.array[:], rest.array[:] = x.array_r - jump, y.array_r - jump
 
     def work(part: float) -> float:
-        trial.waxpy(-part, y, x)
+        trial.waxpy(-part, rest, begin)
         residual(snes, trial, force)
-        return float(force.dot(y))
+        return float(force.dot(rest))
 
-    start = float(snes.getFunction()[0].dot(y))
+    jumps = x.getComm().tompi4py().allreduce(bool(jump.any()), op=MPI.LOR)
+    start = work(0.0) if jumps else float(snes.getFunction()[0].dot(rest))
     # Perfect plasticity has steps of a mechanism, a thousand times too long: not to go at all would
     # repeat them for ever.
     part = critical_part(work, start, enough=ENOUGH, precision=1e-2)
     if part is not None:
-        y.scale(part)
-    for vector in (trial, force):
+        y.array[:] = jump + part * rest.array_r
+    for vector in (trial, force, begin, rest):
         vector.destroy()
     return part is not None
 

@@ -8,6 +8,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.errors import ConvergenceError
 from tests.contact_methods import IN_THE_LIMIT
+from tests.coupled_cases import states
 from tests.elastic_bodies import blocks, body, elastic, fixed, gaps, pressures, problem
 
 LENGTH, SQUEEZE, YOUNG = 0.02, 2e-5, {"upper": 7e9, "base": 70e9}
@@ -42,3 +43,34 @@ def test_a_failure_says_where_the_residual_is_largest(comm):
     made = bars(comm, options={"snes_max_it": 1})
     with pytest.raises(ConvergenceError, match=r"did not converge.*body '(upper|base)'"):
         made.equilibrium.solve(0.0)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(comm, method):
+    """Its force vanishes at once, as a known one, though the skin overshoots in that iteration."""
+    data = {
+        "geometry": {"generator": "cylinder_in_mould", "model": "axisymmetric", "radius": 0.04,
+                     "height": 0.06, "wall": 0.06, "floor": 0.03, "size": 0.015},
+        "materials": {"iron": {"extends": "GJS-400", "law": "garofalo", "creep_rate": 1e9,
+                               "breakdown_stress": 25e6, "exponent": 5.0,
+                               "activation_energy": 150e3}},
+        "bodies": [
+            {"name": "casting", "material": "iron", "temperature": 1203.0,
+             "law": "thermo-elasto-viscoplastic"},
+            {"name": "mould", "material": "steel-carbon", "temperature": 150.0},
+        ],
+        "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": method},
+                        "heat": {"law": "limited", "closed": 200.0, "gas_conductivity": 0.05}}],
+        "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
+        "loads": {"gravity": [0.0, -9.81]},
+        "time": {"end": 100.0, "fixed_step": 20.0},
+    }  # fmt: skip
+    opened = 0
+    for state in states(comm, data):
+        counters = state.counters
+        opened += counters.contact_changes
+        assert counters.cutbacks == 0 and counters.mechanics_iterations <= 10
+        gap = state.totals["casting/mould.mean_gap"]
+    assert opened == 2
+    assert gap == pytest.approx(3.266e-6, rel=1e-3)

@@ -68,7 +68,8 @@ def test_forces_do_no_work_on_a_shortened_step(comm):
     whole = gathered(comm, y)
     gradient(solver.snes, x, solver.snes.getFunction()[0])
     solver.snes.setIterationNumber(1)
-    assert shorten_step(gradient, x, y, solver.snes)
+    none = np.zeros(x.getLocalSize(), dtype=bool)
+    assert shorten_step(gradient, x, y, solver.snes, none)
     parts = gathered(comm, y) / whole
     np.testing.assert_allclose(parts, parts[0], rtol=1e-14)
     assert parts[0] == pytest.approx(0.1, rel=0.02)
@@ -79,6 +80,29 @@ def test_the_first_step_is_taken_in_full(comm):
     solver, x, y = stiff_start(comm)
     whole = gathered(comm, y)
     gradient(solver.snes, x, solver.snes.getFunction()[0])
-    assert not shorten_step(gradient, x, y, solver.snes)
+    none = np.zeros(x.getLocalSize(), dtype=bool)
+    assert not shorten_step(gradient, x, y, solver.snes, none)
     np.testing.assert_array_equal(gathered(comm, y), whole)
+    solver.destroy()
+
+
+def test_what_goes_at_once_has_no_say_in_how_far_the_rest_goes(comm):
+    """The force of a pair that opened falls to zero, though the others overshoot tenfold."""
+    solver, x, y = stiff_start(comm)
+    whole = gathered(comm, y)
+    at_once = np.zeros(x.getLocalSize(), dtype=bool)
+    at_once[0] = comm.rank == 0
+    x.array[at_once], y.array[at_once] = 5.0, 5.0
+
+    def with_row(snes, u, F):
+        gradient(snes, u, F)
+        F.array[at_once] = 1e3 * u.array_r[at_once]
+
+    with_row(solver.snes, x, solver.snes.getFunction()[0])
+    solver.snes.setIterationNumber(1)
+    assert shorten_step(with_row, x, y, solver.snes, at_once)
+    parts = gathered(comm, y) / whole
+    assert gathered(comm, y)[0] == 5.0
+    np.testing.assert_allclose(parts[1:], parts[1], rtol=1e-14)
+    assert parts[1] == pytest.approx(0.1, rel=0.02)
     solver.destroy()
