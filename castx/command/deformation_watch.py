@@ -1,7 +1,8 @@
 """Warnings of displacements that are no longer small, and the end of a run where they are absurd.
 
 Strains are taken as linear and positions as unchanged: the error of both is about as large as the
-gradient of the displacement, and as the displacement in sizes of the body.
+gradient of the displacement, and as the displacement in sizes of the body. A solid that froze
+counts from there on: what it flowed as a liquid strains nothing.
 """
 
 from __future__ import annotations
@@ -54,6 +55,7 @@ class DeformationWatch:
         self._bodies = [b.name for b in case.bodies if not thermal and b.name not in rigid]
         self._freezes = case.coupling.scheme != "mechanical"
         self._cells: dict[str, _Cells] = {}
+        self._at_freezing: dict[str, FloatArray] = {}
         self._warned: set[str] = set()
 
     def check(self, snapshot: Snapshot) -> None:
@@ -92,10 +94,14 @@ class DeformationWatch:
         cells = self._of(snapshot.mesh, body)
         displacement = snapshot.nodal(body, "displacement")[cells.nodes]
         slopes = np.einsum("cak,cai->cik", cells.gradients, displacement)
-        norms = np.linalg.norm(slopes, axis=(1, 2))
         if self._freezes:
             solid = snapshot.nodal(body, "solid_fraction")[cells.nodes].min(axis=1)
-            norms = np.where(solid >= FULLY_SOLID, norms, 0.0)
+            # A run that is taken up again counts from there.
+            first = slopes if snapshot.step > 1 else np.zeros_like(slopes)
+            at_freezing = self._at_freezing.setdefault(body, first.copy())
+            at_freezing[solid < FULLY_SOLID] = slopes[solid < FULLY_SOLID]
+            slopes = slopes - at_freezing
+        norms = np.linalg.norm(slopes, axis=(1, 2))
         if norms.size:
             worst = int(np.argmax(norms))
             own = (float(norms[worst]), cells.middles[worst])

@@ -60,6 +60,16 @@ def test_liquid_may_flow_and_a_body_may_not_leave(comm, heard):
     assert len(heard) == (2 if comm.rank == 0 else 0)
 
 
+def test_what_flowed_as_a_liquid_is_no_strain_of_the_solid(comm, heard):
+    """Cells of a casting had turned by more than 100 % when they froze, and the run ended."""
+    flowed, strained = [[0.12, 0.0], [0.0, 0.0]], [[0.32, 0.0], [0.0, 0.0]]
+    check(comm, moved(flowed, solid=0.5), moved(flowed))
+    assert heard == []
+    check(comm, moved(flowed, solid=0.5), moved(flowed), moved(strained))
+    assert len(heard) == (2 if comm.rank == 0 else 0)
+    assert all("strained and turned by up to 20 % at" in text for text in heard)
+
+
 def test_absurd_displacements_end_a_run_on_all_ranks(comm, heard):
     with pytest.raises(ConvergenceError, match=r"casting .* by up to 150 % .* beyond 50 % a run"):
         check(comm, moved([[1.5, 0.0], [0.0, 0.0]]))
