@@ -13,6 +13,7 @@ from dolfinx.fem import Function
 from numpy.typing import ArrayLike, NDArray
 
 from castx.arrays import IntArray
+from castx.solvers.communicator import keep_duplicate
 
 
 class Layout:
@@ -35,6 +36,7 @@ class Layout:
     def __init__(
         self, comm: MPI.Intracomm, node_maps: Sequence[IndexMap], block_sizes: Sequence[int]
     ) -> None:
+        keep_duplicate(comm)
         self.comm = comm
         self.block_sizes = tuple(block_sizes)
         nodes = np.array([node_map.size_local for node_map in node_maps], dtype=np.int64)
