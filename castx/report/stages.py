@@ -8,7 +8,7 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from castx.case.boundaries import LOADS
+from castx.case.boundaries import FREE_CLAMP, LOADS
 from castx.case.case import Case
 from castx.case.stages import Schedule, Stage
 
@@ -38,7 +38,8 @@ def _changes(stage: Stage) -> Iterator[str]:
     for boundary in stage.boundaries:
         kinds = [condition.type for condition in boundary.heat]
         kinds += [f"displacement {condition.direction}" for condition in boundary.displacement]
-        kinds += [key for key in LOADS if getattr(boundary, key) is not None]
+        loads = (key for key in LOADS if getattr(boundary, key) is not None)
+        kinds += [f"{key} free" if getattr(boundary, key) is FREE_CLAMP else key for key in loads]
         yield f"{boundary.on}: {', '.join(kinds)}"
     if stage.spray is not None:
         yield f"spray on {', '.join(stage.spray.on) or 'what removed bodies leave bare'}"

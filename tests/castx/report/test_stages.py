@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from castx.case.boundaries import Boundary
 from castx.case.reading.read import load_case
+from castx.case.stages import Stage
 from castx.report.stages import cycle_text, process_rows, stage_table
 
 pytestmark = pytest.mark.serial
@@ -34,6 +36,19 @@ def test_the_table_tells_bodies_and_changes_of_each_stage():
     assert "casting/base: displacement" in text
     assert "force to draw core, friction 0.3" in text
     assert "spray on casting" in text
+
+
+def test_the_table_tells_loads_and_what_a_stage_lifts():
+    case = load_case(DEMOS / "stages.toml")
+    given = {"pressure": 1e5, "clamp": {"force": 5e3}, "displacement": "free"}
+    for conditions, text in (
+        (given, "casting/top: displacement free, pressure, clamp"),
+        ({"clamp": "free"}, "casting/top: clamp free"),
+    ):
+        boundary = Boundary.read({"on": "casting/top", **conditions})
+        stage = Stage.read({"at": 1.0, "boundaries": [boundary]})
+        changed = case.model_copy(update={"stages": (stage,)})
+        assert any(line.endswith(text) for line in shown(stage_table(changed, [case, case])))
 
 
 def test_cycles_are_counted_to_the_end_of_the_run():
