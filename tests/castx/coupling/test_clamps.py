@@ -63,6 +63,7 @@ def test_refused_before_anything_is_solved(comm, data, text, shared_tmp_path, ca
     assert text in said and "Traceback" not in said
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize(
     "data",
     [
