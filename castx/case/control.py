@@ -64,6 +64,8 @@ class Time(Description):
         first_step: by default a thousandth of the end, or the largest step [s].
         smallest_step: by default a thousandth of the first one [s].
         temperature_change: wanted in a step, in any node [K].
+        solid_fraction_change: wanted in a step, of the mean over any body.
+        reject_above: multiple of a wanted change above which a step is taken again, smaller.
         fixed_step: length of all steps in place of adaptive ones [s].
         heat_substeps: heat steps within one mechanical step.
     """
@@ -75,6 +77,8 @@ class Time(Description):
         default_factory=lambda time: time.get("first_step", 1.0) * 1e-3
     )
     temperature_change: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] = 20.0
+    solid_fraction_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.04
+    reject_above: Annotated[float, Quantity(PURE_NUMBER, least=1.0)] = 2.0
     fixed_step: _Duration | None = None
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"
 

@@ -116,6 +116,8 @@ def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) 
         parts.append(f"passes {counters.passes}")
     if counters.cutbacks:
         parts.append(f"cut {counters.cutbacks}×")
+    if counters.repeats:
+        parts.append(f"taken again {counters.repeats}×")
     if counters.fallbacks:
         parts.append(f"{counters.fallbacks} contact methods failed")
     if counters.unbalanced:

@@ -24,11 +24,13 @@ class StepChange:
         passes: passes between heat and mechanics that it took.
         temperature: largest change of a node whose temperature is not prescribed [K].
         solid_fraction: largest change of a node.
+        mean_solid_fraction: largest change of the mean over a body.
     """
 
     passes: int
     temperature: float
     solid_fraction: float
+    mean_solid_fraction: float = 0.0
 
 
 class ThermalChange:
@@ -65,6 +67,23 @@ class ThermalChange:
         """Return the largest change of the solid fraction of a node; collective."""
         change = np.abs(self._present_solid_fraction() - self._solid_fraction)
         return float(self._comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
+
+    def largest_of_mean_solid_fraction(self) -> float:
+        """Return the largest volume of a body that froze or melted, as a share of it; collective.
+
+        Unlike the change of a node it does not depend on the size of the elements. Zero where
+        temperatures are prescribed.
+        """
+        if not self._heat.enthalpy:
+            return 0.0
+        sums, first = np.zeros((len(self._volumes), 2)), 0
+        change = np.abs(self._present_solid_fraction() - self._solid_fraction)
+        for row, (name, function) in enumerate(self._heat.solid_fraction.items()):
+            volumes = self._volumes[name]
+            sums[row] = volumes @ change[first : first + len(volumes)], volumes.sum()
+            first += len(function.x.array)
+        moved, whole = self._comm.allreduce(sums, op=MPI.SUM).T
+        return float(np.max(moved / np.where(whole > 0, whole, 1.0), initial=0.0))
 
     def share(self, heat: float) -> float:
         """Return an amount of heat [J] relative to all heat that has moved; collective."""

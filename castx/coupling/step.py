@@ -116,7 +116,8 @@ class CoupledProblem:
             if self._scheme != "iterated" or change <= self._tolerance:
                 self._require_finite()
                 solid = self._change.largest_of_solid_fraction()
-                return StepChange(number, temperature_change, solid)
+                mean = self._change.largest_of_mean_solid_fraction()
+                return StepChange(number, temperature_change, solid, mean)
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(

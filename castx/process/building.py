@@ -136,4 +136,6 @@ def step_settings(case: Case) -> StepSettings:
         time.fixed_step,
         case.output.every,
         schedule.stops,
+        time.solid_fraction_change,
+        time.reject_above,
     )

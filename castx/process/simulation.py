@@ -130,7 +130,7 @@ class Simulation:
         """Yield the initial state unless that is done, then the state after each accepted step.
 
         Args:
-            after_failed_try: called when a try has failed and is rewound.
+            after_failed_try: called when a try has failed or changed too much, and is rewound.
 
         Raises:
             ConvergenceError: even the smallest step fails; the last state yielded is the last one
@@ -156,7 +156,7 @@ class Simulation:
         return self.control.finished(self.time)
 
     def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
-        """Take one step, cutting it as long as it fails."""
+        """Take one step, cutting it as long as it fails or changes too much."""
         begin = clock.perf_counter()
         failed: list[FailedTry] = []
         self.problem.counters.begin_step()
@@ -174,10 +174,19 @@ class Simulation:
                 self._cut(failed)
                 after_failed_try()
                 continue
-            break
+            if not self.control.exceeds(step, change.temperature, change.mean_solid_fraction):
+                break
+            _log.debug(
+                "the step changed too much: %g K, %g of a body froze",
+                change.temperature, change.mean_solid_fraction,
+            )  # fmt: skip
+            self.problem.rewind()
+            self.problem.counters.repeats += 1
+            after_failed_try()
         counters = self.problem.counters
         self.problem.commit()
-        self.control.accept(step, change.temperature, change.passes <= EASY_PASSES)
+        easy = change.passes <= EASY_PASSES
+        self.control.accept(step, change.temperature, easy, change.mean_solid_fraction)
         self._substep_rate = self._wanted_substeps(change) / step
         self.time = self.control.landed(self.time + step)
         self.step += 1

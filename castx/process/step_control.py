@@ -1,10 +1,10 @@
 """Step control: pure numbers, no solver.
 
-A step that changes some node by more than the wanted temperature makes the next one smaller, by
-less larger, within bounds on growth and size; many passes or iterations forbid growth. A rejected
-step is halved. Steps land on the end, on stops and on milestones such as output times without
-leaving a sliver: the rest up to the next of them is divided evenly once it is shorter than two
-steps.
+A step that changes some node by more than the wanted temperature, or freezes more of some body than
+wanted, makes the next one smaller, by less larger, within bounds on growth and size; many passes or
+iterations forbid growth. A step that failed or changed far too much is halved. Steps land on the
+end, on stops and on milestones such as output times without leaving a sliver: the rest up to the
+next of them is divided evenly once it is shorter than two steps.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ GROWTH, SHRINKAGE, CUT = 1.5, 0.5, 0.5
 SAFETY = 0.9
 """Share of the wanted change at which the next step aims."""
 
+LANDING = 1e-6
+"""Excess of a step over the wanted size, relative, at which it still lands on a stop."""
+
 
 @dataclass(frozen=True)
 class StepSettings:
@@ -36,6 +39,9 @@ class StepSettings:
         fixed: constant step, without adaptivity.
         milestone: steps land on the multiples of this time, unless they are fixed.
         stops: all steps land on these times, ascending.
+        solid_fraction_change: wanted change of the mean solid fraction of any body in a step.
+        reject_above: multiple of a wanted change above which a step is taken again; steps up to the
+            first one, and fixed ones, are kept.
     """
 
     end: float
@@ -46,6 +52,8 @@ class StepSettings:
     fixed: float | None = None
     milestone: float | None = None
     stops: tuple[float, ...] = ()
+    solid_fraction_change: float = math.inf
+    reject_above: float = math.inf
 
 
 class StepControl:
@@ -68,7 +76,7 @@ class StepControl:
     def propose(self, time: float) -> float:
         """Return the step to try from a time [s]."""
         rest = self._next_stop(time) - time
-        parts = math.ceil(rest / self._size - 1e-6)
+        parts = math.ceil(rest / self._size - LANDING)
         if self._settings.fixed is not None and self._cutbacks == 0:
             return min(self._size, rest)
         return rest if parts <= 1 else rest / 2 if parts == 2 else self._size
@@ -98,21 +106,51 @@ class StepControl:
         following = (math.floor((time + self._tolerance) / milestone) + 1) * milestone
         return following if following < stop - self._tolerance else stop
 
-    def accept(self, step: float, temperature_change: float, easy: bool) -> None:
+    def exceeds(self, step: float, temperature: float, solid_fraction: float) -> bool:
+        """Return whether a step changed so much that it must be taken again, and cut it then.
+
+        Args:
+            step: its size [s].
+            temperature: change of the fastest node [K].
+            solid_fraction: change of the mean over the fastest body.
+        """
+        settings = self._settings
+        smaller = max(CUT * step, settings.first)
+        # A step that lands on a stop may be the first one but for this excess: it stays.
+        if settings.fixed is not None or step <= smaller * (1 + 2 * LANDING):
+            return False
+        if self._excess(temperature, solid_fraction) <= settings.reject_above:
+            return False
+        self._size = smaller
+        self._cutbacks += 1
+        return True
+
+    def _excess(self, temperature: float, solid_fraction: float) -> float:
+        """Return the change of a step over the wanted one, of what changed most."""
+        settings = self._settings
+        return max(
+            temperature / settings.temperature_change,
+            solid_fraction / settings.solid_fraction_change,
+        )
+
+    def accept(
+        self, step: float, temperature_change: float, easy: bool, solid_fraction: float = 0.0
+    ) -> None:
         """Adapt the next step to an accepted one.
 
         Args:
             step: its size [s].
             temperature_change: of the fastest node [K].
             easy: whether it took few passes and iterations.
+            solid_fraction: change of the mean over the fastest body.
         """
         settings, recovering = self._settings, self._cutbacks > 0
         self._cutbacks = 0
         if settings.fixed is not None:
             self._size = min(GROWTH * self._size, settings.fixed) if recovering else settings.fixed
             return
-        wanted = SAFETY * settings.temperature_change
-        ratio = wanted / temperature_change if temperature_change > 0 else GROWTH
+        excess = self._excess(temperature_change, solid_fraction)
+        ratio = SAFETY / excess if excess > 0 else GROWTH
         ratio = min(max(ratio, SHRINKAGE), GROWTH if easy and not recovering else 1.0)
         # A step cut short by a milestone says nothing against the size it was cut from.
         size = max(step * ratio, self._size) if step < self._size and ratio >= 1 else step * ratio

@@ -66,7 +66,7 @@ def summary(run: Results) -> list[tuple[str, str]]:
     counts, memory = record["totals"], record["peak_memory"]
     wall = timedelta(seconds=round(record["wall"]))
     rows += [
-        ("steps", f"{counts['steps']}, {counts['cutbacks']} of them cut"),
+        ("steps", steps_text(counts)),
         (
             "iterations",
             f"{counts['heat_iterations']} heat, {counts['mechanics_iterations']} mechanics, "
@@ -76,6 +76,13 @@ def summary(run: Results) -> list[tuple[str, str]]:
         ("peak memory", f"{memory.get('all_ranks', 0) / 2**20:.0f} MiB, all ranks"),
     ]
     return rows
+
+
+def steps_text(counts: Mapping[str, int]) -> str:
+    """Return the steps of a run and how many tries of them were in vain."""
+    text = f"{counts['steps']}, {counts['cutbacks']} of them cut"
+    repeats = counts.get("repeats", 0)  # not in the results of earlier versions
+    return f"{text}, {repeats} taken again" if repeats else text
 
 
 def gap_text(largest: FloatArray) -> str:

@@ -19,7 +19,8 @@ class StepCounters:
         mechanics_iterations: Newton iterations of the mechanical problem.
         contact_changes: changes of pairs between open and closed.
         passes: passes between heat and mechanics.
-        cutbacks: tries that were rejected before the accepted one.
+        cutbacks: tries that failed before the accepted one.
+        repeats: tries that changed the state too much and were taken again, smaller.
         wall: wall clock time spent on the step [s].
         frozen_pairs: pairs that chattered between open and closed and were frozen for the step.
         unbalanced: equilibria that sweeps over blocks left before they balanced, and that a Krylov
@@ -33,6 +34,7 @@ class StepCounters:
     contact_changes: int = 0
     passes: int = 0
     cutbacks: int = 0
+    repeats: int = 0
     wall: float = 0.0
     frozen_pairs: int = 0
     unbalanced: int = 0

@@ -16,6 +16,8 @@ def test_times_with_units():
             "largest_step": 2,
             "smallest_step": "1e-4 s",
             "temperature_change": "20 K",
+            "solid_fraction_change": 0.02,
+            "reject_above": 3,
             "heat_substeps": 4,
         }
     )
@@ -23,6 +25,7 @@ def test_times_with_units():
         (90.0, 0.05, 2.0, 1e-4)
     )
     assert (time.temperature_change, time.fixed_step, time.heat_substeps) == (20.0, None, 4)
+    assert (time.solid_fraction_change, time.reject_above) == (0.02, 3.0)
 
 
 @pytest.mark.parametrize("given", [{}, {"largest_step": 1e-3}, {"first_step": 0.1}])
@@ -30,6 +33,7 @@ def test_defaults_are_in_order(given):
     time = Time.read({"end": 90, **given})
     assert 0 < time.smallest_step <= time.first_step <= time.largest_step
     assert (time.temperature_change, time.heat_substeps) == (20.0, "automatic")
+    assert (time.solid_fraction_change, time.reject_above) == (0.04, 2.0)
 
 
 def test_defaults_of_coupling_and_solver_are_those_of_the_manual():
@@ -58,6 +62,9 @@ def test_defaults_of_coupling_and_solver_are_those_of_the_manual():
         ),
         ({"end": 90, "temperature_change": 0}, r"temperature_change: must be positive \(in K\)"),
         ({"end": 90, "temperature_change": "5 s"}, "temperature_change: 's' is not a unit"),
+        ({"end": 90, "solid_fraction_change": 0}, "solid_fraction_change: must be positive"),
+        ({"end": 90, "solid_fraction_change": 1.5}, "solid_fraction_change: must .*1"),
+        ({"end": 90, "reject_above": 0.9}, "reject_above: must .*1"),
         ({"end": 90, "fixed_step": -1}, "fixed_step: must be positive"),
         ({"end": 90, "fixed_step": 1e-9}, "fixed_step: makes more than 10000000 steps"),
         ({"end": 90, "heat_substeps": 0}, 'heat_substeps: "automatic" or a whole number'),

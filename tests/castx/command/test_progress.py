@@ -22,6 +22,7 @@ def show(comm, terminal):
                 mechanics_iterations=4,
                 passes=3,
                 cutbacks=step // 2,
+                repeats=3 * (step // 2),
             )
             totals = {"mould.solid_fraction": 1.0 - 1e-16, "casting.solid_fraction": 0.25 * step}
             progress.show(FakeSnapshot(0.5 * step, step, None, totals=totals, counters=counters))
@@ -36,7 +37,8 @@ def test_plain_lines(comm):
     assert lines == [
         "t 0 s  step 0  solid 0.0 %",
         "t 0.5 s  step 1 (0.5 s)  solid 25.0 %  iterations 7+4  passes 3  left 0:00:38",
-        "t 1 s  step 2 (0.5 s)  solid 50.0 %  iterations 7+4  passes 3  cut 1×  left 0:00:36",
+        "t 1 s  step 2 (0.5 s)  solid 50.0 %  iterations 7+4  passes 3  cut 1×  "
+        "taken again 3×  left 0:00:36",
     ]
 
 

@@ -67,6 +67,16 @@ def test_the_fastest_node_of_all_ranks_decides(comm):
     assert change.largest_of_solid_fraction() == 0.0
 
 
+def test_a_body_freezes_by_volume(comm):
+    """Nodes of 1 and 2 m³ freeze to 0.3 and 0.6; ghosts do not count."""
+    heat, change = problem(comm)
+    heat.solid_fraction["casting"].x.array[:] = [0.3, 0.6, 1.0]
+    heat.solid_fraction["mould"].x.array[:] = [0.9, 0.0]
+    assert change.largest_of_mean_solid_fraction() == pytest.approx(1.5 / 3.0, rel=1e-14)
+    change.commit()
+    assert change.largest_of_mean_solid_fraction() == 0.0
+
+
 def test_without_the_heat_equation_nothing_moves(comm):
     heat = SimpleNamespace(enthalpy={}, solid_fraction=fields({"casting": [0.0]}))
     assert ThermalChange(comm, heat, {"casting": np.ones(1)}).share(0.0) == 0.0

@@ -1,20 +1,23 @@
 """The loop over time: cutbacks, what is left after a failure, output times, heat sub-steps."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from castx.case.reading.read import read_case
 from castx.case.stages import Schedule
 from castx.coupling.change import StepChange
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
+from castx.process.building import step_settings
 from castx.process.process import Process, StageProblem
 from castx.process.simulation import MOST_SUBSTEPS, Simulation
-from castx.process.step_control import StepSettings
+from castx.process.step_control import StepControl, StepSettings
 from castx.solvers.counters import StepCounters
 from tests import coupled_cases
-from tests.coupled_cases import cylinder, merged
+from tests.coupled_cases import TIGHT, cylinder, merged
 
 SETTINGS = StepSettings(10.0, 1.0, 4.0, 0.1, 20.0)
 
@@ -26,7 +29,7 @@ class FakeProblem:
         self.limit, self.change, self.solid = limit, change, solid
         self.tried: list[tuple[float, float, int]] = []
         self.committed: list[float] = []
-        self.rewinds, self.counters = 0, StepCounters()
+        self.rewinds, self.counters, self.frozen = 0, StepCounters(), 0.0
 
     def advance(self, time: float, step: float, substeps: int) -> StepChange:
         self.tried.append((time, step, substeps))
@@ -34,7 +37,7 @@ class FakeProblem:
         self.counters.heat_iterations += 7
         if step > self.limit:
             raise ConvergenceError("too large for this problem")
-        return StepChange(3, self.change * step, self.solid * step)
+        return StepChange(3, self.change * step, self.solid * step, self.frozen * step)
 
     def commit(self) -> None:
         time, step, _ = self.tried[-1]
@@ -71,6 +74,64 @@ def test_cutback():
     assert problem.rewinds == len(problem.tried) - len(problem.committed)
     assert sum(s.counters.cutbacks for s in states) == problem.rewinds
     assert states[-1].time == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("change", "frozen"), [(60.0, 0.0), (0.0, 0.15)])
+def test_a_step_that_changes_too_much_is_taken_again(change, frozen):
+    """From 2 s on 60 K or 15 % solid per second: steps stay below 1.5 times of 20 K or 5 %."""
+    problem, states = FakeProblem(change=1.0), []
+    for state in simulation(problem, first=0.25, reject_above=1.5, solid_fraction_change=0.05):
+        states.append(state)
+        if state.time >= 2.0:
+            problem.change, problem.frozen = change, frozen
+    late = [s.counters for s in states if s.time - s.counters.step >= 2.0]
+    assert problem.rewinds == len(problem.tried) - len(problem.committed) > 0
+    assert all(counters.cutbacks == 0 for counters in late), "nothing failed"
+    assert sum(counters.repeats for counters in late) == problem.rewinds
+    assert all(counters.passes == 3 * (1 + counters.repeats) for counters in late)
+    assert max(counters.step for counters in late) <= 0.5
+    assert states[-1].time == pytest.approx(10.0)
+
+
+def test_fixed_steps_are_not_taken_again():
+    problem = FakeProblem(change=1e3)
+    steps = [state.counters.step for state in simulation(problem, fixed=2.0, reject_above=1.0)]
+    assert steps[1:] == [2.0] * 5 and problem.rewinds == 0
+
+
+class GivenSteps(StepControl):
+    """Takes the steps that it is given."""
+
+    def __init__(self, settings: StepSettings, steps: list[float]) -> None:
+        super().__init__(settings)
+        self._steps = iter(steps)
+
+    def propose(self, time: float) -> float:
+        return next(self._steps)
+
+    def exceeds(self, step: float, temperature: float, solid_fraction: float) -> bool:
+        return False
+
+
+def test_a_try_that_changed_too_much_leaves_no_trace(comm):
+    """The steps that were accepted, taken at once, end in the same state."""
+    changes = {"time": {"end": 3.0, "first_step": 0.05, "largest_step": 4.0}} | TIGHT
+    data = cylinder(changes, {"time": {"solid_fraction_change": 0.004, "reject_above": 1.0}})
+    data["bodies"][0]["law"] = "thermo-elasto-plastic"
+    data["materials"]["aluminium"] |= {
+        "yield_stress": 3e7, "liquid": {"viscosity": 1e5, "coherency": 0.5},
+    }  # fmt: skip
+    taken = list(coupled_cases.simulation(comm, data))
+    assert sum(state.counters.repeats for state in taken) >= 1
+    found = coupled_cases.fields(taken[-1])
+    again = coupled_cases.simulation(comm, data)
+    steps = [state.counters.step for state in taken[1:]]
+    again.control = GivenSteps(step_settings(read_case(data, Path("case.toml"))), steps)
+    state = list(again)[-1]
+    assert state.time == taken[-1].time
+    for name, value in coupled_cases.fields(state).items():
+        scale = comm.allreduce(np.abs(value).max(initial=0.0), max)
+        np.testing.assert_allclose(value, found[name], rtol=0.0, atol=1e-9 * scale, err_msg=name)
 
 
 def test_counters_include_the_rejected_tries():

@@ -51,6 +51,45 @@ def test_steps_aim_at_the_wanted_change():
     assert next_after(control(temperature_change=10.0), 16.0) == pytest.approx(SAFETY * 10 / 16)
 
 
+def test_steps_aim_at_the_wanted_solid_fraction_where_no_temperature_changes():
+    steps = control(solid_fraction_change=0.05)
+    steps.accept(steps.propose(0.0), 0.0, True, 0.06)
+    assert steps.propose(1.0) == pytest.approx(SAFETY * 0.05 / 0.06)
+    steps.accept(steps.propose(1.0), 25.0, True, 0.06)
+    assert steps.propose(2.0) == pytest.approx((SAFETY * 0.05 / 0.06) * SAFETY * 20.0 / 25.0)
+
+
+@pytest.mark.parametrize("excess", [(41.0, 0.0), (0.0, 0.101)])
+def test_a_step_that_changes_far_too_much_is_cut(excess):
+    wanted = {"solid_fraction_change": 0.05, "reject_above": 2.0}
+    steps = control(first=0.5, **wanted)
+    assert not steps.exceeds(4.0, 39.0, 0.099) and steps.propose(0.0) == 0.5
+    assert steps.exceeds(4.0, *excess) and steps.propose(0.0) == pytest.approx(CUT * 4.0)
+    steps.accept(2.0, 1.0, easy=True)
+    assert steps.propose(2.0) == pytest.approx(2.0), "it does not grow at once"
+    assert not steps.exceeds(0.5, *excess), "the case itself says this step"
+    steps.exceeds(0.6, *excess)
+    assert steps.propose(2.0) == 0.5, "never below the first one"
+    assert not control(fixed=4.0, **wanted).exceeds(4.0, *excess)
+    assert not control(first=0.5, solid_fraction_change=0.05).exceeds(4.0, *excess)
+
+
+@pytest.mark.parametrize("excess", [0.0, 5e-7, 1e-6])
+def test_a_first_step_that_lands_on_a_stop_is_not_taken_again_for_ever(excess):
+    steps, tries = control(first=1.0, end=1.0 + excess, reject_above=2.0), 0
+    while steps.exceeds(steps.propose(0.0), 1e6, 0.0):
+        tries += 1
+        assert tries < 10
+    assert steps.propose(0.0) == 1.0 + excess
+
+
+def test_steps_below_the_first_one_are_kept():
+    """They have failed before: a change that is too large does not make them smaller still."""
+    steps = control(first=1.0, reject_above=2.0)
+    steps.reject(steps.propose(0.0), CAUSE)
+    assert not steps.exceeds(0.5, 1e6, 0.0) and steps.propose(0.0) == 0.5
+
+
 def test_hard_steps_do_not_grow():
     assert next_after(control(), change=1e-3, easy=False) == pytest.approx(1.0)
     assert next_after(control(), change=36.0, easy=False) == pytest.approx(0.5)

@@ -10,7 +10,7 @@ import pytest
 
 from castx.command.run import run
 from castx.errors import CaseError
-from castx.report.report import opening_text, solid_text, summary, write_report
+from castx.report.report import opening_text, solid_text, steps_text, summary, write_report
 from castx.results.reading import Results
 
 pytestmark = pytest.mark.serial
@@ -48,6 +48,12 @@ def test_the_summary_has_the_numbers_of_the_run(folder):
     assert found["casting all solid"].startswith("not yet")
     assert found["steps"] == f"{len(results.history['time']) - 1}, 0 of them cut"
     assert results.freezing == ["casting"]
+
+
+def test_steps_taken_again_are_told():
+    assert steps_text({"steps": 9, "cutbacks": 1}) == "9, 1 of them cut"
+    found = steps_text({"steps": 9, "cutbacks": 1, "repeats": 2})
+    assert found == "9, 1 of them cut, 2 taken again"
 
 
 def test_pictures_stand_before_numerics(folder):

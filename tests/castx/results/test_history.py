@@ -48,7 +48,7 @@ def test_one_line_per_step_with_all_digits(tmp_path):
     series = read_series(tmp_path / "history.csv")
     assert list(series) == [
         *("time", "step", "heat_iterations", "mechanics_iterations", "contact_changes", "passes"),
-        *("cutbacks", "wall", "frozen_pairs", "unbalanced", "fallbacks"),
+        *("cutbacks", "repeats", "wall", "frozen_pairs", "unbalanced", "fallbacks"),
         *("casting.enthalpy", "energy_error"),
     ]
     assert series["energy_error"].tolist() == [1e-9 / 3.0] * 2
