@@ -26,7 +26,7 @@ from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
-from castx.materials.thermal_strain import liquid_shrinkage, shrinkage_strain
+from castx.materials.thermal_strain import liquid_shrinkage
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
@@ -109,10 +109,11 @@ class Pockets:
             material: of the body, at the conditions of the step.
             solid_fraction: at the nodes, shape (nodes,).
         """
-        metal, liquid = material.law.material, ~material.conditions.coherent
+        law, liquid = material.law, ~material.conditions.coherent
         fraction = solid_fraction[self._cell_nodes].mean(axis=1)
-        shrunk, skeleton = liquid_shrinkage(metal, fraction), shrinkage_strain(metal, fraction)
-        self.update(liquid, shrunk, skeleton)
+        # What was solid when it was free of strain has not shrunk since.
+        skeleton = law.stress_free_state.shrinkage(law.material, fraction, self._cell_nodes)
+        self.update(liquid, liquid_shrinkage(law.material, fraction), skeleton)
         self._scale = np.zeros(0)
         if self.exist:
             self._scale = self.content.mean(material.conditions.solid_compressibility)
@@ -124,7 +125,8 @@ class Pockets:
         Args:
             liquid: whether a cell is a liquid, shape (cells,).
             shrunk: s min(f_s, f_c) of the cells, shape (cells,).
-            skeleton: −s (f_s − f_c) beyond coherency, shape (cells,); collective.
+            skeleton: strain by −s (f_s − f_c) beyond coherency since the body was free of strain,
+                shape (cells,); collective.
         """
         self.content.begin(self._paths.pockets(liquid), liquid, shrunk, skeleton)
         self._pressures.begin(self.content)

@@ -1,10 +1,6 @@
 """A free body of castable metal that starts solid expands by its own mean expansion.
 
-A bar of length L that is free and heated from T_0 grows by
-
-    u = L [α(T)(T − T_ref) − α(T_sf)(T_sf − T_ref)],
-
-T_sf being `stress_free` if the case gives one, else T_0, and α and T_ref those of the database.
+Reference: `free_bar`.
 """
 
 from __future__ import annotations
@@ -15,41 +11,22 @@ import numpy as np
 import pytest
 
 from castx.materials.lookup import find_material
-from tests.coupled_cases import nodal, states
+from tests.coupled_cases import merged, states
+from tests.verification import free_bar
+from tests.verification.free_bar import HOT, LENGTH, START, growth
 
 pytestmark = pytest.mark.sampled
 
-LENGTH, START, HOT = 0.02, 100.0, 500.0
-
 
 def bar(metal: str, history: list[list[float]], **changes: Any) -> dict[str, Any]:
-    """Return a bar on rollers whose temperature follows a table."""
-    return {
-        "geometry": {
-            "generator": "slab", "model": "plane-stress",
-            "length": LENGTH, "width": 0.01, "size": 0.005,
-        },
-        "materials": {"metal": {"extends": metal, **changes}},
-        "bodies": [
-            {"name": "casting", "material": "metal", "temperature_history": history,
-             "formulation": "displacement"},
-        ],
-        "boundaries": [
-            {"on": f"casting/{side}", "displacement": {"normal": 0.0}}
-            for side in ("wall", "bottom")
-        ],
-        "coupling": {"scheme": "mechanical"},
-        "time": {"end": history[-1][0], "fixed_step": 1.0},
-    }  # fmt: skip
+    """Return the bar by displacements, in steps of a second."""
+    case = merged(free_bar.bar(metal, history, **changes), {"time": {"fixed_step": 1.0}})
+    case["bodies"][0]["formulation"] = "displacement"
+    return case
 
 
 def ends(comm, data: dict[str, Any]) -> list[float]:
-    """Return the displacement of the far end after each step [m]."""
-    found = []
-    for state in states(comm, data):
-        move = nodal(state, "casting", "displacement")[:, 0]
-        found.append(float(move[np.argmax(np.abs(move))]))
-    return found
+    return free_bar.ends(states(comm, data))
 
 
 @pytest.mark.parametrize("metal", ["Cu-pure", "GJL-250", "CuSn12", "AlSi7Mg", "steel-H13"])
@@ -58,14 +35,8 @@ def test_a_chill_expands(metal, stress_free, comm):
     changes = {} if stress_free is None else {"stress_free": stress_free}
     hot = 400.0 if metal == "AlSi7Mg" else HOT
     found = ends(comm, bar(metal, [[0, START], [1, START], [2, hot]], **changes))
-    table = find_material(metal)
-    reference = table.expansion_reference or 0.0
-
-    def length(temperature: float) -> float:
-        return float(table.expansion(temperature)) * (temperature - reference)
-
     free = START if stress_free is None else stress_free
-    expected = [LENGTH * (length(T) - length(free)) for T in (START, hot)]
+    expected = [LENGTH * growth(metal, free, T) for T in (START, hot)]
     np.testing.assert_allclose(found[1:], expected, rtol=1e-8, atol=1e-14)
     assert expected[1] > 0.0
     if stress_free is None:

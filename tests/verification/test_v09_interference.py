@@ -25,14 +25,15 @@ from tests.elastic_bodies import (
     problem,
     stresses,
 )
+from tests.verification.shrink_fit import hub_compliance, shaft_compliance
 
 pytestmark = pytest.mark.sampled
 
 INNER, OUTER, OVERLAP = 0.03, 0.06, 25e-6
 SHAFT, HUB = (68e9, 0.33), (205e9, 0.29)
-SHAFT_COMPLIANCE = INNER * (1 - SHAFT[1]) / SHAFT[0]
+SHAFT_COMPLIANCE = shaft_compliance(INNER, *SHAFT)
 RATIO = (OUTER**2 + INNER**2) / (OUTER**2 - INNER**2)
-HUB_COMPLIANCE = INNER / HUB[0] * (RATIO + HUB[1])
+HUB_COMPLIANCE = hub_compliance(INNER, OUTER, *HUB)
 PRESSURE = OVERLAP / (SHAFT_COMPLIANCE + HUB_COMPLIANCE)
 
 

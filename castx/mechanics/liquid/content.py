@@ -67,7 +67,8 @@ class Content:
             pocket: number of the pocket of each cell, −1: none, shape (cells,).
             liquid: whether a cell is a liquid, shape (cells,).
             shrunk: s min(f_s, f_c) of the cells, shape (cells,).
-            skeleton: strain of the skeleton since coherency, −s (f_s − f_c), shape (cells,).
+            skeleton: strain of the skeleton beyond coherency since the body was free of strain,
+                shape (cells,).
         """
         count = 1 + self._comm.allreduce(int(pocket.max(initial=-1)), op=MPI.MAX)
         if not self._started:

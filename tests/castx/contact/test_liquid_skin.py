@@ -7,9 +7,18 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.contact.liquid_skin import LiquidSkin
+from castx.contact.methods.registry import METHODS
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
-from tests.contact_methods import AT_ONCE, EXACT, FORCE_OF_GAP, TWO_BODIES, WITH_FRICTION, sharp
+from tests.contact_methods import (
+    AT_ONCE,
+    EXACT,
+    FORCE_OF_GAP,
+    TWO_BODIES,
+    WITH_FRICTION,
+    WITH_RIGID_BODIES,
+    sharp,
+)
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -90,6 +99,27 @@ def test_liquid_follows_its_wall_and_the_skin_leaves_it(comm, method, order):
     assert molten.closed.all()
     if not soft:
         np.testing.assert_allclose(molten.gap, 0.0, atol=1e-12 if method in EXACT else 3e-7)
+
+
+@pytest.mark.parametrize("method", sharp(WITH_RIGID_BODIES))
+def test_liquid_follows_a_rigid_wall_and_the_skin_leaves_it(comm, method):
+    """The same against a wall without unknowns or liquid of its own, from which the top moves."""
+    up = SurfaceDisplacement("top", "normal", Table((0.0, 9.0), (0.0, 9 * PULL)))
+    bodies = {"upper": body(elastic(7e9, 0.33, **ALLOY), starts_liquid=True)}
+    made = problem(blocks(comm), bodies, {"upper": [up]}, [Contact("upper", "base", method)])
+    exact = METHODS[method].exact
+    first = step(made, 1.0, LIQUID)
+    assert comm.allreduce(int(np.count_nonzero(~first.closed))) == 0
+    assert np.all(first.pressure < 1e-6)
+    np.testing.assert_allclose(first.gap, 0.0, atol=1e-12 if exact else 3e-7)
+    stretched = PULL - max(comm.allgather(float(first.gap.max(initial=-1.0))))
+    expected = -VISCOUS_FORCE * stretched / PULL
+    assert total(comm, first) == pytest.approx(expected, rel=1e-3)
+    frozen = step(made, 2.0, SOLID)
+    assert not frozen.closed.any()
+    np.testing.assert_allclose(frozen.gap, 2 * PULL - stretched, rtol=1e-4)
+    assert np.abs(made.bodies["upper"].stress()).max() < 1.0
+    assert step(made, 2.0, LIQUID).closed.all()
 
 
 @pytest.mark.serial

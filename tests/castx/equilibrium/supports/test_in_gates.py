@@ -22,7 +22,8 @@ from tests.elastic_bodies import (
     places,
     problem,
 )
-from tests.verification.test_v17_loss_of_contact import GRAVITY, case
+from tests.verification.closed_mould import GRAVITY
+from tests.verification.test_v17_loss_of_contact import case
 
 WIDTH, HEIGHT, SIDEWAYS, UPWARDS = 0.1, 0.06, 1e4, 50.0
 
