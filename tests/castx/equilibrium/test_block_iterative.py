@@ -136,7 +136,18 @@ def test_a_casting_that_floats_in_a_rigid_mould(comm):
     assert swept["casting/mould.force.y"] == pytest.approx(weight, rel=1e-3)
 
 
-@pytest.mark.sampled
+@pytest.mark.parametrize("form", ["bodies", "interface"])
+def test_what_an_early_stop_leaves_is_balanced_by_all_blocks_together(comm, form):
+    """On any number of ranks, and it is the penalty solution."""
+    expected = pressed(comm, "penalty", penalty=1e13)[0]
+    made, report = pressed(comm, penalty=1e13, blocks=form, block_iterations=2, tolerance=1e-10)
+    assert not report.balanced
+    assert made.equilibrium.finish(0.0).balanced
+    p = pressures(comm, expected)
+    np.testing.assert_allclose(pressures(comm, made), p, atol=1e-6 * p.max())
+
+
+@pytest.mark.serial
 @pytest.mark.parametrize("form", ["bodies", "interface"])
 def test_a_step_that_sweeps_cannot_balance_is_ended_by_all_blocks_together(comm, form):
     """Under a lid all walls hold the casting, and its weight reaches the floor all the same."""
