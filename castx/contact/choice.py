@@ -53,6 +53,11 @@ class Contact:
         return f"{self.secondary}/{self.primary}"
 
     @property
+    def surfaces(self) -> tuple[str, str]:
+        """Names of the surfaces of the secondary and of the primary body."""
+        return self.pairing.surfaces or (self.primary, self.secondary)
+
+    @property
     def treatment(self) -> Treatment:
         """What the coordinates make of the pairs."""
         treatment = TREATMENTS[METHODS[self.method].unknowns]

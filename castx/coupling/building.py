@@ -237,6 +237,7 @@ def _contact(interface: Interface) -> Contact:
         wanted.method,
         settings=wanted.settings,
         fallback=wanted.fallback,
+        pairing=wanted.pairing_rule,
         friction=wanted.friction,
     )
 

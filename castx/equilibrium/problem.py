@@ -55,7 +55,7 @@ class MechanicalProblem:
         check_bodies(contacts, bodies)
         names = list(bodies)
         bodies = {
-            n: replace(body, closed=_closed_surfaces(mesh, n, displacements.get(n, ())))
+            n: replace(body, closed=_closed_surfaces(mesh, n, contacts, displacements.get(n, ())))
             for n, body in bodies.items()
         }
         fixed = [
@@ -133,9 +133,16 @@ def _described_pairs(
 
 
 def _closed_surfaces(
-    mesh: CastingMesh, name: str, displacements: Sequence[SurfaceDisplacement]
+    mesh: CastingMesh,
+    name: str,
+    contacts: Sequence[Contact],
+    displacements: Sequence[SurfaceDisplacement],
 ) -> set[str]:
-    """Return the surfaces of a body through which no liquid can follow."""
-    surfaces = mesh.bodies[name].surfaces
-    shut = {s for s in surfaces if s in mesh.bodies or s.startswith("symmetry-")}
+    """Return the surfaces of a body through which no liquid can follow.
+
+    A body that does not meet another one is free there, whatever heat passes.
+    """
+    sides = [zip((c.secondary, c.primary), c.surfaces, strict=True) for c in contacts]
+    shut = {surface for pair in sides for body, surface in pair if body == name}
+    shut |= {s for s in mesh.bodies[name].surfaces if s.startswith("symmetry-")}
     return shut | {d.surface for d in displacements if d.value is not None}

@@ -24,6 +24,20 @@ def history(comm, data) -> dict[str, np.ndarray]:
     return {name: np.array(values) for name, values in found.items()} | last
 
 
+@pytest.mark.parametrize("contact", ["none", "condensed", "by faces"])
+def test_a_body_that_nothing_touches_is_fed(comm, contact) -> None:
+    """Heat closes no surface, contact does, however its nodes are paired."""
+    keys = {"method": "condensed", "pairing": "node-to-face", "surfaces": ["mould", "casting"]}
+    if contact != "by faces":
+        keys = {"method": contact}
+    data = box({"time": {"end": 1.0}})
+    data["interfaces"][0]["contact"] = keys
+    last = history(comm, data)
+    demand = last["feeding_demand"][-1]
+    assert demand > 0.0
+    assert last["fed_volume"][-1] == pytest.approx(demand if contact == "none" else 0.0, rel=1e-12)
+
+
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_a_lidded_box_ends_with_pores(comm, cells) -> None:
     """Nothing is fed; the void, never negative, is the demand but for what the walls give way."""
