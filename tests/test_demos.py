@@ -58,7 +58,7 @@ def feeder(tmp_path_factory):
 
 
 def run_feeder(folder, name, *overrides):
-    coarse = ["time.temperature_change=80", "time.end=130", *overrides]
+    coarse = ["time.temperature_change=80", "time.end=190", *overrides]
     run(folder / "feeder.toml", coarse, output=folder / name)
     history = read_series(folder / name / "history.csv")
     return history, read_series(folder / name / "probes.csv")
@@ -73,9 +73,9 @@ def test_six_bodies_steer_the_heat(feeder):
     """Chill, channel, core, sleeve and cover are ordinary bodies; the feeder freezes last."""
     history, probes = run_feeder(feeder, "given")
     time, end = history["time"], {name: values[-1] for name, values in history.items()}
-    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 8
+    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 10
     bush, above = (end_of_freezing(probes, name) for name in ("bush", "feeder"))
-    assert bush < 0.5 * above < 65.0
+    assert bush < 0.5 * above < 95.0
     # The channel: shut until 10 s and from 70.5 s on.
     power = history["mould/channel.power"]
     assert (power[time < 10.0] == 0.0).all() and (power[time > 80.0] == 0.0).all()
@@ -130,7 +130,7 @@ def test_the_notebook_compares_the_laws_of_an_interface():
     }
     assert solid["constant"] < 0.7 * solid["limited"]
     assert solid["limited, radiating"] < solid["limited"] < solid["series"] < solid["coated"]
-    assert solid["solid-fraction, thermal"] == pytest.approx(solid["limited"], rel=0.1)
+    assert 0.7 < solid["solid-fraction, thermal"] / solid["limited"] < 0.9
     assert "only radiation" not in solid
     assert pictures == 3
 
