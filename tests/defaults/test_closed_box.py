@@ -14,8 +14,6 @@ from castx.process.state import State
 from tests.defaults.runs import bears, by_default, complies
 from tests.verification.trapped_box import box
 
-pytestmark = pytest.mark.serial  # long; the open mould compares ranks
-
 WIDTH, HEIGHT = 0.04, 0.03
 ALLOY = find_material("AlSi7Mg")
 WEIGHT = ALLOY.density * 9.81 * WIDTH * HEIGHT

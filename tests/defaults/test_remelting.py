@@ -7,15 +7,12 @@ shear, and at the walls the pressure ρ g h of the depth, whatever it has borne 
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from castx.materials.flow import VISCOPLASTIC
 from castx.materials.lookup import find_material
 from castx.process.state import State
 from tests.defaults.runs import bears, by_default
 from tests.elastic_bodies import everywhere
-
-pytestmark = pytest.mark.serial  # long; the open mould compares ranks
 
 WIDTH, HEIGHT, GRAVITY = 0.04, 0.03, 9.81
 DENSITY = find_material("AlSi7Mg").density

@@ -22,8 +22,6 @@ from castx.meshes.structured import grid
 from tests.coupled_cases import paired
 from tests.defaults.runs import bears, by_default, complies
 
-pytestmark = pytest.mark.serial  # long; the open mould compares ranks
-
 WIDTH, HEIGHT, WALL, SIZE = 0.02, 0.015, 0.01, 0.005
 WEIGHT = find_material("AlSi7Mg").density * 9.81 * WIDTH * HEIGHT
 CASTINGS = ("left", "right")
