@@ -73,7 +73,7 @@ def test_six_bodies_steer_the_heat(feeder):
     """Chill, channel, core, sleeve and cover are ordinary bodies; the feeder freezes last."""
     history, probes = run_feeder(feeder, "given")
     time, end = history["time"], {name: values[-1] for name, values in history.items()}
-    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 10
+    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 15
     bush, above = (end_of_freezing(probes, name) for name in ("bush", "feeder"))
     assert bush < 0.5 * above < 95.0
     # The channel: shut until 10 s and from 70.5 s on.
@@ -235,5 +235,5 @@ def test_the_notebook_compares_the_contact_methods():
         kelvin, micron, penetration = casting[name]
         assert kelvin < 0.1 and micron < 0.05 and penetration < 0.01
     kelvin, micron, penetration = casting["penalty, 1e11 Pa/m"]
-    assert kelvin > 0.5 and micron == pytest.approx(penetration, rel=0.5)
+    assert kelvin > 0.2 and micron == pytest.approx(penetration, rel=0.5)
     assert pictures == 4
