@@ -2,7 +2,8 @@
 
 Strains are taken as linear and positions as unchanged: the error of both is about as large as the
 gradient of the displacement, and as the displacement in sizes of the body. A solid that froze
-counts from there on: what it flowed as a liquid strains nothing.
+counts from there on: what it flowed as a liquid strains nothing, and liquid that sinks into a
+feeder or fills what a skin leaves is where it ought to be.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ class DeformationWatch:
         self._bodies = [b.name for b in case.bodies if not thermal and b.name not in rigid]
         self._freezes = case.coupling.scheme != "mechanical"
         self._cells: dict[str, _Cells] = {}
-        self._at_freezing: dict[str, FloatArray] = {}
+        self._slopes_at_freezing: dict[str, FloatArray] = {}
+        self._places_at_freezing: dict[str, FloatArray] = {}
         self._warned: set[str] = set()
 
     def check(self, snapshot: Snapshot) -> None:
@@ -96,11 +98,7 @@ class DeformationWatch:
         slopes = np.einsum("cak,cai->cik", cells.gradients, displacement)
         if self._freezes:
             solid = snapshot.nodal(body, "solid_fraction")[cells.nodes].min(axis=1)
-            # A run that is taken up again counts from there.
-            first = slopes if snapshot.step > 1 else np.zeros_like(slopes)
-            at_freezing = self._at_freezing.setdefault(body, first.copy())
-            at_freezing[solid < FULLY_SOLID] = slopes[solid < FULLY_SOLID]
-            slopes = slopes - at_freezing
+            slopes = _since_freezing(self._slopes_at_freezing, body, slopes, solid, snapshot.step)
         norms = np.linalg.norm(slopes, axis=(1, 2))
         if norms.size:
             worst = int(np.argmax(norms))
@@ -110,8 +108,13 @@ class DeformationWatch:
         return max(self._comm.allgather(own), key=lambda found: found[0])
 
     def _largest(self, snapshot: Snapshot, body: str) -> float:
-        """Return the largest displacement of a body on all ranks [m]."""
+        """Return the largest displacement of the solid of a body on all ranks [m]."""
         displacement = snapshot.nodal(body, "displacement")
+        if self._freezes:
+            solid, step = snapshot.nodal(body, "solid_fraction"), snapshot.step
+            displacement = _since_freezing(
+                self._places_at_freezing, body, displacement, solid, step
+            )
         own = float(np.linalg.norm(displacement, axis=1).max()) if len(displacement) else 0.0
         return float(self._comm.allreduce(own, MPI.MAX))
 
@@ -119,6 +122,21 @@ class DeformationWatch:
         if body not in self._cells:
             self._cells[body] = _cells_of(mesh.bodies[body], size_of(mesh, body))
         return self._cells[body]
+
+
+def _since_freezing(
+    at_freezing: dict[str, FloatArray],
+    body: str,
+    present: FloatArray,
+    solid: FloatArray,
+    step: int,
+) -> FloatArray:
+    """Return what has been added to values since they froze, zero where they have not."""
+    # A run that is taken up again counts from there.
+    first = present if step > 1 else np.zeros_like(present)
+    kept = at_freezing.setdefault(body, first.copy())
+    kept[solid < FULLY_SOLID] = present[solid < FULLY_SOLID]
+    return present - kept
 
 
 def _cells_of(body: BodyMesh, size: float) -> _Cells:

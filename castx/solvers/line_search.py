@@ -25,6 +25,9 @@ so that the work of the steps that follow is that of forces alone."""
 SHORTEST = 1e-9
 """Part of a step below which none is taken."""
 
+OVERFLOW = 1e100
+"""Stands for a work that is not finite."""
+
 Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 
 
@@ -76,7 +79,7 @@ def critical_part(
     """Return the part λ of a step at which the work on it vanishes, work(λ) = 0.
 
     Args:
-        work: of the forces on the step, after a part of it.
+        work: of the forces on the step, after a part of it; not finite where they overflow.
         start: work before the step.
         enough: part of the first work to which the full step may leave work of the other sign.
         precision: of λ, relative.
@@ -84,13 +87,20 @@ def critical_part(
     Returns:
         λ between 0 and 1; None where the full step leaves little work or none of the other sign.
     """
-    known = {0.0: start, 1.0: work(1.0)}
+    # Where the forces overflow the step has gone too far.
+    beyond = -np.copysign(OVERFLOW, start)
+
+    def finite(part: float) -> float:
+        found = work(part)
+        return found if np.isfinite(found) else float(beyond)
+
+    known = {0.0: start, 1.0: finite(1.0)}
     if known[1.0] * start >= 0.0 or abs(known[1.0]) <= enough * abs(start):
         return None
 
     def remembered(part: float) -> float:
         if part not in known:
-            known[part] = work(part)
+            known[part] = finite(part)
         return known[part]
 
     return float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=precision, disp=False))

@@ -34,6 +34,17 @@ def test_a_full_step_that_overshoots_little_is_left_as_it_is(end, shortens):
 
 
 @pytest.mark.serial
+@pytest.mark.parametrize("overflow", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_step_whose_forces_overflow_goes_too_far(overflow, sign):
+    def work(part: float) -> float:
+        return sign * (part - 0.3) if part < 0.4 else overflow
+
+    part = critical_part(work, -0.3 * sign, enough=0.5, precision=1e-8)
+    assert part == pytest.approx(0.3, rel=1e-6)
+
+
+@pytest.mark.serial
 def test_the_work_is_found_once_for_each_part():
     asked = []
 
