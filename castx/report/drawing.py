@@ -76,8 +76,9 @@ def draw(
     factor = exaggeration(view, grids) if factor is None else factor
     with display():
         pixels = picture(
-            view, grids, field, limits, colours=colours, coloured=shown, exaggeration=factor
-        )
+            view, grids, field, limits, colours=colours, coloured=shown, exaggeration=factor,
+            smooth=True,
+        )  # fmt: skip
     (left, lower, _), (right, upper, _) = view.low, view.high
     extent = None if model == "3d" else (float(left), float(right), float(lower), float(upper))
     return Drawing(pixels, extent, limits, colours, factor)

@@ -174,6 +174,7 @@ def picture(
     front: bool = False,
     exaggeration: float = 0.0,
     beside: Scale | None = None,
+    smooth: bool = False,
 ) -> Image:
     """Return a picture of a field on bodies.
 
@@ -187,6 +188,8 @@ def picture(
         front: draw the line f_s = 0.5.
         exaggeration: factor on the displacements; 0: undeformed.
         beside: colours of other bodies, such as moulds beside a casting.
+        smooth: smooth the stairs of lines, at the cost of twice the time; a picture that is shown
+            smaller than it is drawn does without.
     """
     scales = [Scale(limits, colours, tuple(coloured)), *([] if beside is None else [beside])]
     scale_of = {name: scale for scale in reversed(scales) for name in scale.bodies}
@@ -206,7 +209,8 @@ def picture(
         if front and name in coloured and "solid_fraction" in surface.point_data:
             add_lines(plotter, surface.contour([0.5], scalars="solid_fraction"), FRONT, 4)
     view.aim(plotter)
-    plotter.enable_anti_aliasing("ssaa")
+    if smooth:
+        plotter.enable_anti_aliasing("ssaa")
     image = plotter.screenshot(return_img=True)
     plotter.close()
     return np.asarray(image)

@@ -149,3 +149,17 @@ def test_a_casting_at_a_side_is_seen_from_there():
     assert view.cut is None and (view.direction[:2] < 0.0).all()
     alone = View.of("3d", [mould])
     assert alone.cut == pytest.approx(SHIFT[1] + 0.025)
+
+
+def test_a_smooth_picture_has_shades_between_its_colours():
+    """A grey body on white, drawn without light: its edge, slanted, is in stairs or in shades."""
+    grid = pyvista.ImageData(dimensions=(2, 2, 1), spacing=(0.02, 0.02, 0.0))
+    grid = grid.rotate_z(20.0).cast_to_unstructured_grid()
+    view = View.of("plane-strain", [grid])
+    with display():
+        counts = [
+            len(np.unique(picture(view, {"casting": grid}, "none", (0.0, 1.0), colours="gray",
+                                  coloured=(), smooth=smooth).reshape(-1, 3), axis=0))
+            for smooth in (False, True)
+        ]  # fmt: skip
+    assert counts[0] < counts[1] / 2
