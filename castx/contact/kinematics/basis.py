@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from petsc4py import PETSc
 
 import numpy as np
+import numpy.typing as npt
+from scipy import sparse
 
-from castx.arrays import FloatArray, IntArray, LongArray
+from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.contact.kinematics.node_rows import NodeRows
 from castx.solvers.layout import Layout
 
 
 class BasisMatrices:
     """R and P of v = R u and u = P v, filled node by node, then by motions relative to other nodes.
+
+    Entries are gathered first: PETSc then takes each matrix at once, with its places known.
 
     Args:
         layout: numbering of the displacements (and pressures) of all bodies.
@@ -24,17 +29,7 @@ class BasisMatrices:
 
     def __init__(self, layout: Layout, dimension: int, rows: Sequence[NodeRows]) -> None:
         self._layout, self._dimension, self._rows = layout, dimension, list(rows)
-        sizes = ((layout.size_local, layout.size_global),) * 2
-        self._forward, self._frames, self._relative = (
-            PETSc.Mat().createAIJ(sizes, nnz=12, comm=layout.comm) for _ in range(3)
-        )
-        for matrix in (self._forward, self._frames, self._relative):
-            matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
-        ones = self._forward.createVecLeft()
-        ones.set(1.0)
-        self._forward.setDiagonal(ones)
-        self._frames.setDiagonal(ones)
-        ones.destroy()
+        self._forward, self._frames, self._relative = (_Entries(layout) for _ in range(3))
         self._duals = [self._fill_frames(b) for b in range(len(self._rows))]
 
     def _first(self, b: int) -> int:
@@ -46,10 +41,14 @@ class BasisMatrices:
         inverse = np.tile(np.eye(d), (len(rows.count), 1, 1))
         special = rows.complete()
         inverse[special] = np.linalg.inv(rows.rows[special])
-        for i in special:
-            dofs = (self._first(b) + i * size + np.arange(d)).astype(np.int32)
-            self._forward.setValues(dofs, dofs, rows.rows[i])
-            self._frames.setValues(dofs, dofs, inverse[i])
+        part = self._layout.local_slice(b)
+        plain: BoolArray = np.ones((len(rows.count), size), dtype=bool)
+        plain[special, :d] = False
+        unchanged = self._first(b) + np.arange(part.stop - part.start)[plain.ravel()]
+        dofs = self._first(b) + special[:, None] * size + np.arange(d)
+        for matrix, frames in ((self._forward, rows.rows), (self._frames, inverse)):
+            matrix.add(unchanged, unchanged, 1.0)
+            matrix.add(dofs[:, :, None], dofs[:, None, :], frames[special])
         return inverse
 
     def tie(self, b: int, nodes: IntArray, slots: IntArray) -> IntArray:
@@ -72,9 +71,9 @@ class BasisMatrices:
             return np.zeros(0, dtype=np.int32)
         first, first_columns, row = found
         others = np.flatnonzero(own != first)
-        for i in others:
-            self._forward.setValues(own[i], first_columns, -row)
-            self._frames.setValues(columns[i], first, self._duals[b][nodes[i]][:, slots[i]])
+        self._forward.add(own[others, None], first_columns[None], -row[None])
+        duals = self._duals[b][nodes[others], :, slots[others]]
+        self._frames.add(columns[others], first, duals)
         return np.asarray(own[others] - self._layout.first, dtype=np.int32)
 
     def tie_component(self, b: int, k: int) -> IntArray:
@@ -88,9 +87,8 @@ class BasisMatrices:
         firsts = self._layout.comm.allgather(own[0] if len(own) else None)
         first = next(number for number in firsts if number is not None)
         others = own[own != first]
-        for row in others:
-            self._forward.setValue(row, first, -1.0)
-            self._frames.setValue(row, first, 1.0)
+        self._forward.add(others, first, -1.0)
+        self._frames.add(others, first, 1.0)
         return np.asarray(others - self._layout.first, dtype=np.int32)
 
     def make_relative(
@@ -117,26 +115,49 @@ class BasisMatrices:
         columns = np.stack(
             [self._layout.dofs(other, nodes_there, k) for k in range(self._dimension)], axis=2
         )
-        starts = (self._first(b) + nodes * self._layout.block_sizes[b]).astype(np.int32)
-        rows = (local + self._layout.first).astype(np.int32)
-        slots = rows - starts
-        for i, n in enumerate(directions):
-            dual = self._duals[b][nodes[i]][:, slots[i]]
-            targets = (starts[i] + components).astype(np.int32)
-            for numbers, weight in zip(columns[i], weights[i], strict=True):
-                self._forward.setValues(rows[i], numbers, -weight * n)
-                # Several rows of one pair add up.
-                self._relative.setValues(
-                    targets, numbers, weight * np.outer(dual, n), PETSc.InsertMode.ADD_VALUES
-                )
+        starts = self._first(b) + nodes * self._layout.block_sizes[b]
+        rows = local + self._layout.first
+        duals = self._duals[b][nodes, :, rows - starts]
+        weighted = weights[:, :, None] * directions[:, None]
+        self._forward.add(rows[:, None, None], columns, -weighted)
+        # Several rows of one pair add up.
+        self._relative.add(
+            (starts[:, None] + components)[:, None, :, None],
+            columns[:, :, None],
+            duals[:, None, :, None] * weighted[:, :, None],
+        )
 
     def finish(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Return R and P; the caller destroys them."""
-        for matrix in (self._forward, self._frames, self._relative):
-            matrix.assemble()
-        to_displacements = _sum_of_powers(self._relative, self._frames)
-        self._relative.destroy()
-        return self._forward, to_displacements
+        relative = self._relative.matrix()
+        to_displacements = _sum_of_powers(relative, self._frames.matrix())
+        relative.destroy()
+        return self._forward.matrix(), to_displacements
+
+
+class _Entries:
+    """Entries of a square matrix in the layout, of owned rows; those at one place add up."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        none = np.zeros(0, dtype=np.int64)
+        self._parts: list[list[npt.NDArray[Any]]] = [[none, none, np.zeros(0)]]
+
+    def add(self, rows: Any, columns: Any, values: Any) -> None:
+        """Add values at global rows and columns, arrays that broadcast to one shape."""
+        found = np.broadcast_arrays(rows, columns, values)
+        self._parts.append([part.ravel() for part in found])
+
+    def matrix(self) -> PETSc.Mat:
+        """Return the matrix; collective."""
+        local, everywhere = self._layout.size_local, self._layout.size_global
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*self._parts, strict=True))
+        places = rows - self._layout.first, columns
+        table = sparse.coo_array((values, places), shape=(local, everywhere)).tocsr()
+        pattern = (part.astype(PETSc.IntType) for part in (table.indptr, table.indices))
+        return PETSc.Mat().createAIJ(
+            ((local, everywhere),) * 2, csr=(*pattern, table.data), comm=self._layout.comm
+        )
 
 
 def _sum_of_powers(relative: PETSc.Mat, frames: PETSc.Mat) -> PETSc.Mat:

@@ -101,3 +101,15 @@ def test_a_tied_component_is_a_difference_to_the_first_node():
     basis = BasisMatrices(layout, 2, rows)
     np.testing.assert_array_equal(basis.tie_component(0, 2), [5])
     np.testing.assert_array_equal(dense(basis)[0][5], [0, 0, -1, 0, 0, 1])
+
+
+def test_matrices_are_filled_without_making_room_on_the_way():
+    layout, rows = bodies(3, 3)
+    n = np.array([0.6, 0.8])
+    rows[0].try_add(ints(0, 1), np.tile(n, (2, 1)), 0.1)
+    basis = BasisMatrices(layout, 2, rows)
+    basis.make_relative(
+        0, ints(0, 1), ints(0, 3), np.tile(n, (2, 1)), 1, (np.array([[0], [1]]), np.ones((2, 1)))
+    )
+    R, _ = basis.finish()
+    assert R.getInfo()["mallocs"] == 0 and R.getInfo()["nz_unneeded"] == 0
