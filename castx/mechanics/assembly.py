@@ -16,6 +16,9 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.formulation import Product
 from castx.solvers.layout import Layout
 
+FAILED = 2
+"""State of a rank where a law cannot be solved, above 1: evaluated anew, and 0: nothing new."""
+
 Correction = Callable[[FloatArray, FloatArray], None]
 """Adds to its second argument, owned rows, the image of its first."""
 
@@ -40,30 +43,41 @@ class BodyAssembly:
         diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
         self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
         self._matrix: PETSc.Mat | None = None
+        self._evaluations = [-1] * len(self.bodies)
 
     def residual(self) -> PETSc.Vec:
-        """Return internal minus external forces at `unknowns`.
+        """Return internal minus external forces at `unknowns`; the next call overwrites them.
+
+        Where unknowns and state of the bodies are those of the last call, it has them already.
 
         Raises:
             ConvergenceError: the law of a body cannot be solved; on all ranks.
         """
         self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
-        self._update_points()
+        if not self._update_points():
+            return self.residual_vector
         values = self.residual_vector.array
         for b, body in enumerate(self.bodies):
             values[self.layout.local_slice(b)] = body.present_residual()
         return self.residual_vector
 
-    def _update_points(self) -> None:
+    def _update_points(self) -> bool:
+        """Find the stresses of all bodies; return whether the residual is another one."""
         failure = ""
         for body in self.bodies:
             try:
-                body.update_points()
+                if not body.is_evaluated:
+                    body.update_points()
             except ConvergenceError as error:
                 failure = f"body {body.name!r}: {error}"
+        evaluations = [body.evaluations for body in self.bodies]
+        local = FAILED if failure else int(evaluations != self._evaluations)
+        self._evaluations = [-1] * len(self.bodies) if failure else evaluations
         # Collective on every residual: one number.
-        if self.layout.comm.allreduce(int(bool(failure)), op=MPI.SUM):
+        state = self.layout.comm.allreduce(local, op=MPI.MAX)
+        if state == FAILED:
             raise ConvergenceError(next(filter(None, self.layout.comm.allgather(failure))))
+        return state > 0
 
     def matrix(self) -> PETSc.Mat:
         """Return the assembled Jacobian; the next call overwrites it."""

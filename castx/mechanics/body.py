@@ -45,6 +45,7 @@ class BodyMechanics:
         material: stress and tangent at the integration points.
         formulation: forms and pressures.
         owned_cells: number of cells that this rank owns.
+        evaluations: how often the law has been evaluated.
     """
 
     def __init__(
@@ -72,25 +73,11 @@ class BodyMechanics:
             self.points, self._law, cells, description.starts_liquid
         )
         self._force_of_stress = self.points.weights.sum(axis=1) / self.points.sizes
-        self.formulation = self._formulate(description, cells, planes)
-
-    def _formulate(
-        self, given: MechanicalBody, cells: fem.FunctionSpace, planes: Sequence[FixedDirections]
-    ) -> Formulation:
-        parts = self.unknowns, self.material, self.loads
-        if given.formulation == "displacement":
-            return DisplacementFormulation(*parts)
-        pockets = (
-            NoPockets(len(self.cell_nodes))
-            if self.is_compressible
-            else Pockets(
-                self.mesh, self.model, given.closed, self.loads.potential(),
-                self._law.material.cavitation,
-            )
+        self.formulation = _formulation(
+            self.unknowns, self.material, self.loads, description, cells, planes
         )
-        if given.formulation == "q1p0":
-            return Q1P0Formulation(*parts, pockets, cells, self._law.largest_shear_modulus())
-        return MixedFormulation(*parts, pockets, given.stabilisation, planes)
+        self.evaluations = 0
+        self._evaluated_at: FloatArray = np.zeros(0)
 
     @property
     def is_linear(self) -> bool:
@@ -126,6 +113,7 @@ class BodyMechanics:
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]; collective."""
+        self._evaluated_at = np.zeros(0)
         self.loads.set_time(time)
         self.formulation.forms.update_load()
 
@@ -139,6 +127,7 @@ class BodyMechanics:
             solid_fraction: likewise.
             step: time step [s].
         """
+        self._evaluated_at = np.zeros(0)
         self.formulation.begin(temperature, solid_fraction, step)
 
     def update_points(self) -> None:
@@ -147,7 +136,19 @@ class BodyMechanics:
         Raises:
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
+        self._evaluated_at = np.zeros(0)
         self.formulation.update()
+        self.evaluations += 1
+        self._evaluated_at = self.solution.x.array.copy()
+
+    @property
+    def is_evaluated(self) -> bool:
+        """Whether stress and tangent are those of the present unknowns, on this rank."""
+        return np.array_equal(self._evaluated_at, self.solution.x.array)
+
+    def _evaluate(self) -> None:
+        if not self.is_evaluated:
+            self.update_points()
 
     def present_residual(self) -> FloatArray:
         """Return the residual for the stresses that `update_points` found; collective."""
@@ -176,35 +177,33 @@ class BodyMechanics:
 
     def improve_pressures(self) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any."""
-        return self.formulation.improve_pressures()
+        improved = self.formulation.improve_pressures()
+        if improved:
+            self._evaluated_at = np.zeros(0)
+        return improved
 
     def force_scale(self) -> tuple[float, float]:
         """Return sums of squares over the owned nodes [N²], of internal forces and of the loads.
 
         The forces of the cells on a node count although they cancel each other.
         """
-        size = np.linalg.norm(self._present_stress()[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
-        conditions = self.material.conditions
-        G = self.points.cell_means(conditions.shear_modulus)
+        stress = cell_stress(self.material, self.formulation.mean_stress())
+        size = np.linalg.norm(stress[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
+        G = self.points.cell_means(self.material.conditions.shear_modulus)
         size += THERMAL_SHARE * 2 * G * np.abs(self.material.thermal_change)
-        owned = self.owned_cells
-        corners = self.cell_nodes[:owned]
-        forces = np.repeat((size * self._force_of_stress)[:owned], corners.shape[1])
-        here = np.bincount(corners.ravel(), forces, len(self.mesh.parent_vertices))
-        mine = nodal_sum(self.mesh, here)[: self.owned_nodes]
+        forces = (size * self._force_of_stress)[: self.owned_cells]
+        mine = _on_corners(self.mesh, forces)[: self.owned_nodes]
         load = self.formulation.forms.load
         return float(mine @ mine), float(load @ load)
 
     def nodal_pressure(self) -> FloatArray:
         """Return the pressure at the local nodes [Pa], shape (nodes,); collective."""
+        self._evaluate()
         return self.formulation.nodal_pressure()
 
     def stress(self) -> FloatArray:
         """Return the stress in the cells [Pa], shape (cells, 6): xx, yy, zz, xy, xz, yz."""
-        self.update_points()
-        return self._present_stress()
-
-    def _present_stress(self) -> FloatArray:
+        self._evaluate()
         return cell_stress(self.material, self.formulation.mean_stress())
 
     def plastic_strain(self) -> FloatArray:
@@ -213,18 +212,52 @@ class BodyMechanics:
 
     def nodal_plastic_power(self) -> FloatArray:
         """Return the power of plastic work at the owned nodes [W], shape (owned,)."""
-        count = len(self.mesh.parent_vertices)
-        here = self.points.to_nodes(self.material.plastic_power(), count)
+        here = self.points.to_nodes(self.material.plastic_power(), len(self.mesh.parent_vertices))
         return nodal_sum(self.mesh, here)[: self.owned_nodes]
 
     def commit(self) -> None:
         """Make the trial state the one from which the next step starts; collective."""
-        self.formulation.commit()
+        self._evaluate()
+        if self.formulation.commit():
+            self._evaluated_at = np.zeros(0)
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
+        self._evaluated_at = np.zeros(0)
         self.formulation.rewind()
 
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the parts of the body that a checkpoint keeps, by their name there."""
         return self.formulation.stateful_parts()
+
+
+def _formulation(
+    unknowns: BodyUnknowns,
+    material: MaterialPoints,
+    loads: BodyLoads,
+    given: MechanicalBody,
+    cells: fem.FunctionSpace,
+    planes: Sequence[FixedDirections],
+) -> Formulation:
+    parts, law = (unknowns, material, loads), given.law
+    if given.formulation == "displacement":
+        return DisplacementFormulation(*parts)
+    pockets = (
+        NoPockets(material.points.cells)
+        if law.material.liquid is None
+        else Pockets(
+            unknowns.mesh, unknowns.model, given.closed, loads.potential(),
+            law.material.cavitation,
+        )
+    )  # fmt: skip
+    if given.formulation == "q1p0":
+        return Q1P0Formulation(*parts, pockets, cells, law.largest_shear_modulus())
+    return MixedFormulation(*parts, pockets, given.stabilisation, planes)
+
+
+def _on_corners(body: BodyMesh, forces: FloatArray) -> FloatArray:
+    """Return sums at the local nodes of forces (owned cells,) on each corner of a cell."""
+    corners = body.nodes.dofmap.list[: len(forces)]
+    repeated = np.repeat(forces, corners.shape[1])
+    here = np.bincount(corners.ravel(), repeated, len(body.parent_vertices))
+    return nodal_sum(body, here)

@@ -79,7 +79,6 @@ class DisplacementFormulation:
 
     def nodal_pressure(self) -> FloatArray:
         """Return means of the mean stress round the local nodes [Pa], shape (nodes,)."""
-        self.update()
         stress = cell_stress(self._material, self.mean_stress())
         return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
 
@@ -92,10 +91,14 @@ class DisplacementFormulation:
         """None: the body never is a liquid."""
         return None
 
-    def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
-        self.update()
+    def commit(self) -> bool:
+        """Make the trial state the one from which the next step starts.
+
+        Returns:
+            False: the residual stays.
+        """
         self._material.commit()
+        return False
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""

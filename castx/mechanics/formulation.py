@@ -208,8 +208,12 @@ class Formulation(Protocol):
     def liquid_totals(self) -> dict[str, float] | None:
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
 
-    def commit(self) -> None:
-        """Make the trial state the one from which the next step starts; collective."""
+    def commit(self) -> bool:
+        """Make the trial state the one from which the next step starts; collective.
+
+        Returns:
+            Whether the residual at the same unknowns is another one from now on.
+        """
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""

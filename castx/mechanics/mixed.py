@@ -171,11 +171,15 @@ class MixedFormulation:
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
         return self._pockets.totals()
 
-    def commit(self) -> None:
-        """Make the trial state the one from which the next step starts; collective."""
-        self.update()
+    def commit(self) -> bool:
+        """Make the trial state the one from which the next step starts; collective.
+
+        Returns:
+            False: the residual stays.
+        """
         self._material.commit()
         self._pockets.commit(self.nodal_pressure, self.mean_stress(), self._material.dilatation)
+        return False
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""

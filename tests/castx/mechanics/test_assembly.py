@@ -8,7 +8,9 @@ import pytest
 from castx.errors import ConvergenceError
 from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
+from castx.mechanics.description import SurfaceLoad
 from castx.solvers.layout import Layout
+from castx.tables import Table
 from tests.castx.mechanics.lone_bodies import (
     MELTING,
     POISSON,
@@ -21,6 +23,8 @@ from tests.castx.mechanics.lone_bodies import (
 )
 from tests.elastic_bodies import blocks, body, elastic, pushed
 
+RISING = SurfaceLoad("bottom", pressure=Table(np.array([0.0, 1.0]), np.array([2e6, 4e6])))
+
 
 @pytest.fixture
 def bodies(comm):
@@ -29,7 +33,7 @@ def bodies(comm):
     metal = elastic(YOUNG, POISSON, 2e-5)
     descriptions = {
         "upper": body(metal, loads=(pushed("top", 1e6),)),
-        "base": body(metal, formulation="displacement", loads=(pushed("bottom", 2e6),)),
+        "base": body(metal, formulation="displacement", loads=(RISING,)),
     }
     parts = [BodyMechanics(mesh.bodies[n], model, d) for n, d in descriptions.items()]
     for part in parts:
@@ -158,3 +162,55 @@ def test_only_q1p0_has_pressures_to_improve(comm, bodies):
     assert not other.improve_pressures()
     for each in (made, other):
         each.destroy()
+
+
+def counted(monkeypatch):
+    """Return a list to which every evaluation of the law of a body adds its name."""
+    names, update = [], BodyMechanics.update_points
+
+    def noted(self):
+        names.append(self.name)
+        update(self)
+
+    monkeypatch.setattr(BodyMechanics, "update_points", noted)
+    return names
+
+
+def test_nothing_is_evaluated_twice_at_the_same_unknowns(comm, bodies, monkeypatch):
+    made, _ = assembled(comm, bodies)
+    names = counted(monkeypatch)
+    found = made.residual().array_r.copy()
+    for part in bodies:
+        part.stress()
+        part.commit()
+    np.testing.assert_array_equal(made.residual().array_r, found)
+    assert names == ["upper", "base"]
+    made.unknowns.array[:] *= 2.0
+    assert (made.residual().array_r != found).any()
+    assert names == ["upper", "base"] * 2
+    made.destroy()
+
+
+@pytest.mark.parametrize("change", ["state", "load", "rewound"])
+def test_a_residual_is_that_of_the_present_state(comm, bodies, change):
+    """Temperature, loads and the start of the step change it although the unknowns stay."""
+    made, _ = assembled(comm, bodies)
+    before = made.residual().array_r.copy()
+    if change == "rewound":
+        for part in bodies:
+            part.commit()
+    for part in bodies:
+        if change == "load":
+            part.set_time(0.5)
+        else:
+            begin(part, 333.0)
+    if change == "rewound":
+        made.residual()
+        for part in bodies:
+            part.rewind()
+    found = made.residual().array_r.copy()
+    alone = np.concatenate([part.residual() for part in bodies])
+    np.testing.assert_array_equal(found, alone)
+    differs = comm.allreduce(bool((found != before).any()), op=max)
+    assert differs == (change != "rewound")
+    made.destroy()
