@@ -128,3 +128,31 @@ def test_a_checkout_called_castx_does_not_hide_the_package(tmp_path, command):
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     assert "metal" in ended.stdout
+
+
+SINGLE = {"OMPI_MCA_btl": "self,sm", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+
+
+@pytest.mark.parametrize(
+    ("batch", "hosts", "alone"),
+    [
+        ({}, "", True),
+        ({"SLURM_JOB_NUM_NODES": "1"}, "", True),
+        ({"SLURM_JOB_NUM_NODES": "2"}, "", False),
+        ({"PBS_NODEFILE": "{hosts}"}, "a\na\n", True),
+        ({"PBS_NODEFILE": "{hosts}"}, "a\na\nb\nb\n", False),
+        ({"PE_HOSTFILE": "{hosts}"}, "a 2 all.q\nb 2 all.q\n", False),
+        ({"LSB_DJOB_HOSTFILE": "/no/such/file"}, "", True),
+    ],
+)
+def test_mpi_stays_on_a_single_machine_only_where_there_is_one(batch, hosts, alone, tmp_path):
+    (tmp_path / "hosts").write_text(hosts)
+    set_by_it = (*SINGLE, "CASTX_CHECKOUT", "OMP_NUM_THREADS")
+    environment = {key: value for key, value in os.environ.items() if key not in set_by_it}
+    environment |= {key: value.format(hosts=tmp_path / "hosts") for key, value in batch.items()}
+    ended = subprocess.run(
+        [LAUNCHER, "env"], env=environment, capture_output=True, text=True, timeout=60, check=True
+    )
+    found = dict(line.split("=", 1) for line in ended.stdout.splitlines() if "=" in line)
+    assert {key: found[key] for key in SINGLE if key in found} == (SINGLE if alone else {})
+    assert found["OMP_NUM_THREADS"] == "1"
