@@ -7,6 +7,7 @@ import os
 import platform
 import pwd
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -27,6 +28,24 @@ echo '{"child-pid": 1}' >&4
 printf 'argument %s\\n' "$@"
 echo "TMPDIR ${TMPDIR-none} HOME ${HOME-none}"
 echo "input $(cat)"
+"""
+
+
+FORWARDING = """#!{python}
+# Stands for bubblewrap: its child is the command, which ends at a signal.
+import os, signal, sys
+if sys.argv[1] != "--info-fd":
+    sys.exit()
+names = sys.argv[sys.argv.index("env") + 1].removeprefix("--default-signal=").split(",")
+with open(4, "w") as info:
+    info.write('{{"child-pid": %d}}' % os.getpid())
+if (command := os.fork()) == 0:
+    for name in names:
+        signal.signal(getattr(signal, "SIG" + name), lambda number, frame: os._exit(number))
+    print("ready", flush=True)
+    while True:
+        signal.pause()
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(command, 0)[1]))
 """
 
 
@@ -75,6 +94,17 @@ def test_a_closed_input_is_an_empty_one(debian):
     ended = launch(debian, "<&-")
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.endswith("input \n")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1])
+def test_signals_reach_the_command(debian, tmp_path, number):
+    (tmp_path / "bin" / "bwrap").write_text(FORWARDING.format(python=sys.executable))
+    with subprocess.Popen(
+        [LAUNCHER, "castx", "info"], env=debian, stdout=subprocess.PIPE, text=True
+    ) as started:
+        assert started.stdout is not None and started.stdout.readline() == "ready\n"
+        started.send_signal(number)
+        assert started.wait(30) == number
 
 
 @pytest.mark.parametrize("redirection", [">&-", "2>&-", "<&- >&- 2>&-"])
@@ -130,7 +160,11 @@ def test_a_checkout_called_castx_does_not_hide_the_package(tmp_path, command):
     assert "metal" in ended.stdout
 
 
-SINGLE = {"OMPI_MCA_btl": "self,sm", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+SINGLE = {
+    "OMPI_MCA_btl": "self,sm",
+    "PRTE_MCA_plm": "^slurm",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+}
 
 
 @pytest.mark.parametrize(
