@@ -1,4 +1,4 @@
-"""The geometry: a generator of `castx.meshes` with its arguments, or a mesh file."""
+"""The geometry: a generator of `castx.meshes` with its arguments, a mesh file, or CAD files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, StrictStr, model_validator
 
+from castx.case.cad.geometry import CadGeometry, is_cad_file
 from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Quantity
 from castx.input.problems import Problem, Refusal, among, refuse
@@ -205,46 +206,46 @@ def _generator(value: Any) -> str:
     return Choice(tuple(GENERATORS)).read(value)
 
 
-def _no_parts(value: Any) -> None:
-    if value is not None:
-        raise CaseError("not available yet; leave this key out")
-
-
 def _mesh_file(value: Any) -> Path:
     if not isinstance(value, str | Path) or not str(value).endswith(".msh") or "\0" in str(value):
-        raise CaseError('the path of a gmsh mesh is needed, relative to the case file: "part.msh"')
+        raise CaseError(
+            'the path of a gmsh mesh is needed, relative to the case file: "part.msh", or of a CAD '
+            'file: "part.step"'
+        )
     return Path(value)
 
 
 class Geometry(Description):
-    """A generator with its arguments, or a gmsh file.
+    """A generator with its arguments, a gmsh file, or CAD files.
 
     Attributes:
         model: "3d", "axisymmetric" or a plane model.
         generator: a name of `GENERATORS`; None: a file.
         file: of the mesh, relative to the case file, after loading absolute.
-        parts: not available yet.
+        cad: CAD files with their keys, which stand beside `model` in the file.
         arguments: of the generator as given, in SI; it has defaults of the others.
     """
 
     model: Annotated[str, Choice(MODELS)]
     generator: Annotated[str | None, PlainValidator(_generator)] = None
     file: Annotated[Path | None, PlainValidator(_mesh_file)] = None
-    parts: Annotated[None, PlainValidator(_no_parts)] = None
+    cad: CadGeometry | None = None
     arguments: dict[StrictStr, Any] = Field({})
 
     @model_validator(mode="before")
     @classmethod
     def _gather(cls, data: Any) -> Any:
-        """Check the arguments, which stand beside the generator in the file."""
+        """Check the arguments, which stand beside the generator or the CAD file."""
         if not isinstance(data, dict) or isinstance(data.get("model", 0), list | dict):
             return data
-        own = [key for key in cls.model_fields if key != "arguments"]
+        if _is_cad(data):
+            return _with_cad(data)
+        own = [key for key in cls.model_fields if key not in ("arguments", "cad")]
         description = {key: value for key, value in data.items() if key in own}
         given = {key: value for key, value in data.items() if key not in own}
         generator, model = GENERATORS.get(str(data.get("generator"))), data.get("model")
         if generator is None or model not in generator.models:
-            unknown = given if "file" in data or "parts" in data else {}
+            unknown = given if "file" in data else {}
             problems = [
                 Problem((key,), f"unknown key; {among(key, own, what='known keys beside a file')}")
                 for key in unknown
@@ -278,8 +279,12 @@ class Geometry(Description):
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield a missing or doubled source of the mesh, and contradictions of its arguments."""
-        if (self.generator is None) == (self.file is None):
-            yield Problem((), 'give either a generator or a mesh: file = "part.msh"')
+        if [self.generator, self.file, self.cad].count(None) != 2:
+            cad = 'or CAD: file = "part.step"'
+            yield Problem((), f'give either a generator or a mesh: file = "part.msh", {cad}')
+            return
+        if self.cad is not None and self.model != "3d":
+            yield Problem(("model",), 'CAD solids need the model "3d"')
         if self.generator is None:
             return
         generator = GENERATORS[self.generator]
@@ -300,6 +305,17 @@ class Geometry(Description):
         cells = prod(max(extent / size, 1.0) for extent in extents)
         if cells > _MOST_CELLS:
             yield Problem(("size",), f"makes about {cells:.0e} elements; at most {_MOST_CELLS:.0e}")
+
+
+def _is_cad(data: dict[str, Any]) -> bool:
+    return is_cad_file(data.get("file")) or "files" in data or "parts" in data
+
+
+def _with_cad(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a geometry, those of its CAD files gathered in `cad`."""
+    own = {key: value for key, value in data.items() if key in ("model", "generator")}
+    given = {key: value for key, value in data.items() if key not in own}
+    return {**own, "cad": CadGeometry.read(given)}
 
 
 def _read_arguments(

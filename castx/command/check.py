@@ -16,6 +16,7 @@ from castx.case.case import Case
 from castx.case.caveats import caveats
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
+from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -52,6 +53,8 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
     _show_mesh(case, mesh_summary(mesh), formulations, console)
+    if mesh.report is not None:
+        show_cad(mesh.report, console)
     for described in case.interfaces:
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)

@@ -234,7 +234,7 @@ def mesh(
         case = load_case(case_file, overrides or ())
         names = [body.name for body in case.bodies]
         refuse_too_large(case.geometry, names, comm, solved=False)
-        on_first_rank(comm, lambda: write_mesh(case.geometry, output))
+        on_first_rank(comm, lambda: write_mesh(case.geometry, output, names))
     console.print(f"written: {output}", markup=False)
 
 

@@ -12,6 +12,7 @@ from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.domain.cell_kinds import KINDS, CellKind, kinds_of_dimension
 from castx.errors import MeshError
 from castx.input.problems import among
+from castx.meshes.cad.report import Report
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class NamedMesh:
         faces: (faces, corners of a face) nodes of the named faces.
         face_surfaces: (faces,) index of the surface.
         surface_names: names of the surfaces.
+        report: what was made of CAD files; None without them.
     """
 
     kind: CellKind
@@ -35,6 +37,7 @@ class NamedMesh:
     faces: LongArray
     face_surfaces: LongArray
     surface_names: tuple[str, ...]
+    report: Report | None = None
 
 
 def read_model(body_names: Sequence[str], dimension: int, source: str) -> NamedMesh:

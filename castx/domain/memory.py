@@ -69,6 +69,8 @@ def _refusal(
         free: memory [bytes].
         computers: number of computers that solve together; 0: only the mesh is made, on one.
     """
+    if geometry.cad is not None:  # its mesher keeps a budget
+        return None
     kind = (geometry.gdim, geometry.arguments.get("cells", "simplices") == "simplices")
     need = SOLVING[kind] / computers if computers else MAKING[kind]
     if geometry.file is None and _most_elements(geometry) * need < free:

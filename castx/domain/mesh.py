@@ -26,6 +26,7 @@ from castx.domain.soundness import doubts, refuse_far_away, refuse_folded
 from castx.domain.source import named_mesh, source_of
 from castx.errors import MeshError
 from castx.input.problems import among
+from castx.meshes.cad.report import Report
 from castx.stateful import Numbering
 
 T = TypeVar("T")
@@ -117,6 +118,7 @@ class CastingMesh:
         bodies: by name.
         digest: hash (SHA-256) of points, cells and bodies before they are distributed.
         marked: points (points, gdim) of the faces between bodies that the mesh names [m].
+        report: what was made of CAD files; None without them.
     """
 
     comm: MPI.Intracomm
@@ -125,6 +127,7 @@ class CastingMesh:
     bodies: dict[str, BodyMesh]
     digest: str
     marked: dict[str, FloatArray] = field(default_factory=dict, repr=False)
+    report: Report | None = field(default=None, repr=False)
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
@@ -145,7 +148,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         return _prepare(mesh, body_names, comm.size, source_of(geometry))
 
     prepared = _on_rank_zero(comm, prepare)
-    kind, surface_names, bodies, names, digest, marked = comm.bcast(
+    kind, surface_names, bodies, names, digest, marked, report = comm.bcast(
         (
             prepared.mesh.kind.name,
             prepared.mesh.surface_names,
@@ -153,6 +156,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
             prepared.face_names,
             _digest(prepared.mesh),
             prepared.marked,
+            prepared.mesh.report,
         )
         if prepared
         else None
@@ -170,6 +174,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         },
         digest,
         marked,
+        report,
     )
 
 

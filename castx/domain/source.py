@@ -1,20 +1,25 @@
-"""The gmsh mesh of a geometry, generated or read from a file, on one rank."""
+"""The gmsh mesh of a geometry, generated, read from a file or made of CAD files, on one rank."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import gmsh
 import numpy as np
 
+from castx.case.cad.geometry import CadGeometry
 from castx.case.geometry import Geometry
+from castx.domain.cad.description import part_of
+from castx.domain.cad.guarded import meshed_apart
 from castx.domain.gmsh_import import NamedMesh, read_model
 from castx.errors import MeshError
 from castx.input.problems import among
+from castx.meshes.cad.report import Report
 from castx.meshes.generators import GENERATORS
 
 MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
@@ -44,6 +49,8 @@ def source_of(geometry: Geometry) -> str:
     """Return the origin of a mesh, for messages."""
     if geometry.file is not None:
         return str(geometry.file)
+    if geometry.cad is not None:
+        return ", ".join(str(path) for path, _ in geometry.cad.sources)
     return f"generator {geometry.generator}"
 
 
@@ -59,8 +66,8 @@ def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
     """
     source = source_of(geometry)
     with gmsh_session():
-        _fill(geometry)
-        mesh = read_model(body_names, geometry.gdim, source)
+        report = _fill(geometry, body_names)
+        mesh = replace(read_model(body_names, geometry.gdim, source), report=report)
     inmost = mesh.points[:, 0].min()
     if geometry.model == "axisymmetric" and inmost < -1e-9 * np.ptp(mesh.points[:, 0]):
         raise MeshError(
@@ -70,25 +77,44 @@ def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
     return mesh
 
 
-def write_mesh(geometry: Geometry, file: Path) -> None:
+def write_mesh(
+    geometry: Geometry, file: Path, body_names: Sequence[str] | None = None
+) -> None:
     """Write the mesh of a geometry as a gmsh file; call it on one rank only.
+
+    Args:
+        geometry: to be meshed.
+        file: to write.
+        body_names: names of the bodies of the case; None: those that CAD files have.
 
     Raises:
         MeshError: the mesh cannot be made or the file not be written.
     """
     with gmsh_session():
-        _fill(geometry)
+        _fill(geometry, body_names)
         try:
             gmsh.write(str(file))
         except Exception as error:  # gmsh raises nothing more special
             raise MeshError(f"gmsh cannot write {file}: {error}") from error
 
 
-def _fill(geometry: Geometry) -> None:
+def _fill(geometry: Geometry, body_names: Sequence[str] | None) -> Report | None:
+    """Fill the current gmsh model, and return what was made of CAD files."""
+    if geometry.cad is not None:
+        return _mesh_cad(geometry.cad, body_names)
     if geometry.file is not None:
         _open(geometry.file)
     else:
         _generate(geometry)
+    return None
+
+
+def _mesh_cad(cad: CadGeometry, body_names: Sequence[str] | None) -> Report:
+    with TemporaryDirectory() as folder:
+        mesh = Path(folder) / "mesh.msh"
+        report = meshed_apart(part_of(cad, body_names), mesh)
+        _open(mesh)
+    return report
 
 
 def _open(file: Path) -> None:

@@ -89,6 +89,9 @@ def _completed(case: Case, path: Path) -> Case:
     if geometry.file is not None:
         file = path.resolve().parent / geometry.file
         geometry = geometry.model_copy(update={"file": file})
+    if geometry.cad is not None:
+        cad = geometry.cad.relative_to(path.resolve().parent)
+        geometry = geometry.model_copy(update={"cad": cad})
     given = "folder" in output.model_fields_set
     folder = Path.cwd() / (output.folder if given else Path("results") / path.stem)
     gravity = gravity_along(case.loads.gravity, geometry.model)

@@ -119,7 +119,7 @@ def test_the_table_of_arguments_is_that_of_the_generators(name):
             {"model": "3d", "file": "a.msh", "size": 1},
             "size: unknown key; known keys beside a file",
         ),
-        ({"model": "3d", "parts": {"casting": "a.step"}}, "parts: not available yet"),
+        ({"model": "3d", "parts": {"casting": "a.step"}}, "size: missing; this key is needed"),
         ({**CYLINDER, "radius": "30 s"}, "radius: 's' is not a unit of length"),
         ({**CYLINDER, "radius": 0}, r"radius: must be positive \(in m\)"),
         ({**CYLINDER, "floor": -1}, "floor: must be at least 0"),

@@ -1,0 +1,121 @@
+"""The geometry of a case from CAD files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, PlainValidator, StrictStr
+
+from castx.case.cad.selectors import FaceSelector
+from castx.errors import CaseError
+from castx.input.entries import Description, EntryName, Name, Quantity
+from castx.input.problems import Problem, Refusal, refuse
+from castx.input.units import LENGTH, PURE_NUMBER, number
+
+SUFFIXES = (".step", ".stp", ".brep", ".iges", ".igs")
+"""Ends of the names of CAD files."""
+_MOST_FILES = 100
+_MOST_SURFACES = 1000
+
+
+def is_cad_file(value: Any) -> bool:
+    """Return whether a path is that of a CAD file, by its end."""
+    return isinstance(value, str | Path) and str(value).lower().endswith(SUFFIXES)
+
+
+def _cad_file(value: Any) -> Path:
+    if not is_cad_file(value) or "\0" in str(value):
+        known = ", ".join(SUFFIXES)
+        raise CaseError(f"the path of a CAD file is needed, relative to the case file ({known})")
+    return Path(value)
+
+
+def _files(value: Any) -> tuple[Path, ...]:
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= _MOST_FILES:
+        raise CaseError(f"a list of 1 to {_MOST_FILES} CAD files is needed")
+    files = []
+    for index, entry in enumerate(value):
+        try:
+            files.append(_cad_file(entry))
+        except CaseError as error:
+            raise refuse(str(error), index) from None
+    return tuple(files)
+
+
+def _surfaces(value: Any) -> dict[str, FaceSelector]:
+    if not isinstance(value, dict) or len(value) > _MOST_SURFACES:
+        raise CaseError('a table is needed: { top = { normal = "+z" }, … }')
+    surfaces = {}
+    for name, selector in value.items():
+        try:
+            surfaces[Name().read(name)] = FaceSelector.read(selector)
+        except Refusal as error:
+            raise error.inside(name) from None
+        except CaseError as error:
+            raise refuse(str(error), name) from None
+    return surfaces
+
+
+def _unit(value: Any) -> float:
+    if not isinstance(value, str):
+        raise CaseError('a unit of length is needed: "mm", "inch", …')
+    return number(f"1 {value}", LENGTH)
+
+
+class CadGeometry(Description):
+    """Solids of CAD files, their surfaces, and how they are meshed.
+
+    Attributes:
+        file: of an assembly or a part, relative to the case file, after loading absolute.
+        files: several of them.
+        parts: the file of each body.
+        unit: of the numbers of BREP files [m]; STEP and IGES files carry their own.
+        names: body of a label of the CAD file, or of `solid-1`, … in their order.
+        tolerance: gaps and overlaps of solids up to it are closed [m].
+        size: largest element size [m].
+        curvature: elements round a full circle.
+        surfaces: selectors of faces by the names of surfaces; all other free faces are `outside`.
+    """
+
+    file: Annotated[Path | None, PlainValidator(_cad_file)] = None
+    files: Annotated[tuple[Path, ...], PlainValidator(_files)] = ()
+    parts: dict[EntryName, Annotated[Path, PlainValidator(_cad_file)]] = Field(
+        {}, max_length=_MOST_FILES
+    )
+    unit: Annotated[float, PlainValidator(_unit)] = 1e-3
+    names: dict[StrictStr, EntryName] = Field({}, max_length=_MOST_SURFACES)
+    tolerance: Annotated[float, Quantity(LENGTH, least=0.0)] = 1e-6
+    size: Annotated[float, Quantity(LENGTH, above=0.0)]
+    curvature: Annotated[float, Quantity(PURE_NUMBER, least=3.0, most=1000.0)] = 16.0
+    surfaces: Annotated[dict[str, FaceSelector], PlainValidator(_surfaces)] = Field({})
+
+    @property
+    def sources(self) -> list[tuple[Path, str | None]]:
+        """The files, each with the body that all its solids make, or None."""
+        single = [self.file] if self.file is not None else []
+        plain: list[tuple[Path, str | None]] = [(path, None) for path in (*single, *self.files)]
+        return plain + [(path, body) for body, path in self.parts.items()]
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield sources that exclude each other, and values that change nothing."""
+        given = [key for key in ("file", "files", "parts") if getattr(self, key)]
+        if len(given) != 1:
+            yield Problem((), "give one of file, files and parts")
+        if self.tolerance > self.size / 2:
+            text = f"must be at most half of size, {self.size:g} m: it would close what is meshed"
+            yield Problem(("tolerance",), text)
+        brep = any(str(path).lower().endswith(".brep") for path, _ in self.sources)
+        if "unit" in self.model_fields_set and not brep:
+            yield Problem(("unit",), "STEP and IGES files carry their own unit; leave it out")
+
+    def relative_to(self, folder: Path) -> Self:
+        """Return the same with files in a folder [absolute paths]."""
+        return self.model_copy(
+            update={
+                "file": None if self.file is None else folder / self.file,
+                "files": tuple(folder / path for path in self.files),
+                "parts": {body: folder / path for body, path in self.parts.items()},
+            }
+        )

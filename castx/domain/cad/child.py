@@ -1,0 +1,44 @@
+"""The process that meshes CAD files.
+
+It gets in its arguments the file of the request, the file of the mesh to write, the file of the
+answer, and the exit code of a refusal. It ends with 0 after writing mesh and report (JSON), or with
+the code of a refusal after writing its reason.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import pickle
+import sys
+from pathlib import Path
+
+import gmsh
+
+from castx.meshes.cad.part import mesh_part
+
+
+def main() -> None:
+    """Answer the request of the command line, and end the process."""
+    request, mesh, answer, refused = sys.argv[1:]
+    part = pickle.loads(Path(request).read_bytes())  # written by the process that asks
+    gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.model.add("castx")
+    code = 0
+    try:
+        report = mesh_part(part, mesh)
+        Path(answer).write_text(json.dumps(report.as_data()))
+    except ValueError as error:
+        Path(answer).write_text(str(error))
+        code = int(refused)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    ctypes.CDLL(None).fflush(None)  # what gmsh has printed
+    os._exit(code)  # gmsh need not tidy up
+
+
+if __name__ == "__main__":
+    main()

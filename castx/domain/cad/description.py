@@ -1,0 +1,42 @@
+"""What a case asks of its CAD files, as the mesher takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import radians
+
+from castx.case.cad.geometry import CadGeometry
+from castx.case.cad.selectors import FaceSelector
+from castx.meshes.cad.description import CadFile, CadPart, Selector
+
+
+def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
+    """Return the description of a part for `castx.meshes.cad`.
+
+    Args:
+        cad: of the case.
+        body_names: names that the solids must get; None: any.
+    """
+    return CadPart(
+        files=tuple(CadFile(str(path), body, cad.unit) for path, body in cad.sources),
+        size=cad.size,
+        bodies=None if body_names is None else tuple(body_names),
+        names=dict(cad.names),
+        tolerance=cad.tolerance,
+        selectors=tuple(_selector(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
+        curvature=cad.curvature,
+    )
+
+
+def _selector(name: str, selector: FaceSelector, tolerance: float) -> Selector:
+    return Selector(
+        name,
+        body=selector.body,
+        normal=selector.normal,
+        angle=radians(selector.angle),
+        within=selector.within,
+        touches=selector.touches,
+        radius=selector.radius,
+        largest=selector.largest,
+        tolerance=tolerance,
+    )

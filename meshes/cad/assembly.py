@@ -1,0 +1,103 @@
+"""Solids that touch, with their common faces shared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import gmsh
+
+from castx.meshes.cad.description import MILLIMETRES
+from castx.meshes.cad.reading import Solid, centre_of, place_text, solid_list
+
+
+def join(solids: Sequence[Solid], tolerance: float) -> dict[int, str]:
+    """Divide solids along their common faces, and return the body of each volume of the model.
+
+    Args:
+        solids: of the current gmsh model.
+        tolerance: gaps and overlaps up to it are closed [m].
+
+    Raises:
+        ValueError: solids of two bodies overlap, or one of them vanishes.
+    """
+    _refuse_hollow(solids)
+    if len(solids) == 1:
+        return {solids[0].tag: solids[0].name}
+    gmsh.option.setNumber("Geometry.ToleranceBoolean", tolerance * MILLIMETRES)
+    try:
+        _, pieces = gmsh.model.occ.fragment([(3, solid.tag) for solid in solids], [])
+    except Exception as error:  # gmsh raises nothing more special
+        raise ValueError(
+            f"the solids cannot be joined: {error}; repair them in CAD, or change "
+            f"geometry.tolerance, {tolerance:g} m"
+        ) from None
+    finally:
+        gmsh.option.setNumber("Geometry.ToleranceBoolean", 0.0)
+    gmsh.model.occ.synchronize()
+    owners: dict[int, list[Solid]] = {}
+    for solid, parts in zip(solids, pieces, strict=True):
+        volumes = [tag for dim, tag in parts if dim == 3]
+        if not volumes:
+            raise ValueError(f"the solid {solid.name!r} is thinner than the tolerance everywhere")
+        for tag in volumes:
+            owners.setdefault(tag, []).append(solid)
+    _refuse_overlaps(owners, tolerance)
+    return {tag: owner[0].name for tag, owner in owners.items()}
+
+
+def _refuse_hollow(solids: Sequence[Solid]) -> None:
+    for solid in solids:
+        if not gmsh.model.occ.getMass(3, solid.tag) > 0.0:
+            raise ValueError(
+                f"the solid {solid.name!r} has no volume or is turned inside out; repair it in CAD"
+            )
+
+
+def _refuse_overlaps(owners: dict[int, list[Solid]], tolerance: float) -> None:
+    overlaps = {
+        tag: sorted({solid.name for solid in owner})
+        for tag, owner in owners.items()
+        if len({solid.name for solid in owner}) > 1
+    }
+    if not overlaps:
+        return
+    volumes = {tag: gmsh.model.occ.getMass(3, tag) / MILLIMETRES**3 for tag in overlaps}
+    worst = max(volumes, key=lambda tag: volumes[tag])
+    names = " and ".join(repr(name) for name in overlaps[worst])
+    raise ValueError(
+        f"{names} overlap by {volumes[worst]:.3g} m³ round {place_text(centre_of(3, worst))}"
+        f"{_others(len(overlaps) - 1)}; cut one of them in CAD, or raise geometry.tolerance, "
+        f"{tolerance:g} m, above their mismatch"
+    )
+
+
+def _others(count: int) -> str:
+    return f" (and at {count} other places)" if count else ""
+
+
+def refuse_other_bodies(
+    wanted: Sequence[str] | None, volumes: dict[int, str], solids: Sequence[Solid]
+) -> None:
+    """Refuse solids that are not the bodies of the case.
+
+    Args:
+        wanted: names of the bodies; None: any.
+        volumes: body of each volume.
+        solids: as read.
+
+    Raises:
+        ValueError: with all solids.
+    """
+    made = set(volumes.values())
+    if wanted is None or made == set(wanted):
+        return
+    missing = [name for name in wanted if name not in made]
+    if missing:
+        text = f"no solid is the body {missing[0]!r}"
+    else:
+        extra = sorted(made - set(wanted))
+        text = f"the case does not list the body {extra[0]!r} under [[bodies]]"
+    raise ValueError(
+        f"{text}; give it its name by geometry.names = {{ LABEL = BODY }}; the solids:\n"
+        f"{solid_list([s for s in solids if s.tag in volumes] or solids)}"
+    )

@@ -1,0 +1,80 @@
+"""What is to be made of CAD files, in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+MILLIMETRES = 1e3
+"""Units of the gmsh model in a metre."""
+
+Vector = tuple[float, float, float]
+Box = tuple[Vector, Vector]
+"""Lowest and highest corner [m]."""
+
+
+@dataclass(frozen=True)
+class CadFile:
+    """A file with solids.
+
+    Args:
+        path: of the file.
+        body: the body that all its solids make; None: each one is named by its label.
+        unit: of the numbers of a BREP file [m]; others carry their own.
+    """
+
+    path: str
+    body: str | None = None
+    unit: float = 1.0 / MILLIMETRES
+
+
+@dataclass(frozen=True)
+class Selector:
+    """Which faces a named surface has: those that meet all that is given.
+
+    Args:
+        name: of the surface.
+        body: that the faces belong to.
+        normal: outward direction, a unit vector.
+        angle: largest angle between it and the normals of a face [rad].
+        within: box that contains the faces [m].
+        touches: body on the other side; None: free faces.
+        radius: of curvature, the smaller one [m].
+        largest: how many of the remaining faces, by area.
+        tolerance: of lengths [m].
+    """
+
+    name: str
+    body: str | None = None
+    normal: Vector | None = None
+    angle: float = 0.0
+    within: Box | None = None
+    touches: str | None = None
+    radius: float | None = None
+    largest: int | None = None
+    tolerance: float = 1e-6
+
+
+@dataclass(frozen=True)
+class CadPart:
+    """An assembly of CAD solids and how it is meshed.
+
+    Args:
+        files: with its solids.
+        size: largest element size [m].
+        bodies: names that the solids must get; None: whatever they get.
+        names: body of a label, where they differ.
+        tolerance: gaps and overlaps of solids up to it are closed [m].
+        selectors: of the named surfaces.
+        rest: name of the free faces that no selector has.
+        curvature: elements round a full circle.
+    """
+
+    files: tuple[CadFile, ...]
+    size: float
+    bodies: tuple[str, ...] | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float = 1e-6
+    selectors: tuple[Selector, ...] = ()
+    rest: str = "outside"
+    curvature: float = 16.0

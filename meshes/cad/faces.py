@@ -1,0 +1,140 @@
+"""The faces of joined solids: bodies on their sides, area, outward normals, radius of curvature."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import gmsh
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.meshes.cad.description import MILLIMETRES
+
+GRIDS = (7, 25, 80)
+"""Points along each parameter of a face, until some lie in it."""
+ON_EDGE = 9
+"""Points along each edge."""
+OFFSETS = (1e-2, 1e-3, 1e-4, 1e-5)
+"""Distance of the point that decides on which side a body lies, in square roots of the area."""
+FLAT = 1e-6
+"""Curvature over a length of the face's size that counts as none."""
+ROUND = 1e-3
+"""Relative variation of a curvature that counts as constant."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """A face of the model.
+
+    Args:
+        tag: of the surface in the model.
+        bodies: on its sides, one or two.
+        area: of the CAD face [m²].
+        centre: of mass [m].
+        points: of its edges and its inside, (points, 3) [m].
+        normals: at points of its inside, out of the first body, (points, 3).
+        radius: smaller radius of curvature, if it is the same everywhere [m].
+    """
+
+    tag: int
+    bodies: tuple[str, ...]
+    area: float
+    centre: FloatArray
+    points: FloatArray
+    normals: FloatArray
+    radius: float | None
+
+    def normals_from(self, body: str) -> FloatArray:
+        """Return the normals out of a body."""
+        return self.normals if body == self.bodies[0] else -self.normals
+
+    @property
+    def text(self) -> str:
+        """The face in words."""
+        normal = self.normals.mean(axis=0)
+        place = ", ".join(f"{x:.4g}" for x in self.centre)
+        if np.linalg.norm(normal) > 1.0 - 1e-9:
+            shape = f"normal ({', '.join(f'{x:.3g}' for x in normal.round(6) + 0.0)})"
+        else:
+            shape = "curved" if self.radius is None else f"radius {self.radius:.4g} m"
+        other = f", touches {self.bodies[1]}" if len(self.bodies) > 1 else ""
+        return f"{self.bodies[0]}: {self.area:.4g} m² round ({place}) m, {shape}{other}"
+
+
+def faces_of(volumes: Mapping[int, str]) -> list[Face]:
+    """Return the faces of bodies but for those inside one of them.
+
+    Args:
+        volumes: body of each volume of the current gmsh model.
+    """
+    found = []
+    for _, tag in gmsh.model.getEntities(2):
+        above = [int(v) for v in gmsh.model.getAdjacencies(2, tag)[0] if int(v) in volumes]
+        bodies = tuple(dict.fromkeys(volumes[v] for v in above))
+        if len(bodies) == 2 or len(above) == 1:
+            found.append(_face(tag, bodies, above[0]))
+    return found
+
+
+def _face(tag: int, bodies: tuple[str, ...], volume: int) -> Face:
+    area = gmsh.model.occ.getMass(2, tag)
+    parameters = inner_parameters(tag)
+    inside = np.reshape(gmsh.model.getValue(2, tag, parameters), (-1, 3))
+    normals = np.reshape(gmsh.model.getNormal(tag, parameters), (-1, 3))
+    sign = _outward(volume, inside, normals, area**0.5)
+    return Face(
+        tag,
+        bodies,
+        area / MILLIMETRES**2,
+        np.array(gmsh.model.occ.getCenterOfMass(2, tag)) / MILLIMETRES,
+        np.concatenate([inside, edge_points(tag)]) / MILLIMETRES,
+        sign * normals,
+        _radius(tag, parameters, area**0.5),
+    )
+
+
+def inner_parameters(tag: int) -> FloatArray:
+    """Return parameters of points inside a face, flat."""
+    lowest, highest = (np.array(bound) for bound in gmsh.model.getParametrizationBounds(2, tag))
+    for count in GRIDS:
+        steps = (np.arange(count) + 0.5) / count
+        grid = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+        candidates = lowest + grid * (highest - lowest)
+        kept = [p for p in candidates if gmsh.model.isInside(2, tag, p, parametric=True)]
+        if kept:
+            return np.concatenate(kept)
+    centre = gmsh.model.occ.getCenterOfMass(2, tag)
+    return np.array(gmsh.model.getClosestPoint(2, tag, centre)[1])
+
+
+def edge_points(tag: int) -> FloatArray:
+    """Return points of the edges of a face, (points, 3) [mm]."""
+    points = [np.empty((0, 3))]
+    for _, edge in gmsh.model.getBoundary([(2, tag)], combined=False, oriented=False):
+        (first,), (last,) = gmsh.model.getParametrizationBounds(1, edge)
+        values = gmsh.model.getValue(1, edge, np.linspace(first, last, ON_EDGE))
+        points.append(np.reshape(values, (-1, 3)))
+    return np.concatenate(points)
+
+
+def _outward(volume: int, points: FloatArray, normals: FloatArray, length: float) -> float:
+    """Return 1 if the normals point out of a volume, else -1."""
+    for offset in OFFSETS:
+        for point, normal in zip(points, normals, strict=True):
+            ahead, behind = (
+                bool(gmsh.model.isInside(3, volume, point + side * offset * length * normal))
+                for side in (1.0, -1.0)
+            )
+            if ahead != behind:
+                return -1.0 if ahead else 1.0
+    return 1.0
+
+
+def _radius(tag: int, parameters: FloatArray, length: float) -> float | None:
+    bounds = gmsh.model.getPrincipalCurvatures(tag, parameters)[:2]
+    curvature = np.abs(np.array(bounds)).max(axis=0)
+    largest = float(curvature.max())
+    if largest * length < FLAT or np.ptp(curvature) > ROUND * largest:
+        return None
+    return 1.0 / largest / MILLIMETRES

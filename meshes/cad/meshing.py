@@ -1,0 +1,93 @@
+"""Tetrahedra in the joined solids of the current gmsh model, in named groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import gmsh
+import numpy as np
+
+from castx.meshes.cad.description import MILLIMETRES, CadPart
+from castx.meshes.cad.faces import Face
+from castx.meshes.cad.reading import centre_of, place_text
+
+FRONTAL, DELAUNAY, HXT = 6, 1, 10
+"""gmsh's numbers of the algorithms on faces (the first) and in solids."""
+
+
+def generate(part: CadPart) -> None:
+    """Mesh the current gmsh model.
+
+    Raises:
+        ValueError: gmsh finds no mesh; with the place.
+    """
+    size = part.size * MILLIMETRES
+    # Without sizes at its points gmsh takes a tenth of the extent.
+    gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", part.curvature)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
+    gmsh.option.setNumber("Mesh.Algorithm", FRONTAL)
+    gmsh.option.setNumber("Mesh.Optimize", 1)
+    try:
+        gmsh.model.mesh.generate(2)
+    except Exception as error:  # gmsh raises nothing more special
+        raise ValueError(f"gmsh cannot mesh the faces: {error}{_place()}; {CURE}") from None
+    failure = ""
+    for algorithm in (HXT, DELAUNAY):  # the faster one, and the one that says more
+        gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
+        try:
+            gmsh.model.mesh.generate(3)
+        except Exception as error:  # gmsh raises nothing more special
+            failure = f"{error}{_place()}"
+        else:
+            empty = _without_cells()
+            if not empty:
+                return
+            failure = f"no cells round {place_text(centre_of(3, empty[0]))}"
+        gmsh.model.mesh.clear(gmsh.model.getEntities(3))
+    raise ValueError(f"gmsh cannot mesh the solids: {failure}; {CURE}")
+
+
+CURE = (
+    "the faces there may intersect themselves or each other: repair the part in CAD, choose a "
+    "smaller size, or another geometry.tolerance"
+)
+
+
+def _without_cells() -> list[int]:
+    volumes = gmsh.model.getEntities(3)
+    return [tag for _, tag in volumes if not gmsh.model.mesh.getElements(3, tag)[0].size]
+
+
+def _place() -> str:
+    """Return where gmsh has failed, if it says so."""
+    points = []
+    for dim, tag in gmsh.model.mesh.getLastEntityError():
+        box = np.reshape(gmsh.model.getBoundingBox(dim, tag), (2, 3))
+        points.append(box.mean(axis=0))
+    for tag in gmsh.model.mesh.getLastNodeError():
+        points.append(np.array(gmsh.model.mesh.getNode(tag)[0]))
+    return f", round {place_text(points[0] / MILLIMETRES)}" if points else ""
+
+
+def add_groups(volumes: Mapping[int, str], named: Mapping[str, Sequence[Face]]) -> None:
+    """Name bodies and surfaces as physical groups of the current gmsh model.
+
+    Args:
+        volumes: body of each volume.
+        named: faces of each surface.
+    """
+    for body in dict.fromkeys(volumes.values()):
+        tags = [tag for tag, owner in volumes.items() if owner == body]
+        gmsh.model.addPhysicalGroup(3, tags, name=body)
+    for name, faces in named.items():
+        gmsh.model.addPhysicalGroup(2, [face.tag for face in faces], name=name)
+
+
+def write(file: str) -> None:
+    """Write the mesh of the named groups in metres, every digit of it."""
+    gmsh.option.setNumber("Mesh.Binary", 1)
+    gmsh.option.setNumber("Mesh.SaveAll", 0)
+    gmsh.option.setNumber("Mesh.ScalingFactor", 1.0 / MILLIMETRES)
+    gmsh.write(file)

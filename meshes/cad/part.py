@@ -1,0 +1,33 @@
+"""From CAD files to the file of a mesh."""
+
+from __future__ import annotations
+
+from castx.meshes.cad.assembly import join, refuse_other_bodies
+from castx.meshes.cad.description import CadPart
+from castx.meshes.cad.faces import faces_of
+from castx.meshes.cad.meshing import add_groups, generate, write
+from castx.meshes.cad.reading import read_solids
+from castx.meshes.cad.report import Report, report_of
+from castx.meshes.cad.selection import named_faces
+
+
+def mesh_part(part: CadPart, file: str) -> Report:
+    """Mesh an assembly in the current, empty gmsh model, and write its mesh in metres.
+
+    Args:
+        part: the assembly.
+        file: the gmsh file to write, .msh.
+
+    Raises:
+        ValueError: a file, a name, a selector or a solid makes no mesh.
+    """
+    solids = read_solids(part.files, part.names, f"{file}.brep")
+    volumes = join(solids, part.tolerance)
+    refuse_other_bodies(part.bodies, volumes, solids)
+    faces = faces_of(volumes)
+    named = named_faces(part.selectors, faces, list(dict.fromkeys(volumes.values())), part.rest)
+    add_groups(volumes, named)
+    generate(part)
+    report = report_of(volumes, faces, named)
+    write(file)
+    return report

@@ -1,0 +1,69 @@
+"""CAD files as the geometry of a case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from castx.case.cad.geometry import CadGeometry, is_cad_file
+from castx.case.geometry import Geometry
+from castx.input.problems import Refusal
+
+pytestmark = pytest.mark.serial
+
+STEP = {"model": "3d", "file": "part.step", "size": "4 mm"}
+
+
+def test_keys_stand_beside_the_file():
+    geometry = Geometry.read(
+        {**STEP, "tolerance": "0.01 mm", "names": {"Part 1": "casting"}, "curvature": 30,
+         "surfaces": {"top": {"normal": "+z"}}}
+    )  # fmt: skip
+    assert geometry.cad is not None and geometry.file is None and geometry.surfaces is None
+    assert geometry.cad.sources == [(Path("part.step"), None)]
+    assert (geometry.cad.size, geometry.cad.tolerance) == (0.004, 1e-5)
+    assert geometry.cad.surfaces["top"].normal == (0.0, 0.0, 1.0)
+
+
+def test_files_are_relative_to_a_folder():
+    parts = {"casting": "a.stp", "mould": "/b.IGS"}
+    cad = CadGeometry.read({"parts": parts, "size": 1}).relative_to(Path("/case"))
+    assert cad.sources == [(Path("/case/a.stp"), "casting"), (Path("/b.IGS"), "mould")]
+    cad = CadGeometry.read({"files": ["a.brep"], "size": 1, "unit": "inch"})
+    assert cad.unit == pytest.approx(0.0254)
+    assert cad.relative_to(Path("/case")).sources == [(Path("/case/a.brep"), None)]
+
+
+def test_ends_of_names():
+    assert is_cad_file("a.STEP") and is_cad_file(Path("a.igs"))
+    assert not is_cad_file("a.msh") and not is_cad_file(3)
+
+
+@pytest.mark.parametrize(
+    "description, text",
+    [
+        ({**STEP, "model": "axisymmetric"}, 'model: CAD solids need the model "3d"'),
+        ({"model": "3d", "file": "part.step"}, "size: missing"),
+        ({**STEP, "files": ["b.step"]}, "give one of file, files and parts"),
+        ({"model": "3d", "files": [], "size": 1}, "files: a list of 1 to 100 CAD files"),
+        ({"model": "3d", "files": ["a.msh"], "size": 1}, r"files\[0\]: the path of a CAD file"),
+        ({"model": "3d", "parts": {"a": "a.txt"}, "size": 1}, "parts.a: the path of a CAD file"),
+        ({**STEP, "generator": "slab"}, "give either a generator or a mesh"),
+        ({**STEP, "sise": 1}, 'sise: unknown key.*mean "size"'),
+        ({**STEP, "cad": 1}, "cad: unknown key"),
+        ({**STEP, "unit": "mm"}, "unit: STEP and IGES files carry their own unit"),
+        ({"model": "3d", "file": "a.brep", "size": 1, "unit": 3}, "unit: a unit of length"),
+        ({"model": "3d", "file": "a.brep", "size": 1, "unit": "kg"}, "unit: "),
+        ({**STEP, "tolerance": "3 mm"}, "tolerance: must be at most half of size, 0.004 m"),
+        ({**STEP, "size": 0}, "size: must be positive"),
+        ({**STEP, "curvature": 2}, "curvature: must be at least 3"),
+        ({**STEP, "surfaces": ["top"]}, "surfaces: a table is needed"),
+        ({**STEP, "surfaces": {"top": {"radius": 0}}}, "surfaces.top.radius: must be positive"),
+        ({**STEP, "surfaces": {"a/b": {"largest": 1}}}, 'surfaces."a/b": a name has 1 to 64'),
+        ({**STEP, "names": {"A": "a/b"}}, "names.A: a name has 1 to 64 letters"),
+    ],
+)
+def test_refused(description, text):
+    with pytest.raises(Refusal, match=text):
+        Geometry.read(description)

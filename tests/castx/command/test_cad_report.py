@@ -1,0 +1,61 @@
+"""What is shown of CAD files."""
+
+from __future__ import annotations
+
+import pytest
+
+from castx.command.cad_report import difference_text
+from castx.command.cli import execute
+from castx.meshes.cad.report import Measure
+from tests.cad_files import two_blocks, write_cad
+
+CASE = """
+[geometry]
+model = "3d"
+file = "two.step"
+size = "10 mm"
+surfaces = { top = { normal = "+z", body = "casting" }, far = { normal = "+x", body = "die" } }
+[[bodies]]
+name = "casting"
+material = "Al-pure"
+temperature = 700
+[[bodies]]
+name = "die"
+material = "steel-H13"
+temperature = 200
+[[interfaces]]
+bodies = ["casting", "die"]
+heat = { closed = 2000, law = "constant" }
+[[boundaries]]
+on = "casting/top"
+heat = { type = "convection", coefficient = 10, ambient = 20 }
+[time]
+end = "1 s"
+"""
+
+
+@pytest.mark.parametrize(
+    "cad, mesh, text", [(1.0, 1.0 + 1e-12, "0 %"), (2.0, 1.97, "-1.5 %"), (1.0, 1.001, "+0.1 %")]
+)
+def test_differences(cad, mesh, text):
+    assert difference_text(Measure("a", 1, cad, mesh)) == text
+
+
+def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said):
+    case = shared_tmp_path / "two.toml"
+    if comm.rank == 0:
+        write_cad(shared_tmp_path / "two.step", two_blocks, ["casting", "die"])
+        case.write_text(CASE)
+    comm.Barrier()
+    assert execute(["check", str(case)], comm) == 0
+    text = said()
+    for line in (
+        "body casting             1       4e-06 m³    4e-06 m³    0 %",
+        "interface casting/die    1       0.0004 m²   0.0004 m²   0 %",
+        "surface casting/top      1       0.0004 m²   0.0004 m²   0 %",
+        "surface die/far          1       0.0002 m²   0.0002 m²   0 %",
+        "surface die/outside      5       0.0016 m²   0.0016 m²   0 %",
+    ):
+        assert " ".join(line.split()) in " ".join(text.split())
+    assert execute(["check", str(case), "--set", "geometry.surfaces.top.radius=1"], comm) == 2
+    assert "'top' selects no face; there are" in said()

@@ -1,0 +1,32 @@
+"""What the mesher is asked for is what the case says."""
+
+from __future__ import annotations
+
+from math import radians
+
+import pytest
+
+from castx.case.cad.geometry import CadGeometry
+from castx.domain.cad.description import part_of
+from castx.meshes.cad.description import CadFile, Selector
+
+pytestmark = pytest.mark.serial
+
+
+def test_every_key_reaches_the_mesher():
+    selector = {
+        "body": "a", "normal": "+x", "angle": 5, "within": [[0, 0, 0], [1, 1, 1]], "touches": "b",
+        "radius": 2, "largest": 4,
+    }  # fmt: skip
+    cad = CadGeometry.read(
+        {"parts": {"a": "a.brep"}, "unit": "cm", "size": 3, "tolerance": 0.5, "names": {"L": "b"},
+         "curvature": 20, "surfaces": {"s": selector}}
+    )  # fmt: skip
+    part = part_of(cad, ["a", "b"])
+    assert part.files == (CadFile("a.brep", "a", pytest.approx(0.01)),)
+    assert (part.bodies, part.names) == (("a", "b"), {"L": "b"})
+    assert (part.size, part.tolerance, part.curvature) == (3.0, 0.5, 20.0)
+    assert part.selectors == (
+        Selector("s", "a", (1.0, 0.0, 0.0), radians(5), ((0, 0, 0), (1, 1, 1)), "b", 2.0, 4, 0.5),
+    )
+    assert part_of(cad, None).bodies is None

@@ -1,0 +1,66 @@
+"""Sizes and groups of a mesh, and the refusal of faces that cross each other."""
+
+from __future__ import annotations
+
+import gmsh
+import pytest
+
+from castx.domain.source import gmsh_session
+from castx.meshes.cad.description import CadFile, CadPart
+from castx.meshes.cad.meshing import add_groups, generate, write
+from castx.meshes.cad.report import TETRAHEDRON
+
+pytestmark = pytest.mark.serial
+
+
+def test_size_and_curvature_set_the_number_of_cells():
+    counts = []
+    for size, curvature in ((0.01, 4.0), (0.005, 4.0), (0.01, 40.0)):
+        with gmsh_session():
+            gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 20, 10)
+            gmsh.model.occ.synchronize()
+            generate(CadPart((CadFile("a.step"),), size, curvature=curvature))
+            counts.append(len(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[0]))
+    assert counts[1] > 3 * counts[0] and counts[2] > 3 * counts[0]
+
+
+def test_the_file_is_in_metres(tmp_path):
+    with gmsh_session():
+        box = gmsh.model.occ.addBox(0, 0, 0, 20, 10, 30)
+        gmsh.model.occ.synchronize()
+        add_groups({box: "casting"}, {})
+        generate(CadPart((CadFile("a.step"),), 0.02))
+        write(str(tmp_path / "a.msh"))
+    with gmsh_session():
+        gmsh.merge(str(tmp_path / "a.msh"))
+        points = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
+        assert points.max(axis=0).tolist() == [0.02, 0.01, 0.03]
+        assert gmsh.model.getPhysicalName(3, 1) == "casting"
+
+
+def test_faces_that_cross_are_refused():
+    with gmsh_session():
+        occ = gmsh.model.occ
+        corners = [(0, 0, 0), (20, 0, 0), (20, 20, 0), (0, 20, 0), (8, 8, 30)]
+        inner = [(5, 5, -5), (15, 5, -5), (10, 15, -5), (10, 9, 10)]
+        volumes = []
+        for places, faces in (
+            (corners, [(0, 1, 2, 3), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]),
+            (inner, [(0, 1, 2), (0, 1, 3), (1, 2, 3), (2, 0, 3)]),
+        ):
+            points = [occ.addPoint(*place) for place in places]
+            lines: dict[tuple[int, int], int] = {}
+            loops = []
+            for face in faces:
+                edges = []
+                for a, b in zip(face, face[1:] + face[:1], strict=True):
+                    key = (min(a, b), max(a, b))
+                    if key not in lines:
+                        lines[key] = occ.addLine(points[a], points[b])
+                    edges.append(lines[key])
+                loops.append(occ.addPlaneSurface([occ.addCurveLoop(edges)]))
+            volumes.append(loops)
+        occ.addVolume([occ.addSurfaceLoop(volumes[0]), occ.addSurfaceLoop(volumes[1])])
+        occ.synchronize()
+        with pytest.raises(ValueError, match=r"gmsh cannot mesh the solids: .*CAD"):
+            generate(CadPart((CadFile("a.step"),), 0.01))
