@@ -11,6 +11,8 @@ import pytest
 from castx.command.cli import execute
 from tests.cad_files import two_blocks, write_cad
 
+pytestmark = pytest.mark.serial  # test_cad_report meshes such an assembly on all numbers of ranks
+
 CASE = """
 [geometry]
 model = "3d"
