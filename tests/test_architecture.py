@@ -26,6 +26,7 @@ ORDER = [
     "materials/rules",
     "materials/flow_rules materials/hardening",
     "materials",
+    "foundry",
     "case/cad",
     "case",
     "case/reading",
