@@ -8,6 +8,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from castx.meshes.cad.cells import POOR, Quality
 from castx.meshes.cad.report import Measure, Report
 
 
@@ -19,6 +20,7 @@ def show_cad(report: Report, console: Console) -> None:
         console: where to show it.
     """
     console.print(cad_table(report))
+    console.print(quality_text(report.quality), markup=False)
     for remark in report.remarks:
         console.print(remark, markup=False)
 
@@ -36,6 +38,16 @@ def cad_table(report: Report) -> Table:
             difference_text(measure),
         )
     return table
+
+
+def quality_text(quality: Quality) -> str:
+    """Return the quality of the cells in words."""
+    place = ", ".join(f"{x:.4g}" for x in quality.place)
+    return (
+        f"{quality.cells} cells with edges of {quality.shortest:.3g} to {quality.longest:.3g} m; "
+        f"quality {quality.mean:.2f} in the mean, {quality.worst:.2g} in the worst, at ({place}) "
+        f"m, and below {POOR} in {quality.poor}"
+    )
 
 
 def _rows(report: Report) -> Iterator[tuple[str, str, Measure]]:

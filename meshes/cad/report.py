@@ -7,14 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import gmsh
-import numpy as np
 
-from castx.arrays import FloatArray
+from castx.meshes.cad.cells import Quality, cell_volumes, face_areas, node_points
 from castx.meshes.cad.description import MILLIMETRES
 from castx.meshes.cad.faces import Face
-
-TRIANGLE, TETRAHEDRON = 2, 4
-"""gmsh's numbers of linear cells."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +38,14 @@ class Report:
         bodies: with volumes.
         surfaces: named ones, with areas.
         interfaces: with areas.
+        quality: of the cells.
         remarks: what was mended.
     """
 
     bodies: tuple[Measure, ...]
     surfaces: tuple[Measure, ...]
     interfaces: tuple[Measure, ...]
+    quality: Quality
     remarks: tuple[str, ...] = ()
 
     def as_data(self) -> dict[str, Any]:
@@ -58,27 +56,50 @@ class Report:
     def of_data(cls, data: Mapping[str, Any]) -> Report:
         """Return what `as_data` was made of."""
         lists = {key: tuple(Measure(**row) for row in data[key]) for key in MEASURES}
-        return cls(**lists, remarks=tuple(data["remarks"]))
+        return cls(
+            **lists, quality=Quality.of_data(data["quality"]), remarks=tuple(data["remarks"])
+        )
 
 
 MEASURES = ("bodies", "surfaces", "interfaces")
 
 
+def solid_volumes(volumes: Mapping[int, str]) -> dict[str, tuple[int, float]]:
+    """Return the number of solids of each body and their volume [m³].
+
+    Args:
+        volumes: body of each volume of the current gmsh model.
+    """
+    found: dict[str, tuple[int, float]] = {}
+    for tag, body in volumes.items():
+        count, volume = found.get(body, (0, 0.0))
+        found[body] = count + 1, volume + gmsh.model.occ.getMass(3, tag) / MILLIMETRES**3
+    return found
+
+
 def report_of(
-    volumes: Mapping[int, str], faces: Sequence[Face], named: Mapping[str, Sequence[Face]]
+    volumes: Mapping[int, str],
+    drawn: Mapping[str, tuple[int, float]],
+    faces: Sequence[Face],
+    named: Mapping[str, Sequence[Face]],
+    quality: Quality,
+    remarks: Sequence[str] = (),
 ) -> Report:
     """Return the sizes of the mesh of the current gmsh model, which is in millimetres.
 
     Args:
         volumes: body of each volume.
+        drawn: number and volume of the solids of each body in CAD [m³].
         faces: of the bodies.
         named: faces of each surface.
+        quality: of the cells.
+        remarks: what was mended.
     """
     points = node_points()
-    bodies: dict[str, list[tuple[float, float]]] = {}
+    meshed = dict.fromkeys(drawn, 0.0)
     for tag, body in volumes.items():
-        cad = gmsh.model.occ.getMass(3, tag) / MILLIMETRES**3
-        bodies.setdefault(body, []).append((cad, float(cell_volumes(points, tag).sum())))
+        meshed[body] += float(cell_volumes(points, tag).sum())
+    bodies = tuple(Measure(name, *drawn[name], meshed[name]) for name in drawn)
     areas = {face.tag: (face.area, float(face_areas(points, face.tag).sum())) for face in faces}
     surfaces: dict[str, list[tuple[float, float]]] = {}
     for name, chosen in named.items():
@@ -88,7 +109,7 @@ def report_of(
     for face in faces:
         if len(face.bodies) == 2:
             between.setdefault("/".join(sorted(face.bodies)), []).append(areas[face.tag])
-    return Report(_measures(bodies), _measures(surfaces), _measures(between))
+    return Report(bodies, _measures(surfaces), _measures(between), quality, tuple(remarks))
 
 
 def _measures(found: Mapping[str, Sequence[tuple[float, float]]]) -> tuple[Measure, ...]:
@@ -96,27 +117,3 @@ def _measures(found: Mapping[str, Sequence[tuple[float, float]]]) -> tuple[Measu
         Measure(name, len(rows), sum(cad for cad, _ in rows), sum(mesh for _, mesh in rows))
         for name, rows in found.items()
     )
-
-
-def node_points() -> FloatArray:
-    """Return the coordinates [m] of the nodes of the current gmsh model by tag."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    points = np.zeros((int(tags.max(initial=0)) + 1, 3))
-    points[tags.astype(np.int64)] = coordinates.reshape(-1, 3) / MILLIMETRES
-    return points
-
-
-def cell_volumes(points: FloatArray, tag: int) -> FloatArray:
-    """Return the volumes of the tetrahedra of a volume [m³]."""
-    nodes = gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1].astype(np.int64)
-    corners = points[nodes.reshape(-1, 4)]
-    sides = corners[:, 1:] - corners[:, :1]
-    return np.asarray(np.abs(np.linalg.det(sides)) / 6.0)
-
-
-def face_areas(points: FloatArray, tag: int) -> FloatArray:
-    """Return the areas of the triangles of a face [m²]."""
-    nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, tag)[1].astype(np.int64)
-    corners = points[nodes.reshape(-1, 3)]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(0.5 * np.linalg.norm(cross, axis=1))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from castx.command.cad_report import difference_text
+from castx.command.cad_report import difference_text, quality_text
 from castx.command.cli import execute
+from castx.meshes.cad.cells import Quality
 from castx.meshes.cad.report import Measure
 from tests.cad_files import two_blocks, write_cad
 
@@ -41,6 +42,14 @@ def test_differences(cad, mesh, text):
     assert difference_text(Measure("a", 1, cad, mesh)) == text
 
 
+def test_quality_in_words():
+    quality = Quality(9, 0.75, 0.0521, (0.0, 0.01, 2.0), 2, 0.001, 0.0031)
+    assert quality_text(quality) == (
+        "9 cells with edges of 0.001 to 0.0031 m; quality 0.75 in the mean, 0.052 in the worst, "
+        "at (0, 0.01, 2) m, and below 0.1 in 2"
+    )
+
+
 def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said):
     case = shared_tmp_path / "two.toml"
     if comm.rank == 0:
@@ -57,5 +66,6 @@ def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said
         "surface die/outside      5       0.0016 m²   0.0016 m²   0 %",
     ):
         assert " ".join(line.split()) in " ".join(text.split())
+    assert "in the worst, at (" in text
     assert execute(["check", str(case), "--set", "geometry.surfaces.top.radius=1"], comm) == 2
     assert "'top' selects no face; there are" in said()

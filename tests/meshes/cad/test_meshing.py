@@ -6,9 +6,9 @@ import gmsh
 import pytest
 
 from castx.domain.source import gmsh_session
+from castx.meshes.cad.cells import TETRAHEDRON
 from castx.meshes.cad.description import CadFile, CadPart
 from castx.meshes.cad.meshing import add_groups, generate, write
-from castx.meshes.cad.report import TETRAHEDRON
 
 pytestmark = pytest.mark.serial
 

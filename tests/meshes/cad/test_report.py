@@ -10,11 +10,12 @@ import pytest
 
 from castx.domain.source import gmsh_session
 from castx.meshes.cad.assembly import join
+from castx.meshes.cad.cells import cell_qualities, quality_of
 from castx.meshes.cad.description import CadFile, CadPart
 from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.meshing import generate
 from castx.meshes.cad.reading import Solid
-from castx.meshes.cad.report import Report, report_of
+from castx.meshes.cad.report import Report, report_of, solid_volumes
 from castx.meshes.cad.selection import named_faces
 from tests.cad_files import bush_in_ring, two_blocks
 
@@ -26,10 +27,13 @@ def reported(solids, size, curvature, *names):
         tags = solids(gmsh.model.occ)
         gmsh.model.occ.synchronize()
         made = [Solid(tag, name, name) for tag, name in zip(tags, names, strict=True)]
+        drawn = solid_volumes({solid.tag: solid.name for solid in made})
         volumes = join(made, 0.0)
         faces = faces_of(volumes)
         generate(CadPart((CadFile("a.step"),), size, curvature=curvature))
-        return report_of(volumes, faces, named_faces((), faces, names, "outside"))
+        named = named_faces((), faces, names, "outside")
+        quality = quality_of(*cell_qualities(list(volumes)))
+        return report_of(volumes, drawn, faces, named, quality, ["mended"])
 
 
 def test_planar_parts_are_met_to_round_off():

@@ -1,0 +1,108 @@
+"""Cells of the mesh of the current gmsh model: volumes, areas of faces, quality."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gmsh
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.meshes.cad.description import MILLIMETRES
+
+TRIANGLE, TETRAHEDRON = 2, 4
+"""gmsh's numbers of linear cells."""
+POOR = 0.1
+"""Quality below which a cell counts as poor."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Inscribed over circumscribed radius of cells, 1 in a regular one.
+
+    Args:
+        cells: their number.
+        mean: of all cells.
+        worst: of the worst one.
+        place: of the worst one [m].
+        poor: number of cells below `POOR`.
+        shortest: edge [m].
+        longest: edge [m].
+    """
+
+    cells: int
+    mean: float
+    worst: float
+    place: tuple[float, float, float]
+    poor: int
+    shortest: float
+    longest: float
+
+    @classmethod
+    def of_data(cls, data: Mapping[str, Any]) -> Quality:
+        """Return it from its entries by name."""
+        return cls(**{**data, "place": tuple(data["place"])})
+
+
+def node_points() -> FloatArray:
+    """Return the coordinates [m] of the nodes of the current gmsh model by tag."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    points = np.zeros((int(tags.max(initial=0)) + 1, 3))
+    points[tags.astype(np.int64)] = coordinates.reshape(-1, 3) / MILLIMETRES
+    return points
+
+
+def cell_volumes(points: FloatArray, tag: int) -> FloatArray:
+    """Return the volumes of the tetrahedra of a volume [m³]."""
+    nodes = gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1].astype(np.int64)
+    corners = points[nodes.reshape(-1, 4)]
+    sides = corners[:, 1:] - corners[:, :1]
+    return np.asarray(np.abs(np.linalg.det(sides)) / 6.0)
+
+
+def face_areas(points: FloatArray, tag: int) -> FloatArray:
+    """Return the areas of the triangles of a face [m²]."""
+    nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, tag)[1].astype(np.int64)
+    corners = points[nodes.reshape(-1, 3)]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(0.5 * np.linalg.norm(cross, axis=1))
+
+
+def cell_qualities(volumes: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+    """Return corners (cells, 4, 3) [m] and qualities of the cells of the current gmsh model.
+
+    Args:
+        volumes: their tags.
+    """
+    points = node_points()
+    tags, nodes = [], []
+    for volume in volumes:
+        found = gmsh.model.mesh.getElementsByType(TETRAHEDRON, volume)
+        tags.append(found[0])
+        nodes.append(found[1].reshape(-1, 4).astype(np.int64))
+    values = gmsh.model.mesh.getElementQualities(np.concatenate(tags), "gamma")
+    return points[np.concatenate(nodes)], np.asarray(values, dtype=np.float64)
+
+
+def quality_of(corners: FloatArray, qualities: FloatArray) -> Quality:
+    """Return the statistics of cells.
+
+    Args:
+        corners: (cells, 4, 3) [m].
+        qualities: of the cells.
+    """
+    first, second = np.triu_indices(4, 1)
+    edges = np.linalg.norm(corners[:, first] - corners[:, second], axis=2)
+    worst = int(np.argmin(qualities))
+    x, y, z = map(float, corners[worst].mean(axis=0))
+    return Quality(
+        len(qualities),
+        float(qualities.mean()),
+        float(qualities[worst]),
+        (x, y, z),
+        int(np.count_nonzero(qualities < POOR)),
+        float(edges.min()),
+        float(edges.max()),
+    )
