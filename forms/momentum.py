@@ -33,6 +33,7 @@ class PointState(NamedTuple):
         compressibility: 1/K in the cells [1/Pa], zero in a liquid.
         thermal_strain: volumetric thermal strain e^θ in the cells.
         out_of_plane: ε_zz of plane stress; None in all other models.
+        follows: χ of plane stress, one where ε_zz follows from σ_zz = 0, zero where it is held.
         trapped: one in trapped liquid, which cannot be fed, else zero.
         porous: one where pores have opened in it, else zero.
         trapped_pressure: given pressure of porous liquid, reference of full one [Pa].
@@ -45,6 +46,7 @@ class PointState(NamedTuple):
     compressibility: Any
     thermal_strain: Any
     out_of_plane: Any = None
+    follows: Any = 1.0
     trapped: Any = 0.0
     porous: Any = 0.0
     trapped_pressure: Any = 0.0
@@ -115,7 +117,7 @@ def mixed_tangent(
     """Return ∫ ∇ˢη:ds + ∫ dp ∇·η + ∫ q (∇·du - dp/K).
 
     This is the derivative of `mixed_internal_virtual_work`. In plane stress dε_zz is eliminated by
-    ds_zz + dp = 0.
+    ds_zz + dp = 0, and zero in the melt.
 
     Args:
         increment: strain ε(du).
@@ -128,7 +130,7 @@ def mixed_tangent(
     """
     if state.out_of_plane is not None:
         stress = tangent_stress(increment, state)
-        normal = -(stress[2, 2] + dp) / _normal_tangent(state)
+        normal = -state.follows * (stress[2, 2] + dp) / _normal_tangent(state)
         increment = _with_normal(increment, normal)
     shear = ufl.inner(tangent_stress(increment, state), variation) * dx
     free = 1 - state.porous
@@ -176,6 +178,18 @@ def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: 
         increment = _with_normal(increment, normal)
     change = ufl.inner(tangent_stress(increment, state), variation)
     return (change + K * ufl.tr(increment) * ufl.tr(variation)) * dx
+
+
+def held_strain_work(variation: Any, change: Any, stiffness: Any, dx: Any) -> Any:
+    """Return ∫ κ δe (e - e_n), which holds the strain e out of the plane where nothing is solid.
+
+    Args:
+        variation: δe.
+        change: e - e_n, or its derivative.
+        stiffness: κ [Pa].
+        dx: weighted measure.
+    """
+    return stiffness * variation * change * dx
 
 
 def deviatoric_virtual_work(variation: Any, state: PointState, dx: Any) -> Any:

@@ -19,8 +19,9 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from castx.arrays import FloatArray
 from castx.domain.measures import extent
 from castx.domain.mesh import BodyMesh
-from castx.forms import kinematics
+from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.constitutive.thickness import Thickness
 from castx.stateful import Stateful
 
 PRESSURE_SHARE = 0.1
@@ -85,14 +86,35 @@ class BodyUnknowns:
         """Return the pressure [Pa] in unknowns or in a test or trial function w."""
         return self._pressure_unit * w[self.pressure_component]
 
-    def strain(self, w: Any) -> Any:
+    def axial_strain(self, w: Any) -> Any:
+        """Return e of generalised plane strain in unknowns or in a test or trial function w."""
+        return w[self.axial] / self._unit_length
+
+    def strain(self, w: Any, follows: Any = 1.0, kept: Any = 0.0) -> Any:
         """Return the strain of unknowns or of a test or trial function, shape (3, 3).
 
         In plane stress ε_zz is missing: the constitutive law finds it.
+
+        Args:
+            w: unknowns, or a test or trial function.
+            follows: χ in ε_zz = χ e + `kept` of generalised plane strain.
+            kept: part of ε_zz that does not change in a step; none of a test or trial function.
         """
-        axial = 0.0 if self.axial is None else w[self.axial] / self._unit_length
+        axial = 0.0 if self.axial is None else follows * self.axial_strain(w) + kept
         x = ufl.SpatialCoordinate(self.mesh.mesh)
         return kinematics.strain(self.displacement(w), self.model, x, axial)
+
+    def held(self, thickness: Thickness, dx: Any) -> tuple[Any, Any] | None:
+        """Return the work that holds e while nothing is solid, and its derivative, if any does."""
+        if thickness.hold is None:
+            return None
+        e = self.axial_strain
+        test, trial = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        change = e(self.solution) - thickness.start
+        return (
+            momentum.held_strain_work(e(test), change, thickness.hold, dx),
+            momentum.held_strain_work(e(test), e(trial), thickness.hold, dx),
+        )
 
 
 class WeakForms:
@@ -105,6 +127,7 @@ class WeakForms:
         load: virtual work of the loads.
         backing: work of a variation against springs behind surfaces that a displacement strains,
             which the first two lack; None: there are none.
+        held: work of `BodyUnknowns.held` and its derivative, which they lack too.
     """
 
     def __init__(
@@ -114,7 +137,10 @@ class WeakForms:
         jacobian: Any,
         load: Any,
         backing: Callable[[Any, Any], Any] | None = None,
+        held: tuple[Any, Any] | None = None,
     ) -> None:
+        if held is not None:
+            internal, jacobian = internal + held[0], jacobian + held[1]
         self._springs: fem.Form | None = None
         if backing is not None:
             u, space = unknowns.displacement, unknowns.space

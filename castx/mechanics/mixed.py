@@ -55,8 +55,9 @@ class MixedFormulation:
         planes: Sequence[FixedDirections],
     ) -> None:
         self._unknowns, self._material, self._pockets = unknowns, material, pockets
-        w, degree = unknowns.solution, material.points.degree
-        total, pressure = unknowns.strain(w), unknowns.pressure(w)
+        w, degree, thickness = unknowns.solution, material.points.degree, material.thickness
+        total = unknowns.strain(w, thickness.follows, thickness.kept)
+        pressure = unknowns.pressure(w)
         self._dx = cell_measure(unknowns.mesh, unknowns.model, degree)
         self._dx_p = cell_measure(unknowns.mesh, unknowns.model, 2)
         state = pockets.state(material.state())
@@ -70,6 +71,7 @@ class MixedFormulation:
             self._jacobian(state, tau),
             self._load(loads, kind, tau),
             loads.backing,
+            unknowns.held(thickness, self._dx),
         )
         points = material.points
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
@@ -81,7 +83,10 @@ class MixedFormulation:
     def _test(self) -> tuple[Any, Any]:
         """Return strain ε(η) and pressure q of the test functions."""
         test = ufl.TestFunction(self._unknowns.space)
-        return self._unknowns.strain(test), self._unknowns.pressure(test)
+        return self._strain_of(test), self._unknowns.pressure(test)
+
+    def _strain_of(self, change: Any) -> Any:
+        return self._unknowns.strain(change, self._material.thickness.follows)
 
     def _internal(self, total: Any, pressure: Any, state: momentum.PointState, tau: Any) -> Any:
         """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·∇p."""
@@ -95,7 +100,7 @@ class MixedFormulation:
     def _jacobian(self, state: momentum.PointState, tau: Any) -> Any:
         """Return the derivative of `_internal` for a change of displacement and pressure."""
         trial = ufl.TrialFunction(self._unknowns.space)
-        increment, change = self._unknowns.strain(trial), self._unknowns.pressure(trial)
+        increment, change = self._strain_of(trial), self._unknowns.pressure(trial)
         variation, q = self._test()
         work = momentum.mixed_tangent(
             increment, change, variation, q, state, self._dx, self._dx_p

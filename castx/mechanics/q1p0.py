@@ -22,7 +22,7 @@ from petsc4py import PETSc
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
 from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
@@ -61,8 +61,10 @@ class Q1P0Formulation:
     ) -> None:
         self._unknowns, self._material, self._pockets = unknowns, material, pockets
         test, trial = ufl.TestFunction(unknowns.space), ufl.TrialFunction(unknowns.space)
-        total, increment = unknowns.strain(unknowns.solution), unknowns.strain(trial)
-        variation, points = unknowns.strain(test), material.points
+        thickness, points = material.thickness, material.points
+        total = unknowns.strain(unknowns.solution, thickness.follows, thickness.kept)
+        increment = unknowns.strain(trial, thickness.follows)
+        variation = unknowns.strain(test, thickness.follows)
         state = pockets.state(material.state())
         dx = cell_measure(unknowns.mesh, unknowns.model, points.degree)
         self.forms = WeakForms(
@@ -71,6 +73,7 @@ class Q1P0Formulation:
             momentum.deviatoric_tangent(increment, variation, state, dx),
             loads.virtual_work(unknowns.displacement(test)),
             loads.backing,
+            unknowns.held(thickness, dx),
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
         self._mean = MeanDilatation(
@@ -188,10 +191,10 @@ class MeanDilatation:
         shear_modulus: float,
     ) -> None:
         self._numbering = body.cell_numbering
-        self._matrix = assemble_matrix(
-            fem.form(momentum.dilatation(strain, ufl.TestFunction(cells), dx))
-        )
-        self._matrix.assemble()
+        self._dilatation = fem.form(momentum.dilatation(strain, ufl.TestFunction(cells), dx))
+        self._varies = bool(self._dilatation.ufcx_form.num_coefficients)
+        self._matrix = create_matrix(self._dilatation)
+        self._assemble()
         self._smallest = SMALLEST_COMPRESSIBILITY / shear_modulus
         self._owned = cells.dofmap.index_map.size_local
         self._volumes = fem.assemble_vector(
@@ -208,6 +211,12 @@ class MeanDilatation:
         self._cell_values = self._matrix.createVecLeft()
         self._forces = self._matrix.createVecRight()
 
+    def _assemble(self) -> None:
+        """Assemble ∫ ∇·u of the cells, in which the melt keeps its thickness."""
+        self._matrix.zeroEntries()
+        assemble_matrix(self._matrix, self._dilatation)
+        self._matrix.assemble()
+
     def begin(
         self,
         compressibility: FloatArray,
@@ -215,7 +224,7 @@ class MeanDilatation:
         given: FloatArray,
         penalised: BoolArray,
     ) -> None:
-        """Set the volumes of a trial step.
+        """Set the volumes of a trial step; collective.
 
         Args:
             compressibility: c of the cells [1/Pa], shape (cells,).
@@ -225,6 +234,8 @@ class MeanDilatation:
         """
         self._compressibility, self._free = compressibility.copy(), free
         self._given, self._penalised = given, penalised
+        if self._varies:
+            self._assemble()
 
     def update(self, dilatation: FloatArray) -> None:
         """Find the pressures for volumetric strains of the cells, shape (cells,)."""
@@ -268,8 +279,10 @@ class MeanDilatation:
         self._committed = self._multiplier
 
     def rewind(self) -> None:
-        """Return to the multipliers of the last accepted step."""
+        """Return to the multipliers of the last accepted step; collective."""
         self._multiplier = self._committed
+        if self._varies:
+            self._assemble()
 
     def saved(self) -> dict[str, Saved]:
         """Return the multipliers of the last accepted step."""

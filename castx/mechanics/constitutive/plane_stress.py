@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.errors import ConvergenceError
 from castx.mechanics.constitutive.response import Response
 
@@ -19,6 +19,7 @@ def normal_strain(
     guess: FloatArray,
     respond: Callable[[FloatArray], Response],
     mean_stress: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    held: BoolArray | None = None,
 ) -> FloatArray:
     """Return ε_zz with s_zz(ε_zz) + p(ε_zz) = 0 by Newton's method between bounds, shape (points,).
 
@@ -27,6 +28,7 @@ def normal_strain(
         guess: ε_zz to start from, shape (points,).
         respond: the law, a function of the deviatoric strain.
         mean_stress: p and dp/dε_zz as a function of ε_zz.
+        held: points that keep the guess, shape (points,); None: there are none.
 
     Raises:
         ConvergenceError: the iteration did not converge.
@@ -34,7 +36,7 @@ def normal_strain(
     normal = guess.copy()
     lower, upper = np.full_like(normal, -np.inf), np.full_like(normal, np.inf)
     change = np.full_like(normal, np.inf)
-    found = np.zeros(len(normal), dtype=bool)
+    found = np.zeros(len(normal), dtype=bool) if held is None else held.copy()
     for _ in range(MOST_ITERATIONS):
         response = respond(deviatoric(with_normal(in_plane, normal)))
         mean, slope = mean_stress(normal)

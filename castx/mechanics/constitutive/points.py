@@ -14,8 +14,9 @@ from castx.forms.momentum import PointState
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
-from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
+from castx.mechanics.constitutive.plane_stress import deviatoric
 from castx.mechanics.constitutive.response import Response, respond, secant_softening
+from castx.mechanics.constitutive.thickness import thickness
 from castx.stateful import Arrays, Saved
 
 
@@ -41,7 +42,7 @@ class MaterialPoints:
         self.isotropic, self.radial = points.scalar(), points.scalar()
         self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
         self.secant_modulus = fem.Function(cells)
-        self.out_of_plane = points.scalar() if points.model == "plane-stress" else None
+        self.thickness = thickness(points, law, cells, starts_liquid)
         self.history = PointHistory.initial(points, starts_liquid)
         self._start = self.history
         self._conditions: Conditions | None = None
@@ -75,7 +76,8 @@ class MaterialPoints:
             kinematics.symmetric_tensor(self.direction, model) if flows else None,
             self.compressibility,
             self.thermal_strain,
-            self.out_of_plane,
+            self.thickness.normal,
+            self.thickness.follows,
         )
 
     def begin(
@@ -84,6 +86,7 @@ class MaterialPoints:
         """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
         c = self.law.conditions(self.points, temperature, solid_fraction, step)
         self._free_volume = np.zeros(self.points.cells)
+        self.thickness.begin(c.coherent)
         self._use(self.history.start(c.coherent, self.points), c, step)
         return c
 
@@ -121,13 +124,10 @@ class MaterialPoints:
             ConvergenceError: the law cannot be solved at some point.
         """
         law = partial(respond, self.conditions, self._start)
-        if self.out_of_plane is not None:
-            normal = normal_strain(
-                strain, self.out_of_plane.x.array, law, partial(self._mean_stress, strain, pressure)
-            )
-            self.out_of_plane.x.array[:] = normal
-            strain = with_normal(strain, normal)
-        self._strain = strain
+        mean_stress = partial(self._mean_stress, strain, pressure)
+        self._strain = strain = self.thickness.complete(
+            strain, lambda deviator: law(deviator), mean_stress
+        )
         self._response = law(deviatoric(strain))
         self.stress.x.array[:] = self.response.stress.ravel()
         self.isotropic.x.array[:] = self.response.isotropic
@@ -155,14 +155,11 @@ class MaterialPoints:
         return np.asarray(self.response.work / self._step)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the history, the strain ε_zz of plane stress, and a field of T_sf.
+        """Return the history, the strain out of the plane, and a field of T_sf.
 
         A field of stress-free temperatures is kept, since the file that it came from may be gone.
         """
-        found = self.history.saved(self.points)
-        if self.out_of_plane is not None:
-            normal = self.points.by_cell(self.out_of_plane.x.array).copy()
-            found["out_of_plane"] = Saved(normal, self.points.numbering)
+        found = self.history.saved(self.points) | self.thickness.saved()
         unstressed = self.law.stress_free_state.temperature
         if np.ndim(unstressed):
             found["stress_free"] = Saved(np.asarray(unstressed), self.points.node_numbering)
@@ -171,15 +168,15 @@ class MaterialPoints:
     def restore(self, arrays: Arrays) -> None:
         """Restore the history with which the next step starts."""
         self.history, self._committed = self.history.restored(arrays), None
-        if self.out_of_plane is not None:
-            self.out_of_plane.x.array[:] = arrays["out_of_plane"].ravel()
+        self.thickness.restore(arrays, self.history.coherent)
         if "stress_free" in arrays:
             unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
             self.law = replace(self.law, stress_free=unstressed)
 
     def commit(self) -> None:
-        """Accept the trial state as the start of the next step."""
+        """Accept the trial state as the start of the next step; collective."""
         strain, response = deviatoric(self._strain), self.response
+        self.thickness.commit(self._strain)
         self.history = PointHistory(
             self._start.birth,
             response.plastic,
@@ -196,6 +193,7 @@ class MaterialPoints:
 
         It is evaluated from its own start: from its end, a viscous material would flow on.
         """
+        self.thickness.rewind()
         if self._committed is not None:
             start, conditions, step, compressibility, self._free_volume = self._committed
             self._use(start, conditions, step)
