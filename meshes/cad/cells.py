@@ -46,6 +46,19 @@ class Quality:
         return cls(**{**data, "place": tuple(data["place"])})
 
 
+def solid_volumes(volumes: Mapping[int, str]) -> dict[str, tuple[int, float]]:
+    """Return the number of solids of each body and their volume [m³].
+
+    Args:
+        volumes: body of each volume of the current gmsh model.
+    """
+    found: dict[str, tuple[int, float]] = {}
+    for tag, body in volumes.items():
+        count, volume = found.get(body, (0, 0.0))
+        found[body] = count + 1, volume + gmsh.model.occ.getMass(3, tag) / MILLIMETRES**3
+    return found
+
+
 def node_points() -> FloatArray:
     """Return the coordinates [m] of the nodes of the current gmsh model by tag."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()

@@ -56,6 +56,23 @@ class Selector:
 
 
 @dataclass(frozen=True)
+class SizeRule:
+    """A largest size of cells at a place: in a body, on a named surface, or in a box.
+
+    Args:
+        size: of the cells [m].
+        body: the body.
+        surface: the name of the surface.
+        within: the box [m].
+    """
+
+    size: float
+    body: str | None = None
+    surface: str | None = None
+    within: Box | None = None
+
+
+@dataclass(frozen=True)
 class CadPart:
     """An assembly of CAD solids and how it is meshed.
 
@@ -68,6 +85,11 @@ class CadPart:
         selectors: of the named surfaces.
         rest: name of the free faces that no selector has.
         curvature: elements round a full circle.
+        across: cells across a wall.
+        interface_size: size on faces that two bodies share [m]; None: as elsewhere.
+        growth: by how much sizes grow over a distance, as a share of it.
+        rules: sizes at places.
+        most_cells: that a mesh may have.
     """
 
     files: tuple[CadFile, ...]
@@ -78,3 +100,8 @@ class CadPart:
     selectors: tuple[Selector, ...] = ()
     rest: str = "outside"
     curvature: float = 16.0
+    across: int = 2
+    interface_size: float | None = None
+    growth: float = 0.4
+    rules: tuple[SizeRule, ...] = ()
+    most_cells: float = 2e6

@@ -7,32 +7,82 @@ from collections.abc import Mapping, Sequence
 import gmsh
 import numpy as np
 
+from castx.arrays import FloatArray
+from castx.meshes.cad.cells import solid_volumes
 from castx.meshes.cad.description import MILLIMETRES, CadPart
 from castx.meshes.cad.faces import Face
 from castx.meshes.cad.reading import centre_of, place_text
+from castx.meshes.cad.sizes import (
+    Samples,
+    estimated_cells,
+    samples_of,
+    set_field,
+    size_grid,
+    wanted_sizes,
+)
 
 FRONTAL, DELAUNAY, HXT = 6, 1, 10
 """gmsh's numbers of the algorithms on faces (the first) and in solids."""
 
 
-def generate(part: CadPart) -> None:
+def generate(
+    part: CadPart,
+    volumes: Mapping[int, str],
+    faces: Sequence[Face],
+    named: Mapping[str, Sequence[Face]],
+    scratch: str,
+) -> None:
     """Mesh the current gmsh model.
 
+    Args:
+        part: what is meshed.
+        volumes: body of each volume.
+        faces: of the bodies.
+        named: faces of each surface.
+        scratch: a file to write sizes into.
+
     Raises:
-        ValueError: gmsh finds no mesh; with the place.
+        ValueError: gmsh finds no mesh, with the place; or it would have too many cells.
     """
     size = part.size * MILLIMETRES
     # Without sizes at its points gmsh takes a tenth of the extent.
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", part.curvature)
-    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
     gmsh.option.setNumber("Mesh.Algorithm", FRONTAL)
     gmsh.option.setNumber("Mesh.Optimize", 1)
+    _mesh_faces()
+    samples = samples_of(faces)
+    wishes = wanted_sizes(part, faces, named, samples)
+    _refuse_many(part, samples, wishes.sizes[: len(samples.areas)], volumes)
+    set_field(part, size_grid(part, wishes), volumes, scratch)
+    gmsh.model.mesh.clear()
+    _mesh_faces()
+    _mesh_solids()
+
+
+def _mesh_faces() -> None:
     try:
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises nothing more special
         raise ValueError(f"gmsh cannot mesh the faces: {error}{_place()}; {CURE}") from None
+
+
+def _refuse_many(
+    part: CadPart, samples: Samples, sizes: FloatArray, volumes: Mapping[int, str]
+) -> None:
+    drawn = {body: volume for body, (_, volume) in solid_volumes(volumes).items()}
+    cells = estimated_cells(part, samples, sizes, drawn)
+    if cells > part.most_cells:
+        factor = (1.2 * cells / part.most_cells) ** (1.0 / 3.0)
+        raise ValueError(
+            f"about {cells:.1e} cells, and geometry.most_cells allows {part.most_cells:.1e}; make "
+            f"all sizes {factor:.2g} times as large, geometry.across or geometry.curvature "
+            "smaller, or geometry.growth larger"
+        )
+
+
+def _mesh_solids() -> None:
     failure = ""
     for algorithm in (HXT, DELAUNAY):  # the faster one, and the one that says more
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)

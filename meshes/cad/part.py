@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from castx.meshes.cad.assembly import join, refuse_other_bodies
-from castx.meshes.cad.cells import cell_qualities, quality_of
+from castx.meshes.cad.cells import cell_qualities, quality_of, solid_volumes
 from castx.meshes.cad.description import CadPart
 from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
 from castx.meshes.cad.reading import read_solids
-from castx.meshes.cad.report import Report, report_of, solid_volumes
+from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
 
 
@@ -32,7 +32,7 @@ def mesh_part(part: CadPart, file: str) -> Report:
     faces = faces_of(volumes)
     named = named_faces(part.selectors, faces, list(dict.fromkeys(volumes.values())), part.rest)
     add_groups(volumes, named)
-    generate(part)
+    generate(part, volumes, faces, named, f"{file}.sizes")
     corners, qualities = cell_qualities(list(volumes))
     refuse_flat_cells(list(volumes), corners.mean(axis=1), qualities)
     quality = quality_of(corners, qualities)

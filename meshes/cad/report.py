@@ -6,10 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import gmsh
-
 from castx.meshes.cad.cells import Quality, cell_volumes, face_areas, node_points
-from castx.meshes.cad.description import MILLIMETRES
 from castx.meshes.cad.faces import Face
 
 
@@ -62,19 +59,6 @@ class Report:
 
 
 MEASURES = ("bodies", "surfaces", "interfaces")
-
-
-def solid_volumes(volumes: Mapping[int, str]) -> dict[str, tuple[int, float]]:
-    """Return the number of solids of each body and their volume [m³].
-
-    Args:
-        volumes: body of each volume of the current gmsh model.
-    """
-    found: dict[str, tuple[int, float]] = {}
-    for tag, body in volumes.items():
-        count, volume = found.get(body, (0, 0.0))
-        found[body] = count + 1, volume + gmsh.model.occ.getMass(3, tag) / MILLIMETRES**3
-    return found
 
 
 def report_of(

@@ -1,4 +1,4 @@
 """CAD files as the geometry of a case: solids, named surfaces, sizes of cells.
 
-Public: `geometry.CadGeometry`, `selectors.FaceSelector`.
+Public: `geometry.CadGeometry`, `selectors.FaceSelector`, `sizes.LocalSize`.
 """

@@ -9,9 +9,10 @@ from typing import Annotated, Any, Self
 from pydantic import Field, PlainValidator, StrictStr
 
 from castx.case.cad.selectors import FaceSelector
+from castx.case.cad.sizes import LocalSize
 from castx.errors import CaseError
-from castx.input.entries import Description, EntryName, Name, Quantity
-from castx.input.problems import Problem, Refusal, refuse
+from castx.input.entries import Description, EntryName, Name, Quantity, Whole
+from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import LENGTH, PURE_NUMBER, number
 
 SUFFIXES = (".step", ".stp", ".brep", ".iges", ".igs")
@@ -76,6 +77,11 @@ class CadGeometry(Description):
         tolerance: gaps and overlaps of solids up to it are closed [m].
         size: largest element size [m].
         curvature: elements round a full circle.
+        across: cells across a wall.
+        interface_size: size on faces that two bodies share [m]; None: as elsewhere.
+        growth: by how much sizes grow over a distance, as a share of it.
+        sizes: at places.
+        most_cells: that the mesh may have.
         surfaces: selectors of faces by the names of surfaces; all other free faces are `outside`.
     """
 
@@ -89,6 +95,11 @@ class CadGeometry(Description):
     tolerance: Annotated[float, Quantity(LENGTH, least=0.0)] = 1e-6
     size: Annotated[float, Quantity(LENGTH, above=0.0)]
     curvature: Annotated[float, Quantity(PURE_NUMBER, least=3.0, most=1000.0)] = 16.0
+    across: Annotated[int, Whole(1, 20)] = 2
+    interface_size: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
+    growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
+    sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)
+    most_cells: Annotated[float, Quantity(PURE_NUMBER, least=1.0, most=1e9)] = 2e6
     surfaces: Annotated[dict[str, FaceSelector], PlainValidator(_surfaces)] = Field({})
 
     @property
@@ -106,6 +117,14 @@ class CadGeometry(Description):
         if self.tolerance > self.size / 2:
             text = f"must be at most half of size, {self.size:g} m: it would close what is meshed"
             yield Problem(("tolerance",), text)
+        if self.interface_size is not None and self.interface_size > self.size:
+            yield Problem(("interface_size",), f"must not exceed size, {self.size:g} m")
+        for index, local in enumerate(self.sizes):
+            if local.size > self.size:
+                yield Problem(("sizes", index, "size"), f"must not exceed size, {self.size:g} m")
+            if local.surface is not None and local.surface not in self.surfaces:
+                known = among(local.surface, list(self.surfaces), what="surfaces")
+                yield Problem(("sizes", index, "surface"), f"no such surface; {known}")
         brep = any(str(path).lower().endswith(".brep") for path, _ in self.sources)
         if "unit" in self.model_fields_set and not brep:
             yield Problem(("unit",), "STEP and IGES files carry their own unit; leave it out")

@@ -7,7 +7,7 @@ from math import radians
 
 from castx.case.cad.geometry import CadGeometry
 from castx.case.cad.selectors import FaceSelector
-from castx.meshes.cad.description import CadFile, CadPart, Selector
+from castx.meshes.cad.description import CadFile, CadPart, Selector, SizeRule
 
 
 def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
@@ -25,6 +25,11 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         tolerance=cad.tolerance,
         selectors=tuple(_selector(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
         curvature=cad.curvature,
+        across=cad.across,
+        interface_size=cad.interface_size,
+        growth=cad.growth,
+        rules=tuple(SizeRule(s.size, s.body, s.surface, s.within) for s in cad.sizes),
+        most_cells=cad.most_cells,
     )
 
 

@@ -10,6 +10,7 @@ from castx.domain.source import gmsh_session
 from castx.meshes.cad.assembly import join
 from castx.meshes.cad.cells import cell_qualities
 from castx.meshes.cad.description import CadFile, CadPart
+from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.healing import details, mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import generate
 from castx.meshes.cad.part import mesh_part
@@ -35,7 +36,7 @@ def test_the_poles_of_a_ball_are_no_edges():
         assert sorted(detail.what for detail in details([ball])) == ["edge", "face"]
 
 
-def test_a_face_below_the_tolerance_is_mended_with_its_neighbours():
+def test_a_face_below_the_tolerance_is_mended_with_its_neighbours(tmp_path):
     with gmsh_session():
         (tag,) = with_a_tiny_face(gmsh.model.occ)
         other = gmsh.model.occ.addBox(50, 0, 0, 5, 5, 5)
@@ -51,7 +52,8 @@ def test_a_face_below_the_tolerance_is_mended_with_its_neighbours():
         refuse_small([solid.tag for solid in solids], 1e-6)
         volumes = [gmsh.model.occ.getMass(3, solid.tag) for solid in solids]
         assert volumes == pytest.approx([2000.0, 125.0], rel=1e-4)
-        generate(CadPart((), 0.005))
+        bodies = {solid.tag: solid.name for solid in solids}
+        generate(CadPart((), 0.005), bodies, faces_of(bodies), {}, str(tmp_path / "sizes"))
 
 
 def test_what_is_left_below_the_tolerance_is_refused_with_place_and_size():
@@ -66,12 +68,12 @@ def test_what_is_left_below_the_tolerance_is_refused_with_place_and_size():
             refuse_small([tag], 1e-6)
 
 
-def test_bodies_that_miss_each_other_a_little_are_refused_as_flat_cells():
+def test_bodies_that_miss_each_other_a_little_are_refused_as_flat_cells(tmp_path):
     with gmsh_session():
         tags = two_blocks(gmsh.model.occ, (0.01, 0.003, 0.0))
         gmsh.model.occ.synchronize()
         volumes = join([Solid(tags[0], "a", ""), Solid(tags[1], "b", "")], 1e-6)
-        generate(CadPart((), 0.005))
+        generate(CadPart((), 0.005), volumes, faces_of(volumes), {}, str(tmp_path / "sizes"))
         corners, qualities = cell_qualities(list(volumes))
         text = r"cells are flat, the worst at \(.*the face at .* is 3e-06 m wide. Raise geometry"
         with pytest.raises(ValueError, match=text):

@@ -8,18 +8,25 @@ import pytest
 from castx.domain.source import gmsh_session
 from castx.meshes.cad.cells import TETRAHEDRON
 from castx.meshes.cad.description import CadFile, CadPart
+from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.meshing import add_groups, generate, write
 
 pytestmark = pytest.mark.serial
 
 
-def test_size_and_curvature_set_the_number_of_cells():
+def meshed(part, folder):
+    """Mesh all volumes of the model as a body `a`."""
+    volumes = {tag: "a" for _, tag in gmsh.model.getEntities(3)}
+    generate(part, volumes, faces_of(volumes), {}, str(folder / "sizes"))
+
+
+def test_size_and_curvature_set_the_number_of_cells(tmp_path):
     counts = []
     for size, curvature in ((0.01, 4.0), (0.005, 4.0), (0.01, 40.0)):
         with gmsh_session():
             gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 20, 10)
             gmsh.model.occ.synchronize()
-            generate(CadPart((CadFile("a.step"),), size, curvature=curvature))
+            meshed(CadPart((CadFile("a.step"),), size, curvature=curvature), tmp_path)
             counts.append(len(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[0]))
     assert counts[1] > 3 * counts[0] and counts[2] > 3 * counts[0]
 
@@ -29,7 +36,7 @@ def test_the_file_is_in_metres(tmp_path):
         box = gmsh.model.occ.addBox(0, 0, 0, 20, 10, 30)
         gmsh.model.occ.synchronize()
         add_groups({box: "casting"}, {})
-        generate(CadPart((CadFile("a.step"),), 0.02))
+        meshed(CadPart((CadFile("a.step"),), 0.02), tmp_path)
         write(str(tmp_path / "a.msh"))
     with gmsh_session():
         gmsh.merge(str(tmp_path / "a.msh"))
@@ -38,7 +45,7 @@ def test_the_file_is_in_metres(tmp_path):
         assert gmsh.model.getPhysicalName(3, 1) == "casting"
 
 
-def test_faces_that_cross_are_refused():
+def test_faces_that_cross_are_refused(tmp_path):
     with gmsh_session():
         occ = gmsh.model.occ
         corners = [(0, 0, 0), (20, 0, 0), (20, 20, 0), (0, 20, 0), (8, 8, 30)]
@@ -63,4 +70,4 @@ def test_faces_that_cross_are_refused():
         occ.addVolume([occ.addSurfaceLoop(volumes[0]), occ.addSurfaceLoop(volumes[1])])
         occ.synchronize()
         with pytest.raises(ValueError, match=r"gmsh cannot mesh the solids: .*CAD"):
-            generate(CadPart((CadFile("a.step"),), 0.01))
+            meshed(CadPart((CadFile("a.step"),), 0.01), tmp_path)

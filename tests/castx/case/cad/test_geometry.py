@@ -14,6 +14,8 @@ pytestmark = pytest.mark.serial
 
 STEP = {"model": "3d", "file": "part.step", "size": "4 mm"}
 
+LOCAL = {"sizes": [{"surface": "tip", "size": 1e-3}]}
+
 
 def test_keys_stand_beside_the_file():
     geometry = Geometry.read(
@@ -58,6 +60,19 @@ def test_ends_of_names():
         ({**STEP, "tolerance": "3 mm"}, "tolerance: must be at most half of size, 0.004 m"),
         ({**STEP, "size": 0}, "size: must be positive"),
         ({**STEP, "curvature": 2}, "curvature: must be at least 3"),
+        ({**STEP, "across": 0}, "across: a whole number from 1 to 20"),
+        ({**STEP, "growth": 0}, "growth: must be at least 0.05"),
+        ({**STEP, "most_cells": 0}, "most_cells: must be at least 1"),
+        ({**STEP, "interface_size": 1}, "interface_size: must not exceed size, 0.004 m"),
+        ({**STEP, "sizes": [{"body": "a", "size": 1}]}, r"sizes\[0\].size: must not exceed size"),
+        (
+            {
+                **STEP,
+                "sizes": [{"surface": "tip", "size": 1e-3}],
+                "surfaces": {"top": {"largest": 1}},
+            },
+            r"sizes\[0\].surface: no such surface; surfaces: top",
+        ),
         ({**STEP, "surfaces": ["top"]}, "surfaces: a table is needed"),
         ({**STEP, "surfaces": {"top": {"radius": 0}}}, "surfaces.top.radius: must be positive"),
         ({**STEP, "surfaces": {"a/b": {"largest": 1}}}, 'surfaces."a/b": a name has 1 to 64'),

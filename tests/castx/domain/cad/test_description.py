@@ -8,7 +8,7 @@ import pytest
 
 from castx.case.cad.geometry import CadGeometry
 from castx.domain.cad.description import part_of
-from castx.meshes.cad.description import CadFile, Selector
+from castx.meshes.cad.description import CadFile, Selector, SizeRule
 
 pytestmark = pytest.mark.serial
 
@@ -20,7 +20,10 @@ def test_every_key_reaches_the_mesher():
     }  # fmt: skip
     cad = CadGeometry.read(
         {"parts": {"a": "a.brep"}, "unit": "cm", "size": 3, "tolerance": 0.5, "names": {"L": "b"},
-         "curvature": 20, "surfaces": {"s": selector}}
+         "curvature": 20, "across": 3, "interface_size": 2, "growth": 0.7, "most_cells": 5e4,
+         "sizes": [{"size": 1, "body": "a"}, {"size": 2, "surface": "s"},
+                   {"size": 1, "within": [[0, 0, 0], [1, 1, 1]]}],
+         "surfaces": {"s": selector}}
     )  # fmt: skip
     part = part_of(cad, ["a", "b"])
     assert part.files == (CadFile("a.brep", "a", pytest.approx(0.01)),)
@@ -28,5 +31,11 @@ def test_every_key_reaches_the_mesher():
     assert (part.size, part.tolerance, part.curvature) == (3.0, 0.5, 20.0)
     assert part.selectors == (
         Selector("s", "a", (1.0, 0.0, 0.0), radians(5), ((0, 0, 0), (1, 1, 1)), "b", 2.0, 4, 0.5),
+    )
+    assert (part.across, part.interface_size, part.growth, part.most_cells) == (3, 2.0, 0.7, 5e4)
+    assert part.rules == (
+        SizeRule(1.0, body="a"),
+        SizeRule(2.0, surface="s"),
+        SizeRule(1.0, within=((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))),
     )
     assert part_of(cad, None).bodies is None

@@ -1,0 +1,363 @@
+"""Sizes of cells over space: by walls, curvature, interfaces and places, growing from there.
+
+A first mesh of the faces, as coarse as allowed, samples them. Each sample gets the least of the
+sizes that its place asks for; away from it sizes grow in proportion to the distance. gmsh gets them
+on a regular grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import gmsh
+import numpy as np
+
+from castx.arrays import FloatArray, LongArray
+from castx.meshes.cad.cells import TRIANGLE, node_points
+from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeRule
+from castx.meshes.cad.faces import Face
+
+OPPOSITE = -0.5
+"""Cosine between the normals of the two sides of a wall; they enclose at most 60°."""
+CHUNK = 256
+"""Samples that are compared with all others at a time."""
+MOST = 3000
+"""Samples whose walls are looked for, or that others are compared with."""
+FILLING = 0.11
+"""Volume of a cell over the cube of its size."""
+NO_SIZE = 1e22
+"""What gmsh takes for no size."""
+STEPS = 64
+"""Of the grid of sizes along the longest extent, at most."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Triangles of a coarse mesh of the faces.
+
+    Args:
+        faces: index of the face of each one.
+        corners: (samples, 3, 3) [m].
+        points: their middles, (samples, 3) [m].
+        normals: out of the first body of the face, (samples, 3).
+        radii: largest distance of a corner from the middle [m].
+        areas: [m²].
+    """
+
+    faces: LongArray
+    corners: FloatArray
+    points: FloatArray
+    normals: FloatArray
+    radii: FloatArray
+    areas: FloatArray
+
+
+def samples_of(faces: Sequence[Face]) -> Samples:
+    """Return the triangles of the faces in the current gmsh model."""
+    points = node_points()
+    owners, corners, normals = [], [], []
+    for index, face in enumerate(faces):
+        nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, face.tag)[1].astype(np.int64)
+        places = points[nodes.reshape(-1, 3)]
+        owners.append(np.full(len(places), index))
+        corners.append(places)
+        normals.append(_outward(face, places))
+    places = np.concatenate(corners)
+    vectors = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    middles = places.mean(axis=1)
+    return Samples(
+        np.concatenate(owners),
+        places,
+        middles,
+        np.concatenate(normals),
+        np.linalg.norm(places - middles[:, None], axis=2).max(axis=1),
+        0.5 * np.linalg.norm(vectors, axis=1),
+    )
+
+
+def _outward(face: Face, places: FloatArray) -> FloatArray:
+    """Return unit normals of triangles on the side of the normals of their face."""
+    normals = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    known = face.points[: len(face.normals)]
+    middles = places.mean(axis=1)
+    nearest = np.argmin(np.linalg.norm(middles[:, None] - known[None], axis=2), axis=1)
+    sign = np.sign(np.einsum("ij,ij->i", normals, face.normals[nearest]))
+    return np.asarray(normals * np.where(sign == 0.0, 1.0, sign)[:, None])
+
+
+def wall_thickness(
+    samples: Samples, faces: Sequence[Face], body: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return the thickness of a body behind each sample, and the direction into it.
+
+    Args:
+        samples: of all faces.
+        faces: of the model.
+        body: its name.
+
+    Returns:
+        Thickness (samples,), infinite where there is no other side [m]; directions (samples, 3).
+    """
+    signs = [0.0 if body not in face.bodies else 1.0 if face.bodies[0] == body else -1.0
+             for face in faces]  # fmt: skip
+    side = np.array(signs)[samples.faces]
+    own = np.flatnonzero(side)
+    normals = samples.normals * side[:, None]
+    thickness = np.full(len(side), np.inf)
+    asked = own[:: max(1, -(-len(own) // MOST))]
+    for first in range(0, len(asked), CHUNK):
+        rows = asked[first : first + CHUNK]
+        thickness[rows] = _to_other_side(
+            samples.points[rows], normals[rows], samples.points[own], normals[own],
+            samples.radii[own],
+        )  # fmt: skip
+    return thickness, -normals
+
+
+def _to_other_side(
+    points: FloatArray,
+    normals: FloatArray,
+    others: FloatArray,
+    other_normals: FloatArray,
+    radii: FloatArray,
+) -> FloatArray:
+    """Return how far inside the next opposite triangle lies, taken as a disc.
+
+    Args:
+        points: from which to look along the negative normals, (points, 3) [m].
+        normals: outward ones.
+        others: middles of the triangles, (triangles, 3) [m].
+        other_normals: of the triangles.
+        radii: of the triangles [m].
+    """
+    cosines = normals @ other_normals.T
+    heights = np.einsum("ij,ij->i", others, other_normals) - points @ other_normals.T
+    along = normals @ others.T - np.einsum("ij,ij->i", normals, points)[:, None]
+    squares = (
+        np.einsum("ij,ij->i", points, points)[:, None]
+        + np.einsum("ij,ij->i", others, others)
+        - 2.0 * points @ others.T
+    )
+    opposite = cosines < OPPOSITE
+    depths = np.where(opposite, heights / np.where(opposite, -cosines, 1.0), np.inf)
+    known = opposite & (depths > 1e-9)
+    hit = np.where(known, depths, 0.0)
+    beside = squares + hit * (2.0 * along + hit)
+    return np.asarray(np.where(known & (beside <= radii**2), depths, np.inf).min(axis=1))
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """Triangles and the sizes that are wanted there.
+
+    Args:
+        corners: (triangles, 3, 3) [m].
+        sizes: (triangles,) [m].
+    """
+
+    corners: FloatArray
+    sizes: FloatArray
+
+
+def wanted_sizes(
+    part: CadPart, faces: Sequence[Face], named: Mapping[str, Sequence[Face]], samples: Samples
+) -> Wishes:
+    """Return the size that each sample asks for, and the middle of the wall behind it.
+
+    Args:
+        part: what is meshed.
+        faces: of the model.
+        named: faces of each surface.
+        samples: of the faces.
+
+    Returns:
+        The samples first, then the middles of walls.
+    """
+    sizes = np.full(len(samples.areas), part.size)
+    for index, face in enumerate(faces):
+        here = samples.faces == index
+        least = min([part.size, *(rule.size for rule in part.rules if _on(rule, face, named))])
+        if part.interface_size is not None and len(face.bodies) == 2:
+            least = min(least, part.interface_size)
+        sizes[here] = np.minimum(least, _curved(face.tag, samples.points[here], part.curvature))
+    corners, wanted = [samples.corners], []
+    for body in dict.fromkeys(name for face in faces for name in face.bodies):
+        walls, inward = wall_thickness(samples, faces, body)
+        sizes = np.minimum(sizes, walls / part.across)
+        thin = np.flatnonzero(walls < part.across * part.size)
+        for depth in np.linspace(0.0, 1.0, part.across + 1)[1:-1]:
+            moved = (depth * walls[thin])[:, None] * inward[thin]
+            corners.append(samples.corners[thin] + moved[:, None])
+            wanted.append(walls[thin] / part.across)
+    return Wishes(np.concatenate(corners), np.concatenate([sizes, *wanted]))
+
+
+def _on(rule: SizeRule, face: Face, named: Mapping[str, Sequence[Face]]) -> bool:
+    if rule.surface is not None:
+        return any(other.tag == face.tag for other in named.get(rule.surface, ()))
+    return rule.body is not None and rule.body in face.bodies
+
+
+def _curved(tag: int, points: FloatArray, count: float) -> FloatArray:
+    """Return the sizes at points of a face of which `count` go round its circle of curvature."""
+    if not len(points):
+        return np.empty(0)
+    parameters = gmsh.model.getParametrization(2, tag, (MILLIMETRES * points).ravel())
+    bounds = gmsh.model.getPrincipalCurvatures(tag, parameters)[:2]
+    curvature = np.abs(np.array(bounds)).max(axis=0) * MILLIMETRES
+    return np.asarray(2.0 * pi / count / np.maximum(curvature, 1e-9))
+
+
+@dataclass(frozen=True)
+class SizeGrid:
+    """Sizes at the nodes of a regular grid.
+
+    Args:
+        lowest: its first node [m].
+        step: between nodes [m].
+        sizes: at the nodes [m].
+    """
+
+    lowest: FloatArray
+    step: float
+    sizes: FloatArray
+
+    def write(self, file: str) -> None:
+        """Write it as gmsh's field Structured reads it, in millimetres."""
+        with open(file, "wb") as target:
+            for numbers in (self.lowest * MILLIMETRES, np.full(3, self.step * MILLIMETRES)):
+                target.write(numbers.astype(np.float64).tobytes())
+            target.write(np.array(self.sizes.shape, dtype=np.int32).tobytes())
+            target.write((self.sizes * MILLIMETRES).astype(np.float64).tobytes())
+
+
+def size_grid(part: CadPart, wishes: Wishes) -> SizeGrid:
+    """Return sizes over space: those that are wanted and those of boxes, growing away from them.
+
+    Args:
+        part: what is meshed.
+        wishes: sizes on triangles.
+    """
+    corners = wishes.corners.reshape(-1, 3)
+    least, extent = float(wishes.sizes.min()), float(np.ptp(corners, axis=0).max())
+    step = max(extent / STEPS, 0.5 * least)
+    lowest = corners.min(axis=0) - step
+    counts = np.ceil((corners.max(axis=0) + step - lowest) / step).astype(np.int64) + 1
+    grid = np.full(counts, part.size)
+    axes = [low + step * np.arange(count) for low, count in zip(lowest, counts, strict=True)]
+    for rule in part.rules:
+        if rule.within is not None:
+            inside = np.ix_(
+                *(
+                    (axis > low - step) & (axis < high + step)
+                    for axis, low, high in zip(axes, *rule.within, strict=True)
+                )
+            )
+            grid[inside] = np.minimum(grid[inside], rule.size)
+    small = wishes.sizes < part.size
+    for points, sizes in _spread(wishes.corners[small], wishes.sizes[small], step):
+        places = (points - lowest) / step
+        first = places.astype(np.int64)  # all nodes round it, lest the grid lose thin walls
+        for offset in np.ndindex(2, 2, 2):
+            nodes = first + offset
+            flat = np.ravel_multi_index(tuple(nodes.T), grid.shape)
+            np.minimum.at(grid.ravel(), flat, sizes)
+    return SizeGrid(lowest, step, _growing(grid, part.growth * step))
+
+
+def _spread(
+    corners: FloatArray, sizes: FloatArray, step: float
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield points all over triangles, no farther apart than a step, with their sizes."""
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    counts = np.maximum(1, np.ceil(edges / step)).astype(np.int64)
+    for count in np.unique(counts):
+        of_count = corners[counts == count]
+        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+        kept = i + j <= count
+        u, v = i[kept][:, None] / count, j[kept][:, None] / count
+        weights = np.hstack([1.0 - u - v, u, v])
+        points = np.einsum("pc,tcx->tpx", weights, of_count)
+        yield points.reshape(-1, 3), np.repeat(sizes[counts == count], len(weights))
+
+
+def _growing(grid: FloatArray, slope: float) -> FloatArray:
+    """Return the largest numbers below those of a grid that change by no more than a slope a step.
+
+    Args:
+        grid: the numbers.
+        slope: change from a node to the next one.
+    """
+    offsets = [np.array(k) - 1 for k in np.ndindex(3, 3, 3) if k != (1, 1, 1)]
+    while True:
+        before = grid.copy()
+        for offset in offsets:
+            along = list(zip(offset, grid.shape, strict=True))
+            here = tuple(slice(max(0, -o), min(n, n - o)) for o, n in along)
+            there = tuple(slice(max(0, o), min(n, n + o)) for o, n in along)
+            rise = slope * float(np.linalg.norm(offset))
+            np.minimum(grid[here], grid[there] + rise, out=grid[here])
+        if np.array_equal(before, grid):
+            return grid
+
+
+def set_field(part: CadPart, grid: SizeGrid, volumes: Mapping[int, str], scratch: str) -> None:
+    """Give gmsh the sizes as its background field.
+
+    Args:
+        part: what is meshed.
+        grid: of sizes.
+        volumes: body of each volume.
+        scratch: a file to write.
+    """
+    field = gmsh.model.mesh.field
+    grid.write(scratch)
+    fields = [field.add("Structured")]
+    field.setString(fields[0], "FileName", scratch)
+    field.setNumber(fields[0], "TextFormat", 0)
+    for rule in part.rules:
+        if rule.body is not None:
+            fields.append(field.add("Constant"))
+            inside = [volume for volume, body in volumes.items() if body == rule.body]
+            field.setNumbers(fields[-1], "VolumesList", inside)
+            field.setNumber(fields[-1], "VIn", rule.size * MILLIMETRES)
+            field.setNumber(fields[-1], "VOut", NO_SIZE)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", fields)
+    field.setAsBackgroundMesh(least)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+
+
+def estimated_cells(
+    part: CadPart, samples: Samples, sizes: FloatArray, volumes: Mapping[str, float]
+) -> float:
+    """Return about how many cells a mesh will have.
+
+    Behind each sample sizes grow from its own to the largest one; the rest has the largest one.
+
+    Args:
+        part: what is meshed.
+        samples: of the faces.
+        sizes: at the samples [m].
+        volumes: of the bodies [m³].
+    """
+    total = sum(volumes.values())
+    small = np.minimum(sizes, part.size)
+    reach = np.minimum((part.size - small) / part.growth, total / samples.areas.sum())
+    ends = small + part.growth * reach
+    # ∫ (h + g d)⁻³ dd from 0 to the reach, less what the largest size would have there
+    layers = (small**-2 - ends**-2) / (2.0 * part.growth) - reach * part.size**-3
+    near = float((samples.areas * layers).sum())
+    inside = sum(_volume_of(rule, volumes) / rule.size**3 for rule in part.rules)
+    return (near + total / part.size**3 + inside) / FILLING
+
+
+def _volume_of(rule: SizeRule, volumes: Mapping[str, float]) -> float:
+    """Return the volume in which a rule holds at most [m³]."""
+    if rule.within is not None:
+        low, high = (np.array(corner) for corner in rule.within)
+        return min(float(np.prod(high - low)), sum(volumes.values()))
+    return volumes.get(rule.body, 0.0) if rule.body is not None else 0.0
