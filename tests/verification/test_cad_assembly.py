@@ -18,6 +18,7 @@ CASE = """
 model = "3d"
 file = "{name}.step"
 size = "8 mm"
+across = 1
 surfaces = {{ base = {{ normal = "-z", body = "die" }} }}
 [[bodies]]
 name = "casting"
