@@ -72,6 +72,7 @@ STANDARD_LIBRARY = {
     "dataclasses",
     "enum",
     "functools",
+    "itertools",
     "math",
     "typing",
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import gmsh
 
@@ -10,15 +10,16 @@ from castx.meshes.cad.description import MILLIMETRES
 from castx.meshes.cad.reading import Solid, centre_of, place_text, solid_list
 
 
-def join(solids: Sequence[Solid], tolerance: float) -> dict[int, str]:
+def join(solids: Sequence[Solid], tolerance: float, drills: Collection[int] = ()) -> dict[int, str]:
     """Divide solids along their common faces, and return the body of each volume of the model.
 
     Args:
         solids: of the current gmsh model.
         tolerance: gaps and overlaps up to it are closed [m].
+        drills: tags of solids that are no bodies: the others have holes where they are.
 
     Raises:
-        ValueError: solids of two bodies overlap, or one of them vanishes.
+        ValueError: solids of two bodies of one rank overlap, or one of them vanishes.
     """
     _refuse_hollow(solids)
     if len(solids) == 1:
@@ -41,8 +42,30 @@ def join(solids: Sequence[Solid], tolerance: float) -> dict[int, str]:
             raise ValueError(f"the solid {solid.name!r} is thinner than the tolerance everywhere")
         for tag in volumes:
             owners.setdefault(tag, []).append(solid)
-    _refuse_overlaps(owners, tolerance)
-    return {tag: owner[0].name for tag, owner in owners.items()}
+    top = {tag: _highest(owner) for tag, owner in owners.items()}
+    _refuse_overlaps(top, tolerance)
+    removed = [tag for tag, owner in top.items() if owner[0].tag in drills]
+    for tag in removed:
+        _refuse_drilled(tag, owners[tag], drills)
+    gmsh.model.occ.remove([(3, tag) for tag in removed], recursive=True)
+    gmsh.model.occ.synchronize()
+    return {tag: owner[0].name for tag, owner in top.items() if tag not in removed}
+
+
+def _highest(owners: Sequence[Solid]) -> list[Solid]:
+    rank = max(owner.rank for owner in owners)
+    return [owner for owner in owners if owner.rank == rank]
+
+
+def _refuse_drilled(tag: int, owners: Sequence[Solid], drills: Collection[int]) -> None:
+    """Refuse a channel that meets a body beside the block."""
+    met = sorted({o.name for o in owners if o.tag not in drills and o.rank > 0})
+    if met:
+        channel = next(owner.name for owner in owners if owner.tag in drills)
+        raise ValueError(
+            f"the channel {channel!r} meets the body {met[0]!r} round "
+            f"{place_text(centre_of(3, tag))}; move it"
+        )
 
 
 def _refuse_hollow(solids: Sequence[Solid]) -> None:

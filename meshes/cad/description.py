@@ -73,6 +73,83 @@ class SizeRule:
 
 
 @dataclass(frozen=True)
+class Channel:
+    """A cooling channel, drilled through the block of a mould.
+
+    Args:
+        name: of the surface of its walls.
+        line: corners of its axis, two or more [m].
+        diameter: [m].
+    """
+
+    name: str
+    line: tuple[Vector, ...]
+    diameter: float
+
+
+@dataclass(frozen=True)
+class Chill:
+    """A chill, a box or a cylinder; the part is cut out of it.
+
+    Args:
+        name: of the body.
+        box: [m].
+        line: the two ends of the axis of a cylinder [m].
+        diameter: of the cylinder [m].
+    """
+
+    name: str
+    box: Box | None = None
+    line: tuple[Vector, Vector] | None = None
+    diameter: float = 0.0
+
+
+@dataclass(frozen=True)
+class Mould:
+    """A block out of which everything else is cut.
+
+    Args:
+        name: of its body; of two halves its beginning.
+        margin: of the block round all solids [m].
+        box: the block, instead of the margin [m].
+        split: axis and place of the plane that divides it [m].
+        cores: bodies that are cut out of others where they overlap.
+        chills: made for it.
+        channels: drilled through it.
+    """
+
+    name: str = "mould"
+    margin: float = 0.0
+    box: Box | None = None
+    split: tuple[int, float] | None = None
+    cores: tuple[str, ...] = ()
+    chills: tuple[Chill, ...] = ()
+    channels: tuple[Channel, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the block's bodies."""
+        if self.split is None:
+            return (self.name,)
+        return f"{self.name}-low", f"{self.name}-high"
+
+
+@dataclass(frozen=True)
+class SymmetryPlane:
+    """A plane that cuts everything.
+
+    Args:
+        axis: of its normal.
+        place: on the axis [m].
+        above: whether what lies above it stays.
+    """
+
+    axis: int
+    place: float
+    above: bool
+
+
+@dataclass(frozen=True)
 class CadPart:
     """An assembly of CAD solids and how it is meshed.
 
@@ -90,6 +167,8 @@ class CadPart:
         growth: by how much sizes grow over a distance, as a share of it.
         rules: sizes at places.
         most_cells: that a mesh may have.
+        mould: made round the solids.
+        symmetry: planes that cut everything.
     """
 
     files: tuple[CadFile, ...]
@@ -105,3 +184,5 @@ class CadPart:
     growth: float = 0.4
     rules: tuple[SizeRule, ...] = ()
     most_cells: float = 2e6
+    mould: Mould | None = None
+    symmetry: tuple[SymmetryPlane, ...] = ()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from castx.meshes.cad.assembly import join, refuse_other_bodies
 from castx.meshes.cad.cells import cell_qualities, quality_of, solid_volumes
 from castx.meshes.cad.description import CadPart
-from castx.meshes.cad.faces import faces_of
+from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
+from castx.meshes.cad.mould import CHANNEL, named_by_making, with_mould
 from castx.meshes.cad.reading import read_solids
 from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
@@ -24,13 +27,17 @@ def mesh_part(part: CadPart, file: str) -> Report:
         ValueError: a file, a name, a selector or a solid makes no mesh.
     """
     solids = read_solids(part.files, part.names, f"{file}.brep")
-    drawn = solid_volumes({solid.tag: solid.name for solid in solids})
     solids, remarks = mend(solids, part.tolerance)
-    volumes = join(solids, part.tolerance)
+    solids = with_mould(part, solids)
+    drawn = solid_volumes({solid.tag: solid.name for solid in solids if solid.rank != CHANNEL})
+    drills = [solid.tag for solid in solids if solid.rank == CHANNEL]
+    volumes = join(solids, part.tolerance, drills)
     refuse_other_bodies(part.bodies, volumes, solids)
     refuse_small(list(volumes), part.tolerance)
+    if part.mould is not None:  # what is cut out of a body is not missing
+        drawn = solid_volumes(volumes)
     faces = faces_of(volumes)
-    named = named_faces(part.selectors, faces, list(dict.fromkeys(volumes.values())), part.rest)
+    named = _named(part, faces, list(dict.fromkeys(volumes.values())))
     add_groups(volumes, named)
     generate(part, volumes, faces, named, f"{file}.sizes")
     corners, qualities = cell_qualities(list(volumes))
@@ -39,3 +46,12 @@ def mesh_part(part: CadPart, file: str) -> Report:
     report = report_of(volumes, drawn, faces, named, quality, remarks)
     write(file)
     return report
+
+
+def _named(part: CadPart, faces: Sequence[Face], bodies: Sequence[str]) -> dict[str, list[Face]]:
+    """Return the faces of the named surfaces; those of the making before those of selectors."""
+    made = named_by_making(part, faces)
+    taken = {face.tag for group in made.values() for face in group}
+    left = [face for face in faces if face.tag not in taken]
+    chosen = named_faces(part.selectors, left, bodies, part.rest)
+    return {name: [*made.get(name, ()), *chosen.get(name, ())] for name in {**made, **chosen}}

@@ -29,11 +29,13 @@ class Solid:
         tag: of its volume in the model.
         name: of the body it belongs to.
         label: in the file, or "" without one.
+        rank: where several solids are, that of the highest rank stays.
     """
 
     tag: int
     name: str
     label: str
+    rank: int = 0
 
 
 def read_solids(

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, PlainValidator, StrictStr
 
+from castx.case.cad.mould import CadMould, symmetry_planes
 from castx.case.cad.selectors import FaceSelector
 from castx.case.cad.sizes import LocalSize
 from castx.errors import CaseError
@@ -82,6 +83,8 @@ class CadGeometry(Description):
         growth: by how much sizes grow over a distance, as a share of it.
         sizes: at places.
         most_cells: that the mesh may have.
+        mould: made round the solids.
+        symmetry: axis and place of planes that cut everything [m], and whether what is above stays.
         surfaces: selectors of faces by the names of surfaces; all other free faces are `outside`.
     """
 
@@ -100,6 +103,8 @@ class CadGeometry(Description):
     growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
     sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)
     most_cells: Annotated[float, Quantity(PURE_NUMBER, least=1.0, most=1e9)] = 2e6
+    mould: CadMould | None = None
+    symmetry: Annotated[tuple[tuple[int, float, bool], ...], PlainValidator(symmetry_planes)] = ()
     surfaces: Annotated[dict[str, FaceSelector], PlainValidator(_surfaces)] = Field({})
 
     @property

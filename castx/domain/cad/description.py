@@ -6,8 +6,18 @@ from collections.abc import Sequence
 from math import radians
 
 from castx.case.cad.geometry import CadGeometry
+from castx.case.cad.mould import CadMould
 from castx.case.cad.selectors import FaceSelector
-from castx.meshes.cad.description import CadFile, CadPart, Selector, SizeRule
+from castx.meshes.cad.description import (
+    CadFile,
+    CadPart,
+    Channel,
+    Chill,
+    Mould,
+    Selector,
+    SizeRule,
+    SymmetryPlane,
+)
 
 
 def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
@@ -30,6 +40,8 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         growth=cad.growth,
         rules=tuple(SizeRule(s.size, s.body, s.surface, s.within) for s in cad.sizes),
         most_cells=cad.most_cells,
+        mould=None if cad.mould is None else _mould(cad.mould),
+        symmetry=tuple(SymmetryPlane(*plane) for plane in cad.symmetry),
     )
 
 
@@ -44,4 +56,19 @@ def _selector(name: str, selector: FaceSelector, tolerance: float) -> Selector:
         radius=selector.radius,
         largest=selector.largest,
         tolerance=tolerance,
+    )
+
+
+def _mould(mould: CadMould) -> Mould:
+    return Mould(
+        mould.name,
+        margin=mould.box if isinstance(mould.box, float) else 0.0,
+        box=None if isinstance(mould.box, float) else mould.box,
+        split=mould.split,
+        cores=mould.cores,
+        chills=tuple(
+            Chill(c.name, c.box, (c.line[0], c.line[1]) if c.line else None, c.diameter or 0.0)
+            for c in mould.chills
+        ),
+        channels=tuple(Channel(c.name, c.line, c.diameter) for c in mould.cooling),
     )

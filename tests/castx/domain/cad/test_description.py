@@ -8,9 +8,38 @@ import pytest
 
 from castx.case.cad.geometry import CadGeometry
 from castx.domain.cad.description import part_of
-from castx.meshes.cad.description import CadFile, Selector, SizeRule
+from castx.meshes.cad.description import (
+    CadFile,
+    Channel,
+    Chill,
+    Mould,
+    Selector,
+    SizeRule,
+    SymmetryPlane,
+)
 
 pytestmark = pytest.mark.serial
+
+
+def test_mould_and_symmetry_reach_the_mesher():
+    line = [[0, 0, 0], [1, 0, 0]]
+    mould = {
+        "name": "die", "box": 2, "split": "z = 1", "cores": ["c"],
+        "chills": [{"name": "k", "box": [[0, 0, 0], [1, 1, 1]]},
+                   {"name": "p", "line": line, "diameter": 3}],
+        "cooling": [{"line": line, "diameter": 4}],
+    }  # fmt: skip
+    base = {"file": "a.step", "size": 1, "symmetry": ["y < 2"]}
+    part = part_of(CadGeometry.read({**base, "mould": mould}), None)
+    ends = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    assert part.symmetry == (SymmetryPlane(1, 2.0, above=False),)
+    assert part.mould == Mould(
+        "die", 2.0, None, (2, 1.0), ("c",),
+        (Chill("k", ((0, 0, 0), (1, 1, 1))), Chill("p", None, ends, 3.0)),
+        (Channel("cooling", ends, 4.0),),
+    )  # fmt: skip
+    boxed = CadGeometry.read({**base, "mould": {"box": [[0, 0, 0], [1, 1, 1]]}})
+    assert part_of(boxed, None).mould == Mould("mould", 0.0, ((0, 0, 0), (1, 1, 1)))
 
 
 def test_every_key_reaches_the_mesher():
