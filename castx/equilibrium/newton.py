@@ -165,7 +165,9 @@ class Newton:
             why = self._failure or self._worst_row()
             raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
         finally:
-            self._counters.mechanics_iterations += self._solver.snes.getIterationNumber()
+            snes = self._solver.snes
+            self._counters.mechanics_iterations += snes.getIterationNumber()
+            self._counters.linear_iterations += snes.getLinearSolveIterations()
             self._counters.contact_changes += active.changes
         return EquilibriumReport(
             report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),

@@ -17,6 +17,7 @@ class StepCounters:
         step: size of the step [s], 0 for the initial state.
         heat_iterations: Newton iterations of the heat problem.
         mechanics_iterations: Newton iterations of the mechanical problem.
+        linear_iterations: iterations of the linear solves in them.
         contact_changes: changes of pairs between open and closed.
         passes: passes between heat and mechanics.
         cutbacks: tries that failed before the accepted one.
@@ -31,6 +32,7 @@ class StepCounters:
     step: float = 0.0
     heat_iterations: int = 0
     mechanics_iterations: int = 0
+    linear_iterations: int = 0
     contact_changes: int = 0
     passes: int = 0
     cutbacks: int = 0

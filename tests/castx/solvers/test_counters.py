@@ -55,5 +55,6 @@ def test_iterations_of_a_step_are_those_of_its_solves(comm):
     assert counters.passes == change.passes == len(reports) == len(heats)
     assert counters.heat_iterations == sum(report.iterations for report in heats) > 0
     assert counters.mechanics_iterations == sum(report.iterations for report in reports) > 0
+    assert counters.linear_iterations == sum(report.linear_iterations for report in reports) > 0
     assert counters.contact_changes == sum(report.contact_changes for report in reports)
     run.destroy()
