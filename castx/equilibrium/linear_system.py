@@ -16,13 +16,18 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import BoolArray
+from castx.arrays import BoolArray, FloatArray
 from castx.equilibrium.supports.springs import SpringSupport
 from castx.mechanics.assembly import Correction
+from castx.solvers.blocks import diagonal, largest_factor
 from castx.solvers.layout import Layout
 
 OUTDATED, OUTDATED_BY = 1.5, 4
 """Factor and number of iterations by which a set-up may fall behind."""
+
+STIFFENED = 1.5
+"""Factor by which the stiffness of an unknown may change before a new set-up: what freezes or
+yields between two iterations costs more than one otherwise."""
 
 
 class InnerSolver(Protocol):
@@ -31,14 +36,16 @@ class InnerSolver(Protocol):
     Attributes:
         prefix: of its PETSc options.
         defaults: PETSc options without the prefix.
-        most_changed: constrained unknowns and closed pairs by which a set-up may fall behind.
         is_exact: whether it is worth a new set-up whenever the matrix is a new one.
     """
 
     prefix: str
     defaults: Mapping[str, object]
-    most_changed: int
     is_exact: bool
+
+    @property
+    def most_changed(self) -> int:
+        """Constrained unknowns and closed pairs by which a set-up may fall behind."""
 
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Prepare for a matrix whose constrained rows and columns are those of a diagonal."""
@@ -116,6 +123,7 @@ class SystemPreconditioner:
         self._work: list[PETSc.Vec] = []
         self._set_up_for: BoolArray | None = None
         self._masked: PETSc.Mat | None = None
+        self._stiffness: FloatArray = np.zeros(0)
         self._first_iterations = 0
         self.is_fresh = False
 
@@ -141,13 +149,17 @@ class SystemPreconditioner:
                 self._masked.destroy()
             self._masked = masked(operator.matrix, constrained)
             self._inner.set_up(self._masked, constrained)
-            self._set_up_for = state
+            self._set_up_for, self._stiffness = state, diagonal(operator.matrix)
 
     def _is_outdated(self, state: BoolArray, iterations: int) -> bool:
         if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
             return True
         changed = int(np.count_nonzero(state != self._set_up_for))
-        return int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed
+        if int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed:
+            return True
+        assert self._operator.matrix is not None
+        now = diagonal(self._operator.matrix)
+        return largest_factor(now, self._stiffness, self._comm) > STIFFENED
 
     @property
     def is_exact(self) -> bool:

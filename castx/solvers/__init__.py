@@ -2,6 +2,6 @@
 
 Public: `communicator.keep_duplicate`, `layout.Layout`, `remote_entries.RemoteEntries`,
 `snes.NonlinearSolver`, `snes.SolveReport`, `line_search.shorten_step`, `blocks.DirectSolver`,
-`blocks.Block`, `blocks.BlockSweep`, `blocks.BlockSolver`, `arrow_schur.ArrowSchur`,
-`worst_place.worst_place`, `finite.require_finite`, `diagnosis.diagnosis`.
+`blocks.Block`, `blocks.BlockSweep`, `blocks.BlockSolver`, `stiff_part.StiffPart`,
+`arrow_schur.ArrowSchur`, `worst_place.worst_place`, `finite.require_finite`, `diagnosis.diagnosis`.
 """

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.solvers.stiff_part import StiffPart
 
 MULTIGRID: Mapping[str, object] = {
     "ksp_type": "preonly",
@@ -49,6 +50,11 @@ MOST_CHANGED = 8
 
 MOST_CHANGED_IN_SWEEP = 4
 """The same for multigrid: a gap costs some four iterations, a new set-up about a dozen."""
+
+
+MOST_STIFFENED = 2.0
+"""Factor by which the stiffness of an unknown may change before the coarse spaces of multigrid are
+built anew: smoothed with that of a liquid they serve no solid, nor a step of another size."""
 
 
 class DirectSolver:
@@ -117,6 +123,7 @@ class Blocks:
         self._rows = [_listed(block.rows) for block in blocks]
         self._matrices: list[list[PETSc.Mat]] = []
         self._first, self._constrained = 0, list[BoolArray]()
+        self._stiffness: list[FloatArray] = []
         self.nest: PETSc.Mat | None = None
 
     def update(self, matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
@@ -128,6 +135,7 @@ class Blocks:
             ]
             self._first = matrix.getOwnershipRange()[0]
             self._constrained = self._parts(constrained)
+            self._stiffness = [diagonal(self._matrices[b][b]) for b in range(len(self._rows))]
             for b in range(len(self._rows)):
                 self._attach_modes(b)
             if len(self._rows) == 1:
@@ -147,20 +155,34 @@ class Blocks:
         """Whether the matrices exist."""
         return bool(self._matrices)
 
-    def renew_modes(self, constrained: BoolArray) -> list[int]:
+    def renew_modes(
+        self, constrained: BoolArray, most_changed: int = MOST_CHANGED_IN_SWEEP
+    ) -> list[int]:
         """Adapt near-null vectors to constraints; return the blocks whose multigrid is outdated.
 
-        Coarse spaces that were built while a gap was closed lack its motion.
+        Coarse spaces that were built while a gap was closed lack its motion, and those that were
+        smoothed with another stiffness let errors through.
+
+        Args:
+            constrained: owned unknowns.
+            most_changed: constrained unknowns of a block that may change before it is outdated.
         """
-        parts = self._parts(constrained)
-        pairs = zip(parts, self._constrained, strict=True)
-        changed = np.array([np.count_nonzero(now != then) for now, then in pairs])
-        most = self._comm.allreduce(changed, op=MPI.SUM)
-        outdated = [b for b, count in enumerate(most) if count > MOST_CHANGED_IN_SWEEP]
-        for b in outdated:
-            self._constrained[b] = parts[b]
-            self._attach_modes(b)
+        parts, outdated = self._parts(constrained), []
+        for b, now in enumerate(parts):
+            changed, factor = self._change(b, now)
+            if changed > most_changed or factor > MOST_STIFFENED:
+                outdated.append(b)
+                self._constrained[b] = now
+                self._stiffness[b] = diagonal(self._matrices[b][b])
+                self._attach_modes(b)
         return outdated
+
+    def _change(self, b: int, constrained: BoolArray) -> tuple[int, float]:
+        """Return how many constraints of a block and by what factor its stiffness changed."""
+        then = self._constrained[b]
+        changed = self._comm.allreduce(int(np.count_nonzero(constrained != then)), op=MPI.SUM)
+        now, free = diagonal(self._matrices[b][b]), ~constrained & ~then
+        return changed, largest_factor(now[free], self._stiffness[b][free], self._comm)
 
     def _parts(self, constrained: BoolArray) -> list[BoolArray]:
         """Return which unknowns of each block are constrained."""
@@ -199,6 +221,11 @@ def _listed(rows: PETSc.IS) -> PETSc.IS:
     return listed
 
 
+def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
+    """Return the rows of blocks that are not solved for exactly."""
+    return [block.rows for block in blocks if block.options is not FACTORS]
+
+
 def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
     """Return the options of one block Gauss-Seidel sweep, or those of the only block."""
     if len(blocks) == 1:
@@ -210,7 +237,7 @@ def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
 
 
 class BlockSweep:
-    """One block Gauss-Seidel sweep, with a solver for each block.
+    """One block Gauss-Seidel sweep, with a solver for each block, after one for stiff nodes.
 
     Args:
         comm: communicator of the matrix.
@@ -219,8 +246,10 @@ class BlockSweep:
     """
 
     def __init__(self, comm: MPI.Intracomm, prefix: str, blocks: Sequence[Block]) -> None:
-        self.defaults: Mapping[str, object] = sweep_options(blocks)
-        self.most_changed, self.is_exact = MOST_CHANGED_IN_SWEEP, False
+        factors = {f"stiff_{name}": value for name, value in FACTORS.items()}
+        self.defaults: Mapping[str, object] = sweep_options(blocks) | factors
+        self.is_exact = False
+        self._stiff = StiffPart(comm, f"{prefix}stiff_", _by_multigrid(blocks))
         self._blocks = Blocks(comm, blocks)
         self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
         self._work: list[PETSc.Vec] = []
@@ -228,19 +257,25 @@ class BlockSweep:
         self._ksp.setOptionsPrefix(prefix)
         self.prefix = prefix
 
+    @property
+    def most_changed(self) -> int:
+        """Constrained unknowns that may change: round stiff nodes one costs tens of iterations."""
+        return 0 if self._stiff.exists else MOST_CHANGED_IN_SWEEP
+
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
         assembled = self._blocks.update(matrix, constrained)
         if not first:
-            for b in self._blocks.renew_modes(constrained):
+            for b in self._blocks.renew_modes(constrained, self.most_changed):
                 self._solver_of(b).reset()
         self._ksp.setOperators(assembled)
         if first:
-            self._work = [matrix.createVecRight() for _ in range(2)]
+            self._work = [matrix.createVecRight() for _ in range(4)]
             self._blocks.split(self._ksp.pc)
             self._ksp.setFromOptions()
         self._ksp.setUp()
+        self._stiff.set_up(matrix, constrained)
 
     def _solver_of(self, b: int) -> PETSc.KSP:
         several = self._blocks.nest is not None
@@ -248,14 +283,19 @@ class BlockSweep:
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the result of one sweep for b."""
-        right, solution = self._work
+        right, solution, stiff, rest = self._work
+        if self._stiff.exists:
+            self._stiff.solve(b, stiff, rest)
         own = self._numbers - b.getOwnershipRange()[0]
-        right.array[:] = b.array_r[own]
+        right.array[:] = (rest if self._stiff.exists else b).array_r[own]
         self._ksp.solve(right, solution)
         x.array[own] = solution.array_r
+        if self._stiff.exists:
+            x.axpy(1.0, stiff)
 
     def destroy(self) -> None:
         """Free the solvers and blocks."""
+        self._stiff.destroy()
         self._ksp.destroy()
         self._blocks.destroy()
         for vector in self._work:
@@ -300,6 +340,28 @@ class BlockSolver:
         """Free the solver and the block."""
         self._ksp.destroy()
         self._blocks.destroy()
+
+
+def diagonal(matrix: PETSc.Mat) -> FloatArray:
+    """Return the owned diagonal of a matrix."""
+    vector = matrix.getDiagonal()
+    values: FloatArray = vector.array_r.copy()
+    vector.destroy()
+    return values
+
+
+def largest_factor(now: FloatArray, then: FloatArray, comm: MPI.Intracomm) -> float:
+    """Return the largest factor by which a number has grown or shrunk, on any rank; at least 1.
+
+    Args:
+        now: present numbers.
+        then: former ones, shape of `now`; zero and other signs are no factor but infinity.
+        comm: ranks.
+    """
+    both = now * then > 0
+    ratio = np.divide(now, then, out=np.ones_like(now), where=both)
+    factor = np.where(both | (now == then), np.maximum(ratio, 1 / ratio), np.inf)
+    return float(comm.allreduce(float(factor.max(initial=1.0)), op=MPI.MAX))
 
 
 def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:

@@ -8,11 +8,14 @@ import pytest
 from castx.solvers.blocks import (
     FACTORS,
     MOST_CHANGED_IN_SWEEP,
+    MOST_STIFFENED,
+    MULTIGRID,
     Block,
     Blocks,
     BlockSolver,
     BlockSweep,
     DirectSolver,
+    largest_factor,
     orthonormal,
 )
 from tests.castx.solvers.distributed import gathered, index_set, matrix, options, vector
@@ -126,6 +129,59 @@ def test_near_null_vectors_follow_the_constraints(comm, dense):
     assert blocks.renew_modes(many) == []
     blocks.destroy()
     A.destroy()
+
+
+def test_coarse_spaces_of_another_stiffness_are_outdated(comm, dense):
+    """Of a block that stiffens or softens at some unknown, constrained ones left aside."""
+    blocks, none = Blocks(comm, two_blocks(comm)), np.zeros(LOCAL, dtype=bool)
+    constrained = none.copy()
+    constrained[0] = True
+    for factor, held, expected in (
+        (1.0, none, []), (0.9 * MOST_STIFFENED, none, []), (1.1 * MOST_STIFFENED, none, [0]),
+        (1.0, none, [0]), (1.1 * MOST_STIFFENED, constrained, []),
+    ):  # fmt: skip
+        changed = dense.copy()
+        changed[0, 0] *= factor
+        A = matrix(comm, changed, LOCAL)
+        blocks.update(A, held if blocks.ready else none)
+        assert blocks.renew_modes(held) == expected
+        A.destroy()
+    blocks.destroy()
+
+
+def test_largest_factor_counts_growth_and_shrinking_alike(comm):
+    then = np.array([2.0, -4.0, 0.0, 1.0])
+    assert largest_factor(then, then, comm) == 1.0
+    assert largest_factor(then * [1.0, 3.0, 1.0, 0.5], then, comm) == 3.0
+    assert largest_factor(then * [1.0, 3.0, 1.0, 0.2], then, comm) == pytest.approx(5.0)
+    only_here = then * [1.0, 7.0 if comm.rank == comm.size - 1 else 1.0, 1.0, 1.0]
+    assert largest_factor(only_here, then, comm) == 7.0
+    for changed in ([2.0, -4.0, 1e-9, 1.0], [2.0, 4.0, 0.0, 1.0]):
+        assert largest_factor(np.array(changed), then, comm) == np.inf
+
+
+def soft_body(comm, stiff):
+    """Return a block solved for by multigrid on each rank, some unknowns 10⁴ times stiffer."""
+    count = LOCAL * comm.size
+    springs = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    dense = springs + 1e4 * np.diag(np.tile(np.arange(LOCAL) < stiff, comm.size).astype(float))
+    block = Block(index_set(comm, np.ones(count, dtype=bool)), np.ones((1, LOCAL)), MULTIGRID)
+    return dense, BlockSweep(comm, PREFIX, [block])
+
+
+def test_a_sweep_solves_for_stiff_unknowns_first(comm):
+    """What it leaves of the residual of a stiff unknown is no more than rounding and the rest."""
+    dense, solver = soft_body(comm, 2)
+    assert solver.most_changed == MOST_CHANGED_IN_SWEEP
+    b = np.cos(np.arange(len(dense)))
+    found = applied(comm, solver, dense, b)
+    assert solver.most_changed == 0
+    np.testing.assert_allclose(found, np.linalg.solve(dense, b), atol=0.1)
+    soft, same = soft_body(comm, 0)
+    applied(comm, same, soft, b)
+    assert same.most_changed == MOST_CHANGED_IN_SWEEP
+    for item in (solver, same):
+        item.destroy()
 
 
 def test_independent_vectors_become_orthonormal(comm):
