@@ -28,6 +28,7 @@ from castx.errors import CaseError
 from castx.materials.flow import FlowProperties, liquid_flow, solid_flow
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
+from castx.mechanics.constitutive.coherency import Coherency
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.tables import Table
 
@@ -98,6 +99,7 @@ class Law:
         temperature: FloatArray,
         solid_fraction: FloatArray,
         step: float,
+        coherency: Coherency | None = None,
     ) -> Conditions:
         """Return the coefficients of the law in a step.
 
@@ -106,6 +108,7 @@ class Law:
             temperature: at the nodes at the end of the step [°C], shape (nodes,).
             solid_fraction: at the nodes at the end of the step, shape (nodes,).
             step: Δt [s].
+            coherency: what the passes of the step have found so far; takes note of this one.
 
         Raises:
             CaseError: the material lacks a property that the law needs.
@@ -116,13 +119,16 @@ class Law:
         corners = points.cell_nodes
         compressibility = np.mean((3 * (1 - 2 * nu) / E)[corners], axis=1)
         fraction = np.mean(solid_fraction[corners], axis=1)
+        liquid = self.material.liquid
+        if coherency is not None and liquid is not None:
+            coherency.note(fraction, liquid.coherency)
+            fraction = np.maximum(fraction, coherency.least)
         unstressed = self.stress_free_state
         nodal = unstressed.thermal_strain(self.material, temperature)
         shrinkage = unstressed.shrinkage(self.material, fraction, corners)
         thermal_strain = np.mean(nodal[corners], axis=1) + shrinkage
         share: FloatArray = np.ones(points.cells)
         coherent: BoolArray = np.ones(points.cells, dtype=bool)
-        liquid = self.material.liquid
         if liquid is not None:
             coherent = fraction >= liquid.coherency
             share = _solid_share(fraction, liquid.coherency)

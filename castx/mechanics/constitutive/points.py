@@ -11,6 +11,7 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.forms import kinematics
 from castx.forms.momentum import PointState
+from castx.mechanics.constitutive.coherency import Coherency
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
@@ -44,6 +45,7 @@ class MaterialPoints:
         self.secant_modulus = fem.Function(cells)
         self.thickness = thickness(points, law, cells, starts_liquid)
         self.history = PointHistory.initial(points, starts_liquid)
+        self._coherency = Coherency(self.history.coherent)
         self._start = self.history
         self._conditions: Conditions | None = None
         self._response: Response | None = None
@@ -84,7 +86,9 @@ class MaterialPoints:
         self, temperature: FloatArray, solid_fraction: FloatArray, step: float
     ) -> Conditions:
         """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
-        c = self.law.conditions(self.points, temperature, solid_fraction, step)
+        c = self.law.conditions(
+            self.points, temperature, solid_fraction, step, self._coherency
+        )
         self._free_volume = np.zeros(self.points.cells)
         self.thickness.begin(c.coherent)
         self._use(self.history.start(c.coherent, self.points), c, step)
@@ -169,6 +173,7 @@ class MaterialPoints:
         """Restore the history with which the next step starts."""
         self.history, self._committed = self.history.restored(arrays), None
         self.thickness.restore(arrays, self.history.coherent)
+        self._coherency = Coherency(self.history.coherent)
         if "stress_free" in arrays:
             unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
             self.law = replace(self.law, stress_free=unstressed)
@@ -185,6 +190,7 @@ class MaterialPoints:
             secant_softening(response, self.conditions, self._start, strain),
             self.conditions.coherent,
         )
+        self._coherency = Coherency(self.history.coherent)
         compressibility, free = self.compressibility.x.array.copy(), self._free_volume
         self._committed = self._start, self.conditions, self._step, compressibility, free
 
@@ -194,6 +200,7 @@ class MaterialPoints:
         It is evaluated from its own start: from its end, a viscous material would flow on.
         """
         self.thickness.rewind()
+        self._coherency = Coherency(self.history.coherent)
         if self._committed is not None:
             start, conditions, step, compressibility, self._free_volume = self._committed
             self._use(start, conditions, step)
