@@ -220,11 +220,12 @@ def mesh(
     context: typer.Context,
     case_file: CaseFile,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="PART.msh", help="The gmsh file to write.")
+        Path,
+        typer.Option("--output", "-o", metavar="PART.msh", help="The file: .msh, .vtu, .inp, …"),
     ],
     overrides: Overrides = None,
 ) -> None:
-    """Write the mesh of a case as a gmsh file."""
+    """Write the mesh of a case for gmsh (.msh) or another program (.vtu, .inp, .med, …)."""
     from castx.case.reading.read import load_case
     from castx.domain.memory import refuse_too_large
     from castx.domain.source import write_mesh
@@ -236,6 +237,26 @@ def mesh(
         refuse_too_large(case.geometry, names, comm, solved=False)
         on_first_rank(comm, lambda: write_mesh(case.geometry, output, names))
     console.print(f"written: {output}", markup=False)
+
+
+@app.command()
+def new(
+    context: typer.Context,
+    cad_file: Annotated[
+        Path, typer.Argument(metavar="PART.step", help="CAD solids: .step, .iges or .brep.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="CASE.toml", help="Instead of PART.toml."),
+    ] = None,
+) -> None:
+    """Write a case file for a CAD part: bodies, interfaces, first materials and sizes."""
+    from castx.domain.cad.new_case import write_new_case
+
+    comm, console = output_of(context)
+    target = cad_file.with_suffix(".toml") if output is None else output
+    on_first_rank(comm, lambda: write_new_case(cad_file, target))
+    console.print(f"written: {target}\nlook into it, then: castx check {target}", markup=False)
 
 
 @app.command()

@@ -10,18 +10,25 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import gmsh
+import meshio
 import numpy as np
 
 from castx.case.cad.geometry import CadGeometry
 from castx.case.geometry import Geometry
 from castx.domain.cad.description import part_of
 from castx.domain.cad.guarded import meshed_apart
+from castx.domain.cell_kinds import KINDS
 from castx.domain.gmsh_import import NamedMesh, read_model
 from castx.errors import MeshError
 from castx.input.problems import among
 from castx.meshes.cad.report import Report
 from castx.meshes.generators import GENERATORS
 
+OF_MESHIO = {
+    "interval": "line", "triangle": "triangle", "quadrilateral": "quad", "tetrahedron": "tetra",
+    "hexahedron": "hexahedron",
+}  # fmt: skip
+"""meshio's names of DOLFINx's cells."""
 MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
 
 
@@ -77,25 +84,60 @@ def named_mesh(geometry: Geometry, body_names: Sequence[str]) -> NamedMesh:
     return mesh
 
 
-def write_mesh(
-    geometry: Geometry, file: Path, body_names: Sequence[str] | None = None
-) -> None:
-    """Write the mesh of a geometry as a gmsh file; call it on one rank only.
+def write_mesh(geometry: Geometry, file: Path, body_names: Sequence[str] | None = None) -> None:
+    """Write the mesh of a geometry, as gmsh or as meshio does; call it on one rank only.
+
+    gmsh writes .msh files; all others hold the cells with the number of their body and the named
+    faces with that of their surface, and sets of their names where the format has them.
 
     Args:
         geometry: to be meshed.
-        file: to write.
+        file: to write; its end says the format.
         body_names: names of the bodies of the case; None: those that CAD files have.
 
     Raises:
         MeshError: the mesh cannot be made or the file not be written.
     """
+    if file.suffix.lower() != ".msh":
+        names = tuple(body_names or ())
+        _write_other(named_mesh(geometry, names), names, file)
+        return
     with gmsh_session():
         _fill(geometry, body_names)
         try:
             gmsh.write(str(file))
         except Exception as error:  # gmsh raises nothing more special
             raise MeshError(f"gmsh cannot write {file}: {error}") from error
+
+
+def _write_other(mesh: NamedMesh, body_names: Sequence[str], file: Path) -> None:
+    """Write a mesh in a format of meshio."""
+    known = sorted(meshio.extension_to_filetypes)
+    if file.suffix.lower() not in known:
+        raise MeshError(f"cannot write {file}: {among(file.suffix, known, what='formats')}")
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : mesh.points.shape[1]] = mesh.points
+    kinds = [mesh.kind, KINDS[mesh.kind.face]]
+    groups = [(mesh.cells, mesh.bodies), (mesh.faces, mesh.face_surfaces)]
+    blocks = [
+        (OF_MESHIO[kind.name], corners[:, np.argsort(kind.from_gmsh)])
+        for kind, (corners, _) in zip(kinds, groups, strict=True)
+    ]
+    nowhere = [np.full(len(numbers), -1) for _, numbers in groups]
+    (_, bodies), (_, surfaces) = groups
+    empty = np.empty(0, dtype=np.int64)
+    sets = {name: [np.flatnonzero(bodies == i), empty] for i, name in enumerate(body_names)}
+    sets |= {
+        name: [empty, np.flatnonzero(surfaces == i)] for i, name in enumerate(mesh.surface_names)
+    }
+    data = {"body": [bodies, nowhere[1]], "surface": [nowhere[0], surfaces]}
+    try:
+        keeps_sets = file.suffix.lower() == ".inp"
+        written = meshio.Mesh(points, blocks, cell_data={} if keeps_sets else data,
+                              cell_sets=sets if keeps_sets else None)  # fmt: skip
+        meshio.write(file, written)
+    except (Exception, SystemExit) as error:  # meshio raises whatever it meets, and exits
+        raise MeshError(f"meshio cannot write {file}: {type(error).__name__}: {error}") from error
 
 
 def _fill(geometry: Geometry, body_names: Sequence[str] | None) -> Report | None:

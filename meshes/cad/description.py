@@ -155,7 +155,7 @@ class CadPart:
 
     Args:
         files: with its solids.
-        size: largest element size [m].
+        size: largest element size [m]; infinite: a twelfth of the extent.
         bodies: names that the solids must get; None: whatever they get.
         names: body of a label, where they differ.
         tolerance: gaps and overlaps of solids up to it are closed [m].

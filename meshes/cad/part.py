@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from math import isfinite
+
+import numpy as np
 
 from castx.meshes.cad.assembly import join, refuse_other_bodies
 from castx.meshes.cad.cells import cell_qualities, quality_of, solid_volumes
@@ -10,10 +14,13 @@ from castx.meshes.cad.description import CadPart
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
-from castx.meshes.cad.mould import CHANNEL, named_by_making, with_mould
+from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, with_mould
 from castx.meshes.cad.reading import read_solids
 from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
+
+COARSE = 12
+"""Cells along the longest extent where no size is given."""
 
 
 def mesh_part(part: CadPart, file: str) -> Report:
@@ -30,6 +37,9 @@ def mesh_part(part: CadPart, file: str) -> Report:
     solids, remarks = mend(solids, part.tolerance)
     solids = with_mould(part, solids)
     drawn = solid_volumes({solid.tag: solid.name for solid in solids if solid.rank != CHANNEL})
+    extent = float(np.ptp(extents([solid.tag for solid in solids]), axis=0).max())
+    if not isfinite(part.size):
+        part = replace(part, size=extent / COARSE)
     drills = [solid.tag for solid in solids if solid.rank == CHANNEL]
     volumes = join(solids, part.tolerance, drills)
     refuse_other_bodies(part.bodies, volumes, solids)
@@ -45,7 +55,7 @@ def mesh_part(part: CadPart, file: str) -> Report:
     quality = quality_of(corners, qualities)
     report = report_of(volumes, drawn, faces, named, quality, remarks)
     write(file)
-    return report
+    return replace(report, extent=extent, size=part.size)
 
 
 def _named(part: CadPart, faces: Sequence[Face], bodies: Sequence[str]) -> dict[str, list[Face]]:

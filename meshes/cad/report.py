@@ -36,6 +36,8 @@ class Report:
         surfaces: named ones, with areas.
         interfaces: with areas.
         quality: of the cells.
+        extent: the longest one of the part [m].
+        size: the largest one that was asked for [m].
         remarks: what was mended.
     """
 
@@ -43,6 +45,8 @@ class Report:
     surfaces: tuple[Measure, ...]
     interfaces: tuple[Measure, ...]
     quality: Quality
+    extent: float = 0.0
+    size: float = 0.0
     remarks: tuple[str, ...] = ()
 
     def as_data(self) -> dict[str, Any]:
@@ -54,7 +58,11 @@ class Report:
         """Return what `as_data` was made of."""
         lists = {key: tuple(Measure(**row) for row in data[key]) for key in MEASURES}
         return cls(
-            **lists, quality=Quality.of_data(data["quality"]), remarks=tuple(data["remarks"])
+            **lists,
+            quality=Quality.of_data(data["quality"]),
+            extent=data["extent"],
+            size=data["size"],
+            remarks=tuple(data["remarks"]),
         )
 
 
@@ -93,7 +101,7 @@ def report_of(
     for face in faces:
         if len(face.bodies) == 2:
             between.setdefault("/".join(sorted(face.bodies)), []).append(areas[face.tag])
-    return Report(bodies, _measures(surfaces), _measures(between), quality, tuple(remarks))
+    return Report(bodies, _measures(surfaces), _measures(between), quality, remarks=tuple(remarks))
 
 
 def _measures(found: Mapping[str, Sequence[tuple[float, float]]]) -> tuple[Measure, ...]:

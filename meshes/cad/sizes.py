@@ -24,7 +24,9 @@ OPPOSITE = -0.5
 CHUNK = 256
 """Samples that are compared with all others at a time."""
 MOST = 3000
-"""Samples whose walls are looked for, or that others are compared with."""
+"""Samples behind which walls are looked for."""
+MOST_PAIRS = 6e7
+"""Of such samples with all others."""
 FILLING = 0.11
 """Volume of a cell over the cube of its size."""
 NO_SIZE = 1e22
@@ -107,7 +109,8 @@ def wall_thickness(
     own = np.flatnonzero(side)
     normals = samples.normals * side[:, None]
     thickness = np.full(len(side), np.inf)
-    asked = own[:: max(1, -(-len(own) // MOST))]
+    count = min(MOST, int(MOST_PAIRS / max(1, len(own))) + 1)
+    asked = own[np.argsort(-samples.areas[own], kind="stable")[:count]]  # fillets have small ones
     for first in range(0, len(asked), CHUNK):
         rows = asked[first : first + CHUNK]
         thickness[rows] = _to_other_side(

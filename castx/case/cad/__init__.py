@@ -1,5 +1,5 @@
 """CAD files as the geometry of a case: solids, named surfaces, sizes of cells.
 
 Public: `geometry.CadGeometry`, `selectors.FaceSelector`, `sizes.LocalSize`,
-`mould.CadMould`.
+`mould.CadMould`, `template.case_text`.
 """

@@ -9,6 +9,7 @@ import pytest
 import castx.command.run
 from castx.command.cli import execute
 from castx.errors import ConvergenceError
+from tests.cad_files import write_cad
 from tests.castx.command_line import start
 
 
@@ -70,6 +71,27 @@ def test_mesh_writes_a_gmsh_file(comm, case_file, shared_tmp_path, said):
     assert b'"outside"' in target.read_bytes()
     assert execute(["mesh", str(case_file), "-o", "/nowhere/part.msh"], comm) == 2
     assert "cannot write /nowhere/part.msh" in said()
+
+
+def test_mesh_writes_files_for_other_programs(comm, case_file, shared_tmp_path, said):
+    target = shared_tmp_path / "part.vtu"
+    assert execute(["mesh", str(case_file), "-o", str(target)], comm) == 0
+    assert b"<VTKFile" in target.read_bytes()[:200]
+    assert execute(["mesh", str(case_file), "-o", "part.doc"], comm) == 2
+    assert "cannot write part.doc: formats: " in said()
+
+
+def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
+    part, case = shared_tmp_path / "bar.step", shared_tmp_path / "bar.toml"
+    if comm.rank == 0:
+        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["my casting"])
+    comm.Barrier()
+    assert execute(["new", str(part)], comm) == 0
+    assert f"castx check {case}" in said().replace("\n", "")
+    assert execute(["check", str(case), "--set", "geometry.size=0.02"], comm) == 0
+    assert "interface my casting/mould" in said()
+    assert execute(["new", str(part)], comm) == 2
+    assert "bar.toml exists" in said().replace("\n", "")
 
 
 def test_materials_are_listed_with_those_of_a_case(comm, case_file, said):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import meshio
+import numpy as np
 import pytest
 
 from castx.case.geometry import Geometry
-from castx.domain.source import named_mesh
+from castx.domain.source import named_mesh, write_mesh
 from castx.errors import MeshError
 
 pytestmark = pytest.mark.serial
@@ -66,3 +68,40 @@ def test_options_beside_a_mesh_are_not_run(tmp_path) -> None:
 def test_a_missing_file_is_named(tmp_path) -> None:
     with pytest.raises(MeshError, match=r"there is no mesh file .*gone\.msh"):
         named_mesh(geometry(tmp_path / "gone.msh"), ["casting"])
+
+
+@pytest.mark.parametrize("end", [".vtu", ".inp", ".med"])
+def test_other_formats_hold_cells_bodies_and_surfaces(tmp_path, end) -> None:
+    generated = Geometry.model_validate(
+        {
+            "generator": "two_slabs", "model": "3d", "length": 0.02, "mould_length": 0.01,
+            "width": 0.01, "depth": 0.01, "size": 0.01, "cells": "quadrilaterals",
+        }
+    )  # fmt: skip
+    file = tmp_path / f"slabs{end}"
+    write_mesh(generated, file, ["casting", "mould"])
+    mesh = meshio.read(file)
+    hexahedra = mesh.get_cells_type("hexahedron")
+    corners = mesh.points[hexahedra]
+    assert np.ptp(corners, axis=1) == pytest.approx(np.full((3, 3), 0.01))
+    # Each corner of a hexahedron of VTK differs from the next one round its base along one edge.
+    around = corners[:, [1, 2, 3, 0]] - corners[:, :4]
+    assert np.count_nonzero(np.abs(around) > 1e-9, axis=2).tolist() == [[1] * 4] * 3
+    faces = mesh.get_cells_type("quad")
+    assert len(faces) == 2 + 3 * 4  # two ends, and four sides of three cells
+    if end == ".inp":
+        assert {"casting", "mould", "far", "top"} <= set(mesh.cell_sets)
+    else:
+        bodies = mesh.get_cell_data("body", "hexahedron")
+        assert sorted(bodies.ravel().tolist()) == [0, 0, 1]
+        surfaces = mesh.get_cell_data("surface", "quad")
+        assert len(set(surfaces.ravel().tolist())) == 5 and surfaces.min() == 0
+
+
+def test_unknown_formats_and_folders_are_refused(tmp_path) -> None:
+    file = tmp_path / "part.msh"
+    file.write_text(SQUARE)
+    with pytest.raises(MeshError, match=r"cannot write .*part\.doc: formats: "):
+        write_mesh(geometry(file), tmp_path / "part.doc", ["casting"])
+    with pytest.raises(MeshError, match=r"meshio cannot write .*part\.vtu: "):
+        write_mesh(geometry(file), tmp_path / "nowhere" / "part.vtu", ["casting"])

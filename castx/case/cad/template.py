@@ -1,0 +1,113 @@
+"""A first case file for a CAD part, with its choices left to the reader."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+CASTING, CHILL, MOULD, SAND = range(4)
+_WORDS = {
+    CHILL: ("chill", "cooler"),
+    SAND: ("core", "sand"),
+    MOULD: ("mould", "mold", "die", "cope", "drag", "half", "upper", "lower", "ring", "plate"),
+}
+_MATERIAL = {
+    CASTING: ("AlSi7Mg", 700, "thermo-elasto-viscoplastic"),
+    CHILL: ("Cu-pure", 20, "thermo-elastic"),
+    MOULD: ("steel-H13", 200, "thermo-elastic"),
+    SAND: ("sand-silica", 20, "rigid"),
+}
+
+
+@dataclass(frozen=True)
+class NewCase:
+    """What is known of a CAD part before anybody has decided anything.
+
+    Args:
+        file: of the part, as the case file names it.
+        size: of the cells [m].
+        margin: of a mould that is to be made round it [m]; None: there is one.
+        bodies: names and volumes [m³].
+        interfaces: pairs of bodies with areas [m²].
+        surfaces: free ones as "body/surface", with areas [m²].
+    """
+
+    file: str
+    size: float
+    margin: float | None
+    bodies: tuple[tuple[str, float], ...]
+    interfaces: tuple[tuple[str, str, float], ...]
+    surfaces: tuple[tuple[str, float], ...]
+
+
+def roles(names: Sequence[str]) -> dict[str, int]:
+    """Return what each body seems to be, by its name: casting, chill, mould or sand.
+
+    The first body without a telling name is the casting, other ones are parts of the mould, unless
+    the name of one says that it is a casting or part of one.
+    """
+    found = {}
+    for name in names:
+        known = [role for role, words in _WORDS.items() if any(w in name.lower() for w in words)]
+        if known:
+            found[name] = known[0]
+    castings = [n for n in names if any(w in n.lower() for w in ("cast", "feeder", "gat", "part"))]
+    castings = [n for n in castings if n not in found]
+    others = [name for name in names if name not in found]
+    castings = castings or others[:1] or [names[0]]
+    return {n: CASTING if n in castings else found.get(n, MOULD) for n in names}
+
+
+def case_text(case: NewCase) -> str:
+    """Return the case file."""
+    role = roles([name for name, _ in case.bodies])
+    parts = [_geometry(case), *(_body(name, v, role[name]) for name, v in case.bodies)]
+    parts += [_interface(a, b, area, role) for a, b, area in case.interfaces]
+    parts += [_boundary(on, area) for on, area in case.surfaces]
+    parts.append('[time]\nend = "60 s"\n')
+    return "\n".join(parts)
+
+
+def _geometry(case: NewCase) -> str:
+    text = (
+        "# Lengths are in metres, temperatures in °C, or carry a unit. Choose what is marked with\n"
+        "# CHOOSE, then: castx check, castx run, castx report.\n\n"
+        f'[geometry]\nmodel = "3d"\nfile = {json.dumps(case.file, ensure_ascii=False)}\n'
+        f'size = "{1e3 * case.size:.3g} mm"                 # CHOOSE: largest cells\n'
+        "across = 1                      # CHOOSE: cells across walls; 2 and more for results\n"
+        "curvature = 8                   # CHOOSE: cells round a full circle\n"
+        '# surfaces = { top = { normal = "+z" } }          # free faces by words; others: outside\n'
+    )
+    if case.margin is not None:
+        text += f'mould = {{ box = "{1e3 * case.margin:.3g} mm" }}      # a block round the part\n'
+    return text
+
+
+def _body(name: str, volume: float, role: int) -> str:
+    material, temperature, law = _MATERIAL[role]
+    return (
+        f'[[bodies]]                      # {volume:.4g} m³\nname = "{name}"\n'
+        f'material = "{material}"          # CHOOSE: castx materials\n'
+        f"temperature = {temperature}               # CHOOSE: at the start\n"
+        f'law = "{law}"\n'
+    )
+
+
+def _interface(first: str, second: str, area: float, role: dict[str, int]) -> str:
+    first, second = sorted((first, second), key=lambda name: role[name])
+    contact = ""
+    if role[first] == role[second] == SAND:
+        contact = 'contact = { method = "none" }\n'
+    return (
+        f"[[interfaces]]                  # {area:.4g} m²\n"
+        f'bodies = ["{first}", "{second}"]\n{contact}'
+        'heat = { law = "limited", closed = 2000, gas_conductivity = 0.05 }     # CHOOSE\n'
+    )
+
+
+def _boundary(on: str, area: float) -> str:
+    return (
+        f'[[boundaries]]                  # {area:.4g} m²\non = "{on}"\n'
+        'heat = { type = "convection", coefficient = 10, ambient = 20 }         # CHOOSE\n'
+    )

@@ -1,0 +1,53 @@
+"""First case files are accepted, and their choices follow from names."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, case_text, roles
+from castx.case.reading.read import load_case
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.mark.parametrize(
+    "names, expected",
+    [
+        (["casting", "mould"], [CASTING, MOULD]),
+        (["die-left", "Part 1", "core"], [MOULD, CASTING, SAND]),
+        (["solid-1", "solid-2"], [CASTING, MOULD]),
+        (["housing", "feeder"], [MOULD, CASTING]),
+        (["Chill-1", "block", "drag", "cope"], [CHILL, CASTING, MOULD, MOULD]),
+        (["core"], [CASTING]),
+    ],
+)
+def test_roles_by_names(names, expected):
+    assert list(roles(names).values()) == expected
+
+
+def test_the_text_is_a_case():
+    case = NewCase(
+        "../my part.step",
+        0.0051,
+        0.03,
+        (("core-1", 1e-6), ("casting", 2e-6), ("core-2", 1e-6), ("mould", 3e-6)),
+        (("core-1", "casting", 1e-4), ("mould", "casting", 2e-4), ("core-1", "core-2", 1e-5)),
+        (("mould/outside", 3e-4),),
+    )
+    text = case_text(case)
+    read = load_case(tomllib.loads(text))
+    assert read.geometry.cad is not None and read.geometry.cad.size == pytest.approx(0.0051)
+    assert read.geometry.cad.mould is not None and read.geometry.cad.mould.box == 0.03
+    assert str(read.geometry.cad.file).endswith("my part.step")
+    assert [b.law for b in read.bodies] == [
+        "rigid",
+        "thermo-elasto-viscoplastic",
+        "rigid",
+        "thermo-elastic",
+    ]
+    assert [i.name for i in read.interfaces] == ["casting/core-1", "casting/mould", "core-1/core-2"]
+    assert read.interfaces[2].contact.method == "none"
+    assert [b.on for b in read.boundaries] == ["mould/outside"]
+    assert text.count("CHOOSE") > 10
