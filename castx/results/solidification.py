@@ -24,14 +24,8 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.results.freezing.gradients import Steepness
-from castx.results.freezing.passing import (
-    PLACES,
-    WEIGHTS,
-    FreezingCurve,
-    Front,
-    Level,
-    Step,
-)
+from castx.results.freezing.levels import FreezingCurve, Level
+from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Step
 from castx.results.snapshot import Snapshot
 from castx.stateful import Array, Arrays, Saved, number, part_of, saved_parts
 
@@ -83,9 +77,7 @@ class BodySolidification:
 
     def _begin(self, time: float, enthalpy: FloatArray) -> None:
         """Note the levels that a body has already passed when it begins; collective."""
-        start = Step(enthalpy, enthalpy)
-        parts = [self._front.parts(start)] * (len(LEVELS) * len(PLACES))
-        self._passed = self._front.excess(start, np.zeros(self._passed.shape), parts) <= 0.0
+        self._passed = self._front.passed(enthalpy)
         self._times[self._passed & ~self._passed[SOLIDUS, MIDDLE]] = time
         self._time, self._enthalpy = time, enthalpy
 

@@ -18,10 +18,10 @@ when a front passes several nodes in one step.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
@@ -30,15 +30,13 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.results.freezing.control_volumes import ControlVolumes
 from castx.results.freezing.gradients import midpoint_gradients
+from castx.results.freezing.levels import FreezingCurve, Level
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
 
-COLDEST, HOTTEST = -273.15, 1e4
-"""Temperatures between which every metal freezes [°C]."""
-
 ROUNDING = 1e-12
-"""Difference of solid fraction, and share of an excess, that counts as none."""
+"""Share of an excess that counts as none."""
 SETTLED = 1e-11
 """Share of a step to which passing is known where the excess has a jump."""
 MOST_TRIALS = 60
@@ -52,68 +50,6 @@ NEAR = 0.1
 """Distance from the front, in widths of the control volume, from which a node shows a gradient."""
 REACH = 3.0
 """Difference from T*, in differences between neighbours, beyond which nothing passes."""
-
-
-class FreezingCurve(Protocol):
-    """The part of a material's enthalpy curve that is needed here."""
-
-    def enthalpy(self, temperature: FloatArray) -> FloatArray:
-        """Return enthalpies per volume [J/m³] at temperatures [°C]."""
-
-    def temperature(self, enthalpy: FloatArray) -> FloatArray:
-        """Return temperatures [°C] at enthalpies per volume [J/m³]."""
-
-    def solid_fraction(self, enthalpy: FloatArray) -> FloatArray:
-        """Return solid fractions at enthalpies per volume [J/m³]."""
-
-
-@dataclass(frozen=True)
-class Level:
-    """A solid fraction on the enthalpy curve of a material.
-
-    Attributes:
-        temperature: at which it is reached [°C].
-        cold, hot: enthalpies at the ends of the plateau of this temperature [J/m³], equal if there
-            is none.
-    """
-
-    temperature: float
-    cold: float
-    hot: float
-
-    @classmethod
-    def of(cls, curve: FreezingCurve, fraction: float) -> Level:
-        """Return the level of a solid fraction; 0 is the liquidus, 1 the solidus."""
-        least = max(min(fraction, 1.0 - ROUNDING), ROUNDING)
-        reached = highest(curve, lambda enthalpy: curve.solid_fraction(enthalpy) >= least)
-        temperature = float(curve.temperature(np.array(reached)))
-        cold = highest(curve, lambda enthalpy: curve.temperature(enthalpy) < temperature)
-        hot = highest(curve, lambda enthalpy: curve.temperature(enthalpy) <= temperature)
-        return cls(temperature, cold, hot)
-
-    def enthalpy_beside(
-        self, curve: FreezingCurve, temperature: FloatArray, distance: FloatArray
-    ) -> FloatArray:
-        """Return enthalpies of points beside a front [J/m³].
-
-        Args:
-            curve: of the material.
-            temperature: of the points [°C].
-            distance: from the front, positive ahead of it; it decides at the front's temperature.
-        """
-        enthalpy = curve.enthalpy(temperature)
-        hotter = (temperature > self.temperature) | (
-            (temperature == self.temperature) & (distance > 0.0)
-        )
-        return np.where(hotter, np.maximum(enthalpy, self.hot), np.minimum(enthalpy, self.cold))
-
-
-def highest(curve: FreezingCurve, holds: Callable[[FloatArray], BoolArray]) -> float:
-    """Return the highest enthalpy [J/m³] up to which something holds, by bisection."""
-    low, high = (float(curve.enthalpy(np.array(bound))) for bound in (COLDEST, HOTTEST))
-    while (middle := 0.5 * (low + high)) not in (low, high):
-        low, high = (middle, high) if bool(holds(np.array(middle))) else (low, middle)
-    return low
 
 
 @dataclass(frozen=True)
@@ -183,74 +119,65 @@ class Parts:
         )
 
 
-class Front:
-    """The fronts in one body.
+class Excess:
+    """By how much the enthalpies of nodes exceed those with a front at them.
 
     Args:
-        body: the body.
-        curve: enthalpy of its material.
-        levels: of solid fraction, whose passing is noted.
-        axisymmetric: whether the first coordinate is a radius.
+        curve: enthalpy of the material.
+        levels: whose fronts these are.
+        volumes: control volumes of the nodes.
+        sizes: volumes of the cells, (cells,).
     """
 
     def __init__(
         self,
-        body: BodyMesh,
         curve: FreezingCurve,
         levels: Sequence[Level],
-        axisymmetric: bool = False,
+        volumes: ControlVolumes,
+        sizes: FloatArray,
     ) -> None:
-        self._curve = curve
-        self._levels = tuple(levels)
-        self._volumes = ControlVolumes(body, axisymmetric)
-        self._cell_nodes = self._volumes.cell_nodes
-        self._positions = body.points
-        self._gradients, self._sizes = midpoint_gradients(body.nodes, body.points[self._cell_nodes])
-        self._comm: MPI.Intracomm = body.mesh.comm
+        self._curve, self._levels = curve, levels
+        self._volumes, self._sizes = volumes, sizes
 
-    def parts(self, step: Step) -> Parts:
-        """Return the control volumes of all nodes, along the gradient of a step; collective.
+    def at(self, step: Step, share: float, parts: Sequence[Parts]) -> FloatArray:
+        """Return the excess after one share of the step for all nodes; collective."""
+        nodes = np.arange(step.start.size)
+        temperature = self._curve.temperature(step.after(np.full(nodes.size, share), nodes))
+        shape = len(self._levels), len(PLACES), nodes.size
+        at_corners = [temperature[of.corners] for of in parts]
+        return self._of(step, np.full(shape, share), parts, at_corners)
 
-        The gradient is that of the enthalpy, which has the direction of the temperature's and is
-        not lost where several nodes are on a plateau.
-        """
-        volumes = self._volumes
-        nodes = np.arange(len(self._positions))
-        middle = step.after(np.full(nodes.size, 0.5), nodes)
-        slopes = np.einsum("cak,ca->ck", self._gradients, middle[self._cell_nodes])
-        index = volumes.around(np.ones(nodes.size, dtype=bool))
-        cells, corner = index
-        weighted = (self._sizes[:, None] * slopes)[cells]
-        normal = volumes.added([volumes.at_nodes(index, column) for column in weighted.T]).T
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
-        own = self._cell_nodes[index]
-        away = self._positions[self._cell_nodes[cells]] - self._positions[own][:, None]
-        others = np.einsum("pbk,pk->pb", away, normal[own])
-        points = np.einsum("pqb,pb->pq", volumes.shapes[corner], others)
-        width = np.sqrt(12.0 * volumes.means(index, points**2))
-        return Parts(index, own, self._cell_nodes[cells], points, others, width[own])
-
-    def excess(self, step: Step, share: FloatArray, parts: Sequence[Parts]) -> FloatArray:
+    def after(self, step: Step, share: FloatArray, parts: Sequence[Parts]) -> FloatArray:
         """Return by how much enthalpies exceed those with the fronts at `PLACES`; collective.
 
         Args:
             step: enthalpies.
-            share: of the step, (levels, places, nodes).
-            parts: for each level and place the control volumes of the nodes asked for; the others
-                have no meaning.
+            share: of the step, (different levels, places, nodes).
+            parts: for each of those levels and places the control volumes of the nodes asked for;
+                the others have no meaning.
 
         Returns:
-            (levels, places, nodes) [J/m³].
+            (different levels, places, nodes) [J/m³].
         """
+        shares = share.reshape(len(parts), -1)
+        temperatures = [
+            self._curve.temperature(step.after(one[of.nodes][:, None], of.corners))
+            for one, of in zip(shares, parts, strict=True)
+        ]
+        return self._of(step, share, parts, temperatures)
+
+    def _of(
+        self,
+        step: Step,
+        share: FloatArray,
+        parts: Sequence[Parts],
+        temperatures: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Return the excess where the corners of the parts have temperatures [°C]."""
         cases: list[tuple[Level, float]] = list(product(self._levels, PLACES))
         shares = share.reshape(len(cases), -1)
-        found = zip(cases, shares, parts, strict=True)
-        rises = [
-            self._curve.temperature(step.after(one[of.nodes][:, None], of.corners))
-            - level.temperature
-            for (level, _), one, of in found
-        ]
+        found = zip(cases, temperatures, strict=True)
+        rises = [values - level.temperature for (level, _), values in found]
         slopes = self._slopes(rises, parts)
         sums = []
         for (level, place), of, ahead, behind in zip(cases, parts, *slopes, strict=True):
@@ -285,6 +212,71 @@ class Front:
         products, squares = self._volumes.added(sums).reshape(len(parts), 2, 2, -1).swapaxes(0, 2)
         return np.divide(products, squares, out=np.zeros_like(products), where=squares > 0.0)
 
+
+class Front:
+    """The fronts in one body.
+
+    Args:
+        body: the body.
+        curve: enthalpy of its material.
+        levels: of solid fraction, whose passing is noted.
+        axisymmetric: whether the first coordinate is a radius.
+    """
+
+    def __init__(
+        self,
+        body: BodyMesh,
+        curve: FreezingCurve,
+        levels: Sequence[Level],
+        axisymmetric: bool = False,
+    ) -> None:
+        self._curve = curve
+        # Where all freezes at one temperature they are the same one, which is followed once.
+        self._levels = tuple(dict.fromkeys(levels))
+        self._which = [self._levels.index(level) for level in levels]
+        self._volumes = ControlVolumes(body, axisymmetric)
+        self._cell_nodes = self._volumes.cell_nodes
+        self._positions = body.points
+        self._gradients, self._sizes = midpoint_gradients(body.nodes, body.points[self._cell_nodes])
+        self._excess = Excess(curve, self._levels, self._volumes, self._sizes)
+        self._comm: MPI.Intracomm = body.mesh.comm
+
+    def parts(self, step: Step) -> Parts:
+        """Return the control volumes of all nodes, along the gradient of a step; collective.
+
+        The gradient is that of the enthalpy, which has the direction of the temperature's and is
+        not lost where several nodes are on a plateau.
+        """
+        volumes = self._volumes
+        nodes = np.arange(len(self._positions))
+        middle = step.after(np.full(nodes.size, 0.5), nodes)
+        slopes = np.einsum("cak,ca->ck", self._gradients, middle[self._cell_nodes])
+        index = volumes.around(np.ones(nodes.size, dtype=bool))
+        cells, corner = index
+        weighted = (self._sizes[:, None] * slopes)[cells]
+        normal = volumes.added([volumes.at_nodes(index, column) for column in weighted.T]).T
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
+        own = self._cell_nodes[index]
+        away = self._positions[self._cell_nodes[cells]] - self._positions[own][:, None]
+        others = np.einsum("pbk,pk->pb", away, normal[own])
+        points = np.einsum("pqb,pb->pq", volumes.shapes[corner], others)
+        width = np.sqrt(12.0 * volumes.means(index, points**2))
+        return Parts(index, own, self._cell_nodes[cells], points, others, width[own])
+
+    def passed(self, enthalpy: FloatArray) -> BoolArray:
+        """Return the nodes that each level has passed at enthalpies at rest; collective.
+
+        Args:
+            enthalpy: of the nodes, (nodes,) [J/m³].
+
+        Returns:
+            (levels, places, nodes).
+        """
+        rest = Step(enthalpy, enthalpy)
+        parts = [self.parts(rest)] * (len(self._levels) * len(PLACES))
+        return np.asarray(self._excess.at(rest, 0.0, parts) <= 0.0)[self._which]
+
     def passage(self, step: Step, parts: Parts, passed: BoolArray) -> Passage:
         """Return what passes in a step; collective.
 
@@ -294,18 +286,21 @@ class Front:
             passed: nodes that had been passed before, (levels, places, nodes).
         """
         near = np.repeat(self._near(step)[:, None], len(PLACES), axis=1)
-        here = [parts.of(one) for one in near.reshape(-1, near.shape[-1])]
+        here = [of for one in near[:, 0] for of in [parts.of(one)] * len(PLACES)]
         temperature = self._curve.temperature(step.end)
         clear = np.stack([temperature - level.temperature for level in self._levels])
         last = np.broadcast_to(clear[:, None], near.shape)
         if self._comm.allreduce(bool(near.any()), MPI.LOR):
-            last = np.where(near, self.excess(step, np.ones(near.shape), here), last)
-        frozen, remelted = ~passed & (last <= 0.0), passed & (last > 0.0)
+            last = np.where(near, self._excess.at(step, 1.0, here), last)
+        which = self._which
+        frozen, remelted = ~passed & (last <= 0.0)[which], passed & (last > 0.0)[which]
+        wanted = np.zeros(near.shape, dtype=bool)
+        np.logical_or.at(wanted, which, frozen & near[which])
         share = np.zeros(near.shape)
-        if self._comm.allreduce(bool((frozen & near).any()), MPI.LOR):
-            first = self.excess(step, share, here)
-            share = self._share(step, frozen & near & (first > 0.0), first, last, here)
-        return Passage(frozen, remelted, share)
+        if self._comm.allreduce(bool(wanted.any()), MPI.LOR):
+            first = self._excess.at(step, 0.0, here)
+            share = self._share(step, wanted & (first > 0.0), first, last, here)
+        return Passage(frozen, remelted, share[which])
 
     def _near(self, step: Step) -> BoolArray:
         """Return the nodes that each level may pass, (levels, nodes); collective.
@@ -346,7 +341,7 @@ class Front:
             share = np.where(unsettled, low + (high - low) * above / (above - below), share)
             flat = unsettled.reshape(-1, nodes.shape[-1])
             parts = [of.of(one) for of, one in zip(parts, flat, strict=True)]
-            found = self.excess(step, share, parts)
+            found = self._excess.after(step, share, parts)
             up, down = unsettled & (found > 0.0), unsettled & (found <= 0.0)
             nodes = nodes & (np.abs(found) > ROUNDING * np.abs(first - last))
             below[up & (side > 0.0)] *= 0.5

@@ -9,7 +9,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.results.freezing.passing import Level
+from castx.results.freezing.levels import Level
 from castx.results.solidification import LEVELS, BodySolidification, Solidification
 from castx.tables import Table
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh, slab_mesh

@@ -5,9 +5,9 @@ from __future__ import annotations
 from mpi4py import MPI
 
 import numpy as np
-import pytest
 
-from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Level, Step
+from castx.results.freezing.levels import Level
+from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Step
 from castx.tables import Table
 from tests.castx.fakes import slab_mesh
 from tests.castx.results.freezing.means import control_volume_means
@@ -35,16 +35,6 @@ class Curve:
 
     def solid_fraction(self, enthalpy):
         return Table(self.heights, self.fractions)(enthalpy)
-
-
-@pytest.mark.serial
-def test_levels_on_the_plateau_have_its_ends():
-    solidus, niyama, liquidus = (Level.of(Curve(), fraction) for fraction in (1.0, 0.9, 0.0))
-    for level in (solidus, niyama):
-        assert level.temperature == EUTECTIC
-        assert (level.cold, level.hot) == pytest.approx(tuple(Curve.heights[1:3]), rel=1e-12)
-    assert liquidus.temperature == pytest.approx(LIQUIDUS, abs=1e-9)
-    assert liquidus.hot - liquidus.cold < 1.0
 
 
 def enthalpies(body, time):
@@ -107,3 +97,32 @@ def test_what_freezes_in_one_step_passes_within_it_and_remelts(comm):
     back = Step(cold, hot)
     found = front.passage(back, front.parts(back), ~none)
     assert found.remelted.all() and not found.frozen.any()
+
+
+class CountedCurve(Curve):
+    """The curve, and how many temperatures it was asked for."""
+
+    asked = 0
+
+    def temperature(self, enthalpy):
+        self.asked += np.size(enthalpy)
+        return super().temperature(enthalpy)
+
+
+def test_levels_at_one_temperature_are_followed_once(comm):
+    """The solidus and f_s = 0.9 of a eutectic pass together, for the price of one."""
+    body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
+    nodes, found, prices = len(body.points), [], []
+    step = Step(enthalpies(body, 2.2), enthalpies(body, 6.1))
+    for fractions in ((1.0,), (0.9, 1.0)):
+        curve = CountedCurve()
+        front = Front(body, curve, [Level.of(Curve(), fraction) for fraction in fractions])
+        passed = np.broadcast_to(front.passed(step.start)[:1], (len(fractions), 3, nodes))
+        found.append(front.passage(step, front.parts(step), passed))
+        prices.append(curve.asked)
+    alone, both = found
+    for name in ("frozen", "remelted", "share"):
+        for level in getattr(both, name):
+            np.testing.assert_array_equal(level, getattr(alone, name)[0])
+    assert comm.allreduce(int(alone.frozen.sum())) > 0
+    assert prices[0] == prices[1]
