@@ -16,7 +16,8 @@ from castx.input.units import PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
 PetscOptions = dict[str, str | int | float | bool]
 
 _Duration = Annotated[float, Quantity(TIME, above=0.0)]
-_Tolerance = Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)]
+_NUMBER = Quantity(PURE_NUMBER, above=0.0, below=1.0)
+_Tolerance = Annotated[float, _NUMBER]
 _MOST_STEPS = 10_000_000
 _MOST_OPTIONS = 200
 _LONGEST_OPTION = 200
@@ -30,6 +31,10 @@ def _substeps(value: Any) -> str | int:
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
         raise CaseError('"automatic" or a whole number from 1 to 1000 is needed')
     return value
+
+
+def _tolerance(value: Any) -> str | float:
+    return "automatic" if value == "automatic" else _NUMBER.read(value)
 
 
 def _options(value: Any) -> PetscOptions:
@@ -120,7 +125,7 @@ class Solver(Description):
         heat: PETSc options of the heat problem, by their own names.
         mechanics: those of the mechanical problem.
         contact: those of the contact problem.
-        heat_tolerance: of the heat balance, relative.
+        heat_tolerance: of the heat balance, relative; "automatic": as fine as the passes need.
         mechanics_tolerance: of the balance of forces, relative.
     """
 
@@ -128,5 +133,5 @@ class Solver(Description):
     heat: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
     mechanics: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
     contact: Annotated[PetscOptions, PlainValidator(_options)] = Field({})
-    heat_tolerance: _Tolerance = 1e-8
+    heat_tolerance: Annotated[str | float, PlainValidator(_tolerance)] = "automatic"
     mechanics_tolerance: _Tolerance = 1e-3

@@ -28,7 +28,7 @@ from castx.domain.pairs.pairing import initial_gap
 from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
 from castx.errors import CaseError, MeshError
 from castx.heat.body import HeatBody
-from castx.heat.building import heat_exchange, initial_state, surface_heats
+from castx.heat.building import heat_exchange, heat_tolerance, initial_state, surface_heats
 from castx.heat.interface import HeatExchange
 from castx.heat.ledger import Accounts
 from castx.heat.problem import HeatProblem
@@ -169,7 +169,7 @@ def _heat(
     everybody = accounts.bodies if accounts is not None else list(mesh.bodies)
     return HeatProblem(
         mesh, bodies, exchanges, surface_heats(case, everybody),
-        tolerance=solver.heat_tolerance, linear=solver.linear,  # type: ignore[arg-type]
+        tolerance=heat_tolerance(case), linear=solver.linear,  # type: ignore[arg-type]
         options=solver.heat, accounts=accounts, counters=counters,
     )  # fmt: skip
 

@@ -26,6 +26,12 @@ from castx.transfer.conductance import ConductionLaw
 from castx.transfer.patched import PatchedLaw
 from castx.transfer.radiation import facing_factor
 
+FINEST_HEAT, COARSEST_HEAT = 1e-8, 1e-6
+"""Tolerances of the heat balance that a case gets unless it names one."""
+
+PASS_SHARE = 1e-3
+"""Part of the tolerance of the passes to which they have their heat balanced."""
+
 
 def surface_heats(case: Case, bodies: Collection[str]) -> list[SurfaceHeat]:
     """Return the heat conditions of a case.
@@ -169,3 +175,16 @@ def _from_rank_zero(
     if message is not None:
         raise CaseError(message)
     return np.asarray(comm.scatter(parts))
+
+
+def heat_tolerance(case: Case) -> float:
+    """Return the relative tolerance of the heat balance of a case.
+
+    Passes leave resistances unsettled by `coupling.tolerance`: what is much finer is lost in them.
+    """
+    given, coupling = case.solver.heat_tolerance, case.coupling
+    if not isinstance(given, str):
+        return given
+    passes = coupling.scheme == "iterated"
+    share = PASS_SHARE * coupling.tolerance if passes else 0.0
+    return min(max(share, FINEST_HEAT), COARSEST_HEAT)

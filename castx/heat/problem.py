@@ -123,7 +123,8 @@ class HeatProblem:
     ) -> HeatReport:
         """Find the trial state at the end of a step that starts from the committed state.
 
-        A repeated call for the same step starts its iterations from the last result.
+        A repeated call for the same step starts its iterations from the last result, another one
+        from what the last two sub-steps let expect.
 
         Args:
             time: start of the step [s].
@@ -143,14 +144,15 @@ class HeatProblem:
         known = self._substates if self._tried == (time, step, substeps) else []
         self._tried = (time, step, substeps)
         self._substates = []
-        state, size = self._committed, step / substeps
+        before = state = self._committed
+        size = step / substeps
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
             self._balance.exchanges.set_states(pairs, k / substeps, factors)
-            guess = known[k - 1] if k <= len(known) else state
+            guess = known[k - 1] if k <= len(known) else 2.0 * state - before
             x = self._balance.begin(state, guess, time + k * size, size)
             report = self._solve(x)
-            state = self._unknowns.enthalpies()
+            before, state = state, self._unknowns.enthalpies()
             self._substates.append(state)
             self._books.book(self._balance.flows(), self._balance.sums().moved, size)
             iterations += report.iterations

@@ -39,7 +39,7 @@ def test_defaults_are_in_order(given):
 def test_defaults_of_coupling_and_solver_are_those_of_the_manual():
     coupling, solver = Coupling.read({}), Solver.read({})
     assert (coupling.scheme, coupling.tolerance, coupling.passes) == ("iterated", 1e-3, 40)
-    assert (solver.linear, solver.heat_tolerance) == ("automatic", 1e-8)
+    assert (solver.linear, solver.heat_tolerance) == ("automatic", "automatic")
 
 
 @pytest.mark.parametrize(
@@ -135,3 +135,9 @@ def test_tolerances(key):
     assert getattr(Solver.read({key: 1e-6}), key) == 1e-6
     with pytest.raises(Refusal, match=f"{key}: must be positive and below 1"):
         Solver.read({key: -1e-6})
+
+
+def test_the_heat_tolerance_may_follow_the_passes():
+    assert Solver.read({"heat_tolerance": "automatic"}).heat_tolerance == "automatic"
+    with pytest.raises(Refusal, match="heat_tolerance: "):
+        Solver.read({"heat_tolerance": "fine"})

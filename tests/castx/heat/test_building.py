@@ -19,7 +19,13 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError
-from castx.heat.building import heat_exchange, initial_temperatures, run_accounts, surface_heats
+from castx.heat.building import (
+    heat_exchange,
+    heat_tolerance,
+    initial_temperatures,
+    run_accounts,
+    surface_heats,
+)
 from castx.heat.problem import HeatProblem
 from castx.transfer.conductance import Faces
 from castx.transfer.keys import RADIATION
@@ -179,3 +185,22 @@ def test_initial_temperatures_of_the_owned_nodes(comm):
     missing = read_initial_temperature({"file": "nowhere.vtu", "field": "T"})
     with pytest.raises(CaseError, match="initial temperature of 'mould'"):
         initial_temperatures(missing, body, comm)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "coupling, given, expected",
+    [
+        ({}, {}, 1e-6),
+        ({"tolerance": 1e-4}, {}, 1e-7),
+        ({"tolerance": 1e-9}, {}, 1e-8),
+        ({"tolerance": 0.1}, {}, 1e-6),
+        ({"scheme": "thermal"}, {}, 1e-8),
+        ({"scheme": "staggered"}, {}, 1e-8),
+        ({}, {"heat_tolerance": 3e-5}, 3e-5),
+    ],
+)
+def test_heat_is_balanced_as_finely_as_the_passes_need(coupling, given, expected):
+    data = case_data.cylinder()
+    data["coupling"], data["solver"] = coupling, given
+    assert heat_tolerance(read_case(data, Path("case.toml"))) == pytest.approx(expected)
