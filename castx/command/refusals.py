@@ -9,8 +9,6 @@ from pathlib import Path
 from mpi4py import MPI
 
 from castx.errors import CaseError, MeshError
-from castx.input.entries import Quantity
-from castx.input.units import TIME
 
 
 def seconds(option: str, text: str) -> float:
@@ -23,6 +21,9 @@ def seconds(option: str, text: str) -> float:
     Raises:
         CaseError: it is none.
     """
+    from castx.input.entries import Quantity  # takes half of the time of --help
+    from castx.input.units import TIME
+
     try:
         value: str | float = float(text)
     except ValueError:

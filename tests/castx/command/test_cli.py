@@ -181,3 +181,11 @@ def test_output_that_cannot_be_written_is_one_line(case_file, arguments):
     lines = [line for line in ended.stderr.splitlines() if "INFO" not in line]
     assert ended.returncode == 1
     assert lines == ["castx: the output cannot be written: No space left on device"]
+
+
+@pytest.mark.serial
+def test_the_command_itself_loads_neither_units_nor_solvers():
+    """So --help and a mistyped command answer at once."""
+    code = "import sys, castx.command.cli; print([m for m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"pint", "pydantic", "numpy", "dolfinx"} & set(eval(found.stdout))
