@@ -14,7 +14,7 @@ from petsc4py import PETSc
 import numpy as np
 import ufl
 from dolfinx import fem, la
-from dolfinx.fem.petsc import assemble_matrix, create_matrix
+from dolfinx.fem.petsc import create_matrix
 
 from castx.arrays import FloatArray
 from castx.domain.measures import extent
@@ -22,6 +22,7 @@ from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.constitutive.thickness import Thickness
+from castx.form_rows import FormRows
 from castx.stateful import Stateful
 
 PRESSURE_SHARE = 0.1
@@ -150,6 +151,7 @@ class WeakForms:
             self._springs = fem.form(strained)
         self._internal, self._jacobian = fem.form(internal), fem.form(jacobian)
         self._load = fem.form(load)
+        self._rows: FormRows | None = None
         index_map, self._owned = unknowns.space.dofmap.index_map, unknowns.owned
         self._row = la.vector(index_map, unknowns.block_size)
         self.load: FloatArray = np.zeros(self._owned)
@@ -179,9 +181,9 @@ class WeakForms:
 
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
         """Assemble the derivative of the internal forces and the springs."""
-        A.zeroEntries()
-        assemble_matrix(A, self._jacobian)
-        A.assemble()
+        if self._rows is None:
+            self._rows = FormRows(self._jacobian)
+        self._rows.assemble(A)
 
 
 class Formulation(Protocol):
