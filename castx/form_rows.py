@@ -36,8 +36,8 @@ class FormRows:
     def assemble(self, A: PETSc.Mat) -> None:
         """Assemble the form into a matrix that has its pattern; collective."""
         blocks, size = self._blocks, self._size
-        blocks.set_value(0.0)
-        fem.assemble_matrix(blocks, self._form)
+        blocks.data[:] = 0.0
+        fem.assemble_matrix(blocks, self._form)  # type: ignore[arg-type]
         blocks.scatter_reverse()
         values = blocks.data[: self._count * size**2].reshape(self._count, size, size)
         insert = PETSc.InsertMode.INSERT_VALUES

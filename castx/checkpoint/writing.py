@@ -15,6 +15,7 @@ from castx.checkpoint.file import Checkpoint
 from castx.environment import versions
 from castx.errors import CaseError, ConvergenceError, Interrupted
 from castx.process.simulation import Simulation
+from castx.profiling import RunPart, booked_as
 from castx.results.files.folder import record_of
 from castx.results.writing import ResultsWriter
 from castx.stateful import Saved, joined, part_of
@@ -62,6 +63,7 @@ class Checkpoints:
             self._results.write_pending()
             self.write()
 
+    @booked_as(RunPart.OUTPUT)
     def write_when_due(self) -> None:
         """Write a checkpoint after an accepted step if it is time; collective."""
         if self._at is None or self._is_due():

@@ -180,9 +180,13 @@ def run(
         list[Detail] | None,
         typer.Option(help="Show the residuals of each Newton iteration."),
     ] = None,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Show what the parts of the run have cost.")
+    ] = False,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
+    from castx.command.listing import profile_table
     from castx.command.run import run as run_case_file
     from castx.environment import blas_advantage, blas_warning
 
@@ -195,11 +199,13 @@ def run(
         with naming(case_file):
             folder = run_case_file(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
-                time_limit=limit,
+                time_limit=limit, profile=profile,
             )  # fmt: skip
     except KeyboardInterrupt as error:  # typer would not say why
         say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
+    if profile and comm.rank == 0:
+        console.print(profile_table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
@@ -16,6 +17,8 @@ from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.sources import Property, numbers, unit_of
+from castx.results.files.folder import RECORD
+from castx.results.files.run_json import read_record
 
 WIDTH = 48
 """Characters that a line of a table may have beside the names, in a terminal of 80 columns."""
@@ -139,6 +142,29 @@ def value_text(item: Property) -> Text:
 def number_text(value: float) -> str:
     """Return a number with five digits, without the noise of a change of units."""
     return f"{value:.5g}"
+
+
+def profile_table(folder: Path) -> Table:
+    """Return the table of what the parts of a run have cost, from its run.json.
+
+    Args:
+        folder: the results of a run with a profile.
+    """
+    table = Table("part", box=SIMPLE_HEAD, pad_edge=False)
+    for column in ("time, s", "share, %", "mean rank, %", "Gflop/s"):
+        table.add_column(column, justify="right")
+    costs = read_record(folder / RECORD).get("profile", {})
+    total = sum(cost["time"] for cost in costs.values())
+    for part, cost in costs.items():
+        time = cost["time"]
+        share, mean = 100 * _over(time, total), 100 * _over(cost["mean_time"], time)
+        speed = 1e-9 * _over(cost["flops"], time)
+        table.add_row(part, f"{time:.2f}", f"{share:.1f}", f"{mean:.0f}", f"{speed:.2f}")
+    return table
+
+
+def _over(part: float, whole: float) -> float:
+    return part / whole if whole > 0 else 0.0
 
 
 def version_table() -> Table:

@@ -17,6 +17,7 @@ from castx.command.interruption import Interruption
 from castx.command.progress import Progress
 from castx.command.range_watch import RangeWatch
 from castx.process.simulation import Simulation
+from castx.profiling import Profile
 from castx.results.files.folder import claimed_folder
 from castx.results.writing import ResultsWriter
 
@@ -29,6 +30,7 @@ def run(
     comm: MPI.Intracomm | None = None,
     restart: bool = False,
     time_limit: float | None = None,
+    profile: bool = False,
 ) -> Path:
     """Run a case file and return its results folder; collective.
 
@@ -46,6 +48,7 @@ def run(
         comm: the ranks to run on; by default all.
         restart: go on from the checkpoint in the results folder, on any number of ranks.
         time_limit: wall clock time before which to stop [s].
+        profile: write into run.json what the parts of the run have cost.
 
     Raises:
         CaseError: the case, its output folder, its checkpoint or a probe cannot be accepted.
@@ -59,7 +62,8 @@ def run(
     case = load_case(Path(path), overrides)
     if output is not None:
         case = with_output(case, Path(output))
-    return run_case(case, MPI.COMM_WORLD if comm is None else comm, restart, time_limit)
+    ranks = MPI.COMM_WORLD if comm is None else comm
+    return run_case(case, ranks, restart, time_limit, profile)
 
 
 def with_output(case: Case, folder: Path) -> Case:
@@ -69,7 +73,11 @@ def with_output(case: Case, folder: Path) -> Case:
 
 
 def run_case(
-    case: Case, comm: MPI.Intracomm, restart: bool = False, time_limit: float | None = None
+    case: Case,
+    comm: MPI.Intracomm,
+    restart: bool = False,
+    time_limit: float | None = None,
+    profile: bool = False,
 ) -> Path:
     """Run a case and return its results folder; collective.
 
@@ -78,10 +86,12 @@ def run_case(
         comm: the ranks to run on.
         restart: go on from the checkpoint in the results folder, on any number of ranks.
         time_limit: wall clock time before which to stop [s].
+        profile: write into run.json what the parts of the run have cost.
 
     Raises:
         CaseError, MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `run`.
     """
+    costs = Profile(comm) if profile else None
     with Interruption(comm, time_limit) as interruption, claimed_folder(case, comm) as folder:
         checkpoint = Checkpoint(folder, comm)
         header = header_to_restart_from(case, checkpoint) if restart else None
@@ -93,7 +103,7 @@ def run_case(
         interruption.at_once = results.note_interruption
         interruption.check()
         if header is None or not simulation.is_finished:
-            _solve(case, simulation, results, checkpoints, interruption)
+            _solve(case, simulation, results, checkpoints, interruption, costs)
     return folder
 
 
@@ -103,6 +113,7 @@ def _solve(
     results: ResultsWriter,
     checkpoints: Checkpoints,
     interruption: Interruption,
+    profile: Profile | None,
 ) -> None:
     comm = simulation.mesh.comm
     ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
@@ -119,3 +130,5 @@ def _solve(
                 interruption.check()
             elif not simulation.is_finished:
                 interruption.after_try()
+        if profile is not None:
+            results.note_profile(profile.costs())

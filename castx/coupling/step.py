@@ -24,6 +24,7 @@ from castx.coupling.relaxation import Relaxation, scaling
 from castx.coupling.temperatures import Temperatures
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
+from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import COUPLING
 from castx.solvers.finite import require_finite
@@ -156,6 +157,7 @@ class CoupledProblem:
             self.counters.fallbacks = equilibrium.fallbacks
         return report.largest_temperature_change
 
+    @booked_as(RunPart.ASSEMBLY)
     def _update_bodies(self, step: float) -> None:
         if self.mechanics is not None:
             for name, body in self.mechanics.bodies.items():

@@ -15,6 +15,7 @@ from castx.contact.kinematics.gaps import Gaps
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.newton import EquilibriumReport
 from castx.equilibrium.supports.resultants import Resultant
+from castx.profiling import RunPart, booked_as
 
 
 class Procedure(Protocol):
@@ -77,6 +78,7 @@ class Equilibrium:
         """The closed pairs."""
         return self.balance.active
 
+    @booked_as(RunPart.SOLVE)
     def solve(self, time: float) -> EquilibriumReport:
         """Solve for the present state of the bodies, from the present displacements.
 
@@ -89,6 +91,7 @@ class Equilibrium:
         self._procedure.begin(self.x, time)
         return self._procedure.solve(self.x)
 
+    @booked_as(RunPart.SOLVE)
     def finish(self, time: float) -> EquilibriumReport:
         """Balance the forces where `solve` has left them unbalanced.
 

@@ -21,6 +21,7 @@ from castx.equilibrium.accuracy.net_forces import NetForces
 from castx.equilibrium.linear_system import SystemOperator
 from castx.equilibrium.supports.acting import Supports
 from castx.mechanics.assembly import BodyAssembly
+from castx.profiling import RunPart, booked_as
 
 
 class MomentumBalance:
@@ -75,10 +76,9 @@ class MomentumBalance:
         self.frozen: BoolArray = np.zeros(size, dtype=bool)
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.unknowns.extended(assembly.displacement_rows()) > 0
-        self._diagonal, self.stiffness = np.zeros(0), 0.0
         self._time = self.committed_time = 0.0
-        self._evaluated: FloatArray = np.zeros(0)
-        none = np.zeros(0)
+        none: FloatArray = np.zeros(0)
+        self._diagonal, self._evaluated, self.stiffness = none, none, 0.0
         self.iterate = PairIterate(assembly.unknowns, none, none, self.active.closed, 0.0)
         self.trial_forces: FloatArray = np.zeros(len(gaps.initial))
 
@@ -99,10 +99,10 @@ class MomentumBalance:
         self._diagonal = np.abs(diagonal.array_r)
         of_displacements = self._diagonal[self._displacement_rows]
         self.convergence.begin(of_displacements)
-        largest = float(of_displacements.max(initial=0.0))
-        self.stiffness = self._comm.allreduce(largest, op=MPI.MAX)
+        self.stiffness = self._comm.allreduce(float(of_displacements.max(initial=0)), op=MPI.MAX)
         diagonal.destroy()
 
+    @booked_as(RunPart.CONTACT)
     def update_matrix(self, renewed: bool = False) -> None:
         """Make the matrix that of the closed pairs, and of the present unknowns if `renewed`."""
         if renewed:
@@ -131,6 +131,7 @@ class MomentumBalance:
         self._evaluated = x.array_r.copy()
         self._sum_up(self._pair_iterate(x, rows), f)
 
+    @booked_as(RunPart.CONTACT)
     def _sum_up(self, iterate: PairIterate, f: PETSc.Vec) -> None:
         """Fill the residual from the rows of an iterate: pairs, supports, constrained unknowns."""
         x = iterate.x.array_r

@@ -9,6 +9,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.supports.first_contact import FirstContact
+from castx.profiling import RunPart, booked_as
 
 NOISE_SHARE, NOISE_FACTOR = 1e-2, 100.0
 """Forces that are too small to open or close a pair: at most a part of what balances, and no more
@@ -35,6 +36,7 @@ class PairChanges:
         self._balance = balance
         self._first_contact = FirstContact(balance.contact, balance.assembly.unknowns)
 
+    @booked_as(RunPart.CONTACT)
     def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
         """Close and open pairs and gates at the present iterate; return whether any did.
 

@@ -20,6 +20,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
 from castx.transfer.pair_state import PairState
@@ -93,6 +94,7 @@ class MechanicalProblem:
         """The pairs of all interfaces."""
         return self.equilibrium.gaps
 
+    @booked_as(RunPart.CONTACT)
     def contact_states(self) -> list[PairState]:
         """Return what the pairs of each interface do; collective."""
         gaps, forces = self.equilibrium.pair_values()

@@ -18,6 +18,7 @@ from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import HeatExchange
 from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
+from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import HEAT
 from castx.solvers.layout import Layout
@@ -112,6 +113,7 @@ class HeatProblem:
         self._books.begin_stage(self._unknowns.equalise)
         self.commit()
 
+    @booked_as(RunPart.HEAT)
     def advance(
         self,
         time: float,

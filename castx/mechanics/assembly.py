@@ -14,6 +14,7 @@ from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.formulation import Product
+from castx.profiling import RunPart, booked_as
 from castx.solvers.layout import Layout
 
 FAILED = 2
@@ -45,6 +46,7 @@ class BodyAssembly:
         self._matrix: PETSc.Mat | None = None
         self._evaluations = [-1] * len(self.bodies)
 
+    @booked_as(RunPart.ASSEMBLY)
     def residual(self) -> PETSc.Vec:
         """Return internal minus external forces at `unknowns`; the next call overwrites them.
 
@@ -79,6 +81,7 @@ class BodyAssembly:
             raise ConvergenceError(next(filter(None, self.layout.comm.allgather(failure))))
         return state > 0
 
+    @booked_as(RunPart.ASSEMBLY)
     def matrix(self) -> PETSc.Mat:
         """Return the assembled Jacobian; the next call overwrites it."""
         for body, block in zip(self.bodies, self._blocks, strict=True):

@@ -24,6 +24,7 @@ from castx.process.building import process_of, step_settings
 from castx.process.process import Process
 from castx.process.state import State
 from castx.process.step_control import StepControl, StepSettings
+from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import FailedTry, diagnosis
 from castx.stateful import (
@@ -93,6 +94,7 @@ class Simulation:
         self.step = 0
 
     @classmethod
+    @booked_as(RunPart.START)
     def from_case(
         cls, case: Case, comm: MPI.Intracomm, laws: Mapping[str, ConductionLaw] | None = None
     ) -> Self:

@@ -7,7 +7,7 @@ import math
 import resource
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
@@ -17,6 +17,7 @@ from mpi4py import MPI
 
 from castx.environment import versions
 from castx.errors import ConvergenceError
+from castx.profiling import PartCost, RunPart
 from castx.results.files.folder import write_whole
 from castx.results.snapshot import Snapshot
 from castx.solvers.counters import StepCounters
@@ -70,6 +71,7 @@ class RunRecord:
     _wall_before: float = 0.0
     _restarts: list[dict[str, Any]] = field(default_factory=list)
     _events: list[Mapping[str, Any]] = field(default_factory=list)
+    _profile: dict[str, Any] = field(default_factory=dict)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
@@ -81,6 +83,10 @@ class RunRecord:
             self._counts["steps"] += 1
             for name, count in snapshot.counters.counts().items():
                 self._counts[name] += count
+
+    def note_profile(self, costs: Mapping[RunPart, PartCost]) -> None:
+        """Take over what the parts of the run have cost."""
+        self._profile = {"profile": {str(part): asdict(cost) for part, cost in costs.items()}}
 
     def notes(self) -> dict[str, Any]:
         """Return the content for the record of a run that goes on from here."""
@@ -120,6 +126,7 @@ class RunRecord:
             "wall": self._wall,
             "restarts": self._restarts,
             "peak_memory": self._memory,
+            **self._profile,
             "exit": {"reason": str(reason), "message": message},
         }
         write_whole(self.path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")

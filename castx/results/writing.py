@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 from castx.case.stages import Schedule
 from castx.errors import CaseError
 from castx.materials.lookup import find_material
+from castx.profiling import PartCost, RunPart, booked_as
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.files.folder import (
@@ -148,6 +149,7 @@ class ResultsWriter:
             self._disk.raise_failures()
         return self
 
+    @booked_as(RunPart.OUTPUT)
     def write(self, snapshot: Snapshot) -> None:
         """Write the initial state or that after an accepted step; collective.
 
@@ -180,6 +182,10 @@ class ResultsWriter:
                 self._probes.sync()
                 self._history.sync()
         self._disk.raise_failures()
+
+    def note_profile(self, costs: Mapping[RunPart, PartCost]) -> None:
+        """Write what the parts of the run have cost into run.json."""
+        self._record.note_profile(costs)
 
     def note_interruption(self) -> None:
         """Write down at once that the run was interrupted: it may be killed before it can stop."""

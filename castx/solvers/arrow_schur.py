@@ -19,6 +19,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.profiling import RunPart, booked_as
 from castx.solvers.blocks import Block, Blocks, sweep_options
 
 
@@ -66,6 +67,7 @@ class ArrowSchur:
         self._parts: list[PETSc.Mat] = []
         self._work: list[PETSc.Vec] = []
 
+    @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Augment the block of the bodies and set up the split."""
         for item in (self._outer, *self._parts):

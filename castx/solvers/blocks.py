@@ -11,6 +11,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.profiling import RunPart, booked_as
 from castx.solvers.stiff_part import StiffPart
 
 MULTIGRID: Mapping[str, object] = {
@@ -74,6 +75,7 @@ class DirectSolver:
         self.prefix = prefix
         self._ready = False
 
+    @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Factorise the matrix."""
         self._ksp.setOperators(matrix)
@@ -262,6 +264,7 @@ class BlockSweep:
         """Constrained unknowns that may change: round stiff nodes one costs tens of iterations."""
         return 0 if self._stiff.exists else MOST_CHANGED_IN_SWEEP
 
+    @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
@@ -320,6 +323,7 @@ class BlockSolver:
         self._ksp.setOptionsPrefix(prefix)
         self.prefix = prefix
 
+    @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
         """Extract the block from the matrix and set up its solver."""
         first = not self._blocks.ready

@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from castx.case.reading.read import load_case
 from castx.command.cli import execute
 from castx.command.run import run, run_case, with_output
 from castx.errors import CaseError
+from castx.profiling import RunPart
 from castx.results.reading import Results
 from tests.castx.command_line import start, wait_for
 
@@ -77,6 +79,19 @@ def test_a_run_leaves_its_results_and_says_where(comm, case_file, shared_tmp_pat
     text = said()
     assert "step 1" in text and f"done: {folder}" in text
     assert json.loads((folder / "run.json").read_text())["exit"]["reason"] == "finished"
+
+
+def test_a_profile_says_what_the_parts_have_cost(comm, case_file, shared_tmp_path, said):
+    folder, begin = shared_tmp_path / "out", time.perf_counter()
+    assert execute(["run", str(case_file), "--output", str(folder), "--profile"], comm) == 0
+    passed = comm.allreduce(time.perf_counter() - begin, max)
+    record, text = json.loads((folder / "run.json").read_text()), said()
+    costs = record["profile"]
+    assert list(costs) == [str(part) for part in RunPart]
+    for part in ("start", "heat", "assembly", "contact", "set-up", "solve", "output"):
+        assert costs[part]["time"] >= costs[part]["mean_time"] > 0 and part in text
+    assert costs["heat"]["flops"] > 0 and costs["solve"]["flops"] > 0
+    assert sum(cost["mean_time"] for cost in costs.values()) < passed
 
 
 def test_set_replaces_values(comm, case_file, shared_tmp_path, said):

@@ -1,0 +1,133 @@
+"""What the parts of a run cost: stages of PETSc's log, each without those that begin inside it.
+
+PETSc logs only when it is told to; until then a stage costs less than a microsecond. The same
+stages stand in what PETSc's own option -log_view shows.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import wraps
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from castx.arrays import FloatArray
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+REST = "Main Stage"
+"""PETSc's stage for all that is in no other one."""
+
+_SUMMARY = re.compile(
+    r'^Stages\["(.+)"\]\["summary"\]\[(\d+)\] = \{"time" : ([^,]+),.*"flop" : ([^}]+)\}$',
+    re.MULTILINE,
+)
+
+
+class RunPart(StrEnum):
+    """A part of a run."""
+
+    START = "start"
+    HEAT = "heat"
+    ASSEMBLY = "assembly"
+    CONTACT = "contact"
+    SET_UP = "set-up"
+    SOLVE = "solve"
+    OUTPUT = "output"
+    REST = "rest"
+
+
+@dataclass(frozen=True)
+class PartCost:
+    """What a part of a run has cost.
+
+    Attributes:
+        time: wall clock time of the rank with the largest one [s].
+        mean_time: mean over the ranks [s].
+        flops: floating-point operations of PETSc, of all ranks.
+    """
+
+    time: float
+    mean_time: float
+    flops: float
+
+
+def booked_as(part: RunPart) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return a decorator that lets PETSc book a function as a part of the run."""
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def booked(*arguments: P.args, **options: P.kwargs) -> R:
+            stage = PETSc.Log.Stage(stage_name(part))
+            stage.push()
+            try:
+                return function(*arguments, **options)
+            finally:
+                stage.pop()
+
+        return booked
+
+    return decorate
+
+
+def stage_name(part: RunPart) -> str:
+    """Return the name of the stage of a part in PETSc's log."""
+    return REST if part is RunPart.REST else f"castx {part}"
+
+
+class Profile:
+    """The cost of the parts of a run since this object was made.
+
+    PETSc goes on logging to the end of the process.
+
+    Args:
+        comm: the ranks of the run.
+    """
+
+    def __init__(self, comm: MPI.Intracomm) -> None:
+        self._comm = comm
+        PETSc.Log.begin()
+        self._start = self._booked()
+
+    def costs(self) -> dict[RunPart, PartCost]:
+        """Return the cost of each part so far; collective."""
+        booked = self._booked() - self._start
+        times, flops = booked[:, 0], booked[:, 1]
+        parts: list[RunPart] = list(RunPart)
+        return {
+            part: PartCost(float(times[k].max()), float(times[k].mean()), float(flops[k].sum()))
+            for k, part in enumerate(parts)
+        }
+
+    def _booked(self) -> FloatArray:
+        """Return times [s] and flops, shape (parts, 2, ranks); collective."""
+        found = {
+            (name, int(rank)): (float(time), float(flops))
+            for name, rank, time, flops in _SUMMARY.findall(self._log())
+        }
+        none = 0.0, 0.0
+        ranks = range(self._comm.size)
+        return np.array(
+            [[found.get((stage_name(part), rank), none) for rank in ranks] for part in RunPart]
+        ).swapaxes(1, 2)
+
+    def _log(self) -> str:
+        """Return PETSc's log with the numbers of each rank, the same text on all; collective."""
+        with tempfile.TemporaryDirectory(prefix="castx-") as folder:
+            path = Path(folder) / "log"
+            viewer = PETSc.Viewer().createASCII(str(path), comm=self._comm)
+            viewer.pushFormat(PETSc.Viewer.Format.ASCII_INFO_DETAIL)
+            PETSc.Log.view(viewer)
+            viewer.destroy()
+            text = path.read_text() if self._comm.rank == 0 else ""
+        return str(self._comm.bcast(text))

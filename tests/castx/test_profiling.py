@@ -1,0 +1,60 @@
+"""Cost of the parts of a run against a clock, and against operations that are counted by hand."""
+
+from __future__ import annotations
+
+import time
+
+from petsc4py import PETSc
+
+import pytest
+
+from castx.profiling import Profile, RunPart, booked_as
+
+SHORT, LONG = 0.02, 0.06
+
+
+@booked_as(RunPart.SET_UP)
+def inner():
+    time.sleep(SHORT)
+
+
+@booked_as(RunPart.SOLVE)
+def outer(vector, fail=False):
+    time.sleep(LONG)
+    inner()
+    vector.scale(3.0)
+    if fail:
+        raise ValueError("on the way")
+    return "done"
+
+
+@pytest.fixture
+def vector(comm):
+    made = PETSc.Vec().createMPI((1000, PETSc.DECIDE), comm=comm)
+    made.set(1.0)
+    yield made
+    made.destroy()
+
+
+def test_each_part_has_its_own_time_without_what_begins_inside(comm, vector):
+    profile, begin = Profile(comm), time.perf_counter()
+    assert outer(vector) == "done"
+    with pytest.raises(ValueError, match="on the way"):
+        outer(vector, fail=True)
+    passed = time.perf_counter() - begin
+    costs = profile.costs()
+    solve, set_up = costs[RunPart.SOLVE], costs[RunPart.SET_UP]
+    assert 2 * LONG <= solve.mean_time <= solve.time
+    assert 2 * SHORT <= set_up.mean_time <= set_up.time
+    assert solve.mean_time + set_up.mean_time <= comm.allreduce(passed) / comm.size
+    assert costs[RunPart.SOLVE].flops == 2 * 1000 * comm.size
+    assert costs[RunPart.HEAT].time == costs[RunPart.HEAT].flops == 0.0
+
+
+def test_a_profile_counts_from_its_beginning(comm, vector):
+    Profile(comm)
+    outer(vector)
+    later = Profile(comm)
+    assert later.costs()[RunPart.SOLVE].flops == 0.0
+    outer(vector)
+    assert later.costs()[RunPart.SOLVE].flops == 1000 * comm.size
