@@ -19,10 +19,10 @@ from dolfinx.fem.petsc import create_matrix
 from castx.arrays import FloatArray
 from castx.domain.measures import extent
 from castx.domain.mesh import BodyMesh
+from castx.form_rows import FormRows
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.constitutive.thickness import Thickness
-from castx.form_rows import FormRows
 from castx.stateful import Stateful
 
 PRESSURE_SHARE = 0.1
