@@ -69,3 +69,15 @@ def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said
     assert "in the worst, at (" in text
     assert execute(["check", str(case), "--set", "geometry.surfaces.top.radius=1"], comm) == 2
     assert "'top' selects no face; there are" in said()
+
+
+def test_a_bad_file_is_refused_with_code_2_and_one_message(comm, shared_tmp_path, said):
+    case, part = shared_tmp_path / "two.toml", shared_tmp_path / "two.step"
+    for content, text in (("", "is empty"), ("ISO-10303-21;\nHEADER;\n", "cannot be read")):
+        if comm.rank == 0:
+            part.write_text(content)
+            case.write_text(CASE)
+        comm.Barrier()
+        assert execute(["check", str(case)], comm) == 2
+        output = " ".join(said().split())
+        assert text in output and output.count("castx: ") == 1 and "Traceback" not in output
