@@ -24,7 +24,7 @@ ORDER = [
     "transfer/laws",
     "contact/methods",
     "materials/rules",
-    "materials/flow_rules materials/hardening",
+    "materials/flow_rules materials/hardening materials/foundry",
     "materials",
     "foundry",
     "case/cad",

@@ -15,7 +15,7 @@ from castx.case.boundaries import Boundary, Loads, Support
 from castx.case.control import Coupling, Solver, Time
 from castx.case.geometry import Geometry
 from castx.case.interfaces import Interface
-from castx.case.output import Output, Probe
+from castx.case.output import Foundry, Output, Probe
 from castx.case.stages import Stage
 from castx.errors import CaseError
 from castx.input.entries import Description, MaterialName
@@ -56,6 +56,7 @@ class Case(Description):
         coupling: of heat and mechanics within a step.
         solver: linear and nonlinear solvers.
         output: fields and checkpoints.
+        foundry: how the quantities of the foundry are taken.
         probes: points whose quantities are recorded.
         stages: changes in the course of the process.
     """
@@ -72,6 +73,7 @@ class Case(Description):
     coupling: Coupling = Coupling()
     solver: Solver = Solver()
     output: Output = Output()
+    foundry: Foundry = Foundry()
     probes: tuple[Probe, ...] = Field((), max_length=_MOST_ENTRIES)
     stages: tuple[Stage, ...] = Field((), max_length=_MOST_STAGES)
 

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
 from castx.errors import CaseError
-from castx.input.entries import Choice, Description, EntryName, Quantity
-from castx.input.problems import Problem, among
-from castx.input.units import LENGTH, TIME
+from castx.input.entries import (
+    TEMPERATURES,
+    Choice,
+    Description,
+    EntryName,
+    MaterialName,
+    Quantity,
+    Temperature,
+)
+from castx.input.problems import Problem, among, refuse
+from castx.input.units import LENGTH, PURE_NUMBER, TIME, Dimension
 
 FIELDS = (
     "temperature",
@@ -29,6 +38,14 @@ FIELDS = (
     "gradient",
     "cooling_rate",
     "niyama",
+    "front_speed",
+    "passing_times",
+    "arm_spacing",
+    "dimensionless_niyama",
+    "pore_fraction",
+    "clyne_davies",
+    "yield_strength",
+    "modulus",
 )
 BODY_QUANTITIES = (
     "temperature",
@@ -75,6 +92,84 @@ class Output(Description):
         for index, name in enumerate(self.fields):
             if name in self.fields[:index]:
                 yield Problem(("fields", index), "is there already")
+
+
+_FRACTION = Quantity(PURE_NUMBER, least=0.0, most=1.0)
+
+
+@dataclass(frozen=True)
+class FrontPlace:
+    """The surface at whose passing gradient and cooling rate are taken; one of both is given.
+
+    Attributes:
+        fraction: solid fraction there.
+        temperature: there [°C].
+    """
+
+    fraction: float | None = None
+    temperature: float | None = None
+
+    @property
+    def text(self) -> str:
+        """The place for people, as "f_s = 0.9"."""
+        if self.fraction is not None:
+            return f"f_s = {self.fraction!r}"
+        return f"{self.temperature!r} °C"
+
+
+def _front(value: Any) -> FrontPlace:
+    if isinstance(value, FrontPlace):
+        return value
+    if not isinstance(value, dict):
+        return FrontPlace(fraction=_FRACTION.read(value))
+    if set(value) != {"temperature"}:
+        raise CaseError('a solid fraction is needed, or { temperature = "565 degC" }')
+    try:
+        return FrontPlace(temperature=TEMPERATURES.read(value["temperature"]))
+    except CaseError as error:
+        raise refuse(str(error), "temperature") from None
+
+
+MODULUS_CONSTANT = Dimension("Chvorinov's constant", "s/m^2", ("s/m^2", "s/cm^2", "min/cm^2"))
+
+
+class ModulusMould(Description):
+    """The mould whose heat makes Chvorinov's constant.
+
+    Attributes:
+        material: of the database or of the case.
+        temperature: at the start [°C].
+    """
+
+    material: MaterialName
+    temperature: Temperature
+
+
+class Foundry(Description):
+    """How the quantities of the foundry are taken.
+
+    Attributes:
+        at: solid fraction, or temperature, at which gradient, cooling rate and front speed are.
+        passing_times: solid fractions whose passing the field `passing_times` shows.
+        modulus_constant: Chvorinov's constant [s/m²].
+        modulus_mould: or the mould from which it follows.
+    """
+
+    at: Annotated[FrontPlace, PlainValidator(_front)] = FrontPlace(fraction=0.9)
+    passing_times: Annotated[
+        tuple[Annotated[float, _FRACTION], ...], Field(min_length=1, max_length=20)
+    ] = (0.0, 0.5, 1.0)
+    modulus_constant: Annotated[float | None, Quantity(MODULUS_CONSTANT, above=0.0)] = None
+    modulus_mould: ModulusMould | None = None
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield fractions named twice, and two ways to the constant of the modulus."""
+        for index, fraction in enumerate(self.passing_times):
+            if fraction in self.passing_times[:index]:
+                yield Problem(("passing_times", index), "is there already")
+        if self.modulus_constant is not None and self.modulus_mould is not None:
+            text = "both say the constant of the modulus; leave one out"
+            yield Problem(("modulus_mould",), f"modulus_constant and modulus_mould {text}")
 
 
 class Probe(Description):

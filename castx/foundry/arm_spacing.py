@@ -7,9 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray
-
-RIPENING = 1.0 / 3.0
-"""Exponent of coarsening by diffusion in the melt."""
+from castx.materials.foundry.entries import RIPENING
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,13 @@ from castx.input.units import (
     TEMPERATURE,
     VISCOSITY,
 )
+from castx.materials.foundry.entries import (
+    ArmSpacingData,
+    ArmSpacingEntry,
+    FatigueData,
+    KeysEntry,
+    StrengthData,
+)
 from castx.materials.inelastic import (
     DEFAULT_LAW,
     FLOW_RULES,
@@ -238,6 +245,15 @@ class MaterialDescription(Description):
     hardening: Annotated[Hardening, HardeningEntry()] = HardeningEntry().read(0.0)
     law: Annotated[str, Choice(tuple(FLOW_RULES))] = DEFAULT_LAW
     dissipation: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=1.0)] = 0.9
+    melt_viscosity: Annotated[float, Quantity(VISCOSITY, above=0.0)] | None = None
+    arm_spacing: Annotated[ArmSpacingData | None, ArmSpacingEntry(ArmSpacingData)] = None
+    coalescence: Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)] | None = None
+    critical_strain: Annotated[float, Quantity(PURE_NUMBER, above=0.0)] | None = None
+    strength: Annotated[StrengthData | None, KeysEntry(StrengthData)] = None
+    tensile_strength: (
+        Annotated[Table, over_temperature(STRESS, above=0.0), PeoplesUnit("MPa", 1e-6)] | None
+    ) = None
+    fatigue: Annotated[FatigueData | None, KeysEntry(FatigueData)] = None
 
     @property
     def freezing_range(self) -> tuple[float, float] | None:
@@ -284,7 +300,8 @@ class MaterialDescription(Description):
     def _never_melting_problems(self) -> Iterator[Problem]:
         cure = "acts only in a material that melts; give solidus and liquidus or leave it out"
         for key in (
-            "latent_heat", "liquid", "partition_coefficient", "melting_point", "cavitation"
+            "latent_heat", "liquid", "partition_coefficient", "melting_point", "cavitation",
+            "melt_viscosity", "arm_spacing", "coalescence", "critical_strain", "strength",
         ):  # fmt: skip
             if getattr(self, key) is not None:
                 yield Problem((key,), cure)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, get_args
 
 from castx.input.entries import Description, Quantity, Tabulated
 from castx.materials.description import Liquid, LiquidEntry, MaterialDescription, PhasedTable
+from castx.materials.foundry.entries import KeysEntry
 from castx.materials.inelastic import (
     KINEMATIC_KEYS,
     LIQUID_RULES,
@@ -109,7 +110,10 @@ def _units() -> dict[str, Unit]:
     units: dict[str, Unit] = {}
     placed = {"hardening": KINEMATIC_KEYS, "law": RATE_KEYS}
     for name, kinds in _fields(MaterialDescription, placed):
-        if any(isinstance(kind, LiquidEntry) for kind in kinds):
+        tables = [kind for kind in kinds if isinstance(kind, KeysEntry)]
+        if tables:
+            inner = _fields(tables[0].model, {})
+        elif any(isinstance(kind, LiquidEntry) for kind in kinds):
             inner = _fields(Liquid, {"viscosity": keys_of(LIQUID_RULES.values())})
         elif any(isinstance(kind, HardeningEntry) for kind in kinds):
             inner = _fields(Hardening, {})

@@ -22,6 +22,7 @@ from castx.report.pictures import (
     limits_of,
     picture,
 )
+from castx.results.foundry_fields import PASSING
 from castx.results.reading import Results
 
 State = Mapping[str, pyvista.UnstructuredGrid]
@@ -218,9 +219,31 @@ TOPICS = (
     Topic("solidification_time", "Local solidification time",
           "Time between liquidus and solidus.", "time [s]", "cividis", melting=True, final=True),
     Topic("niyama", "Niyama criterion",
-          "G/√Ṫ at f_s = 0.9. Shrinkage porosity is likely where it is low; the limit depends on "
+          "G/√Ṫ at {front}. Shrinkage porosity is likely where it is low; the limit depends on "
           "the alloy, for steel castings it is near 1 K^½ s^½/mm.",
           "Niyama [K$^{1/2}$ s$^{1/2}$/mm]", "RdYlGn", 1e-3, melting=True, final=True, share=0.9),
+    Topic("dimensionless_niyama", "Dimensionless Niyama criterion",
+          "λ2 G √(Δp_c/(μ β ΔT_f Ṫ)) at {front}. Pores open where it is low.",
+          "Ny* [1]", "RdYlGn", melting=True, final=True, share=0.9),
+    Topic("pore_fraction", "Shrinkage porosity",
+          "Pores where the suction of the mush reaches its limit, from the history at {front}: arm "
+          "spacing, viscosity and the limit are uncertain by tens of percent, gas is left out, and "
+          "so is feeding over a distance.",
+          "pores [%]", "YlOrRd", 100.0, melting=True, final=True, share=0.99),
+    Topic("clyne_davies", "Hot-tearing ratio of Clyne and Davies",
+          "Time from f_s = 0.9 to 0.99 over that from 0.4 to 0.9: it compares places, without a "
+          "limit, and has no stress in it.",
+          "ratio [1]", "YlOrRd", melting=True, final=True, share=0.9),
+    Topic("modulus", "Thermal modulus",
+          "√(t_s/C) of the time from pouring until all is solid; C holds for sand, not for dies.",
+          "modulus [mm]", "cividis", 1e3, melting=True, final=True),
+    Topic("front_speed", "Speed of the front", "At {front}.", "speed [mm/s]", "viridis", 1e3,
+          melting=True, final=True, share=0.9),
+    Topic("arm_spacing", "Secondary arm spacing", "From the cooling rate at {front}.",
+          "spacing [µm]", "viridis", 1e6, melting=True, final=True),
+    Topic("yield_strength", "Yield strength by arm spacing",
+          "A regression, valid for the heat treatment of its samples alone.",
+          "yield strength [MPa]", "viridis", 1e-6, melting=True, final=True),
 )  # fmt: skip
 
 
@@ -230,7 +253,19 @@ def field_figures(run: Results) -> list[Figure]:
     states = [run.grids(time) for time in times]
     titles = [f"{time:.4g} s\n{what}".strip() for time, what in times.items()]
     with display():
-        return [figure for topic in TOPICS for figure in topic_figures(run, topic, titles, states)]
+        topics = [*TOPICS, *passing_topics(states)]
+        return [figure for topic in topics for figure in topic_figures(run, topic, titles, states)]
+
+
+def passing_topics(states: Sequence[State]) -> list[Topic]:
+    """Return the topics of the times at which solid fractions pass, which have their own names."""
+    names = {name for state in states for grid in state.values() for name in grid.point_data}
+    fractions = sorted(float(n.removeprefix(PASSING)) for n in names if n.startswith(PASSING))
+    return [
+        Topic(f"{PASSING}{fraction!r}", f"Time of solid fraction {fraction:g}",
+              "From when the casting was poured.", "time [s]", "cividis", melting=True, final=True)
+        for fraction in fractions
+    ]  # fmt: skip
 
 
 def topic_figures(
@@ -270,7 +305,7 @@ def topic_figures(
         ends = (beside.limits[0] * topic.factor, beside.limits[1] * topic.factor)
         second = (f"{topic.label}, {' and '.join(beside.bodies)}", ends, beside.colours)
         label = f"{topic.label}, {' and '.join(bodies)}"
-    caption = topic.caption
+    caption = topic.caption.replace("{front}", str(run.record.get("front", "f_s = 0.9")))
     if factor:
         caption = f"Displacements drawn {factor:g} times as large as they are. {caption}".strip()
     yield Figure(topic.title, caption, row(images, titles, label, scaled, topic.colours, second))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -14,15 +14,12 @@ from castx.arrays import FloatArray
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
+from castx.results.foundry_fields import PASSING, is_of_foundry
 from castx.results.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
 from castx.results.snapshot import Snapshot
-from castx.results.solidification import QUANTITIES, Solidification
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
-
-OF_MELTING = ("solid_fraction", *QUANTITIES)
-"""Fields that only bodies which melt have."""
 
 
 @dataclass
@@ -51,6 +48,13 @@ class WrittenMoment:
     holders: Mapping[str, Sequence[int]]
 
 
+class FoundrySource(Protocol):
+    """Where the quantities of the foundry come from."""
+
+    def nodal(self, body: str, name: str, /) -> FloatArray:
+        """Return a quantity at the nodes of a body, ghosts included: (nodes,); collective."""
+
+
 class Fields:
     """Writer of the fields at chosen times; the last state is kept, to be written at any end.
 
@@ -59,7 +63,7 @@ class Fields:
         names: the wanted fields.
         every: time between outputs [s]; None: first and last state only.
         mesh: the bodies.
-        solidification: the foundry quantities, followed elsewhere.
+        foundry: the quantities of the foundry.
         disk: takes the failures of single ranks.
         melting: the bodies that melt, which alone have solid fraction and foundry quantities; None:
             all.
@@ -71,7 +75,7 @@ class Fields:
         names: Sequence[str],
         every: float | None,
         mesh: CastingMesh,
-        solidification: Solidification,
+        foundry: FoundrySource,
         disk: Disk,
         melting: Collection[str] | None = None,
     ) -> None:
@@ -80,7 +84,7 @@ class Fields:
         self._melting = tuple(mesh.bodies) if melting is None else tuple(melting)
         self._every = every
         self._comm, self._disk = mesh.comm, disk
-        self._solidification = solidification
+        self._foundry = foundry
         self._pieces = {name: Piece.of(body) for name, body in mesh.bodies.items()}
         filled = self._comm.allgather([piece.cells > 0 for piece in self._pieces.values()])
         self._holders = {
@@ -118,7 +122,7 @@ class Fields:
             state.nodal[body] = {
                 name: self._nodal(snapshot, body, name)[piece.nodes]
                 for name in self._names
-                if name not in CELLWISE and (name not in OF_MELTING or body in self._melting)
+                if name not in CELLWISE and (body in self._melting or not of_melting(name))
             }
             state.cellwise[body] = {
                 name: snapshot.cellwise(body, name)[: piece.cells].copy()
@@ -128,8 +132,8 @@ class Fields:
         return state
 
     def _nodal(self, snapshot: Snapshot, body: str, name: str) -> FloatArray:
-        if name in QUANTITIES:
-            return self._solidification.nodal(body, name)
+        if is_of_foundry(name):
+            return self._foundry.nodal(body, name)
         if name in PAIRED:
             return interface_field(snapshot, body, name)
         return snapshot.nodal(body, name)
@@ -149,7 +153,7 @@ class Fields:
                 if piece.cells > 0 and body in state.nodal:
                     path = self._folder / piece_name(body, index, self._comm.rank)
                     fields = state.nodal[body], state.cellwise[body]
-                    write_piece(path, piece, number, *fields, body, UNITS)
+                    write_piece(path, piece, number, *fields, body, units_of(self._names))
         self._disk.raise_failures()
         holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
         self._outputs.append(WrittenMoment(state.time, holders))
@@ -174,6 +178,16 @@ class Fields:
             if path.name not in known:
                 path.unlink()
         self._write_collection()
+
+
+def of_melting(name: str) -> bool:
+    """Return whether only bodies that melt have a field."""
+    return name == "solid_fraction" or is_of_foundry(name)
+
+
+def units_of(names: Sequence[str]) -> dict[str, str]:
+    """Return the units of fields; the times at which solid fractions pass are in seconds."""
+    return {name: UNITS["passing_times" if name.startswith(PASSING) else name] for name in names}
 
 
 def phase_of(snapshot: Snapshot) -> tuple[int, int]:

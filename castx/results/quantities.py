@@ -28,6 +28,14 @@ UNITS = {
     "gradient": "K/m",
     "cooling_rate": "K/s",
     "niyama": "K^½ s^½/m",
+    "front_speed": "m/s",
+    "passing_times": "s",
+    "arm_spacing": "m",
+    "dimensionless_niyama": "1",
+    "pore_fraction": "1",
+    "clyne_davies": "1",
+    "yield_strength": "Pa",
+    "modulus": "m",
 }
 """Unit of each field in the files."""
 

@@ -4,12 +4,13 @@ Every node of a body that melts is followed through its enthalpy. The local soli
 the time between the passing of the liquidus and that of the solidus; `castx.results.freezing` says
 when a level of solid fraction passes a node. In an isothermal change both pass at once.
 
-The cooling rate is that of a node which the surface f_s = 0.9 passes with the speed v: Ṫ = G v with
-v = 1/|∇t|, t the time of passing (W. Kurz and D. J. Fisher, Fundamentals of Solidification, 1998,
-ch. 1). That surface is an isotherm, so nothing else is meant than -∂T/∂t; but this form exists for
-an isothermal change as well and is smooth where the history of a single node has stairs. On case V3
-it is right to 1 % at 10 elements behind the wall, ∂T/∂t of the node to 10 %. The gradient is that
-of the same moment, within the step in which f_s = 0.9 passes.
+The cooling rate is that of a node which the surface f_s = 0.9, or another one that the user takes,
+passes with the speed v: Ṫ = G v with v = 1/|∇t|, t the time of passing (W. Kurz and D. J. Fisher,
+Fundamentals of Solidification, 1998, ch. 1). That surface is an isotherm, so nothing else is meant
+than -∂T/∂t; but this form exists for an isothermal change as well and is smooth where the history
+of a single node has stairs. On case V3 it is right to 1 % at 10 elements behind the wall, ∂T/∂t of
+the node to 10 %. The gradient is that of the same moment, within the step in which that surface
+passes.
 
 Niyama criterion: E. Niyama, T. Uchida, M. Morikawa and S. Saito, A method of shrinkage prediction
 and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 52-63.
@@ -18,11 +19,13 @@ and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.case.output import FrontPlace
 from castx.results.freezing.gradients import Steepness
 from castx.results.freezing.levels import FreezingCurve, Level
 from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Step
@@ -32,12 +35,49 @@ from castx.stateful import Array, Arrays, Saved, number, part_of, saved_parts
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh, CastingMesh
 
-LIQUIDUS, NIYAMA, SOLIDUS = range(3)
 LEVELS = (0.0, 0.9, 1.0)
-"""Solid fractions whose passing is noted: liquidus, that of the Niyama criterion, solidus."""
+"""Solid fractions whose passing is noted by default: liquidus, that of the gradient, solidus."""
+LIQUIDUS, FRONT, SOLIDUS = range(3)
+USUAL_FRONT = FrontPlace(fraction=LEVELS[FRONT])
 
 MIDDLE = PLACES.index(0.0)
-QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama")
+QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama", "front_speed")
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What is noted of the way of freezing, beside liquidus and solidus.
+
+    Attributes:
+        at: the surface at whose passing gradient, cooling rate and front speed are taken.
+        fractions: further solid fractions whose passing is noted.
+    """
+
+    at: FrontPlace = USUAL_FRONT
+    fractions: tuple[float, ...] = ()
+
+    @property
+    def places(self) -> tuple[FrontPlace, ...]:
+        """All surfaces: liquidus, that of the gradient, solidus, then the further ones."""
+        ends = FrontPlace(fraction=LEVELS[LIQUIDUS]), FrontPlace(fraction=LEVELS[SOLIDUS])
+        first = (ends[0], self.at, ends[1])
+        further = dict.fromkeys(FrontPlace(fraction=value) for value in self.fractions)
+        return (*first, *(place for place in further if place not in first))
+
+    def levels(self, curve: FreezingCurve) -> list[Level]:
+        """Return the levels of all surfaces on the curve of a material."""
+        return [level_of(curve, place) for place in self.places]
+
+
+def level_of(curve: FreezingCurve, place: FrontPlace) -> Level:
+    """Return the level of a surface on the curve of a material."""
+    if place.fraction is not None:
+        return Level.of(curve, place.fraction)
+    assert place.temperature is not None
+    return Level.at(curve, place.temperature)
+
+
+AS_USUAL = Followed()
 
 
 class BodySolidification:
@@ -47,14 +87,21 @@ class BodySolidification:
         body: its mesh.
         curve: enthalpy of its material.
         axisymmetric: whether the first coordinate is a radius.
+        followed: the surfaces whose passing is noted.
     """
 
-    def __init__(self, body: BodyMesh, curve: FreezingCurve, axisymmetric: bool = False) -> None:
-        levels = [Level.of(curve, fraction) for fraction in LEVELS]
-        self._front = Front(body, curve, levels, axisymmetric)
+    def __init__(
+        self,
+        body: BodyMesh,
+        curve: FreezingCurve,
+        axisymmetric: bool = False,
+        followed: Followed = AS_USUAL,
+    ) -> None:
+        self._places = followed.places
+        self._front = Front(body, curve, followed.levels(curve), axisymmetric)
         self._steepness = Steepness(body)
         nodes = len(body.parent_vertices)
-        self._times: FloatArray = np.full((len(LEVELS), len(PLACES), nodes), np.nan)
+        self._times: FloatArray = np.full((len(self._places), len(PLACES), nodes), np.nan)
         self._passed: BoolArray = np.zeros(self._times.shape, dtype=bool)
         self._gradient: FloatArray = np.full(nodes, np.nan)
         self._time = self._first_time = np.nan
@@ -67,7 +114,8 @@ class BodySolidification:
         time, enthalpy = snapshot.time, snapshot.nodal(body, "enthalpy").copy()
         if body in snapshot.process.renewed:
             self._times[:], self._gradient[:] = np.nan, np.nan
-            self._begin(snapshot.time - snapshot.counters.step, self._first_enthalpy)
+            self._first_time = snapshot.time - snapshot.counters.step
+            self._begin(self._first_time, self._first_enthalpy)
         if np.isnan(self._time):
             self._first_time, self._first_enthalpy = time, enthalpy
             self._begin(time, enthalpy)
@@ -88,12 +136,12 @@ class BodySolidification:
         self._times[found.remelted] = np.nan
         self._times[found.frozen] = start + found.share[found.frozen] * (end - start)
         self._passed ^= found.frozen | found.remelted
-        frozen, share = found.frozen[NIYAMA, MIDDLE], found.share[NIYAMA, MIDDLE]
+        frozen, share = found.frozen[FRONT, MIDDLE], found.share[FRONT, MIDDLE]
         gradient = self._front.gradient(step, frozen, share, parts)
         self._gradient[frozen] = gradient[frozen]
 
     def _passing(self, level: int) -> FloatArray:
-        """Return when one of the `LEVELS` passed the nodes [s].
+        """Return when one of the levels passed the nodes [s].
 
         Until the front has left the control volume, this is when it came to the node.
         """
@@ -103,38 +151,57 @@ class BodySolidification:
 
     def saved(self) -> dict[str, Saved]:
         """Return the times of passing so far, the last state and the first one."""
-        found = {
-            "times": by_node(self._times),
-            "passed": by_node(self._passed),
-            "gradient": self._gradient,
-            "last_enthalpy": self._enthalpy,
-            "first_enthalpy": self._first_enthalpy,
-        }
+        found = {"last_enthalpy": self._enthalpy, "first_enthalpy": self._first_enthalpy}
+        for index, place in enumerate(self._places):
+            found[f"times at {place.text}"] = by_node(self._times[index])
+            found[f"passed at {place.text}"] = by_node(self._passed[index])
+        found[f"gradient at {self._places[FRONT].text}"] = self._gradient
         nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
         return {"time": number(self._time), "first_time": number(self._first_time), **nodal}
 
     def restore(self, arrays: Arrays) -> None:
-        """Restore the times of passing, the last state and the first one."""
-        shape = self._times.shape
-        self._times = np.ascontiguousarray(arrays["times"].T).reshape(shape)
-        self._passed = np.ascontiguousarray(arrays["passed"].T).reshape(shape)
-        self._gradient = arrays["gradient"]
+        """Restore the times of passing, the last state and the first one; collective.
+
+        A level that was not noted before is noted from now on.
+        """
         self._time, self._enthalpy = float(arrays["time"]), arrays["last_enthalpy"]
         self._first_time = float(arrays["first_time"])
         self._first_enthalpy = arrays["first_enthalpy"]
+        self._passed = self._front.passed(self._enthalpy)
+        for index, place in enumerate(self._places):
+            if f"times at {place.text}" in arrays:
+                self._times[index] = arrays[f"times at {place.text}"].T
+                self._passed[index] = arrays[f"passed at {place.text}"].T
+        gradient = f"gradient at {self._places[FRONT].text}"
+        if gradient in arrays:
+            self._gradient = arrays[gradient]
 
     def solidification_time(self) -> FloatArray:
         """Return the time between liquidus and solidus [s]; zero in an isothermal change."""
         return self._passing(SOLIDUS) - self._passing(LIQUIDUS)
 
+    def passing_time(self, fraction: float) -> FloatArray:
+        """Return when a solid fraction passed, from when the body was poured [s].
+
+        Args:
+            fraction: one of those that are noted.
+        """
+        level = self._places.index(FrontPlace(fraction=fraction))
+        return self._passing(level) - self._first_time
+
     def gradient(self) -> FloatArray:
-        """Return |∇T| when f_s = 0.9 was passed [K/m]."""
-        return np.where(np.isfinite(self._passing(NIYAMA)), self._gradient, np.nan)
+        """Return |∇T| when f_s = 0.9, or what else is noted, was passed [K/m]."""
+        return np.where(np.isfinite(self._passing(FRONT)), self._gradient, np.nan)
 
     def _slowness(self) -> FloatArray:
         """Return |∇t| of the times at which f_s = 0.9 was passed [s/m]; collective."""
-        in_cells = self._steepness.in_cells(self._passing(NIYAMA))
+        in_cells = self._steepness.in_cells(self._passing(FRONT))
         return self._steepness.at_nodes(in_cells, np.isfinite(in_cells).astype(np.float64))
+
+    def front_speed(self) -> FloatArray:
+        """Return v = 1/|∇t| of the surface f_s = 0.9 [m/s]; collective."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / self._slowness(), dtype=np.float64)
 
     def cooling_rate(self) -> FloatArray:
         """Return Ṫ = G v when f_s = 0.9 was passed, positive on cooling [K/s]; collective."""
@@ -147,8 +214,8 @@ class BodySolidification:
 
 
 def by_node(values: Array) -> Array:
-    """Return values (levels, places, nodes) with a row for each node, (nodes, levels · places)."""
-    return np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T)
+    """Return values (places, nodes) with a row for each node, (nodes, places)."""
+    return np.ascontiguousarray(values.T)
 
 
 class Solidification:
@@ -157,13 +224,19 @@ class Solidification:
     Args:
         mesh: the bodies.
         curves: enthalpies of the materials of the bodies that melt, by the name of the body.
+        followed: the surfaces whose passing is noted.
     """
 
-    def __init__(self, mesh: CastingMesh, curves: Mapping[str, FreezingCurve]) -> None:
+    def __init__(
+        self,
+        mesh: CastingMesh,
+        curves: Mapping[str, FreezingCurve],
+        followed: Followed = AS_USUAL,
+    ) -> None:
         self._mesh = mesh
         axisymmetric = mesh.model == "axisymmetric"
         self._bodies = {
-            name: BodySolidification(mesh.bodies[name], curve, axisymmetric)
+            name: BodySolidification(mesh.bodies[name], curve, axisymmetric, followed)
             for name, curve in curves.items()
         }
 
@@ -183,13 +256,21 @@ class Solidification:
             if part := part_of(arrays, name):
                 body.restore(part)
 
+    def of(self, body: str) -> BodySolidification | None:
+        """Return the solidification of a body, None of one that does not melt."""
+        return self._bodies.get(body)
+
+    def nowhere(self, body: str) -> FloatArray:
+        """Return not a number at the nodes of a body, ghosts included: (nodes,)."""
+        index_map = self._mesh.bodies[body].nodes.dofmap.index_map
+        return np.full(index_map.size_local + index_map.num_ghosts, np.nan)
+
     def nodal(self, body: str, quantity: str) -> FloatArray:
         """Return one of `QUANTITIES` at the nodes of a body, ghosts included: (nodes,); collective.
 
         Not a number where it does not exist yet, and everywhere in a body that does not melt.
         """
         if body not in self._bodies:
-            index_map = self._mesh.bodies[body].nodes.dofmap.index_map
-            return np.full(index_map.size_local + index_map.num_ghosts, np.nan)
+            return self.nowhere(body)
         values: FloatArray = getattr(self._bodies[body], quantity)()
         return values

@@ -24,12 +24,17 @@ from castx.results.files.folder import (
     write_whole,
 )
 from castx.results.files.series import damage_of
+from castx.results.foundry_fields import (
+    FoundryFields,
+    poured_bodies,
+    solidification_of,
+    written_names,
+)
 from castx.results.history import History
 from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
 from castx.results.snapshot import Snapshot
-from castx.results.solidification import QUANTITIES, Solidification
 from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
@@ -89,7 +94,7 @@ class ResultsWriter:
             wanted_fields(case),
             case.output.every,
             mesh,
-            self._solidification,
+            FoundryFields(self._solidification, poured_bodies(case)),
             self._disk,
             [body.name for body in case.bodies if melts(case, body.material)],
         )
@@ -245,8 +250,9 @@ def wanted_fields(case: Case) -> list[str]:
     """Return the fields to write: those of the case, or those of the default that the run has."""
     return [
         name
-        for name in case.output.fields
-        if case.coupling.scheme != "thermal" or name not in MECHANICAL
+        for entry in case.output.fields
+        if case.coupling.scheme != "thermal" or entry not in MECHANICAL
+        for name in written_names(entry, case)
     ]
 
 
@@ -268,17 +274,6 @@ def refuse_without_mechanics(case: Case) -> None:
                     f'{where}: there is no {name} in a run with coupling.scheme = "thermal"; leave '
                     "it out or choose another scheme"
                 )
-
-
-def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
-    """Return the solidification of the bodies that melt, of none if no field needs it."""
-    curves = {}
-    if any(name in QUANTITIES for name in case.output.fields):
-        for body in case.bodies:
-            material = find_material(body.material, case.materials)
-            if material.melts:
-                curves[body.name] = material.enthalpy
-    return Solidification(mesh, curves)
 
 
 def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:
@@ -306,6 +301,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         "case": {"name": case.name, "file": str(case.path.resolve()), "digest": case.digest},
         "model": mesh.model,
         "scheme": case.coupling.scheme,
+        "front": case.foundry.at.text,
         "end": Schedule(case.stages, case.time.end).end,
         "bodies": sizes,
         "interfaces": interfaces,

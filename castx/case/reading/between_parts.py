@@ -10,6 +10,7 @@ from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampC
 from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
+from castx.case.reading.foundry import foundry_problems
 from castx.errors import CaseError
 from castx.input.problems import KeyPath, Problem, Refusal, among
 from castx.materials.description import MaterialDescription
@@ -29,6 +30,7 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
+    yield from foundry_problems(case)
 
 
 def _name_problems(case: Case) -> Iterator[Problem]:

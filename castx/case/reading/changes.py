@@ -14,6 +14,7 @@ ALLOWED: tuple[KeyPath, ...] = (
     ("time", "smallest_step"),
     ("coupling", "passes"),
     ("output",),
+    ("foundry",),
     ("probes",),
     ("solver",),
 )

@@ -50,6 +50,11 @@ class Level:
         least = max(min(fraction, 1.0 - ROUNDING), ROUNDING)
         reached = highest(curve, lambda enthalpy: curve.solid_fraction(enthalpy) >= least)
         temperature = float(curve.temperature(np.array(reached)))
+        return cls.at(curve, temperature)
+
+    @classmethod
+    def at(cls, curve: FreezingCurve, temperature: float) -> Level:
+        """Return the level of a temperature [°C] between solidus and liquidus."""
         cold = highest(curve, lambda enthalpy: curve.temperature(enthalpy) < temperature)
         hot = highest(curve, lambda enthalpy: curve.temperature(enthalpy) <= temperature)
         return cls(temperature, cold, hot)

@@ -32,6 +32,12 @@ def test_by_times_it_is_their_ratio():
     np.testing.assert_array_equal(clyne_davies(*times), [0.5, 4.0, np.inf, np.nan])
 
 
+def test_times_of_a_chilled_wall():
+    """V3: x²/η² of the similarity solution at f = 0.4, 0.9, 0.99, with x = 1 m."""
+    times = [np.array(time) for time in (12935.8123, 16803.3460, 17562.2216)]
+    assert clyne_davies(*times) == pytest.approx(0.196217, rel=1e-5)
+
+
 def test_a_eutectic_ends_the_vulnerable_range():
     path = scheil(0.17, 14.3, 548.0)  # 0.0891 of eutectic liquid: f = 0.99 is at the solidus
     first, last = (660.3 - 14.3 * liquid ** (0.17 - 1.0) for liquid in (0.6, 0.1))

@@ -136,3 +136,18 @@ def test_each_field_of_the_report_has_one_topic():
     fields = [topic.field for topic in TOPICS]
     assert len(set(fields)) == len(fields)
     assert all("[" in topic.label or topic.field == "solid_fraction" for topic in TOPICS)
+
+
+def test_fields_of_the_foundry_have_pictures_that_say_where_they_were_taken():
+    def with_pores(time):
+        found = grids(time)
+        x = found["casting"].points[:, 0]
+        for name in ("pore_fraction", "passing_time_0.5", "passing_time_0.97"):
+            found["casting"][name] = np.where(x > 0.5, x, np.nan)
+        return found
+
+    record = {**results().record, "front": "565.0 °C"}
+    found = field_figures(results(record=record, times=[0.0, 1.0], grids=with_pores))
+    captions = {figure.title: figure.caption for figure in found}
+    assert "from the history at 565.0 °C" in captions["Shrinkage porosity"]
+    assert {"Time of solid fraction 0.5", "Time of solid fraction 0.97"} < set(captions)

@@ -1,0 +1,191 @@
+"""Fields of the foundry in a run: those of the thermal history, and what follows from it by alloy.
+
+Each is computed in every node from what `castx.results.solidification` notes there and the data of
+the alloy; bodies that start solid, moulds and chills, have none of the latter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from castx.arrays import FloatArray
+from castx.case.bodies import Body
+from castx.case.case import Case
+from castx.foundry.alloy import Alloy
+from castx.foundry.arm_spacing import yield_strength
+from castx.foundry.hot_tearing import BRIDGED, RELAXED, VULNERABLE, clyne_davies
+from castx.foundry.modulus import PouredMetal, SandMould, mould_constant, thermal_modulus
+from castx.foundry.porosity import dimensionless_niyama, pore_fraction
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.results.solidification import (
+    QUANTITIES,
+    BodySolidification,
+    Followed,
+    Solidification,
+)
+
+if TYPE_CHECKING:
+    from castx.domain.mesh import CastingMesh
+
+PASSING = "passing_time_"
+"""Beginning of the names of the fields that `passing_times` stands for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Poured:
+    """A body that freezes, as the quantities of the foundry see it.
+
+    Attributes:
+        alloy: its material.
+        constant: of Chvorinov [s/m²]; None: nothing asks for it.
+    """
+
+    alloy: Alloy
+    constant: float | None = None
+
+
+Derived = Callable[[BodySolidification, Poured], FloatArray]
+
+
+def _arm_spacing(history: BodySolidification, poured: Poured) -> FloatArray:
+    return poured.alloy.spacing(history.cooling_rate())
+
+
+def _dimensionless_niyama(history: BodySolidification, poured: Poured) -> FloatArray:
+    alloy, rate = poured.alloy, history.cooling_rate()
+    width = alloy.path.freezing_range
+    return dimensionless_niyama(
+        history.gradient(), rate, alloy.spacing(rate), alloy.melt(), width
+    )
+
+
+def _pore_fraction(history: BodySolidification, poured: Poured) -> FloatArray:
+    critical = poured.alloy.critical_liquid(_dimensionless_niyama(history, poured))
+    return pore_fraction(critical, poured.alloy.shrinkage)
+
+
+def _clyne_davies(history: BodySolidification, poured: Poured) -> FloatArray:
+    times = (history.passing_time(fraction) for fraction in (RELAXED, VULNERABLE, BRIDGED))
+    return clyne_davies(*times)
+
+
+def _yield_strength(history: BodySolidification, poured: Poured) -> FloatArray:
+    strength = poured.alloy.strength
+    return yield_strength(_arm_spacing(history, poured), strength.base, strength.slope)
+
+
+def _modulus(history: BodySolidification, poured: Poured) -> FloatArray:
+    assert poured.constant is not None
+    return thermal_modulus(history.passing_time(1.0), poured.constant)
+
+
+DERIVED: Mapping[str, Derived] = {
+    "arm_spacing": _arm_spacing,
+    "dimensionless_niyama": _dimensionless_niyama,
+    "pore_fraction": _pore_fraction,
+    "clyne_davies": _clyne_davies,
+    "yield_strength": _yield_strength,
+    "modulus": _modulus,
+}
+
+
+def is_of_foundry(name: str) -> bool:
+    """Return whether a field is one of the foundry."""
+    return name in QUANTITIES or name in DERIVED or name.startswith(PASSING)
+
+
+def written_names(name: str, case: Case) -> list[str]:
+    """Return the fields that an entry of `output.fields` stands for."""
+    if name != "passing_times":
+        return [name]
+    return [f"{PASSING}{fraction!r}" for fraction in case.foundry.passing_times]
+
+
+class FoundryFields:
+    """The fields of the foundry of all bodies.
+
+    Args:
+        solidification: the thermal history, followed elsewhere.
+        poured: the bodies that freeze, by name.
+    """
+
+    def __init__(self, solidification: Solidification, poured: Mapping[str, Poured]) -> None:
+        self._solidification, self._poured = solidification, poured
+
+    def nodal(self, body: str, name: str) -> FloatArray:
+        """Return a field at the nodes of a body, ghosts included: (nodes,); collective.
+
+        Not a number where it does not exist yet, and in bodies to which it does not apply.
+        """
+        history = self._solidification.of(body)
+        if name in QUANTITIES or history is None:
+            return self._solidification.nodal(body, name)
+        if name.startswith(PASSING):
+            return history.passing_time(float(name.removeprefix(PASSING)))
+        if body not in self._poured:
+            return self._solidification.nowhere(body)
+        return DERIVED[name](history, self._poured[body])
+
+
+def followed_by(case: Case) -> Followed:
+    """Return the surfaces whose passing the wanted fields ask for."""
+    fractions: list[float] = []
+    if "passing_times" in case.output.fields:
+        fractions += case.foundry.passing_times
+    if "clyne_davies" in case.output.fields:
+        fractions += [RELAXED, VULNERABLE, BRIDGED]
+    return Followed(case.foundry.at, tuple(fractions))
+
+
+def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
+    """Return the solidification of the bodies that melt, of none if no field needs it."""
+    curves = {}
+    names = [name for entry in case.output.fields for name in written_names(entry, case)]
+    if any(is_of_foundry(name) for name in names):
+        for body in case.bodies:
+            material = find_material(body.material, case.materials)
+            if material.melts:
+                curves[body.name] = material.enthalpy
+    return Solidification(mesh, curves, followed_by(case))
+
+
+def poured_bodies(case: Case) -> dict[str, Poured]:
+    """Return the bodies that freeze in a run, by name."""
+    found = {}
+    for body in case.bodies:
+        material = find_material(body.material, case.materials)
+        if material.melts and not body.starts_solid(material.description):
+            wanted = "modulus" in case.output.fields
+            constant = chvorinov_constant(case, body, material) if wanted else None
+            found[body.name] = Poured(Alloy(material), constant)
+    return found
+
+
+def chvorinov_constant(case: Case, body: Body, material: Material) -> float | None:
+    """Return Chvorinov's constant of a casting, given or from its mould [s/m²]."""
+    mould = case.foundry.modulus_mould
+    if mould is None:
+        return case.foundry.modulus_constant
+    assert material.solidus is not None and material.liquidus is not None
+    pouring = max(body.temperature.hottest, material.liquidus)
+    capacity = material.heat_capacity.liquid.mean(material.liquidus, pouring)
+    metal = PouredMetal(
+        material.density * material.latent_heat,
+        material.density * capacity,
+        pouring,
+        material.solidus,
+        material.liquidus,
+    )
+    sand = find_material(mould.material, case.materials)
+    middle = 0.5 * (material.solidus + material.liquidus)
+    return mould_constant(
+        metal,
+        SandMould(
+            sand.conductivity.solid.mean(mould.temperature, middle),
+            sand.density * sand.heat_capacity.solid.mean(mould.temperature, middle),
+            mould.temperature,
+        ),
+    )

@@ -1,0 +1,106 @@
+"""Fields of the foundry are refused where data are missing: the key, the material and the cure."""
+
+from pathlib import Path
+
+import pytest
+
+from castx.case.reading.read import read_case
+from castx.errors import CaseError
+from tests.castx.case_data import REMOVED, cylinder
+
+pytestmark = pytest.mark.serial
+
+FILE = Path("cylinder.toml")
+ALLOY = {"bodies__0__material": "AlSi7Mg"}
+ALL = [
+    "dimensionless_niyama", "pore_fraction", "clyne_davies", "arm_spacing", "passing_times",
+    "front_speed",
+]  # fmt: skip
+STRONG = {"extends": "AlSi7Mg", "strength": {"base": 6e7, "slope": 1e5}}
+MOULD = {"material": "sand-silica", "temperature": 20}
+BRONZE = {"bodies__0__material": "CuSn12", "bodies__0__temperature": 1100}
+HOT = {"material": "sand-silica", "temperature": 700}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {**ALLOY, "output__fields": ALL},
+        {"output__fields": ["front_speed", "passing_times"]},
+        {"output__fields": ["modulus"], "foundry": {"modulus_constant": "2.4e6 s/m^2"}},
+        {"output__fields": ["modulus"], "foundry": {"modulus_mould": MOULD}},
+        {**ALLOY, "foundry": {"at": {"temperature": "565 degC"}, "passing_times": [0.3]}},
+        {
+            "materials__strong": STRONG,
+            "bodies__0__material": "strong",
+            "output__fields": ["yield_strength"],
+        },
+        {"bodies__1__material": "GJL-250", **ALLOY, "output__fields": ALL},  # a chill of iron
+    ],
+)
+def test_accepted(changes):
+    assert read_case(cylinder(**changes), FILE).bodies[0].name == "casting"
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        (
+            {"output__fields": ["pore_fraction"]},
+            r"output.fields\[0\].*'aluminium' of body 'casting' freezes at one temperature: a "
+            "material without a freezing range has no mush, and so no pore_fraction; leave it out",
+        ),
+        ({"output__fields": ["clyne_davies"]}, "without a freezing range has no mush"),
+        (
+            {**BRONZE, "output__fields": ["gap", "dimensionless_niyama"]},
+            r"output.fields\[1\].*'CuSn12' of body 'casting' has no melt_viscosity, arm_spacing; "
+            r"give it in \[materials.CuSn12\], or leave dimensionless_niyama out",
+        ),
+        ({**ALLOY, "output__fields": ["yield_strength"]}, "has no strength; give it in"),
+        (
+            {
+                "materials__wet": {"extends": "AlSi7Mg", "liquid": "none"},
+                "bodies__0__material": "wet",
+                "output__fields": ["pore_fraction"],
+            },
+            "has no solidification_shrinkage; give it in",
+        ),
+        ({"output__fields": ["modulus"]}, "foundry.modulus_constant: missing; the field modulus"),
+        (
+            {
+                "output__fields": ["modulus"],
+                "foundry": {"modulus_mould": {"material": "sand", "temperature": 20}},
+            },
+            "foundry.modulus_mould.material.*unknown material 'sand'",
+        ),
+        (
+            {"output__fields": ["modulus"], "foundry": {"modulus_mould": HOT}},
+            "foundry.modulus_mould.temperature.*must lie below the solidus of 'casting', 660 °C",
+        ),
+        (
+            {"foundry": {"modulus_constant": 2e6, "modulus_mould": MOULD}},
+            "both say the constant of the modulus; leave one out",
+        ),
+        (
+            {**ALLOY, "foundry": {"at": {"temperature": 640}}},
+            "foundry.at.temperature.*body 'casting' freezes from 613 to 557 °C; take a temperature",
+        ),
+        ({"foundry": {"at": 1.2}}, r"foundry.at.*must be at least 0 and at most 1"),
+        ({"foundry": {"at": {"temprature": 600}}}, "a solid fraction is needed, or"),
+        ({"foundry": {"at": {"temperature": "3 s"}}}, "foundry.at.temperature"),
+        ({"foundry": {"passing_times": [0.5, 0.5]}}, r"foundry.passing_times\[1\].*there already"),
+        ({"foundry": {"passing_times": []}}, "foundry.passing_times"),
+        ({"foundry": {"passing_times": [1.5]}}, r"foundry.passing_times\[0\].*at most 1"),
+        ({"foundry": {"modulus_constant": 0}}, "foundry.modulus_constant = 0: must be positive"),
+    ],
+)
+def test_refused(changes, text):
+    with pytest.raises(CaseError, match=text):
+        read_case(cylinder(**changes), FILE)
+
+
+def test_what_nobody_asks_for_needs_no_data():
+    changes = {**BRONZE, "materials__steel__density": REMOVED}
+    with pytest.raises(CaseError) as refusal:
+        read_case(cylinder(**changes), FILE)
+    assert "melt_viscosity" not in str(refusal.value)
