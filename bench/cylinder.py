@@ -1,10 +1,11 @@
 """Cost of the coupled cylinder in space: steps, iterations, passes, time and memory by mesh size.
 
-    bin/with-fenicsx mpirun -n 2 python3 bench/cylinder.py [NODES ...]
+    bin/with-fenicsx mpirun -n 2 python3 bench/cylinder.py [NODES ...] [--viscoplastic] [--end S]
 
 Runs demos/cylinder_3d.toml with about so many nodes in all (default 1300 5400 20000), without
-output files. CPU seconds and memory are sums over the ranks; memory is the peak of the resident
-sets, which never falls, so each size is best run alone: bench/cylinder.py 20000.
+output files; with --viscoplastic its casting flows as its database says, from the liquid on. CPU
+seconds and memory are sums over the ranks; memory is the peak of the resident sets, which never
+falls, so each size is best run alone: bench/cylinder.py 20000.
 """
 
 from __future__ import annotations
@@ -23,9 +24,13 @@ from castx.process.simulation import Simulation
 CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
 SIZES = {1300: 0.0072, 5400: 0.0042, 20000: 0.00258}
 COLUMNS = (
-    "nodes", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its", "wall s", "CPU s",
-    "memory MB", "energy error", "solid at end",
+    "nodes", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its", "linear its", "frozen",
+    "wall s", "CPU s", "memory MB", "energy error", "solid at end",
 )
+COUNTS = (
+    "cutbacks", "passes", "heat_iterations", "mechanics_iterations", "linear_iterations",
+    "frozen_pairs",
+)  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -34,10 +39,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("nodes", nargs="*", type=int, default=list(SIZES))
-    wanted = parser.parse_args(arguments).nodes
+    parser.add_argument("--viscoplastic", action="store_true", help="let the casting flow")
+    parser.add_argument("--end", type=float, default=90.0, help="end of the run [s]")
+    wanted = parser.parse_args(arguments)
+    changes = [f"time.end={wanted.end}"]
+    if wanted.viscoplastic:
+        changes.append("bodies.0.law=thermo-elasto-viscoplastic")
     show(COLUMNS)
-    for nodes in wanted:
-        show(measure(element_size(nodes)))
+    for nodes in wanted.nodes:
+        show(measure([f"geometry.size={element_size(nodes)}", *changes]))
 
 
 def element_size(nodes: int) -> float:
@@ -45,13 +55,13 @@ def element_size(nodes: int) -> float:
     return SIZES.get(nodes) or SIZES[5400] * (5400 / nodes) ** (1 / 3)
 
 
-def measure(size: float) -> tuple[str, ...]:
-    """Run the case with an element size [m]; return a line of the table."""
+def measure(changes: Sequence[str]) -> tuple[str, ...]:
+    """Run the case with changes `key=value`; return a line of the table."""
     comm = MPI.COMM_WORLD
-    case = load_case(CASE, [f"geometry.size={size}"])
+    case = load_case(CASE, changes)
     begin, cpu = time.perf_counter(), time.process_time()
     simulation = Simulation.from_case(case, comm)
-    counts = dict.fromkeys(("cutbacks", "passes", "heat_iterations", "mechanics_iterations"), 0)
+    counts = dict.fromkeys(COUNTS, 0)
     for state in simulation:
         for name in counts:
             counts[name] += getattr(state.counters, name)
