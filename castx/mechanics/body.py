@@ -77,7 +77,7 @@ class BodyMechanics:
             self.unknowns, self.material, self.loads, description, cells, planes
         )
         self.evaluations = 0
-        self._evaluated_at: FloatArray = np.zeros(0)
+        self._evaluated_at: FloatArray | None = None
 
     @property
     def is_linear(self) -> bool:
@@ -113,7 +113,7 @@ class BodyMechanics:
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]; collective."""
-        self._evaluated_at = np.zeros(0)
+        self._evaluated_at = None
         self.loads.set_time(time)
         self.formulation.forms.update_load()
 
@@ -127,7 +127,7 @@ class BodyMechanics:
             solid_fraction: likewise.
             step: time step [s].
         """
-        self._evaluated_at = np.zeros(0)
+        self._evaluated_at = None
         self.formulation.begin(temperature, solid_fraction, step)
 
     def update_points(self) -> None:
@@ -136,7 +136,7 @@ class BodyMechanics:
         Raises:
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
-        self._evaluated_at = np.zeros(0)
+        self._evaluated_at = None
         self.formulation.update()
         self.evaluations += 1
         self._evaluated_at = self.solution.x.array.copy()
@@ -144,7 +144,9 @@ class BodyMechanics:
     @property
     def is_evaluated(self) -> bool:
         """Whether stress and tangent are those of the present unknowns, on this rank."""
-        return np.array_equal(self._evaluated_at, self.solution.x.array)
+        # A rank without a cell of the body has no unknowns, and yet a law to evaluate once.
+        at = self._evaluated_at
+        return at is not None and np.array_equal(at, self.solution.x.array)
 
     def _evaluate(self) -> None:
         if not self.is_evaluated:
@@ -179,7 +181,7 @@ class BodyMechanics:
         """Take the pressures of this rank for the multipliers; return whether there are any."""
         improved = self.formulation.improve_pressures()
         if improved:
-            self._evaluated_at = np.zeros(0)
+            self._evaluated_at = None
         return improved
 
     def force_scale(self) -> tuple[float, float]:
@@ -219,11 +221,11 @@ class BodyMechanics:
         """Make the trial state the one from which the next step starts; collective."""
         self._evaluate()
         if self.formulation.commit():
-            self._evaluated_at = np.zeros(0)
+            self._evaluated_at = None
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
-        self._evaluated_at = np.zeros(0)
+        self._evaluated_at = None
         self.formulation.rewind()
 
     def stateful_parts(self) -> dict[str, Stateful]:
