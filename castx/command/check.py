@@ -18,6 +18,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
+from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
@@ -60,7 +61,9 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
     areas = [area_warning(found, comm) for found in pairs.values()]
-    for warning in (*filter(None, areas), *material_warnings(case), *caveats(case)):
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    hidden = hidden_pair_warnings(case.interfaces, pairs, rigid, comm)
+    for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
 

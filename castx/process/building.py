@@ -9,6 +9,7 @@ from dataclasses import replace
 from castx.case.case import Case
 from castx.case.caveats import caveats
 from castx.case.stages import Schedule
+from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import (
     build_problem,
     check_clamps,
@@ -114,6 +115,9 @@ def process_of(
             _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))
         if warning := area_warning(found, mesh.comm):
             _log.warning("%s", warning)
+    rigid = [body.name for body in case.bodies if body.law == "rigid"]
+    for warning in hidden_pair_warnings(case.interfaces, pairs, rigid, mesh.comm):
+        _log.warning("%s", warning)
     builder = StageBuilder(case, mesh, pairs, laws or {})
     ejected = [{}, *(stage.friction for stage in case.stages)]
     if schedule.cycles == 1:

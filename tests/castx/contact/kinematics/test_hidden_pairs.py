@@ -1,0 +1,79 @@
+"""Pairs without a row of their own, on an assembly whose die parts at faces of the casting."""
+
+from __future__ import annotations
+
+import re
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from castx.case.interfaces import Interface
+from castx.contact.choice import Contact
+from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
+from castx.domain.pairs.pairing import case_pairs
+from tests.elastic_bodies import body, drawn, elastic, problem
+from tests.multi_body import BODIES, CASTING_FIRST, MOULD_FIRST, draw
+
+
+@pytest.fixture(scope="module")
+def mesh(tmp_path_factory):
+    comm = MPI.COMM_WORLD
+    folder = comm.bcast(tmp_path_factory.mktemp("multi"))
+    return drawn(comm, "3d", BODIES, folder / "bodies.msh", draw)
+
+
+def interfaces(names, tied=()):
+    return [
+        Interface.read(
+            {"bodies": list(n), "contact": {"method": "tied" if n in tied else "condensed"}}
+        )
+        for n in names
+    ]
+
+
+def warnings(mesh, described, rigid=()):
+    return hidden_pair_warnings(described, case_pairs(mesh, described), rigid, mesh.comm)
+
+
+def rows_missing(mesh, names):
+    """Return the pairs of each interface that the equilibrium has no row for."""
+    bodies = {name: body(elastic(7e10, 0.3)) for name in BODIES}
+    made = problem(mesh, bodies, {}, [Contact(*n) for n in names])
+    ends = np.cumsum([len(pairs.areas) for pairs in made.pairs])[:-1]
+    parts = np.split(~made.gaps.free, ends)
+    return {
+        "/".join(n): mesh.comm.allreduce(int(part.sum()))
+        for n, part in zip(names, parts, strict=True)
+    }
+
+
+def test_each_pair_that_the_equilibrium_leaves_out_is_told(mesh):
+    """Counted from the unknowns of the equilibrium, which knows nothing of the warning."""
+    told = {}
+    for text in warnings(mesh, interfaces(CASTING_FIRST)):
+        found = re.match(r"interface (\S+): (\d+) of \d+ pairs carry no force", text)
+        assert found is not None
+        told[found[1]] = int(found[2])
+        assert f'bodies = ["{found[1].split("/")[1]}"' in text.replace("'", '"')
+    missing = {name: count for name, count in rows_missing(mesh, CASTING_FIRST).items() if count}
+    assert told == missing
+    assert "casting/upper" in told
+
+
+def test_the_mould_named_first_leaves_none_out(mesh):
+    assert warnings(mesh, interfaces(MOULD_FIRST)) == []
+    assert not any(rows_missing(mesh, MOULD_FIRST).values())
+
+
+def test_a_mould_that_is_tied_or_rigid_holds_what_its_parts_touch(mesh):
+    tied = CASTING_FIRST[4:]
+    assert warnings(mesh, interfaces(CASTING_FIRST, tied)) == []
+    assert warnings(mesh, interfaces(CASTING_FIRST), BODIES[1:]) == []
+
+
+def test_bodies_tied_to_another_one_still_part(mesh):
+    tied = (("chill", "lower"),)
+    told = " ".join(warnings(mesh, interfaces(CASTING_FIRST, tied)))
+    assert "casting/upper" in told
