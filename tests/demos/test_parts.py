@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import pi
+from pathlib import Path
 from typing import NamedTuple
 
 import gmsh
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from castx.case.reading.read import load_case
 from demos.parts import block, bracket, housing, wheel
 from demos.parts.assembly import (
     Assembly,
@@ -247,6 +249,19 @@ def test_meshes_have_the_volumes_of_the_solids(measured, name):
     for body, volume in part.volumes.items():
         assert part.meshed[body] == pytest.approx(volume, rel=0.12)
     assert part.least_quality > 5e-3
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_cases_name_the_bodies_and_the_contacts_of_the_part(measured, name):
+    """The case file of a part is valid, and says of every contact what crosses it."""
+    case = load_case(Path(block.__file__).parent / f"{name}.toml")
+    part = measured(name)
+    assert case.output.folder.name == name
+    assert {body.name for body in case.bodies} == set(part.volumes)
+    described = {frozenset(interface.bodies) for interface in case.interfaces}
+    assert described == {frozenset(bodies) for bodies in part.contacts}
+    assert case.geometry.model == "3d"
+    assert set(case.geometry.cad.surfaces) >= set(part.free["casting"]) - {"outside"}
 
 
 def test_parameters_that_do_not_fit_are_refused():
