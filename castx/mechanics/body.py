@@ -28,6 +28,9 @@ from castx.stateful import Stateful
 THERMAL_SHARE = 1e-4
 """Part of the stress of a hindered thermal strain that counts as an internal force of the body."""
 
+NOWHERE: FloatArray = np.array([np.nan])
+"""Unlike all unknowns, and unlike the empty ones of a rank without a node of the body."""
+
 
 class BodyMechanics:
     """Residual and Jacobian of one body, its displacement and its history.
@@ -77,7 +80,7 @@ class BodyMechanics:
             self.unknowns, self.material, self.loads, description, cells, planes
         )
         self.evaluations = 0
-        self._evaluated_at: FloatArray | None = None
+        self._evaluated_at: FloatArray = NOWHERE
 
     @property
     def is_linear(self) -> bool:
@@ -113,7 +116,7 @@ class BodyMechanics:
 
     def set_time(self, time: float) -> None:
         """Set the loads to those at a time [s]; collective."""
-        self._evaluated_at = None
+        self._evaluated_at = NOWHERE
         self.loads.set_time(time)
         self.formulation.forms.update_load()
 
@@ -127,7 +130,7 @@ class BodyMechanics:
             solid_fraction: likewise.
             step: time step [s].
         """
-        self._evaluated_at = None
+        self._evaluated_at = NOWHERE
         self.formulation.begin(temperature, solid_fraction, step)
 
     def update_points(self) -> None:
@@ -136,7 +139,7 @@ class BodyMechanics:
         Raises:
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
-        self._evaluated_at = None
+        self._evaluated_at = NOWHERE
         self.formulation.update()
         self.evaluations += 1
         self._evaluated_at = self.solution.x.array.copy()
@@ -144,9 +147,7 @@ class BodyMechanics:
     @property
     def is_evaluated(self) -> bool:
         """Whether stress and tangent are those of the present unknowns, on this rank."""
-        # A rank without a cell of the body has no unknowns, and yet a law to evaluate once.
-        at = self._evaluated_at
-        return at is not None and np.array_equal(at, self.solution.x.array)
+        return np.array_equal(self._evaluated_at, self.solution.x.array)
 
     def _evaluate(self) -> None:
         if not self.is_evaluated:
@@ -181,7 +182,7 @@ class BodyMechanics:
         """Take the pressures of this rank for the multipliers; return whether there are any."""
         improved = self.formulation.improve_pressures()
         if improved:
-            self._evaluated_at = None
+            self._evaluated_at = NOWHERE
         return improved
 
     def force_scale(self) -> tuple[float, float]:
@@ -221,11 +222,11 @@ class BodyMechanics:
         """Make the trial state the one from which the next step starts; collective."""
         self._evaluate()
         if self.formulation.commit():
-            self._evaluated_at = None
+            self._evaluated_at = NOWHERE
 
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
-        self._evaluated_at = None
+        self._evaluated_at = NOWHERE
         self.formulation.rewind()
 
     def stateful_parts(self) -> dict[str, Stateful]:
