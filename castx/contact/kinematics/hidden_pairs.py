@@ -65,7 +65,7 @@ def _moving_together(interfaces: Sequence[Interface], rigid: Collection[str]) ->
 def _hidden(
     pairs: NodePairs, group: str, met: dict[tuple[str, int], list[tuple[FloatArray, str]]]
 ) -> IntArray:
-    """Return which pairs have no room at their node, and add those that have to what it met."""
+    """Return which pairs have no room at their node; the others are added to `met`."""
     hidden = []
     for k in range(len(pairs.areas)):
         normal = np.asarray(pairs.normals[k])
