@@ -5,7 +5,7 @@ times at which f_s = 0.4, 0.9, 0.99 pass. With λ2 = 4e-5 Ṫ^(-1/3), μ = 1.2e-
 β = 0.0625 the dimensionless value is Ny* = 2884.563 x^(2/3), and pores are 0.124481 and 0.0539751 %
 at 5 and 10 mm. Times of the fronts: those of solidus and liquidus, 1/η² = 17648.4 and 9102.6 s/m².
 Tolerances from 14 to 21 elements behind the wall: 3 %, for the times 2 %. The ratio of Clyne and
-Davies is found 6 % low: its last two fronts are half an element apart, and one that is nearer than
+Davies is found 5 % low: its last two fronts are half an element apart, and one that is nearer than
 that to the solidus is seen some hundredths of an element early.
 """
 
@@ -109,7 +109,7 @@ def test_pores_are_those_of_the_similarity_solution(found):
     at_ten = 0.0625 / 1.0625 * critical(np.array([133.8896]))[0]
     assert at_ten == pytest.approx(5.39751e-4, rel=1e-5)
     mean, largest = mean_and_largest(found["pore_fraction"], exact)
-    assert mean < 0.03 and largest < 0.06
+    assert mean < 0.01 and largest < 0.03
 
 
 def test_the_ratio_of_clyne_and_davies_is_the_same_everywhere(found):
