@@ -72,8 +72,7 @@ class MomentumBalance:
         self.operator = SystemOperator(assembly.corrections())
         self._net = NetForces(assembly, transform, gaps)
         self.convergence = ForceConvergence(assembly, contact.layout, self._net, tolerance)
-        size = contact.layout.size_local
-        self.frozen: BoolArray = np.zeros(size, dtype=bool)
+        self.frozen: BoolArray = np.zeros(contact.layout.size_local, dtype=bool)
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.unknowns.extended(assembly.displacement_rows()) > 0
         self._time = self.committed_time = 0.0
@@ -218,6 +217,7 @@ class MomentumBalance:
         self.contact.rewind(x)
         for body in self.assembly.bodies:
             body.rewind()
+            body.set_time(self._time)
         self.rows(x)
 
     def destroy(self) -> None:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from castx.mechanics.description import SurfaceLoad
+from castx.tables import Table
 from tests.contact_methods import AT_ONCE, TWO_BODIES
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, problem, pushed
 from tests.small_contact import SOFT, STIFF, two_blocks, waves
@@ -84,6 +86,27 @@ def test_a_rewound_state_has_the_residual_of_the_accepted_one(comm, method):
     balance.residual(x, f)
     np.testing.assert_array_equal(f.array_r, before)
     np.testing.assert_array_equal(balance.active.closed, closed)
+
+
+def test_a_rewound_state_has_the_loads_of_the_accepted_one(comm):
+    """It balances what pressed on it at the end of the last accepted step."""
+    rising = SurfaceLoad("top", pressure=Table.from_points([[0.0, 0.0], [4.0, 4e6]]))
+    bodies = {"upper": body(elastic(*SOFT), loads=(rising,)), "base": body(elastic(*STIFF))}
+    held = {"base": [fixed("bottom", "all")]}
+    made = problem(blocks(comm, size=0.01), bodies, held, [Contact("upper", "base", "condensed")])
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    f = x.duplicate()
+
+    def unbalanced() -> float:
+        balance.residual(x, f)
+        return float(f.norm())
+
+    made.equilibrium.solve(1.0)
+    made.equilibrium.commit()
+    accepted = unbalanced()
+    made.equilibrium.solve(3.0)
+    made.equilibrium.rewind()
+    assert unbalanced() == pytest.approx(accepted, abs=1e-6 * 1e6 * 0.01)
 
 
 def test_where_it_is_evaluated(comm):
