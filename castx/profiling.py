@@ -86,7 +86,7 @@ def stage_name(part: RunPart) -> str:
 
 
 class Profile:
-    """The cost of the parts of a run since this object was made.
+    """The cost of the parts of a run since this object was made, to the six digits of PETSc's log.
 
     PETSc goes on logging to the end of the process.
 

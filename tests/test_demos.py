@@ -220,10 +220,10 @@ def test_the_notebook_compares_the_contact_methods():
     dearest = {name: numbers(f"{name} costs")[1] for name in ("augmented Lagrangian", "penalty")}
     assert dearest["augmented Lagrangian"] > 1.5 * dearest["penalty"]
     assert numbers("block-iterative costs")[1] > 3.0 * dearest["penalty"]
-    *counts, given_up, still = numbers("iterations with a penalty:")
+    *rising, apart, stiffest = numbers("iterations with a penalty:")
     multipliers, condensed = numbers("iterations of multipliers and condensed:")
-    assert counts == sorted(counts) and given_up == still == 100
-    assert counts[-1] > 2.0 * condensed and condensed <= counts[0]
+    assert rising == sorted(rising) and max(apart, stiffest) < rising[-1] < 50
+    assert rising[-1] > 2.0 * condensed and condensed <= rising[0]
     assert multipliers < 2.0 * condensed
     # The casting: kelvins, micrometres, penetration of each method.
     casting = {name: numbers(f"{name}  ")[:3] for name in (

