@@ -15,8 +15,10 @@ import numpy as np
 
 from castx.arrays import FloatArray, IntArray
 from castx.case.interfaces import Interface
+from castx.contact.kinematics.node_rows import NodeRows
 from castx.contact.kinematics.placement import GRAZING
 from castx.domain.pairs.node_pairs import NodePairs
+from castx.stateful import occurrence
 
 RIGID = "rigid bodies"
 """Name under which all of them stand together."""
@@ -37,13 +39,17 @@ def hidden_pair_warnings(
         comm: the ranks.
     """
     together = _moving_together(interfaces, rigid)
-    met: dict[tuple[str, int], list[tuple[FloatArray, str]]] = {}
+    met: dict[str, _Met] = {}
     warnings = []
     for interface in interfaces:
         if interface.contact.method in ("none", "tied") or interface.secondary in rigid:
             continue
         own = pairs[interface.name]
-        hidden = _hidden(own, together.get(own.primary, own.primary), met)
+        if own.secondary not in met:
+            all_of = [p for p in pairs.values() if p.secondary == own.secondary]
+            nodes = 1 + max(int(p.secondary_local.max(initial=-1)) for p in all_of)
+            met[own.secondary] = _Met(nodes, own.points.shape[1])
+        hidden = met[own.secondary].hidden(own, together.get(own.primary, own.primary))
         places = np.concatenate(comm.allgather(own.points[hidden]))
         total = comm.allreduce(len(own.areas))
         if len(places):
@@ -62,28 +68,34 @@ def _moving_together(interfaces: Sequence[Interface], rigid: Collection[str]) ->
     return group
 
 
-def _hidden(
-    pairs: NodePairs, group: str, met: dict[tuple[str, int], list[tuple[FloatArray, str]]]
-) -> IntArray:
-    """Return which pairs have no room at their node; the others are added to `met`."""
-    hidden = []
-    for k in range(len(pairs.areas)):
-        normal = np.asarray(pairs.normals[k])
-        known = met.setdefault((pairs.secondary, int(pairs.secondary_local[k])), [])
-        if _independent(normal, [row for row, _ in known]):
-            known.append((normal, group))
-        elif not any(g == group and abs(row @ normal) > 1 - GRAZING**2 for row, g in known):
-            hidden.append(k)
-    return np.array(hidden, dtype=np.int32)
+class _Met:
+    """Rows that the pairs of a body take at its nodes, and the groups of what they face.
 
+    Args:
+        nodes: local nodes that have pairs.
+        dimension: number of displacement components.
+    """
 
-def _independent(normal: FloatArray, rows: Sequence[FloatArray]) -> bool:
-    if not rows:
-        return True
-    if len(rows) >= len(normal):
-        return False
-    basis = np.linalg.qr(np.stack(rows, axis=1))[0]
-    return bool(np.linalg.norm(normal - basis @ (basis.T @ normal)) > GRAZING)
+    def __init__(self, nodes: int, dimension: int) -> None:
+        self._rows = NodeRows.none(nodes, dimension)
+        self._groups = np.full((nodes, dimension), "", dtype=object)
+
+    def hidden(self, pairs: NodePairs, group: str) -> IntArray:
+        """Return which pairs have no room at their node; the others take it.
+
+        A pair that faces a group along a row of the same group is held by this row.
+        """
+        order, hidden = occurrence(pairs.secondary_local), []
+        for k in range(int(order.max(initial=-1)) + 1):
+            here = np.flatnonzero(order == k).astype(np.int32)
+            nodes, normals = pairs.secondary_local[here], pairs.normals[here]
+            slots = self._rows.try_add(nodes, normals, GRAZING)
+            placed = slots >= 0
+            self._groups[nodes[placed], slots[placed]] = group
+            along = np.abs(np.einsum("nki,ni->nk", self._rows.rows[nodes], normals))
+            held = (along > 1.0 - GRAZING**2) & (self._groups[nodes] == group)
+            hidden.append(here[~placed & ~held.any(axis=1)])
+        return np.concatenate([np.zeros(0, dtype=np.int32), *hidden])
 
 
 def _text(interface: Interface, places: FloatArray, total: int) -> str:
