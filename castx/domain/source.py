@@ -10,7 +10,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import gmsh
-import meshio
 import numpy as np
 
 from castx.case.cad.geometry import CadGeometry
@@ -112,6 +111,8 @@ def write_mesh(geometry: Geometry, file: Path, body_names: Sequence[str] | None 
 
 def _write_other(mesh: NamedMesh, body_names: Sequence[str], file: Path) -> None:
     """Write a mesh in a format of meshio."""
+    import meshio  # a tenth of a second that no run should wait for
+
     known = sorted(meshio.extension_to_filetypes)
     if file.suffix.lower() not in known:
         raise MeshError(f"cannot write {file}: {among(file.suffix, known, what='formats')}")
