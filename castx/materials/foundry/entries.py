@@ -11,24 +11,10 @@ from pydantic_core import CoreSchema, core_schema
 from castx.errors import CaseError
 from castx.input.entries import Description, Quantity
 from castx.input.units import LENGTH, PURE_NUMBER, STRESS, Dimension
+from castx.materials.rules.key import PlainQuantity
 
 RIPENING = 1.0 / 3.0
 """Exponent of arms that coarsen by diffusion in the melt."""
-
-
-@dataclass(frozen=True)
-class PlainNumber(Quantity):
-    """A number whose unit has roots, so that it cannot be written with its unit."""
-
-    def read(self, value: Any) -> float:
-        """Return the number.
-
-        Raises:
-            CaseError: it is not a plain number, or out of range.
-        """
-        if isinstance(value, str):
-            raise CaseError(f"a plain number in {self.dimension.unit} is needed")
-        return super().read(value)
 
 
 SPACING_COEFFICIENT = Dimension("an arm spacing at 1 K/s", "m*(K/s)^exponent")
@@ -43,7 +29,7 @@ class ArmSpacingData(Description):
         exponent: n; 0: the spacing is constant.
     """
 
-    coefficient: Annotated[float, PlainNumber(SPACING_COEFFICIENT, above=0.0)]
+    coefficient: Annotated[float, PlainQuantity(SPACING_COEFFICIENT, above=0.0, reason="")]
     exponent: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=1.0)] = RIPENING
 
 
@@ -56,7 +42,7 @@ class StrengthData(Description):
     """
 
     base: Annotated[float, Quantity(STRESS)]
-    slope: Annotated[float, PlainNumber(STRENGTH_SLOPE, least=0.0)]
+    slope: Annotated[float, PlainQuantity(STRENGTH_SLOPE, least=0.0, reason="")]
 
 
 class FatigueData(Description):

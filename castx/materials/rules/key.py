@@ -73,7 +73,13 @@ class RuleKey:
 
 @dataclass(frozen=True)
 class PlainQuantity(Quantity):
-    """A number whose unit depends on other keys, so that it cannot be written with a unit."""
+    """A number that cannot be written with its unit.
+
+    Args:
+        reason: why it cannot, for messages.
+    """
+
+    reason: str = "its unit depends on the exponent n"
 
     def read(self, value: Any) -> float:
         """Return the number.
@@ -82,8 +88,8 @@ class PlainQuantity(Quantity):
             CaseError: it is not a plain number, or out of range.
         """
         if isinstance(value, str):
-            text = "its unit depends on the exponent n"
-            raise CaseError(f"a plain number in {self.dimension.unit} is needed: {text}")
+            why = f": {self.reason}" if self.reason else ""
+            raise CaseError(f"a plain number in {self.dimension.unit} is needed{why}")
         return super().read(value)
 
 
