@@ -87,6 +87,11 @@ class Case(Description):
         return self._path
 
     @property
+    def rigid_bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that do not deform."""
+        return tuple(body.name for body in self.bodies if body.law == "rigid")
+
+    @property
     def digest(self) -> str:
         """Hash (SHA-256) of the content, overrides included; layout and comments do not count."""
         return self._digest

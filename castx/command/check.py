@@ -61,8 +61,7 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
     areas = [area_warning(found, comm) for found in pairs.values()]
-    rigid = [body.name for body in case.bodies if body.law == "rigid"]
-    hidden = hidden_pair_warnings(case.interfaces, pairs, rigid, comm)
+    hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)

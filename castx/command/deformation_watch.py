@@ -51,8 +51,7 @@ class DeformationWatch:
 
     def __init__(self, case: Case, comm: MPI.Intracomm) -> None:
         self._comm = comm
-        rigid = {body.name for body in case.bodies if body.law == "rigid"}
-        thermal = case.coupling.scheme == "thermal"
+        rigid, thermal = case.rigid_bodies, case.coupling.scheme == "thermal"
         self._bodies = [b.name for b in case.bodies if not thermal and b.name not in rigid]
         self._freezes = case.coupling.scheme != "mechanical"
         self._cells: dict[str, _Cells] = {}

@@ -220,8 +220,7 @@ def rigid_bodies(case: Case, mesh: CastingMesh) -> dict[str, RigidBody]:
     if case.coupling.scheme == "thermal":
         return {}
     given = _displacements(case)
-    rigid = [body.name for body in case.bodies if body.law == "rigid"]
-    return {name: rigid_body(name, mesh.model, given[name]) for name in rigid}
+    return {name: rigid_body(name, mesh.model, given[name]) for name in case.rigid_bodies}
 
 
 def check_clamps(case: Case, mesh: CastingMesh) -> None:

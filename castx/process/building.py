@@ -115,8 +115,7 @@ def process_of(
             _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))
         if warning := area_warning(found, mesh.comm):
             _log.warning("%s", warning)
-    rigid = [body.name for body in case.bodies if body.law == "rigid"]
-    for warning in hidden_pair_warnings(case.interfaces, pairs, rigid, mesh.comm):
+    for warning in hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, mesh.comm):
         _log.warning("%s", warning)
     builder = StageBuilder(case, mesh, pairs, laws or {})
     ejected = [{}, *(stage.friction for stage in case.stages)]

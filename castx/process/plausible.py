@@ -32,10 +32,9 @@ def refuse_absurd_displacements(case: Case, mesh: CastingMesh) -> None:
     """
     if case.coupling.scheme == "thermal":
         return
-    rigid = {body.name for body in case.bodies if body.law == "rigid"}
     sizes = {name: size_of(mesh, name) for name in mesh.bodies}
     for where, value, body in (*_displacements(case), *_interferences(case)):
-        if body in rigid or value <= MOST * sizes[body]:
+        if body in case.rigid_bodies or value <= MOST * sizes[body]:
             continue
         raise CaseError(
             f"{where}: {value:g} m, and {body!r} is {sizes[body]:g} m large; displacements and "

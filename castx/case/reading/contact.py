@@ -41,7 +41,7 @@ def face_problems(case: Case, index: int, interface: Interface) -> Iterator[Prob
 
 def rigid_problems(case: Case) -> Iterator[Problem]:
     """Yield contact, loads and supports that rigid bodies cannot have."""
-    rigid = {body.name for body in case.bodies if body.law == "rigid"}
+    rigid = case.rigid_bodies
     if case.coupling.scheme == "thermal":
         return
     if rigid and len(rigid) == len(case.bodies):
@@ -59,9 +59,8 @@ def rigid_problems(case: Case) -> Iterator[Problem]:
 
 def load_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterator[Problem]:
     """Yield loads of a boundary on a rigid body, where they have no effect."""
-    rigid = [body.name for body in case.bodies if body.law == "rigid"]
     for key in LOADS:
-        if boundary.body in rigid and getattr(boundary, key):
+        if boundary.body in case.rigid_bodies and getattr(boundary, key):
             text = f"body {boundary.body!r} is rigid and feels no load; leave it out"
             yield Problem((*place, key), text)
 

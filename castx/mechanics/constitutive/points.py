@@ -129,9 +129,7 @@ class MaterialPoints:
         """
         law = partial(respond, self.conditions, self._start)
         mean_stress = partial(self._mean_stress, strain, pressure)
-        self._strain = strain = self.thickness.complete(
-            strain, lambda deviator: law(deviator), mean_stress
-        )
+        self._strain = strain = self.thickness.complete(strain, law, mean_stress)
         self._response = law(deviatoric(strain))
         self.stress.x.array[:] = self.response.stress.ravel()
         self.isotropic.x.array[:] = self.response.isotropic
