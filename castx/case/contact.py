@@ -23,6 +23,12 @@ from castx.tables import Table
 _LENGTHS = Quantity(LENGTH)
 NONE = "none"
 """Bodies that do not meet."""
+AUTOMATIC = "automatic"
+"""Normals that suit what meets at the interface, see `castx.case.reading.normals`."""
+AVERAGED = "averaged"
+"""One normal for each node, the mean over its facets."""
+PATCHES = "patches"
+"""A normal for each smooth patch of facets round a node."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,7 @@ class Pairing:
         search_distance: beyond which a node faces nothing [m]; None: the size of the mesh there.
     """
 
-    normals: str = "averaged"
+    normals: str = AVERAGED
     sharp_angle: float = math.radians(40.0)
     kind: str = "node-to-node"
     surfaces: tuple[str, str] | None = None
@@ -124,7 +130,8 @@ class InterfaceContact(Description):
         initial_gap: gap without displacements [m].
         normals: "averaged" over the facets of the interface round each node, or at edges and
             corners one for each of the smooth "patches"; from node to face the mean of both sides
-            or that of the "primary" facet, which are one where meshes match.
+            or that of the "primary" facet, which are one where meshes match. "automatic" is what
+            `castx.case.reading.normals` chooses: patches where a liquid meets a wall.
         sharp_angle: facets of one patch enclose less than this angle [°].
         pairing: "node-to-node" for matching meshes, "node-to-face" for others.
         surfaces: from node to face those of the two bodies; None: the surface they share.
@@ -141,7 +148,7 @@ class InterfaceContact(Description):
     initial_gap: Annotated[InitialGap, PlainValidator(_initial_gap)] = InitialGap(
         Table.constant(0.0)
     )
-    normals: Annotated[str, Choice(("averaged", "primary", "patches"))] = "averaged"
+    normals: Annotated[str, Choice((AUTOMATIC, AVERAGED, "primary", PATCHES))] = AUTOMATIC
     sharp_angle: Annotated[float, Quantity(ANGLE, above=0.0, most=180.0)] = 40.0
     pairing: Annotated[str, Choice(("node-to-node", "node-to-face"))] = "node-to-node"
     surfaces: Annotated[tuple[str, str] | None, PlainValidator(_surfaces)] = None
@@ -152,12 +159,12 @@ class InterfaceContact(Description):
 
     def _pairing_problems(self) -> Iterator[Problem]:
         faces = self.pairing == "node-to-face"
-        if self.normals != "averaged" and _tied(self.method):
+        if self.normals not in (AUTOMATIC, AVERAGED) and is_tied(self.method):
             text = f"the method {self.method!r} has no normals; leave it out"
             yield Problem(("normals",), text)
-        if "sharp_angle" in self.model_fields_set and self.normals != "patches":
+        if "sharp_angle" in self.model_fields_set and self.normals != PATCHES:
             yield Problem(("sharp_angle",), 'belongs to normals = "patches"')
-        if faces and self.normals == "patches":
+        if faces and self.normals == PATCHES:
             yield Problem(("normals",), 'from node to face only "averaged" and "primary"')
         for key in ("surfaces", "meshed_gap", "search_distance"):
             if key in self.model_fields_set and not faces:
@@ -168,8 +175,9 @@ class InterfaceContact(Description):
         """How nodes find partners and normals."""
         angle = math.radians(self.sharp_angle)
         counts = self.meshed_gap == "counts"
+        normals = AVERAGED if self.normals == AUTOMATIC else self.normals
         return Pairing(
-            self.normals, angle, self.pairing, self.surfaces, counts, self.search_distance
+            normals, angle, self.pairing, self.surfaces, counts, self.search_distance
         )
 
     @property
@@ -192,11 +200,16 @@ class InterfaceContact(Description):
             yield Problem(("fallback",), f"the method {self.method!r} has none; leave it out")
         if self.method in self.fallback:
             yield Problem(("fallback",), f"begins with the method {self.method!r} itself")
-        if "initial_gap" in self.model_fields_set and _tied(self.method):
+        if "initial_gap" in self.model_fields_set and is_tied(self.method):
             yield Problem(("initial_gap",), f"the method {self.method!r} has no gap; leave it out")
 
 
-def _tied(method: str) -> bool:
+def is_tied(method: str) -> bool:
+    """Return whether a contact method joins the bodies.
+
+    Args:
+        method: name of the method, or `NONE`.
+    """
     return method != NONE and METHODS[method].unknowns is UnknownKind.TIED
 
 
@@ -216,7 +229,7 @@ def friction_problem(methods: Collection[str], pairing: Pairing, friction: float
         return f"method {without[0]!r} has no friction; those that have: {', '.join(known)}"
     if len(methods) > 1:
         return "what has slipped is known to one method alone; leave fallback out"
-    if pairing.kind != "node-to-node" or pairing.normals == "patches":
+    if pairing.kind != "node-to-node" or pairing.normals == PATCHES:
         return 'friction needs pairing = "node-to-node" and one normal for each node, "averaged"'
     return ""
 

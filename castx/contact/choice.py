@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.contact import BY_NODES, Pairing, body_problem, friction_problem
+from castx.case.contact import BY_NODES, Pairing, body_problem, friction_problem, is_tied
 from castx.contact.kinematics.rows import Treatment
 from castx.contact.methods.description import ContactMethod, Setting, Settings, UnknownKind
 from castx.contact.methods.registry import DEFAULT, METHODS, keys, setting
@@ -75,7 +75,7 @@ def common_method(contacts: Sequence[Contact]) -> ContactMethod:
     Raises:
         CaseError: methods, or numbers that belong to a method, differ.
     """
-    methods = {METHODS[c.method].solved_as or c.method for c in contacts if not _is_tied(c)}
+    methods = {METHODS[c.method].solved_as or c.method for c in contacts if not is_tied(c.method)}
     if len(methods) > 1:
         raise CaseError(
             f"contact methods {', '.join(sorted(methods))} in one case; use the same for all "
@@ -87,10 +87,6 @@ def common_method(contacts: Sequence[Contact]) -> ContactMethod:
             found = ", ".join(str(value) for value in sorted(values, key=str))
             raise CaseError(f"contact.{key} {found} in one case; use the same for all interfaces")
     return METHODS[next(iter(methods), DEFAULT)]
-
-
-def _is_tied(contact: Contact) -> bool:
-    return METHODS[contact.method].unknowns is UnknownKind.TIED
 
 
 def fallbacks(contacts: Sequence[Contact]) -> list[tuple[str, list[Contact]]]:
@@ -105,7 +101,7 @@ def fallbacks(contacts: Sequence[Contact]) -> list[tuple[str, list[Contact]]]:
         raise CaseError(f"contact.fallback {found} in one case; use the same for all interfaces")
     methods = next(iter(named), ())
     return [
-        (name, [c if _is_tied(c) else replace(c, method=name) for c in contacts])
+        (name, [c if is_tied(c.method) else replace(c, method=name) for c in contacts])
         for name in methods
     ]
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from castx.materials.lookup import find_material
-from tests.coupled_cases import fields, largest_difference, states
+from tests.coupled_cases import fields, largest_difference, nodal, ordered, places, states
 from tests.verification.trapped_box import box
 
 pytestmark = pytest.mark.sampled
@@ -78,3 +79,29 @@ def test_the_cavity_pressure_decides_how_a_pocket_pulls(comm) -> None:
     )
     assert depressed["unfed_volume"][-1] < without["unfed_volume"][-1]
     assert without["pocket_pressure"][-1] < 0.0 < depressed["pocket_pressure"].max() <= 1e5
+
+
+def slips_at_corners(state) -> np.ndarray:
+    """Return how far the casting has moved from its mould at its four corners [m]."""
+    place, moved = {}, {}
+    for name in ("casting", "mould"):
+        points = places(state, name)
+        place[name] = ordered(state.mesh.comm, points, points)
+        moved[name] = nodal(state, name, "displacement")
+    low, high = place["casting"].min(axis=0), place["casting"].max(axis=0)
+    corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+    at = {name: cKDTree(place[name]).query(corners)[1] for name in place}
+    return np.linalg.norm(moved["casting"][at["casting"]] - moved["mould"][at["mould"]], axis=1)
+
+
+@pytest.mark.parametrize("normals, slides", [("automatic", False), ("averaged", True)])
+def test_melt_slides_through_the_corners_of_its_mould(comm, normals, slides) -> None:
+    """Unless both walls hold it, each along a normal of its own."""
+    data = box({"time": {"end": 2.0}})
+    data["interfaces"][0]["contact"] = {"normals": normals}
+    found = np.array([slips_at_corners(state) for state in states(comm, data)])
+    assert len(found) > 2
+    if slides:
+        assert found[-1].max() > 1e-7
+    else:
+        assert found.max() < 1e-15

@@ -9,6 +9,7 @@ from typing import Any
 from castx.case.case import Case
 from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
+from castx.case.reading.normals import with_normals
 from castx.case.reading.stages import stage_problems
 from castx.errors import CaseError
 from castx.input.overrides import apply_overrides, shortened
@@ -84,7 +85,7 @@ def _refuse_contradictions(case: Case) -> None:
 
 
 def _completed(case: Case, path: Path) -> Case:
-    """Return the case with a name, absolute paths, and gravity in the directions of its model."""
+    """Return the case with a name, absolute paths, normals, and gravity as its model has it."""
     geometry, output = case.geometry, case.output
     if geometry.file is not None:
         file = path.resolve().parent / geometry.file
@@ -98,6 +99,7 @@ def _completed(case: Case, path: Path) -> Case:
     return case.model_copy(
         update={
             "name": case.name or path.stem,
+            "interfaces": with_normals(case),
             "geometry": geometry,
             "output": output.model_copy(update={"folder": folder}),
             "loads": case.loads.model_copy(update={"gravity": gravity}),

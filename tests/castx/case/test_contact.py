@@ -32,7 +32,7 @@ def test_initial_gap(gap, points, expected):
 
 def test_contact_by_default():
     contact = InterfaceContact.read({})
-    assert (contact.method, contact.normals) == ("condensed", "averaged")
+    assert (contact.method, contact.normals) == ("condensed", "automatic")
     np.testing.assert_array_equal(contact.initial_gap.at(PLANE), np.zeros(3))
 
 
