@@ -90,7 +90,9 @@ def history(
     found: dict[str, list[FloatArray]] = {"time": [], "gap": [], "force": [], "temperature": []}
     for state in run:
         (pairs,) = run.pairs.values()
-        points = pairs.points @ matrix[:d, :d]
+        # Pairs of one corner, one for each wall, differ by their normals out of the casting.
+        outwards = pairs.normals if order[0] == "mould" else -pairs.normals
+        points = np.hstack([pairs.points, 1e-4 * outwards]) @ np.kron(np.eye(2), matrix[:d, :d])
         forces = np.linalg.norm(run.problem.states[0].force, axis=1)
         found["time"].append(np.array([state.time]))
         found["gap"].append(by_place(comm, points, state.paired("/".join(order), "gap")))
