@@ -52,6 +52,7 @@ ORDER = [
     "process",
     "checkpoint",
     "report",
+    "report/assembly",
     "command",
     "__init__ __main__",
 ]

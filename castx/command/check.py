@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 from mpi4py import MPI
 
@@ -16,8 +17,10 @@ from castx.case.case import Case
 from castx.case.caveats import caveats
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
+from castx.case.reading.read import load_case
 from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
+from castx.command.refusals import on_first_rank
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -26,30 +29,41 @@ from castx.domain.pairs.areas import area_text, area_warning
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import case_pairs
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
+from castx.errors import CaseError, MeshError
 from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
 from castx.process.building import stage_cases
+from castx.report.assembly.exploded import refuse_format, write_picture
+from castx.report.assembly.shells import shells_of
 from castx.report.stages import cycle_text, stage_table
 from castx.results.probes import readings_of
 
 
-def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
+def check_case(
+    case: Case, comm: MPI.Intracomm, console: Console, picture: Path | None = None
+) -> None:
     """Build the mesh of a case, find surfaces, pairs and probes in it, and show all; collective.
 
     Args:
         case: the case.
         comm: the ranks to share the mesh.
         console: where to show what was found.
+        picture: a file to draw bodies, surfaces and interfaces into; None: none.
 
     Raises:
         CaseError: a probe lies outside its body, cells do not suit a formulation, an initial
-            temperature cannot be read, a patch of an interface has no node, or a stage cannot be
-            run as described.
+            temperature cannot be read, a patch of an interface has no node, a stage cannot be run
+            as described, or the picture cannot be drawn.
         MeshError: the mesh lacks what the case asks of it.
     """
+    if picture is not None:
+        refuse_format(picture)
     names = [body.name for body in case.bodies]
     refuse_too_large(case.geometry, names, comm, solved=False)
     mesh = build_mesh(case.geometry, names, comm)
+    if picture is not None:  # before anything that a picture may help to mend
+        draw_case(case, mesh, picture)
+        console.print(f"written: {picture}", markup=False)
     pairs = case_pairs(mesh, case.interfaces)
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
@@ -65,6 +79,31 @@ def check_case(case: Case, comm: MPI.Intracomm, console: Console) -> None:
     for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
+
+
+def draw_case(case: Case, mesh: CastingMesh, picture: Path) -> None:
+    """Draw bodies, surfaces and interfaces of a case into a file; collective.
+
+    Raises:
+        CaseError: the picture cannot be drawn or written.
+    """
+    shells = shells_of(mesh, [interface.name for interface in case.interfaces])
+    flat = case.geometry.model != "3d"
+    on_first_rank(mesh.comm, lambda: write_picture(shells, flat, picture))
+
+
+def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> None:
+    """Draw a case that was just written beside its file, or say why not; collective."""
+    picture = case_file.with_suffix(".png")
+    try:
+        if comm.bcast(picture.exists()):
+            raise CaseError(f"{picture} exists; castx check {case_file} --picture FILE draws it")
+        case = load_case(case_file)
+        draw_case(case, build_mesh(case.geometry, [b.name for b in case.bodies], comm), picture)
+    except (CaseError, MeshError) as error:
+        console.print(f"no picture: {error}", markup=False, style="yellow")
+    else:
+        console.print(f"written: {picture}", markup=False)
 
 
 def _formulations(

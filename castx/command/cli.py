@@ -210,14 +210,22 @@ def run(
 
 
 @app.command()
-def check(context: typer.Context, case_file: CaseFile, overrides: Overrides = None) -> None:
+def check(
+    context: typer.Context,
+    case_file: CaseFile,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw bodies, surfaces, interfaces: .png, .svg, .pdf."),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
     """Validate a case, build its mesh and name its bodies, surfaces and interfaces; no solve."""
     from castx.case.reading.read import load_case
     from castx.command.check import check_case
 
     comm, console = output_of(context)
     with naming(case_file):
-        check_case(load_case(case_file, overrides or ()), comm, console)
+        check_case(load_case(case_file, overrides or ()), comm, console, picture)
     console.refuse_loss()
 
 
@@ -256,13 +264,16 @@ def new(
         typer.Option("--output", "-o", metavar="CASE.toml", help="Instead of PART.toml."),
     ] = None,
 ) -> None:
-    """Write a case file for a CAD part: bodies, interfaces, first materials and sizes."""
+    """Write a case file for a CAD part: bodies, interfaces, first materials, sizes; a picture."""
+    from castx.command.check import draw_new_case
     from castx.domain.cad.new_case import write_new_case
 
     comm, console = output_of(context)
     target = cad_file.with_suffix(".toml") if output is None else output
     on_first_rank(comm, lambda: write_new_case(cad_file, target))
-    console.print(f"written: {target}\nlook into it, then: castx check {target}", markup=False)
+    console.print(f"written: {target}", markup=False)
+    draw_new_case(target, comm, console)
+    console.print(f"look into it, then: castx check {target}", markup=False)
 
 
 @app.command()

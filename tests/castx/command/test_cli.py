@@ -12,6 +12,8 @@ from castx.errors import ConvergenceError
 from tests.cad_files import write_cad
 from tests.castx.command_line import start
 
+PNG = b"\x89PNG"
+
 
 def test_newton_iterations_are_shown_on_request(comm, case_file, shared_tmp_path, said):
     arguments = ["run", str(case_file), "--output", str(shared_tmp_path / "out"),
@@ -90,8 +92,30 @@ def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
     assert f"castx check {case}" in said().replace("\n", "")
     assert execute(["check", str(case), "--set", "geometry.size=0.02"], comm) == 0
     assert "interface my casting/mould" in said()
+    assert case.with_suffix(".png").read_bytes().startswith(PNG)
     assert execute(["new", str(part)], comm) == 2
     assert "bar.toml exists" in said().replace("\n", "")
+
+
+def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
+    part, photo = shared_tmp_path / "bar.step", shared_tmp_path / "bar.png"
+    if comm.rank == 0:
+        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)])
+        photo.write_text("mine")
+    comm.Barrier()
+    assert execute(["new", str(part)], comm) == 0
+    text = said().replace("\n", "")
+    assert "bar.png exists" in text and f"look into it, then: castx check {part.parent}" in text
+    assert photo.read_text() == "mine" and part.with_suffix(".toml").is_file()
+
+
+def test_check_draws_what_it_has_found(comm, case_file, shared_tmp_path, said):
+    picture = shared_tmp_path / "case.png"
+    assert execute(["check", str(case_file), "--picture", str(picture)], comm) == 0
+    assert picture.read_bytes().startswith(PNG)
+    assert "written: " in said()
+    assert execute(["check", str(case_file), "--picture", "case.doc"], comm) == 2
+    assert "case.doc: the name must end in .png, .svg, .pdf" in " ".join(said().split())
 
 
 def test_materials_are_listed_with_those_of_a_case(comm, case_file, said):
