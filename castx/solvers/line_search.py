@@ -23,7 +23,7 @@ FULL_STEPS = 1
 so that the work of the steps that follow is that of forces alone."""
 
 SHORTEST = 1e-9
-"""Part of a step below which none is taken."""
+"""Part of a step that is as good as none."""
 
 OVERFLOW = 1e100
 """Stands for a work that is not finite."""
@@ -85,7 +85,9 @@ def critical_part(
         precision: of λ, relative.
 
     Returns:
-        λ between 0 and 1; None where the full step leaves little work or none of the other sign.
+        λ between 0 and 1; None where the full step leaves little work or none of the other sign, or
+        where next to nothing of it would be left: from the same place the same step would follow
+        for ever. So it is at a kink, such as that of a body that is about to tip onto a pair.
     """
     # Where the forces overflow the step has gone too far.
     beyond = -np.copysign(OVERFLOW, start)
@@ -103,4 +105,5 @@ def critical_part(
             known[part] = finite(part)
         return known[part]
 
-    return float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=precision, disp=False))
+    part = float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=precision, disp=False))
+    return part if part > SHORTEST else None

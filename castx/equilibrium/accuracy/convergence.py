@@ -23,7 +23,7 @@ MEANT_STRAIN = 1e-6
 BODY_SHARE = 1e-4
 """Least part of the largest internal forces of any body to which those of another are resolved."""
 
-NET_SHARE = 1e-6
+NET_SHARE = 1e-7
 """Part of the internal forces of a body below which net forces are not resolved."""
 
 

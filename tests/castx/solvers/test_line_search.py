@@ -45,6 +45,14 @@ def test_a_step_whose_forces_overflow_goes_too_far(overflow, sign):
 
 
 @pytest.mark.serial
+@pytest.mark.parametrize("size, taken", [(1e-15, None), (1e-7, 1e-7)])
+def test_a_step_of_which_nothing_would_be_left_is_taken(size, taken):
+    """At a kink, where the forces of a full step are far larger than those at its start."""
+    part = critical_part(lambda s: size - s, size, enough=0.5, precision=1e-8)
+    assert part == (taken if taken is None else pytest.approx(taken, rel=1e-2))
+
+
+@pytest.mark.serial
 def test_the_work_is_found_once_for_each_part():
     asked = []
 
