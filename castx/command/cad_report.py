@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -12,26 +12,32 @@ from castx.meshes.cad.cells import POOR, Quality
 from castx.meshes.cad.report import Measure, Report
 
 
-def show_cad(report: Report, console: Console) -> None:
+def show_cad(report: Report, interfaces: Sequence[str], console: Console) -> None:
     """Show what was made of CAD files.
 
     Args:
         report: of the mesher.
+        interfaces: names that the case gives to its interfaces.
         console: where to show it.
     """
-    console.print(cad_table(report))
+    console.print(cad_table(report, interfaces))
     console.print(quality_text(report.quality), markup=False)
     for remark in report.remarks:
         console.print(remark, markup=False)
 
 
-def cad_table(report: Report) -> Table:
-    """Return a table of volumes and areas in CAD and in the mesh."""
+def cad_table(report: Report, interfaces: Sequence[str]) -> Table:
+    """Return a table of volumes and areas in CAD and in the mesh.
+
+    Args:
+        report: of the mesher.
+        interfaces: names that the case gives to its interfaces; others are sorted.
+    """
     headings = ("of CAD", "parts", "CAD", "mesh", "difference")
     table = Table(*headings, box=SIMPLE_HEAD)
-    for unit, kind, measure in _rows(report):
+    for unit, kind, name, measure in _rows(report, interfaces):
         table.add_row(
-            f"{kind} {measure.name}",
+            f"{kind} {name}",
             str(measure.parts),
             f"{measure.cad:.6g} {unit}",
             f"{measure.mesh:.6g} {unit}",
@@ -50,10 +56,13 @@ def quality_text(quality: Quality) -> str:
     )
 
 
-def _rows(report: Report) -> Iterator[tuple[str, str, Measure]]:
-    yield from (("m³", "body", measure) for measure in report.bodies)
-    yield from (("m²", "interface", measure) for measure in report.interfaces)
-    yield from (("m²", "surface", measure) for measure in report.surfaces)
+def _rows(report: Report, interfaces: Sequence[str]) -> Iterator[tuple[str, str, str, Measure]]:
+    known = {frozenset(name.split("/")): name for name in interfaces}
+    yield from (("m³", "body", measure.name, measure) for measure in report.bodies)
+    for measure in report.interfaces:
+        name = known.get(frozenset(measure.name.split("/")), measure.name)
+        yield "m²", "interface", name, measure
+    yield from (("m²", "surface", measure.name, measure) for measure in report.surfaces)
 
 
 def difference_text(measure: Measure) -> str:

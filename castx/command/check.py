@@ -69,7 +69,7 @@ def check_case(
     formulations = _formulations(case, mesh, pairs)
     _show_mesh(case, mesh_summary(mesh), formulations, console)
     if mesh.report is not None:
-        show_cad(mesh.report, console)
+        show_cad(mesh.report, [interface.name for interface in case.interfaces], console)
     for described in case.interfaces:
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)

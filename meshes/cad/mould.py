@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -53,12 +53,23 @@ def with_mould(part: CadPart, solids: Sequence[Solid]) -> list[Solid]:
         made += [Solid(_chill(chill), chill.name, "", CHILL) for chill in mould.chills]
         gmsh.model.occ.synchronize()
         made += _block(mould, made)
+        _refuse_names_of_solids(names, made[len(solids) :])
         for channel in mould.channels:
             made += [Solid(tag, channel.name, "", CHANNEL) for tag in _channel(channel)]
         gmsh.model.occ.synchronize()
     for plane in part.symmetry:
         made = _halved(made, plane)
     return made
+
+
+def _refuse_names_of_solids(names: Collection[str], made: Sequence[Solid]) -> None:
+    """Refuse bodies that are made and called like a solid of the files."""
+    for solid in made:
+        if solid.name in names:
+            raise ValueError(
+                f"a solid is called {solid.name!r} like the body that is made by geometry.mould; "
+                "give one of them another name: geometry.names, or name under geometry.mould"
+            )
 
 
 def _corners(box: Box) -> tuple[FloatArray, FloatArray]:

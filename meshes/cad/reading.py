@@ -45,16 +45,20 @@ def read_solids(
 
     Args:
         files: to be read.
-        names: body of a label or of `solid-1`, `solid-2`, … where it is not the label.
+        names: body of a label or of `solid-1`, `solid-2`, … where it is not the label. Without
+            both, the only solid of a file is called like the file.
         scratch: a BREP file to write if surfaces have to be sewn to solids.
 
     Raises:
         ValueError: a file cannot be read or has no solid, or a name fits no solid.
     """
     found: list[tuple[CadFile, int, str]] = []
+    known = []
     for file in files:
-        found += [(file, tag, label_of(tag)) for tag in _import(file, scratch)]
-    labels = [label for _, _, label in found]
+        tags = _import(file, scratch)
+        labels = [label_of(tag) for tag in tags]
+        found += [(file, tag, label) for tag, label in zip(tags, labels, strict=True)]
+        known += [stem_of(file.path)] if labels == [""] else labels
     solids, used = [], set()
     for index, (file, tag, label) in enumerate(found):
         keys = (label, f"solid-{index + 1}")
@@ -63,7 +67,7 @@ def read_solids(
         if given:
             name = names[given[0]]
         else:
-            name = file.body or numbered(labels, index)
+            name = file.body or numbered(known, index)
         solids.append(Solid(tag, name, label))
     _refuse_unknown([key for key in names if key not in used], solids)
     return solids
@@ -78,6 +82,11 @@ def numbered(labels: Sequence[str], index: int) -> str:
     if cleaned.count(name) == 1:
         return name
     return f"{name}-{cleaned[: index + 1].count(name)}"
+
+
+def stem_of(path: str) -> str:
+    """Return the name of a file without its folder and its end."""
+    return path.replace("\\", "/").rpartition("/")[2].rpartition(".")[0]
 
 
 def clean(label: str) -> str:

@@ -67,6 +67,9 @@ def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said
     ):
         assert " ".join(line.split()) in " ".join(text.split())
     assert "in the worst, at (" in text
+    other = 'interfaces=[{ bodies = ["die", "casting"], heat = { closed = 9, law = "constant" } }]'
+    assert execute(["check", str(case), "--set", other], comm) == 0
+    assert "interface die/casting 1 0.0004 m²" in " ".join(said().split())
     assert execute(["check", str(case), "--set", "geometry.surfaces.top.radius=1"], comm) == 2
     assert "'top' selects no face; there are" in said()
 

@@ -132,6 +132,11 @@ def test_a_bent_channel_and_a_round_chill(reported):
             ),
             r"the channel 'c' meets the body 'casting' round \(0.02, 0.01, 0.01\) m; move it",
         ),
+        (Mould("casting", margin=0.01), "a solid is called 'casting' like the body that is made"),
+        (
+            Mould(margin=0.01, chills=(Chill("casting", ((0, 0, -0.01), (0.01, 0.01, 0))),)),
+            "give one of them another name: geometry.names, or name under geometry.mould",
+        ),
     ],
 )
 def test_refused(reported, mould, text):

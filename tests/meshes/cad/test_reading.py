@@ -40,6 +40,19 @@ def test_solids_without_label_have_their_order(tmp_path):
     assert list(volumes(path)) == ["solid-1", "solid-2"]
 
 
+def test_the_only_solid_of_a_file_is_called_like_it(tmp_path):
+    first = write_cad(tmp_path / "gear wheel.v2.step", lambda occ: [occ.addBox(0, 0, 0, 9, 9, 9)])
+    assert list(volumes(first)) == ["gear wheel-v2"]
+    assert list(volumes(first, {"solid-1": "casting"})) == ["casting"]
+    assert list(volumes(first, body="die")) == ["die"]
+    labelled = write_cad(tmp_path / "x.step", lambda occ: [occ.addBox(9, 0, 0, 9, 9, 9)], ["core"])
+    second = write_cad(tmp_path / "core.brep", lambda occ: [occ.addBox(0, 9, 0, 9, 9, 9)])
+    with gmsh_session():
+        solids = read_solids([CadFile(str(path)) for path in (first, labelled, second)], {})
+        assert [solid.name for solid in solids] == ["gear wheel-v2", "core-1", "core-2"]
+        assert [solid.label for solid in solids] == ["", "core", ""]
+
+
 @pytest.mark.parametrize(
     "labels, names",
     [

@@ -23,7 +23,7 @@ def test_an_assembly_keeps_its_bodies(tmp_path):
 
 
 def test_a_lone_solid_gets_a_mould(tmp_path):
-    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)], ["bar"])
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)])
     case = new_case(path, tmp_path / "bar.toml")
     assert case.margin == pytest.approx(0.01)
     block = 0.06 * 0.03 * 0.03
