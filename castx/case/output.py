@@ -179,6 +179,8 @@ class Probe(Description):
         name: in the headings of the columns.
         body: on which it lies, or None.
         interface: on which it lies as "secondary/primary", or None.
+        below: interface or surface of the body under which it lies; None: it lies where `at` says.
+        depth: distance from there into the body, along the normal [m].
         at: coordinates [m].
         quantities: names of the recorded quantities.
     """
@@ -186,6 +188,8 @@ class Probe(Description):
     name: EntryName
     body: str | None = None
     interface: str | None = None
+    below: str | None = None
+    depth: Annotated[float, Quantity(LENGTH, least=0.0)] = 0.0
     at: Annotated[tuple[Annotated[float, Quantity(LENGTH)], ...], Field(min_length=2, max_length=3)]
     quantities: Annotated[tuple[str, ...], Field(min_length=1, max_length=20)]
 
@@ -194,6 +198,11 @@ class Probe(Description):
         if (self.body is None) == (self.interface is None):
             yield Problem((), 'a probe sits either on a body or on an interface: body = "casting"')
             return
+        if self.below is not None and self.body is None:
+            yield Problem(("below",), 'needs the body into which the depth goes: body = "mould"')
+        if self.below is None and self.depth > 0.0:
+            text = 'needs the surface from which it is measured: below = "casting/mould"'
+            yield Problem(("depth",), text)
         known = BODY_QUANTITIES if self.interface is None else INTERFACE_QUANTITIES
         where = "a body" if self.interface is None else "an interface"
         for index, name in enumerate(self.quantities):

@@ -14,11 +14,13 @@ from dolfinx.mesh import entities_to_geometry
 
 from castx.arrays import FloatArray, IntArray
 from castx.domain.cell_kinds import KINDS, CellKind
+from castx.domain.pairs.closest_point import project
+from castx.domain.surface_facets import surface_facets
 
 if TYPE_CHECKING:
     from dolfinx.mesh import Mesh
 
-    from castx.domain.mesh import BodyMesh
+    from castx.domain.mesh import BodyMesh, CastingMesh
 
 
 MOST_ITERATIONS = 30
@@ -60,12 +62,39 @@ def place_in_body(body: BodyMesh, point: Sequence[float]) -> Place:
 
 
 def place_on_surface(body: BodyMesh, surface: str, point: Sequence[float]) -> Place:
-    """Return the nearest place of a named surface of a body to a point; collective."""
+    """Return the nearest place of a named surface of a body to a point; collective.
+
+    Raises:
+        MeshError: the body has no such surface.
+    """
     mesh = body.nodes.mesh
     dim = mesh.topology.dim - 1
-    facets = body.facet_tags.find(body.surfaces[surface])
+    facets = body.facet_tags.find(body.surface_tag(surface))
     facets = facets[facets < mesh.topology.index_map(dim).size_local]
     return nearest_place(body, dim, facets, point)
+
+
+def place_below(
+    mesh: CastingMesh, body: BodyMesh, surface: str, point: Sequence[float], depth: float
+) -> Place:
+    """Return the place of a body at a depth under the point of its surface nearest to a point.
+
+    Collective. The way down is normal to the surface, at an edge along the mean of the normals.
+
+    Args:
+        mesh: of all bodies.
+        body: that has the surface.
+        surface: its name.
+        point: (gdim,) [m].
+        depth: [m].
+
+    Raises:
+        MeshError: the body has no such surface.
+    """
+    facets = surface_facets(mesh, body, surface)
+    found = project(np.array([point], dtype=np.float64), facets.points, facets.normals)
+    foot = found.weights[0] @ facets.points[found.facet[0]]
+    return place_in_body(body, foot - depth * found.normals[0])
 
 
 def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[float]) -> Place:

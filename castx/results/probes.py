@@ -14,7 +14,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.results.files.series import Series, cut_back
-from castx.results.locate import Place, place_in_body, place_on_surface
+from castx.results.locate import Place, place_below, place_in_body, place_on_surface
 from castx.results.quantities import CELLWISE, on_secondary_nodes, parts
 from castx.results.snapshot import Snapshot
 
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from castx.case.output import Probe
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
+
+INSIDE = 1e-6
+"""Distance from a body, in sizes of its cells, at which a point still counts as one of it."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +107,11 @@ def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs])
     """Return the readings of one probe."""
     where = f"probe {probe.name!r}"
     if probe.body is not None:
-        place = place_in_body(mesh.bodies[probe.body], probe.at)
-        require_near(place, f"{where} at {point_text(probe.at)}", f"body {probe.body!r}")
+        if probe.below is not None:
+            place = buried_place(probe, mesh, pairs)
+        else:
+            place = place_in_body(mesh.bodies[probe.body], probe.at)
+            require_near(place, f"{where} at {point_text(probe.at)}", f"body {probe.body!r}")
         return [
             body_reading(probe.name, probe.body, quantity, place, mesh.model)
             for quantity in probe.quantities
@@ -115,6 +121,49 @@ def readings_of(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs])
     place = place_on_surface(secondary, pairs[name].surface, probe.at)
     require_near(place, f"{where} at {point_text(probe.at)}", f"interface {name!r}")
     return [interface_reading(probe.name, name, quantity, place) for quantity in probe.quantities]
+
+
+def buried_place(probe: Probe, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> Place:
+    """Return the place of a probe at a depth under a surface of its body; collective.
+
+    Raises:
+        CaseError: the surface is far from the point, or the body is thinner than the depth there.
+    """
+    body, below = mesh.bodies[str(probe.body)], str(probe.below)
+    surface = surface_on(body.name, below, pairs)
+    where = f"probe {probe.name!r} at {point_text(probe.at)}"
+    require_near(place_on_surface(body, surface, probe.at), where, f"the surface {below!r}")
+    place = place_below(mesh, body, surface, probe.at, probe.depth)
+    if place.distance > INSIDE * place.size:
+        raise CaseError(
+            f"{where} is {probe.depth:g} m below {below!r}, where body {body.name!r} has ended "
+            f"{place.distance:.4g} m before; choose a smaller depth, or another point"
+        )
+    return place
+
+
+def surface_on(body: str, below: str, pairs: Mapping[str, NodePairs]) -> str:
+    """Return the name that a surface has on a body.
+
+    Args:
+        body: the body.
+        below: an interface of the body, or "body/surface".
+        pairs: of the interfaces.
+
+    Raises:
+        CaseError: the interface has two surfaces, of which that of the body is not known.
+    """
+    found = pairs.get(below)
+    if found is None:
+        return below.removeprefix(f"{body}/")
+    if body == found.secondary:
+        return found.surface
+    if found.surface != found.primary:
+        raise CaseError(
+            f"a probe below {below!r}: its bodies have surfaces of their own; name that of "
+            f'{body!r}, below = "{body}/SURFACE"'
+        )
+    return found.secondary
 
 
 def require_near(place: Place, probe: str, owner: str) -> None:

@@ -80,7 +80,7 @@ class FakeSnapshot:
         return self.formulas[name](points) if name in self.formulas else default
 
 
-def fake_probe(name: str, at: tuple[float, ...], *quantities: str, **owner: str) -> Any:
-    """Return a probe as the case describes it; `owner` is body=… or interface=…."""
-    place = {"body": None, "interface": None, **owner}
+def fake_probe(name: str, at: tuple[float, ...], *quantities: str, **owner: str | float) -> Any:
+    """Return a probe as the case describes it; `owner` is body=…, interface=…, below=…, depth=…."""
+    place = {"body": None, "interface": None, "below": None, "depth": 0.0, **owner}
     return SimpleNamespace(name=name, at=at, quantities=quantities, **place)

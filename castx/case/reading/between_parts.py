@@ -249,6 +249,11 @@ def _probe_problems(case: Case) -> Iterator[Problem]:
             name = getattr(probe, key)
             if name is not None and name not in names:
                 yield Problem(("probes", index, key), f"unknown {key}; {among(name, names)}")
+        if probe.below is not None and probe.body is not None:
+            touching = [name for name in known["interface"] if probe.body in name.split("/")]
+            if probe.below not in touching and not probe.below.startswith(f"{probe.body}/"):
+                own = among(probe.below, [*touching, f"{probe.body}/SURFACE"])
+                yield Problem(("probes", index, "below"), f"no surface of {probe.body!r}; {own}")
         if len(probe.at) != case.geometry.gdim:
             text = f"needs {case.geometry.gdim} coordinates in the model {case.geometry.model!r}"
             yield Problem(("probes", index, "at"), text)

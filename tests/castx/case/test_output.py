@@ -45,6 +45,12 @@ def test_refused_output(keys, text):
     [
         ({"name": "a.b"}, "name: a name has"),
         ({"interface": "casting/mould"}, "a probe sits either on a body or on an interface"),
+        ({"depth": 0.002}, 'needs the surface from which it is measured: below = "casting/mould"'),
+        ({"below": "casting/top", "depth": -1e-3}, "depth: must be .*at least 0"),
+        (
+            {"body": None, "interface": "a/b", "below": "a/b", "quantities": ["gap"]},
+            'below: needs the body into which the depth goes',
+        ),
         ({"at": [0]}, "at: at least 2 needed, there are 1"),
         ({"at": [0, 0, 0, 0]}, "at: at most 3 allowed"),
         ({"at": 0}, "at: a list is needed"),

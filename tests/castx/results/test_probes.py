@@ -1,11 +1,13 @@
 """Probes find their place and give exact values of linear fields on any number of ranks."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from castx.errors import CaseError
+from castx.errors import CaseError, MeshError
 from castx.results.files.series import read_series
-from castx.results.probes import Probes
+from castx.results.probes import Probes, surface_on
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh, fake_probe
 
 LINEAR = {
@@ -136,3 +138,66 @@ def test_every_step_is_one_line_and_without_probes_there_is_the_time(comm, share
     series = record(comm, shared_tmp_path, [], steps=3)
     assert list(series) == ["time"]
     np.testing.assert_allclose(series["time"], [0.0, 0.1, 0.2])
+
+
+def test_a_probe_is_as_deep_below_its_surface_as_the_case_says(comm, shared_tmp_path):
+    """On either side of an interface, below a free surface, and on the surface itself."""
+    at = (0.0205, 0.0133)
+    sides = {"m": ("mould", "casting/mould"), "c": ("casting", "casting/mould")}
+    probes = [
+        fake_probe(f"{side}{depth}", at, "temperature", body=body, below=below, depth=depth)
+        for side, (body, below) in sides.items()
+        for depth in (0.0, 0.002, 0.0055)
+    ]
+    probes.append(
+        fake_probe("t", (0.0071, 0.041), "temperature", body="casting", below="casting/top",
+                   depth=0.003)
+    )  # fmt: skip
+    series = record(comm, shared_tmp_path, probes)
+
+    def exact(r, z):
+        return pytest.approx([300.0 + 1000.0 * r - 2000.0 * z], abs=1e-9)
+
+    for depth in (0.0, 0.002, 0.0055):
+        assert series[f"m{depth}.temperature"] == exact(0.02 + depth, 0.0133)
+        assert series[f"c{depth}.temperature"] == exact(0.02 - depth, 0.0133)
+    assert series["t.temperature"] == exact(0.0071, 0.037)
+
+
+def test_depth_goes_along_the_normal_of_a_round_surface(comm, shared_tmp_path):
+    """From a node of the interface too, where facets meet: the mean of their normals is radial."""
+    mesh = cylinder_mesh(comm, "3d", cells="quadrilaterals")
+    points = mesh.bodies["casting"].points
+    on = points[np.abs(np.hypot(points[:, 0], points[:, 1]) - 0.02) < 1e-9]
+    on = on[(on[:, :2] > 2e-3).all(axis=1) & (np.abs(on[:, 2] - 0.02) < 8e-3)]
+    node = min(tuple(p) for found in comm.allgather(on) for p in found)
+    between = (0.02 * np.cos(0.61), 0.02 * np.sin(0.61), 0.0131)
+    probes = [
+        fake_probe(f"p{i}", at, "temperature", body="mould", below="casting/mould", depth=0.004)
+        for i, at in enumerate((node, between))
+    ]
+    formulas = {"temperature": lambda x: 1e3 * np.hypot(x[:, 0], x[:, 1])}
+    series = record(
+        comm, shared_tmp_path, probes, model="3d", cells="quadrilaterals", formulas=formulas
+    )
+    for i in range(2):
+        assert series[f"p{i}.temperature"] == pytest.approx([24.0], rel=0.01)
+
+
+def test_a_depth_beyond_the_wall_and_a_surface_elsewhere_are_refused(comm, shared_tmp_path):
+    deep = {"body": "mould", "below": "casting/mould", "depth": 0.011}
+    with pytest.raises(CaseError, match=r"0.011 m below .* 'mould' has ended 0.001 m before"):
+        record(comm, shared_tmp_path, [fake_probe("p", (0.02, 0.02), "temperature", **deep)])
+    with pytest.raises(CaseError, match=r"outside the surface 'casting/mould': it is 0.01 m away"):
+        record(comm, shared_tmp_path, [fake_probe("p", (0.01, 0.02), "temperature", **deep)])
+    lost = {"body": "mould", "below": "mould/lid", "depth": 0.001}
+    with pytest.raises(MeshError, match="body 'mould' has no surface 'lid'"):
+        record(comm, shared_tmp_path, [fake_probe("p", (0.03, 0.04), "temperature", **lost)])
+
+
+def test_the_side_of_an_interface_of_two_surfaces_must_be_named():
+    pairs = {"casting/mould": SimpleNamespace(secondary="casting", primary="mould", surface="skin")}
+    assert surface_on("casting", "casting/mould", pairs) == "skin"
+    assert surface_on("mould", "mould/wall", pairs) == "wall"
+    with pytest.raises(CaseError, match='below = "mould/SURFACE"'):
+        surface_on("mould", "casting/mould", pairs)

@@ -129,6 +129,11 @@ def test_accepted(changes):
             'probes[1].interface = "mould/casting": unknown interface; known: casting/mould',
         ),
         (
+            {"probes__0__below": "mould/outside"},
+            "probes[0].below = \"mould/outside\": no surface of 'casting'; known: casting/mould, "
+            "casting/SURFACE",
+        ),
+        (
             {"probes__0__at": [0, 0, 0]},
             "probes[0].at = [0, 0, 0]: needs 2 coordinates in the model",
         ),
