@@ -47,7 +47,7 @@ ORDER = [
     "equilibrium/accuracy",
     "equilibrium",
     "coupling",
-    "results/files results/freezing",
+    "results/files results/freezing results/pools",
     "results",
     "process",
     "checkpoint",

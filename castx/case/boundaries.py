@@ -237,7 +237,12 @@ class Loads(Description):
     ] = ()
 
 
-def _surface_names(value: Any) -> tuple[str, ...]:
+def surface_names(value: Any) -> tuple[str, ...]:
+    """Return the surfaces "body/surface" of an entry.
+
+    Raises:
+        CaseError: it is no list of them, or one stands twice.
+    """
     if not isinstance(value, list | tuple) or len(value) > _MOST_CONDITIONS:
         raise CaseError('a list of surfaces "body/surface" is needed')
     for index, name in enumerate(value):
@@ -257,7 +262,7 @@ class Support(Description):
     """
 
     mode: Annotated[str, Choice(("automatic", "none"))] = "automatic"
-    in_gate: Annotated[tuple[str, ...], PlainValidator(_surface_names)] = ()
+    in_gate: Annotated[tuple[str, ...], PlainValidator(surface_names)] = ()
 
     def by_body(self) -> dict[str, list[str]]:
         """Return the names of the in-gate surfaces by body."""

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
+from castx.case.boundaries import surface_names
 from castx.errors import CaseError
 from castx.input.entries import (
     TEMPERATURES,
@@ -46,6 +47,7 @@ FIELDS = (
     "clyne_davies",
     "yield_strength",
     "modulus",
+    "pool",
 )
 BODY_QUANTITIES = (
     "temperature",
@@ -153,6 +155,9 @@ class Foundry(Description):
         passing_times: solid fractions whose passing the field `passing_times` shows.
         modulus_constant: Chvorinov's constant [s/m²].
         modulus_mould: or the mould from which it follows.
+        pool_limit: solid fraction below which liquid belongs to a pool; None: the coherency of the
+            material, 0.7 where it has none.
+        feeders: surfaces "body/surface" that feed; None: all free surfaces.
     """
 
     at: Annotated[FrontPlace, PlainValidator(_front)] = FrontPlace(fraction=0.9)
@@ -161,6 +166,8 @@ class Foundry(Description):
     ] = (0.0, 0.5, 1.0)
     modulus_constant: Annotated[float | None, Quantity(MODULUS_CONSTANT, above=0.0)] = None
     modulus_mould: ModulusMould | None = None
+    pool_limit: Annotated[float | None, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = None
+    feeders: Annotated[tuple[str, ...] | None, PlainValidator(surface_names)] = None
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield fractions named twice, and two ways to the constant of the modulus."""

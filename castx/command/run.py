@@ -39,7 +39,7 @@ def run(
     t 0 s  step 0  solid 0.0 %
     t 0.05 s  step 1 (0.05 s)  solid ...
     >>> sorted(path.name for path in folder.iterdir())
-    ['case.json', 'checkpoint', 'fields', 'history.csv', 'probes.csv', 'run.json']
+    ['case.json', 'checkpoint', 'fields', 'history.csv', 'hot_spots.csv', 'probes.csv', 'run.json']
 
     Args:
         path: the case file.

@@ -124,9 +124,11 @@ def check_surfaces(case: Case, mesh: CastingMesh) -> None:
 
 
 def _named_surfaces(case: Case) -> Iterator[tuple[str, str]]:
-    """Yield the place in the case and the name of each surface of a boundary condition."""
+    """Yield the place in the case and the name of each surface that the user names."""
     for index, boundary in enumerate(case.boundaries):
         yield f"boundaries[{index}].on", boundary.on
+    for index, on in enumerate(case.foundry.feeders or ()):
+        yield f"foundry.feeders[{index}]", on
     for number, stage in enumerate(case.stages):
         for index, boundary in enumerate(stage.boundaries):
             yield f"stages[{number}].boundaries[{index}].on", boundary.on

@@ -11,6 +11,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.report.figures import NUMERICS, curve_figures, field_figures
+from castx.report.hot_spots import hot_spot_table
 from castx.report.stages import process_rows
 from castx.results.files.folder import REPORT, write_whole
 from castx.results.reading import Results
@@ -36,6 +37,7 @@ def write_report(folder: Path) -> Path:
         record=run.record,
         ended=run.record["exit"],
         summary=summary(run),
+        hot_spots=hot_spot_table(run.record.get("hot_spots", []), run.model),
         curves=[figure for figure in curves if figure.title != NUMERICS],
         numerics=[figure for figure in curves if figure.title == NUMERICS],
         pictures=field_figures(run),

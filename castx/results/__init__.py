@@ -2,6 +2,6 @@
 
 Public: `reading.Results`, `reading.BodyField`, `reading.InterfaceFields`, `snapshot.Snapshot`,
 `snapshot.ProcessState`, `writing.ResultsWriter`, `fields.Fields`, `history.History`,
-`probes.Probes`, `record.RunRecord`, `solidification.Solidification`,
+`hot_spots.HotSpots`, `probes.Probes`, `record.RunRecord`, `solidification.Solidification`,
 `locate.place_in_body`, `locate.place_on_surface`, `quantities.on_secondary_nodes`.
 """

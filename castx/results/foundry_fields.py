@@ -20,6 +20,7 @@ from castx.foundry.modulus import PouredMetal, SandMould, mould_constant, therma
 from castx.foundry.porosity import dimensionless_niyama, pore_fraction
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.results.hot_spots import POOL, HotSpots
 from castx.results.solidification import (
     QUANTITIES,
     BodySolidification,
@@ -94,6 +95,11 @@ DERIVED: Mapping[str, Derived] = {
 
 def is_of_foundry(name: str) -> bool:
     """Return whether a field is one of the foundry."""
+    return name == POOL or follows_fronts(name)
+
+
+def follows_fronts(name: str) -> bool:
+    """Return whether a field follows from when surfaces of solid fraction pass the nodes."""
     return name in QUANTITIES or name in DERIVED or name.startswith(PASSING)
 
 
@@ -110,16 +116,25 @@ class FoundryFields:
     Args:
         solidification: the thermal history, followed elsewhere.
         poured: the bodies that freeze, by name.
+        pools: their pools of liquid, followed elsewhere; None: nothing asks for them.
     """
 
-    def __init__(self, solidification: Solidification, poured: Mapping[str, Poured]) -> None:
-        self._solidification, self._poured = solidification, poured
+    def __init__(
+        self,
+        solidification: Solidification,
+        poured: Mapping[str, Poured],
+        pools: HotSpots | None = None,
+    ) -> None:
+        self._solidification, self._poured, self._pools = solidification, poured, pools
 
     def nodal(self, body: str, name: str) -> FloatArray:
         """Return a field at the nodes of a body, ghosts included: (nodes,); collective.
 
         Not a number where it does not exist yet, and in bodies to which it does not apply.
         """
+        if name == POOL:
+            numbers = None if self._pools is None else self._pools.numbers(body)
+            return self._solidification.nowhere(body) if numbers is None else numbers
         history = self._solidification.of(body)
         if name in QUANTITIES or history is None:
             return self._solidification.nodal(body, name)
@@ -144,7 +159,7 @@ def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
     """Return the solidification of the bodies that melt, of none if no field needs it."""
     curves = {}
     names = [name for entry in case.output.fields for name in written_names(entry, case)]
-    if any(is_of_foundry(name) for name in names):
+    if any(follows_fronts(name) for name in names):
         for body in case.bodies:
             material = find_material(body.material, case.materials)
             if material.melts:

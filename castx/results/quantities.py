@@ -36,6 +36,7 @@ UNITS = {
     "clyne_davies": "1",
     "yield_strength": "Pa",
     "modulus": "m",
+    "pool": "1",
 }
 """Unit of each field in the files."""
 

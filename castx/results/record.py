@@ -72,6 +72,7 @@ class RunRecord:
     _restarts: list[dict[str, Any]] = field(default_factory=list)
     _events: list[Mapping[str, Any]] = field(default_factory=list)
     _profile: dict[str, Any] = field(default_factory=dict)
+    _hot_spots: list[dict[str, Any]] = field(default_factory=list)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
@@ -87,6 +88,10 @@ class RunRecord:
     def note_profile(self, costs: Mapping[RunPart, PartCost]) -> None:
         """Take over what the parts of the run have cost."""
         self._profile = {"profile": {str(part): asdict(cost) for part, cost in costs.items()}}
+
+    def note_hot_spots(self, found: list[dict[str, Any]]) -> None:
+        """Take over the isolated pools of liquid, the worst first."""
+        self._hot_spots = found
 
     def notes(self) -> dict[str, Any]:
         """Return the content for the record of a run that goes on from here."""
@@ -123,6 +128,7 @@ class RunRecord:
             "totals": self._counts,
             "last": {name: number(value) for name, value in self._last.items()},
             "process": self._events,
+            "hot_spots": self._hot_spots,
             "wall": self._wall,
             "restarts": self._restarts,
             "peak_memory": self._memory,

@@ -17,6 +17,7 @@ from castx.results.files.disk import Disk
 from castx.results.files.folder import (
     CASE,
     FIELDS,
+    HOT_SPOTS,
     RECORD,
     SERIES,
     claim_folder,
@@ -31,6 +32,7 @@ from castx.results.foundry_fields import (
     written_names,
 )
 from castx.results.history import History
+from castx.results.hot_spots import HotSpots, pooled_metals
 from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
@@ -49,7 +51,7 @@ log = logging.getLogger(__name__)
 
 
 class ResultsWriter:
-    """The results folder of one run: probes.csv, history.csv, fields/, case.json and run.json.
+    """The results folder of one run: its tables, fields/, case.json and run.json.
 
     Making it checks everything that could be wrong with probes, fields and folder and touches no
     old results; entering it replaces them, or after `resume` goes on behind them. Leaving it writes
@@ -83,6 +85,8 @@ class ResultsWriter:
         claim_folder(case, mesh.comm)
         refuse_without_mechanics(case)
         self._solidification = solidification_of(case, mesh)
+        self._metals = pooled_metals(case)
+        self._pools = HotSpots(mesh, self._metals)
         self._history = History(
             self._folder / "history.csv",
             [body.name for body in case.bodies],
@@ -94,7 +98,7 @@ class ResultsWriter:
             wanted_fields(case),
             case.output.every,
             mesh,
-            FoundryFields(self._solidification, poured_bodies(case)),
+            FoundryFields(self._solidification, poured_bodies(case), self._pools),
             self._disk,
             [body.name for body in case.bodies if melts(case, body.material)],
         )
@@ -106,7 +110,9 @@ class ResultsWriter:
 
     def saved(self) -> dict[str, Saved]:
         """Return the state of the quantities that are followed from step to step; collective."""
-        return joined({"solidification": self._solidification.saved()})
+        return joined(
+            {"solidification": self._solidification.saved(), "pools": self._pools.saved()}
+        )
 
     def notes(self) -> dict[str, Any]:
         """Return the numbers of rows and outputs on disk, as JSON knows them."""
@@ -115,6 +121,7 @@ class ResultsWriter:
             "lost_rows": self._lost,
             "outputs": self._fields.notes(),
             "record": self._record.notes(),
+            "pools": self._pools.notes(),
         }
 
     def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
@@ -132,7 +139,9 @@ class ResultsWriter:
         if (refusal := self._comm.bcast(refusal)) is not None:
             raise CaseError(refusal)
         self._solidification.restore(part_of(arrays, "solidification"))
+        self._pools.restore(part_of(arrays, "pools"), notes.get("pools", {}))
         self._record.resume(notes["record"])
+        self._record.note_hot_spots(self._pools.described())
         self._rows, self._resumed = notes["rows"], notes
 
     def __enter__(self) -> Self:
@@ -163,6 +172,8 @@ class ResultsWriter:
         """
         self._record.update(snapshot)
         self._solidification.update(snapshot)
+        self._pools.update(snapshot)
+        self._record.note_hot_spots(self._pools.described())
         with self._disk.writing():
             self._probes.append(snapshot)
         if self._comm.rank == 0:
@@ -217,6 +228,8 @@ class ResultsWriter:
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._record.write(reason, message)
+                if self._metals:
+                    write_whole(self._folder / HOT_SPOTS, self._pools.table())
         self._disk.raise_failures()
 
 

@@ -8,7 +8,7 @@ from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.errors import CaseError
 from castx.foundry.alloy import NEEDED, OF_THE_MUSH, missing
-from castx.input.problems import Problem, Refusal
+from castx.input.problems import Problem, Refusal, among
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 
@@ -21,6 +21,7 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
         yield from _front_problems(case, body, material)
     if "modulus" in case.output.fields:
         yield from _modulus_problems(case, poured)
+    yield from _feeder_problems(case, [body.name for body, _ in poured])
 
 
 def _poured(case: Case) -> Iterator[tuple[Body, Material]]:
@@ -61,6 +62,14 @@ def _front_problems(case: Case, body: Body, material: Material) -> Iterator[Prob
             f"body {body.name!r} freezes from {material.liquidus:g} to {material.solidus:g} °C; "
             "take a temperature between, or a solid fraction",
         )
+
+
+def _feeder_problems(case: Case, freezing: list[str]) -> Iterator[Problem]:
+    for index, on in enumerate(case.foundry.feeders or ()):
+        body, _, _ = on.partition("/")
+        if body not in freezing:
+            text = f"no body {body!r} that freezes; {among(body, freezing)}"
+            yield Problem(("foundry", "feeders", index), text)
 
 
 def _modulus_problems(case: Case, poured: list[tuple[Body, Material]]) -> Iterator[Problem]:

@@ -47,8 +47,8 @@ class FeedingPaths:
         return pocket
 
 
-def _free_cells(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray:
-    """Return the owned cells with a facet on a free surface."""
+def free_facets(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray:
+    """Return the owned facets on a free surface of a body, arguments as for `FeedingPaths`."""
     topology, dimension = body.mesh.topology, body.mesh.topology.dim
     outer = dmesh.exterior_facet_indices(topology)
     shut = [body.facet_tags.find(body.surfaces[name]) for name in closed]
@@ -59,6 +59,13 @@ def _free_cells(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray
             body.mesh, dimension - 1, lambda x: np.abs(x[0]) < 1e-9 * largest
         )
         free = np.setdiff1d(free, on_axis)
+    return np.asarray(free, dtype=np.int32)
+
+
+def _free_cells(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray:
+    """Return the owned cells with a facet on a free surface."""
+    free = free_facets(body, model, closed)
+    topology, dimension = body.mesh.topology, body.mesh.topology.dim
     cells = topology.connectivity(dimension - 1, dimension)
     first = cells.offsets[free]
     return np.asarray(cells.array[first], dtype=np.int32)

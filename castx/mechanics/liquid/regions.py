@@ -1,4 +1,4 @@
-"""Connected regions of chosen cells of a body, the same on any number of ranks."""
+"""Connected regions of chosen cells, or other groups of nodes, the same on any number of ranks."""
 
 from __future__ import annotations
 
@@ -13,43 +13,44 @@ from castx.arrays import BoolArray, IntArray, LongArray
 from castx.domain.mesh import BodyMesh
 
 
-class CellRegions:
-    """Finds the regions of cells that are joined by common nodes.
+class Regions:
+    """Finds the regions of groups of nodes that are joined by common nodes.
 
     Args:
         body: mesh of the body.
+        groups: local nodes of each group, shape (groups, nodes of a group); a group may stand on
+            several ranks, and stands on one at least.
 
     Attributes:
         comm: ranks that share the body.
-        cell_nodes: nodes of each cell, shape (cells, corners).
     """
 
-    def __init__(self, body: BodyMesh) -> None:
+    def __init__(self, body: BodyMesh, groups: IntArray) -> None:
         index_map = body.nodes.dofmap.index_map
         nodes = np.arange(len(body.parent_vertices), dtype=np.int32)
         self.comm = body.mesh.comm
-        self.cell_nodes: IntArray = body.nodes.dofmap.list
+        self._groups = groups
         self._global: LongArray = index_map.local_to_global(nodes)
         self._shared = _shared_nodes(body)
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
-        """Return the number of regions, and that of each cell, −1: none, (cells,); collective.
+        """Return the number of regions, and that of each group, −1: none, (groups,); collective.
 
         All ranks number the regions alike.
 
         Args:
-            chosen: cells of this rank, ghosts included, shape (cells,).
+            chosen: groups of this rank, those of ghosts included, shape (groups,).
         """
-        corners = self.cell_nodes[chosen]
-        cells = np.repeat(np.arange(len(corners)), self.cell_nodes.shape[1])
-        count, of_cell = _joined(cells, corners.ravel(), len(corners), len(self._global))
-        total, of_region = self._across_ranks(count, of_cell, corners)
+        nodes = self._groups[chosen]
+        groups = np.repeat(np.arange(len(nodes)), self._groups.shape[1])
+        count, of_group = _joined(groups, nodes.ravel(), len(nodes), len(self._global))
+        total, of_region = self._across_ranks(count, of_group, nodes)
         found = np.full(len(chosen), -1, dtype=np.int32)
-        found[chosen] = of_region[of_cell]
+        found[chosen] = of_region[of_group]
         return total, found
 
     def _across_ranks(
-        self, count: int, region: IntArray, corners: IntArray
+        self, count: int, region: IntArray, group_nodes: IntArray
     ) -> tuple[int, IntArray]:
         """Return the number of regions of all ranks, and which of them each one here is part of.
 
@@ -57,13 +58,28 @@ class CellRegions:
         """
         first = self.comm.exscan(count, op=MPI.SUM) or 0
         total = self.comm.allreduce(count, op=MPI.SUM)
-        shared = self._shared[corners]
-        regions = np.broadcast_to(first + region[:, None], corners.shape)[shared]
-        links = np.column_stack([regions, self._global[corners[shared]]])
+        shared = self._shared[group_nodes]
+        regions = np.broadcast_to(first + region[:, None], group_nodes.shape)[shared]
+        links = np.column_stack([regions, self._global[group_nodes[shared]]])
         every = np.concatenate(self.comm.allgather(np.unique(links, axis=0)))
         nodes, columns = np.unique(every[:, 1], return_inverse=True)
         number, of_region = _joined(every[:, 0], columns.ravel(), total, len(nodes))
         return number, of_region[first : first + count]
+
+
+class CellRegions(Regions):
+    """Finds the regions of cells that are joined by common nodes.
+
+    Args:
+        body: mesh of the body.
+
+    Attributes:
+        cell_nodes: nodes of each cell, shape (cells, corners).
+    """
+
+    def __init__(self, body: BodyMesh) -> None:
+        self.cell_nodes: IntArray = body.nodes.dofmap.list
+        super().__init__(body, self.cell_nodes)
 
 
 def _joined(

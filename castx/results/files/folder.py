@@ -31,12 +31,13 @@ if TYPE_CHECKING:
 RECORD = "run.json"
 CASE = "case.json"
 SERIES = ("probes.csv", "history.csv")
+HOT_SPOTS = "hot_spots.csv"
 REPORT = "report.html"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
-OURS = (LOCK, RECORD, CASE, *SERIES, REPORT, FIELDS, CHECKPOINT)
+OURS = (LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, REPORT, FIELDS, CHECKPOINT)
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
 """Time for the holder of a lock to say who it is [s]."""
@@ -168,7 +169,7 @@ def other_case(record: dict[str, Any]) -> str:
 
 def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
-    for name in (CASE, *SERIES, REPORT):
+    for name in (CASE, *SERIES, HOT_SPOTS, REPORT):
         (folder / name).unlink(missing_ok=True)
     ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
             ("", f".{CASE}.*"))  # fmt: skip

@@ -55,6 +55,20 @@ class _Event(_Strict):
     periodic: bool = False
 
 
+class _HotSpot(_Strict):
+    body: str = ""
+    pool: int = 1
+    parent: int | None = None
+    children: list[int] = []
+    merged: list[int] = []
+    isolated: float = 0.0
+    ended: float | None = None
+    place: list[float] = []
+    centre: list[float] = []
+    volume: float = 0.0
+    deficit: float | None = None
+
+
 class _Record(_Strict):
     castx: str = ""
     case: _Case = _Case()
@@ -69,6 +83,7 @@ class _Record(_Strict):
     time_reached: float = 0.0
     totals: dict[str, int] = {}
     process: list[_Event] = []
+    hot_spots: list[_HotSpot] = []
     wall: float = 0.0
     peak_memory: dict[str, int] = {}
     exit: _Exit = _Exit()

@@ -112,3 +112,8 @@ def test_melt_that_bears_no_depression_shrinks_unfed():
     melt = Melt(1.2e-3, 0.0625, 0.0)
     value = dimensionless_niyama(np.array([1e3]), np.array([1.0]), np.array([4e-5]), melt, 55.0)
     assert pore_fraction(LINEAR(value), 0.05)[0] == pytest.approx(0.05, rel=1e-12)
+
+
+def test_metal_that_swells_as_it_freezes_has_no_pores():
+    np.testing.assert_array_equal(pore_fraction(np.array([0.0, 0.1, 0.4]), -0.02), 0.0)
+    np.testing.assert_allclose(pore_fraction(np.array([0.1, 0.4]), 0.05), [5e-3, 2e-2], rtol=1e-14)

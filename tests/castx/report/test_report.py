@@ -1,6 +1,7 @@
 """The report is one file that needs nothing else, with the right numbers in it."""
 
 import base64
+import json
 import re
 from io import BytesIO
 
@@ -54,6 +55,23 @@ def test_steps_taken_again_are_told():
     assert steps_text({"steps": 9, "cutbacks": 1}) == "9, 1 of them cut"
     found = steps_text({"steps": 9, "cutbacks": 1, "repeats": 2})
     assert found == "9, 1 of them cut, 2 taken again"
+
+
+def test_hot_spots_stand_in_a_table(folder):
+    """A pool that no surface feeds from the start, in the record of a run."""
+    path = folder / "run.json"
+    before = path.read_text()
+    assert "Hot spots" not in write_report(folder).read_text()
+    spot = {
+        "body": "casting", "pool": 1, "parent": None, "children": [], "merged": [],
+        "isolated": 0.25, "ended": None, "place": [0.0, 0.0123], "centre": [0.01, 0.01],
+        "volume": 4e-6, "deficit": 2.4e-7,
+    }  # fmt: skip
+    path.write_text(json.dumps({**json.loads(before), "hot_spots": [spot]}))
+    text = write_report(folder).read_text()
+    path.write_text(before)
+    assert "<h2>Hot spots</h2>" in text
+    assert "<td>0.0, 12.3</td><td>4</td><td>0.24</td>" in text
 
 
 def test_pictures_stand_before_numerics(folder):

@@ -34,6 +34,14 @@ def written(record: RunRecord, reason=Reason.FINISHED, message="") -> dict:
 
 
 @pytest.mark.serial
+def test_hot_spots_stand_in_the_record(comm, tmp_path):
+    record = record_after(cylinder_mesh(comm), tmp_path / "run.json", 1)
+    assert written(record)["hot_spots"] == []
+    record.note_hot_spots([{"body": "casting", "pool": 2, "deficit": 1e-7}])
+    assert written(record)["hot_spots"] == [{"body": "casting", "pool": 2, "deficit": 1e-7}]
+
+
+@pytest.mark.serial
 def test_counters_add_up_over_the_steps_but_not_the_initial_state(comm, tmp_path):
     content = written(record_after(cylinder_mesh(comm), tmp_path / "run.json", 4))
     expected = StepCounters(heat_iterations=9, passes=6, cutbacks=6, fallbacks=3).counts()

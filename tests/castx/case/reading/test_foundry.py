@@ -91,6 +91,13 @@ def test_accepted(changes):
         ({"foundry": {"passing_times": [0.5, 0.5]}}, r"foundry.passing_times\[1\].*there already"),
         ({"foundry": {"passing_times": []}}, "foundry.passing_times"),
         ({"foundry": {"passing_times": [1.5]}}, r"foundry.passing_times\[0\].*at most 1"),
+        ({"foundry": {"pool_limit": 0}}, "foundry.pool_limit = 0: must be positive"),
+        ({"foundry": {"feeders": ["top"]}}, r"foundry.feeders\[0\].*a surface is named"),
+        (
+            {"foundry": {"feeders": ["casting/top", "mould/top"]}},
+            r"foundry.feeders\[1\].*no body 'mould' that freezes",
+        ),
+        ({"foundry": {"feeders": ["casting/top"] * 2}}, r"foundry.feeders\[1\].*there already"),
         ({"foundry": {"modulus_constant": 0}}, "foundry.modulus_constant = 0: must be positive"),
     ],
 )
