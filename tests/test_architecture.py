@@ -33,6 +33,7 @@ ORDER = [
     "domain/cad",
     "domain",
     "domain/pairs",
+    "solvers/inner",
     "solvers",
     "heat/foreign",
     "heat",

@@ -19,7 +19,8 @@ import numpy as np
 from castx.arrays import BoolArray
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.equilibrium.newton import EquilibriumReport, Newton
-from castx.solvers.blocks import FACTORS, Block
+from castx.solvers.inner.nest import Block
+from castx.solvers.inner.options import FACTORS
 from castx.solvers.layout import Layout
 
 

@@ -34,18 +34,13 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.rigid_modes import near_null_modes, rigid_modes
-from castx.solvers.arrow_schur import ArrowSchur
-from castx.solvers.blocks import (
-    FACTORS,
-    MOST_CHANGED,
-    MULTIGRID,
-    Block,
-    BlockSolver,
-    BlockSweep,
-    DirectSolver,
-    solves_directly,
-)
 from castx.solvers.counters import StepCounters
+from castx.solvers.inner.arrow_schur import ArrowSchur
+from castx.solvers.inner.block_solver import BlockSolver
+from castx.solvers.inner.direct import MOST_CHANGED, DirectSolver
+from castx.solvers.inner.nest import Block
+from castx.solvers.inner.options import FACTORS, MULTIGRID, solves_directly
+from castx.solvers.inner.sweep import BlockSweep
 from castx.solvers.layout import Layout
 
 BLOCKS_PREFIX = f"{PREFIX}bodies_"
@@ -189,7 +184,7 @@ def _inner_solver(
     blocks = _body_blocks(bodies, balance.transform, MULTIGRID)
     if isinstance(pairs, MultiplierContact):
         return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
-    return BlockSweep(comm, BLOCKS_PREFIX, blocks)
+    return BlockSweep(comm, BLOCKS_PREFIX, blocks, balance.transform.coupling)
 
 
 def _by_blocks(

@@ -19,7 +19,7 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray
 from castx.equilibrium.supports.springs import SpringSupport
 from castx.mechanics.assembly import Correction
-from castx.solvers.blocks import diagonal, largest_factor
+from castx.solvers.inner.entries import diagonal, largest_factor
 from castx.solvers.layout import Layout
 
 OUTDATED, OUTDATED_BY = 1.5, 4

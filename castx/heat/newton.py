@@ -10,7 +10,7 @@ import numpy as np
 
 from castx.heat.balance import HeatBalance
 from castx.heat.interfaces import couple_step
-from castx.solvers.blocks import FACTORS, solves_directly
+from castx.solvers.inner.options import FACTORS, solves_directly
 from castx.solvers.line_search import critical_part
 
 PREFIX = "castx_heat_"

@@ -45,6 +45,7 @@ class BodyAssembly:
         self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
         self._matrix: PETSc.Mat | None = None
         self._evaluations = [-1] * len(self.bodies)
+        self._trials = [-1] * len(self.bodies)
 
     @booked_as(RunPart.ASSEMBLY)
     def residual(self) -> PETSc.Vec:
@@ -83,9 +84,14 @@ class BodyAssembly:
 
     @booked_as(RunPart.ASSEMBLY)
     def matrix(self) -> PETSc.Mat:
-        """Return the assembled Jacobian; the next call overwrites it."""
-        for body, block in zip(self.bodies, self._blocks, strict=True):
-            body.assemble_jacobian(block)
+        """Return the assembled Jacobian; the next call overwrites it.
+
+        That of a linear body is assembled once for each state of its material.
+        """
+        for b, (body, block) in enumerate(zip(self.bodies, self._blocks, strict=True)):
+            if not body.is_linear or body.trials != self._trials[b]:
+                body.assemble_jacobian(block)
+                self._trials[b] = body.trials
         self._nest.assemble()
         if self._matrix is None:
             self._matrix = self._nest.convert("aij", PETSc.Mat())

@@ -49,6 +49,7 @@ class BodyMechanics:
         formulation: forms and pressures.
         owned_cells: number of cells that this rank owns.
         evaluations: how often the law has been evaluated.
+        trials: for how many temperatures and step sizes the material has been evaluated.
     """
 
     def __init__(
@@ -72,14 +73,13 @@ class BodyMechanics:
         self.points = IntegrationPoints(body, model, degree)
         cells = fem.functionspace(body.mesh, ("DG", 0))
         self.owned_cells = int(cells.dofmap.index_map.size_local)
-        self.material = MaterialPoints(
-            self.points, self._law, cells, description.starts_liquid
-        )
+        starts_liquid = description.starts_liquid
+        self.material = MaterialPoints(self.points, self._law, cells, starts_liquid)
         self._force_of_stress = self.points.weights.sum(axis=1) / self.points.sizes
         self.formulation = _formulation(
             self.unknowns, self.material, self.loads, description, cells, planes
         )
-        self.evaluations = 0
+        self.evaluations = self.trials = 0
         self._evaluated_at: FloatArray = NOWHERE
 
     @property
@@ -130,7 +130,7 @@ class BodyMechanics:
             solid_fraction: likewise.
             step: time step [s].
         """
-        self._evaluated_at = NOWHERE
+        self._evaluated_at, self.trials = NOWHERE, self.trials + 1
         self.formulation.begin(temperature, solid_fraction, step)
 
     def update_points(self) -> None:

@@ -30,6 +30,7 @@ class BasisMatrices:
     def __init__(self, layout: Layout, dimension: int, rows: Sequence[NodeRows]) -> None:
         self._layout, self._dimension, self._rows = layout, dimension, list(rows)
         self._forward, self._frames, self._relative = (_Entries(layout) for _ in range(3))
+        self._facing = _Entries(layout)
         self._duals = [self._fill_frames(b) for b in range(len(self._rows))]
 
     def _first(self, b: int) -> int:
@@ -119,7 +120,8 @@ class BasisMatrices:
         rows = local + self._layout.first
         duals = self._duals[b][nodes, :, rows - starts]
         weighted = weights[:, :, None] * directions[:, None]
-        self._forward.add(rows[:, None, None], columns, -weighted)
+        for matrix in (self._forward, self._facing):
+            matrix.add(rows[:, None, None], columns, -weighted)
         # Several rows of one pair add up.
         self._relative.add(
             (starts[:, None] + components)[:, None, :, None],
@@ -133,6 +135,21 @@ class BasisMatrices:
         to_displacements = _sum_of_powers(relative, self._frames.matrix())
         relative.destroy()
         return self._forward.matrix(), to_displacements
+
+    def coupling(self, P: PETSc.Mat) -> PETSc.Mat | None:
+        """Return what rows have of the motion of the points that they face, in v; collective.
+
+        Args:
+            P: of `finish`.
+
+        Returns:
+            That part of R times P, which the caller destroys; None where no row is relative.
+        """
+        facing, product = self._facing.matrix(), None
+        if facing.norm() > 0:
+            product = facing.matMult(P)
+        facing.destroy()
+        return product
 
 
 class _Entries:

@@ -39,6 +39,8 @@ class ConstraintTransform:
         dimension: number of displacement components.
         P: u = P v.
         R: v = R u.
+        coupling: of which row k is what v_k has of the motion of facing points, in unknowns v; None
+            where no pair is relative.
         prescribed: entries of v that conditions prescribe.
         interfaces: rows of the pairs of each interface.
 
@@ -80,6 +82,7 @@ class ConstraintTransform:
                     along = interface.tangent_local[:, k]
                     self._make_relative(basis, interface, along, interface.tangents[:, k])
         self.R, self.P = basis.finish()
+        self.coupling = basis.coupling(self.P)
 
     def _make_relative(
         self,

@@ -214,3 +214,24 @@ def test_a_residual_is_that_of_the_present_state(comm, bodies, change):
     differs = comm.allreduce(bool((found != before).any()), op=max)
     assert differs == (change != "rewound")
     made.destroy()
+
+
+def test_a_linear_body_is_assembled_once_for_each_state_of_its_material(comm, bodies, monkeypatch):
+    made, _ = assembled(comm, bodies)
+    made.residual()
+    count = [0, 0]
+    for b, part in enumerate(bodies):
+
+        def assemble(A, b=b, inner=part.assemble_jacobian):
+            count[b] += 1
+            inner(A)
+
+        monkeypatch.setattr(part, "assemble_jacobian", assemble)
+    monkeypatch.setattr(type(bodies[0]), "is_linear", property(lambda part: part is bodies[1]))
+    made.matrix()
+    made.matrix()
+    assert count == [2, 1]
+    begin_anywhere(bodies[1])
+    made.matrix()
+    assert count == [3, 2]
+    made.destroy()

@@ -113,3 +113,27 @@ def test_matrices_are_filled_without_making_room_on_the_way():
     )
     R, _ = basis.finish()
     assert R.getInfo()["mallocs"] == 0 and R.getInfo()["nz_unneeded"] == 0
+
+
+def test_the_coupling_is_what_rows_have_of_the_points_that_they_face():
+    """Nothing of their own node: with it subtracted, a row is that of a node without a pair."""
+    layout, rows = bodies(3, 2)
+    n = np.array([0.6, 0.8])
+    for nodes in rows:
+        nodes.try_add(ints(1), n[None], 0.1)
+    alone, _ = dense(BasisMatrices(layout, 2, rows))
+    basis = BasisMatrices(layout, 2, rows)
+    partners = np.array([[0, 1]]), np.array([[0.25, 0.75]])
+    basis.make_relative(0, ints(1), ints(3), n[None], 1, partners)
+    R, P = basis.finish()
+    coupling = basis.coupling(P)
+    found = coupling.convert("dense").getDenseArray()
+    both = [made.convert("dense").getDenseArray() for made in (R, P)]
+    np.testing.assert_allclose(found, (both[0] - alone) @ both[1], atol=1e-14)
+    assert np.count_nonzero(abs(found).max(axis=1)) == 1 and abs(found[3]).max() > 0.2
+
+
+def test_without_pairs_there_is_no_coupling():
+    layout, rows = bodies(3)
+    basis = BasisMatrices(layout, 2, rows)
+    assert basis.coupling(basis.finish()[1]) is None

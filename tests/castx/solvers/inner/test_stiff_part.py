@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.solvers.blocks import FACTORS
-from castx.solvers.stiff_part import LARGEST_SHARE, StiffPart
+from castx.solvers.inner.options import FACTORS
+from castx.solvers.inner.stiff_part import LARGEST_SHARE, StiffPart
 from tests.castx.solvers.distributed import gathered, index_set, matrix, options, vector
 
 NODES, SIZE = 10, 2
@@ -72,7 +72,7 @@ def test_constrained_unknowns_are_neither_stiff_nor_solved_for(comm):
 
 @pytest.mark.parametrize("share", [0.0, LARGEST_SHARE + 0.1, 1.0])
 def test_a_body_that_is_soft_or_mostly_stiff_needs_no_help(comm, share, monkeypatch):
-    monkeypatch.setattr("castx.solvers.stiff_part.CHEAP", 0)
+    monkeypatch.setattr("castx.solvers.inner.stiff_part.CHEAP", 0)
     stiff = np.tile(np.arange(NODES) < share * NODES, comm.size)
     part, A = set_up(comm, soft_with(comm, stiff))
     assert not part.exists

@@ -19,6 +19,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.solvers.inner.entries import diagonal
 
 STIFF = 30.0
 """Stiffness of a node beside that of the softest one of its body from which on it is stiff."""
@@ -52,11 +53,9 @@ class StiffPart:
         """
         self._free()
         self._matrix = matrix
-        vector = matrix.getDiagonal()
-        diagonal = np.where(constrained, 0.0, vector.array_r)
-        vector.destroy()
+        stiffness = np.where(constrained, 0.0, diagonal(matrix))
         first = matrix.getOwnershipRange()[0]
-        found = [self._stiff(part - first, size, diagonal) for part, size in self._bodies]
+        found = [self._stiff(part - first, size, stiffness) for part, size in self._bodies]
         unknowns = np.concatenate([np.zeros(0, dtype=np.int64), *found])
         unknowns = unknowns[~constrained[unknowns]] + first
         if self._comm.allreduce(len(unknowns), op=MPI.SUM) == 0:
@@ -72,11 +71,11 @@ class StiffPart:
         self._right, self._solution = block.createVecRight(), block.createVecRight()
         self._items = [rows, block, ksp, self._right, self._solution]
 
-    def _stiff(self, part: np.ndarray, size: int, diagonal: FloatArray) -> np.ndarray:
+    def _stiff(self, part: np.ndarray, size: int, of_unknowns: FloatArray) -> np.ndarray:
         """Return the owned unknowns of the stiff nodes of a body, none if they are too many."""
         numbers = part.reshape(-1, size)
         # Diagonals of pressures are negative.
-        stiffness = diagonal[numbers].max(axis=1, initial=0.0)
+        stiffness = of_unknowns[numbers].max(axis=1, initial=0.0)
         softest = float(np.where(stiffness > 0, stiffness, np.inf).min(initial=np.inf))
         stiff = stiffness > STIFF * self._comm.allreduce(softest, op=MPI.MIN)
         counts = size * np.array([np.count_nonzero(stiff), len(stiff)], dtype=np.int64)

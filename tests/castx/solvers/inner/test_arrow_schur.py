@@ -9,8 +9,9 @@ from petsc4py import PETSc
 import numpy as np
 import pytest
 
-from castx.solvers.arrow_schur import ArrowSchur
-from castx.solvers.blocks import FACTORS, Block
+from castx.solvers.inner.arrow_schur import ArrowSchur
+from castx.solvers.inner.nest import Block
+from castx.solvers.inner.options import FACTORS
 from tests.castx.solvers.distributed import gathered, index_set, matrix, options, vector
 
 BODIES, PAIRS = 6, 2

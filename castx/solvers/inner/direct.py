@@ -1,0 +1,50 @@
+"""Sparse LU factorisation of small systems."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from castx.arrays import BoolArray
+from castx.profiling import RunPart, booked_as
+from castx.solvers.inner.options import FACTORS
+
+MOST_CHANGED = 8
+"""Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
+
+
+class DirectSolver:
+    """Sparse LU factorisation (MUMPS).
+
+    Args:
+        comm: communicator of the matrix.
+        prefix: prefix of its PETSc options, which are read at the first set-up.
+        most_changed: constrained unknowns that may change before a new factorisation.
+    """
+
+    def __init__(self, comm: MPI.Intracomm, prefix: str, most_changed: int = MOST_CHANGED) -> None:
+        self.most_changed, self.is_exact = most_changed, True
+        self.defaults: Mapping[str, object] = FACTORS
+        self._ksp = PETSc.KSP().create(comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self.prefix = prefix
+        self._ready = False
+
+    @booked_as(RunPart.SET_UP)
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+        """Factorise the matrix."""
+        self._ksp.setOperators(matrix)
+        if not self._ready:
+            self._ksp.setFromOptions()
+            self._ready = True
+        self._ksp.setUp()
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the solution for b."""
+        self._ksp.solve(b, x)
+
+    def destroy(self) -> None:
+        """Free the factors."""
+        self._ksp.destroy()

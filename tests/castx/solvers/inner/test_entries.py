@@ -1,0 +1,28 @@
+"""Factors by which numbers change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.solvers.inner.entries import diagonal, largest_factor
+from tests.castx.solvers.distributed import matrix
+from tests.castx.solvers.inner.systems import LOCAL
+
+
+def test_largest_factor_counts_growth_and_shrinking_alike(comm):
+    then = np.array([2.0, -4.0, 0.0, 1.0])
+    assert largest_factor(then, then, comm) == 1.0
+    assert largest_factor(then * [1.0, 3.0, 1.0, 0.5], then, comm) == 3.0
+    assert largest_factor(then * [1.0, 3.0, 1.0, 0.2], then, comm) == pytest.approx(5.0)
+    only_here = then * [1.0, 7.0 if comm.rank == comm.size - 1 else 1.0, 1.0, 1.0]
+    assert largest_factor(only_here, then, comm) == 7.0
+    for changed in ([2.0, -4.0, 1e-9, 1.0], [2.0, 4.0, 0.0, 1.0]):
+        assert largest_factor(np.array(changed), then, comm) == np.inf
+
+
+def test_the_diagonal_is_that_of_the_owned_rows(comm, dense):
+    A = matrix(comm, dense, LOCAL)
+    own = slice(*A.getOwnershipRange())
+    np.testing.assert_array_equal(diagonal(A), np.diagonal(dense)[own])
+    A.destroy()
