@@ -15,7 +15,7 @@ from castx.case.boundaries import Boundary, Loads, Support
 from castx.case.control import Coupling, Solver, Time
 from castx.case.geometry import Geometry
 from castx.case.interfaces import Interface
-from castx.case.output import Foundry, Output, Probe
+from castx.case.output import Foundry, Measurement, Output, Probe
 from castx.case.stages import Stage
 from castx.errors import CaseError
 from castx.input.entries import Description, MaterialName
@@ -58,6 +58,7 @@ class Case(Description):
         output: fields and checkpoints.
         foundry: how the quantities of the foundry are taken.
         probes: points whose quantities are recorded.
+        measurements: measured curves that the report compares with those of probes.
         stages: changes in the course of the process.
     """
 
@@ -75,6 +76,7 @@ class Case(Description):
     output: Output = Output()
     foundry: Foundry = Foundry()
     probes: tuple[Probe, ...] = Field((), max_length=_MOST_ENTRIES)
+    measurements: tuple[Measurement, ...] = Field((), max_length=_MOST_ENTRIES)
     stages: tuple[Stage, ...] = Field((), max_length=_MOST_STAGES)
 
     _path: Path = PrivateAttr(Path("case"))

@@ -1,4 +1,4 @@
-"""What a run writes: fields, checkpoints, and probes that record single points."""
+"""What a run writes, where, and what it is compared with: fields, probes, measured curves."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, StrictStr
 
 from castx.case.boundaries import surface_names
 from castx.errors import CaseError
@@ -21,7 +21,16 @@ from castx.input.entries import (
     Temperature,
 )
 from castx.input.problems import Problem, among, refuse
-from castx.input.units import LENGTH, PURE_NUMBER, TIME, Dimension
+from castx.input.units import (
+    HEAT_TRANSFER,
+    LENGTH,
+    PURE_NUMBER,
+    STRESS,
+    TEMPERATURE,
+    TIME,
+    Dimension,
+    number,
+)
 
 FIELDS = (
     "temperature",
@@ -60,11 +69,31 @@ BODY_QUANTITIES = (
     "plastic_strain",
 )
 INTERFACE_QUANTITIES = ("gap", "contact_pressure", "heat_transfer_coefficient")
+DIMENSIONS = {
+    "temperature": TEMPERATURE,
+    "solid_fraction": PURE_NUMBER,
+    "enthalpy": Dimension("an enthalpy per volume", "J/m^3", ("J/m^3", "MJ/m^3")),
+    "displacement": LENGTH,
+    "pressure": STRESS,
+    "stress": STRESS,
+    "von_mises": STRESS,
+    "plastic_strain": PURE_NUMBER,
+    "gap": LENGTH,
+    "contact_pressure": STRESS,
+    "heat_transfer_coefficient": HEAT_TRANSFER,
+}
+"""Of the quantities that probes record."""
 
 
 def _folder(value: Any) -> Path:
     if not isinstance(value, str | Path) or not str(value).strip() or "\0" in str(value):
         raise CaseError("the path of a folder is needed, relative to the working directory")
+    return Path(value)
+
+
+def _file(value: Any) -> Path:
+    if not isinstance(value, str | Path) or not str(value).strip() or "\0" in str(value):
+        raise CaseError("the path of a table is needed, relative to the case file")
     return Path(value)
 
 
@@ -218,3 +247,48 @@ class Probe(Description):
                 yield Problem(("quantities", index), text)
             elif name in self.quantities[:index]:
                 yield Problem(("quantities", index), "is there already")
+
+
+_Title = Annotated[StrictStr, Field(min_length=1, max_length=200)]
+_UnitName = Annotated[StrictStr, Field(max_length=40)]
+
+
+class Measurement(Description):
+    """A measured curve with which the report compares that of a probe.
+
+    Attributes:
+        of: column of probes.csv, PROBE.QUANTITY or PROBE.QUANTITY.PART.
+        file: table of a logger, whose first line names its columns; after loading an absolute path.
+        column: of the file; None: the one called as `of`.
+        unit: of the numbers there; empty: that of the quantity in SI, °C of temperatures.
+        time: column of the times.
+        time_unit: of these; empty: seconds.
+        start: time of the logger when the run begins [s].
+    """
+
+    of: _Title
+    file: Annotated[Path, PlainValidator(_file)]
+    column: _Title | None = None
+    unit: _UnitName = ""
+    time: _Title = "time"
+    time_unit: _UnitName = ""
+    start: Annotated[float, Quantity(TIME)] = 0.0
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield something else than a quantity of a probe, and units of something else."""
+        quantity = self.of.partition(".")[2].partition(".")[0]
+        if quantity not in DIMENSIONS:
+            known = among(quantity, list(DIMENSIONS), what="quantities of probes")
+            yield Problem(("of",), f'a column of probes.csv is needed, "PROBE.QUANTITY"; {known}')
+            return
+        for key, dimension in (("unit", DIMENSIONS[quantity]), ("time_unit", TIME)):
+            unit = getattr(self, key)
+            try:
+                if unit:
+                    number(f"300 {unit}", dimension)
+            except CaseError as error:
+                yield Problem((key,), str(error))
+
+    def relative_to(self, folder: Path) -> Measurement:
+        """Return the same with an absolute path of its file, given relative to a folder."""
+        return self.model_copy(update={"file": folder / self.file})

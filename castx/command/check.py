@@ -36,6 +36,7 @@ from castx.process.building import stage_cases
 from castx.report.assembly.exploded import refuse_format, write_picture
 from castx.report.assembly.shells import shells_of
 from castx.report.stages import cycle_text, stage_table
+from castx.results.files.measurements import measured_curves
 from castx.results.probes import readings_of
 
 
@@ -110,8 +111,13 @@ def _formulations(
     case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
 ) -> list[str]:
     """Return the formulations of the bodies, and refuse what the mesh does not fit; collective."""
-    for probe in case.probes:
-        readings_of(probe, mesh, pairs)
+    columns = [
+        column
+        for probe in case.probes
+        for reading in readings_of(probe, mesh, pairs)
+        for column in reading.columns
+    ]
+    measured_curves(case.measurements, columns, mesh.comm)
     for body in case.bodies:
         if body.temperature.file is not None:
             initial_temperatures(body.temperature, mesh.bodies[body.name], mesh.comm)

@@ -19,6 +19,8 @@ from castx.arrays import FloatArray
 from castx.report.pictures import Image
 
 DOTS_PER_INCH = 150
+MOST_POINTS = 60
+"""Of a measured curve that are drawn, about."""
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b", "#8c6d31")
 """Distinguishable with any kind of colour vision (M. Okabe and K. Ito, 2008), greys added."""
 
@@ -51,6 +53,7 @@ class Panel:
         logarithmic: whether the ordinate is.
         steps: whether each value is that of the whole step before.
         least: height that the ordinate has at least, so that round-off is drawn as zero.
+        points: times [s] and ordinates of what was measured, by the name of its curve.
     """
 
     label: str
@@ -59,6 +62,7 @@ class Panel:
     logarithmic: bool = False
     steps: bool = False
     least: float = 0.0
+    points: Mapping[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
 
 
 def curves(time: FloatArray, panels: Sequence[Panel]) -> bytes:
@@ -94,7 +98,10 @@ def draw(axis: Axes, time: FloatArray, panel: Panel) -> None:
         panel: the diagram.
     """
     for name, values in panel.lines.items():
-        axis.plot(time, values, label=name, drawstyle="steps-pre" if panel.steps else "default")
+        style = "steps-pre" if panel.steps else "default"
+        (line,) = axis.plot(time, values, label=name, drawstyle=style)
+        if name in panel.points:
+            draw_points(axis, *panel.points[name], f"{name}, measured", str(line.get_color()))
     for name, level in panel.levels.items():
         axis.axhline(level, color="#8a8f98", linewidth=0.9, linestyle=(0, (6, 4)), zorder=1)
         axis.annotate(
@@ -114,8 +121,29 @@ def draw(axis: Axes, time: FloatArray, panel: Panel) -> None:
         axis.set_yscale("log", nonpositive="mask")
     axis.set_ylabel(panel.label)
     axis.margins(x=0.01)
+    if panel.points:  # loggers begin early and end late
+        axis.set_xlim(time[0], time[-1])
     if len(panel.lines) > 1 or not panel.label.startswith(tuple(panel.lines)):
         axis.legend(loc="best", ncols=2 if len(panel.lines) > 4 else 1)
+
+
+def draw_points(
+    axis: Axes, time: FloatArray, values: FloatArray, name: str, colour: str
+) -> None:
+    """Draw what was measured as open circles, of a long series every so many-th one.
+
+    Args:
+        axis: where to.
+        time: of the points [s].
+        values: there.
+        name: in the legend.
+        colour: that of the computed curve.
+    """
+    every = max(len(time) // MOST_POINTS, 1)
+    axis.plot(
+        time[::every], values[::every], linestyle="none", marker="o", markersize=4,
+        markerfacecolor="none", color=colour, label=name, zorder=3,
+    )  # fmt: skip
 
 
 def row(

@@ -93,6 +93,34 @@ def columns(
     }
 
 
+def probed(
+    run: Results,
+    label: str,
+    quantity: str,
+    factor: float = 1.0,
+    *,
+    levels: Mapping[str, float] | None = None,
+    least: float = 0.0,
+) -> Panel:
+    """Return a quantity at all probes that record it, with what was measured there.
+
+    Args:
+        run: the results.
+        label: of the ordinate, with its unit.
+        quantity: ending of the columns.
+        factor: from SI to the unit of the label.
+        levels: thin horizontal lines, by name.
+        least: height that the ordinate has at least.
+    """
+    values = {name: curve.values for name, curve in run.measured.items()}
+    points = {
+        name: (run.measured[f"{name}.{quantity}"].time, ordinates)
+        for name, ordinates in columns(values, quantity, factor).items()
+    }
+    lines = columns(run.probes, quantity, factor)
+    return Panel(label, lines, levels or {}, least=least, points=points)
+
+
 def filled(panels: Sequence[Panel]) -> list[Panel]:
     """Return the panels that have lines."""
     return [panel for panel in panels if panel.lines]
@@ -106,7 +134,7 @@ def cooling(run: Results) -> list[Panel]:
             solidus, liquidus = body["freezes"]
             ends = {"solidus": solidus, "liquidus": liquidus}
             levels |= ends if solidus < liquidus else {"melting point": solidus}
-    return filled([Panel("temperature [°C]", columns(run.probes, "temperature"), levels)])
+    return filled([probed(run, "temperature [°C]", "temperature", levels=levels)])
 
 
 def solidification(run: Results) -> list[Panel]:
@@ -126,13 +154,9 @@ def contact(run: Results) -> list[Panel]:
     """Return gap, contact pressure and heat transfer coefficient at the probes."""
     return filled(
         [
-            Panel("gap [µm]", columns(run.probes, "gap", 1e6), least=1.0),
-            Panel(
-                "contact pressure [MPa]",
-                columns(run.probes, "contact_pressure", 1e-6),
-                least=0.1,
-            ),
-            Panel("h [W/m²/K]", columns(run.probes, "heat_transfer_coefficient")),
+            probed(run, "gap [µm]", "gap", 1e6, least=1.0),
+            probed(run, "contact pressure [MPa]", "contact_pressure", 1e-6, least=0.1),
+            probed(run, "h [W/m²/K]", "heat_transfer_coefficient"),
         ]
     )
 
@@ -143,11 +167,7 @@ def displacements(run: Results) -> list[Panel]:
     directions = sorted({name.rpartition(".")[2] for name in named})
     return filled(
         [
-            Panel(
-                f"displacement {axis} [µm]",
-                columns(run.probes, f"displacement.{axis}", 1e6),
-                least=1.0,
-            )
+            probed(run, f"displacement {axis} [µm]", f"displacement.{axis}", 1e6, least=1.0)
             for axis in directions
         ]
     )

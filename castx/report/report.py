@@ -14,11 +14,21 @@ from castx.report.figures import NUMERICS, curve_figures, field_figures
 from castx.report.hot_spots import hot_spot_table
 from castx.report.stages import process_rows
 from castx.results.files.folder import REPORT, write_whole
+from castx.results.files.measurements import Deviation
+from castx.results.quantities import UNITS
 from castx.results.reading import Results
 from castx.results.snapshot import FULLY_SOLID
 
 ROUNDING = 1e-15
 """Round-off: a gap that counts as zero [m]."""
+
+
+SHOWN = {
+    "temperature": (1.0, "K"), "displacement": (1e6, "µm"), "gap": (1e6, "µm"),
+    "pressure": (1e-6, "MPa"), "stress": (1e-6, "MPa"), "von_mises": (1e-6, "MPa"),
+    "contact_pressure": (1e-6, "MPa"),
+}  # fmt: skip
+"""Factor from SI, and unit, of differences between quantities; others are in SI."""
 
 
 def write_report(folder: Path) -> Path:
@@ -59,6 +69,8 @@ def summary(run: Results) -> list[tuple[str, str]]:
         if largest is not None:
             rows.append((f"largest gap {name}", gap_text(largest)))
             rows.append((f"{name} begins to open", opening_text(history["time"], largest)))
+    rows += [(f"{name} beside its measurement", deviation_text(name, apart))
+             for name, apart in run.deviations.items()]
     rows += process_rows(record.get("process", []))
     if "energy_error" in history:
         rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
@@ -93,6 +105,16 @@ def gap_text(largest: FloatArray) -> str:
     when = "at the end" if np.isfinite(largest[-1]) else "before a body was removed"
     gap = known[-1] if known[-1] > ROUNDING else 0.0
     return f"{1e6 * gap:.4g} µm {when}"
+
+
+def deviation_text(name: str, apart: Deviation) -> str:
+    """Return how far a column of probes.csv is from what was measured."""
+    quantity = name.split(".")[1]
+    factor, unit = SHOWN.get(quantity, (1.0, UNITS[quantity]))
+    return (
+        f"RMS {factor * apart.root_mean_square:.3g} {unit}, at most "
+        f"{factor * apart.largest:+.3g} {unit} at {apart.at:.4g} s, {apart.points} points"
+    )
 
 
 def solid_text(history: Mapping[str, FloatArray], body: str) -> str:

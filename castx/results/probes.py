@@ -67,14 +67,18 @@ class Probes:
         self._path = path
         self._series: Series | None = None
 
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns behind the time."""
+        return [column for reading in self._readings for column in reading.columns]
+
     def open(self, kept: int | None = None) -> None:
         """Begin the file; an older one is written over, or keeps its first lines."""
         if self._comm.rank > 0:
             return
-        columns = [column for reading in self._readings for column in reading.columns]
         if kept is not None:
             cut_back(self._path, kept)
-        self._series = Series(self._path, ["time", *columns], resumed=kept is not None)
+        self._series = Series(self._path, ["time", *self.columns], resumed=kept is not None)
 
     def append(self, snapshot: Snapshot) -> None:
         """Write the line of one accepted step; collective."""

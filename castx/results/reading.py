@@ -16,6 +16,7 @@ from castx.errors import CaseError
 from castx.input.problems import among
 from castx.results.files.collection import FieldSeries
 from castx.results.files.folder import RECORD
+from castx.results.files.measurements import Deviation, deviation, read_measured
 from castx.results.files.run_json import read_record
 from castx.results.files.series import read_series
 from castx.results.files.vtu import VTK_TENSOR
@@ -95,6 +96,7 @@ class Results:
         record: run.json: what was run, with what, and how it ended.
         history: columns of history.csv by name, (steps + 1,).
         probes: columns of probes.csv by name, (steps + 1,).
+        measured: measured curves by the columns of probes.csv that they belong to.
 
     Args:
         folder: the results folder.
@@ -109,12 +111,24 @@ class Results:
             record = read_record(self.folder / RECORD)
             history = read_series(self.folder / "history.csv")
             probes = read_series(self.folder / "probes.csv")
+            self.measured = read_measured(self.folder)
         except (OSError, ValueError) as error:
             raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
         if "bodies" not in record or history.get("time", np.empty(0)).size == 0:
             raise CaseError(f"{folder} holds no accepted step of a run of castx")
         self.record: Mapping[str, Any] = record
         self.history, self.probes = Columns(history), Columns(probes)
+
+    @property
+    def deviations(self) -> dict[str, Deviation]:
+        """How far the probes are from what was measured, by column, where times overlap."""
+        time = self.probes["time"]
+        found = {
+            name: deviation(time, self.probes[name], curve)
+            for name, curve in self.measured.items()
+            if name in self.probes
+        }
+        return {name: apart for name, apart in found.items() if apart is not None}
 
     @property
     def case(self) -> Mapping[str, Any]:

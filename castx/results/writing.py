@@ -24,6 +24,7 @@ from castx.results.files.folder import (
     clear_results,
     write_whole,
 )
+from castx.results.files.measurements import measured_curves, write_measured
 from castx.results.files.series import damage_of
 from castx.results.foundry_fields import (
     FoundryFields,
@@ -75,8 +76,8 @@ class ResultsWriter:
         pairs: the node pairs by the names of their interfaces.
 
     Raises:
-        CaseError: the folder cannot be written, a probe lies outside its body, or an unknown
-            quantity is wanted; on all ranks.
+        CaseError: the folder cannot be written, a probe lies outside its body, a measured curve
+            cannot be read, or an unknown quantity is wanted; on all ranks.
     """
 
     def __init__(self, case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> None:
@@ -93,6 +94,7 @@ class ResultsWriter:
             [interface.name for interface in case.interfaces],
         )
         self._probes = Probes(self._folder / "probes.csv", case.probes, mesh, pairs)
+        self._measured = measured_curves(case.measurements, self._probes.columns, mesh.comm)
         self._fields = Fields(
             self._folder / FIELDS,
             wanted_fields(case),
@@ -151,6 +153,7 @@ class ResultsWriter:
                 if self._resumed is None:
                     clear_results(self._folder)
                 write_whole(self._folder / CASE, self._case)
+                write_measured(self._folder, self._measured)
                 (self._folder / FIELDS).mkdir(exist_ok=True)
                 kept = [self._rows - self._lost.get(name, 0) for name in SERIES]
                 self._probes.open(None if self._resumed is None else kept[0])

@@ -16,6 +16,7 @@ ALLOWED: tuple[KeyPath, ...] = (
     ("output",),
     ("foundry",),
     ("probes",),
+    ("measurements",),
     ("solver",),
 )
 """Keys that may change between two parts of a run: neither the model nor the steps taken."""

@@ -102,6 +102,7 @@ def _completed(case: Case, path: Path) -> Case:
             "interfaces": with_normals(case),
             "geometry": geometry,
             "output": output.model_copy(update={"folder": folder}),
+            "measurements": tuple(m.relative_to(path.resolve().parent) for m in case.measurements),
             "loads": case.loads.model_copy(update={"gravity": gravity}),
             "bodies": tuple(
                 body.model_copy(update={"temperature": body.temperature.relative_to(path)})

@@ -32,12 +32,13 @@ RECORD = "run.json"
 CASE = "case.json"
 SERIES = ("probes.csv", "history.csv")
 HOT_SPOTS = "hot_spots.csv"
+MEASURED = "measurements.csv"
 REPORT = "report.html"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
-OURS = (LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, REPORT, FIELDS, CHECKPOINT)
+OURS = (LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, FIELDS, CHECKPOINT)
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
 """Time for the holder of a lock to say who it is [s]."""
@@ -169,7 +170,7 @@ def other_case(record: dict[str, Any]) -> str:
 
 def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
-    for name in (CASE, *SERIES, HOT_SPOTS, REPORT):
+    for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT):
         (folder / name).unlink(missing_ok=True)
     ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
             ("", f".{CASE}.*"))  # fmt: skip

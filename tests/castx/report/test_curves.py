@@ -84,3 +84,13 @@ def test_the_white_rim_that_all_pictures_have_is_cut_off():
     assert [image.shape for image in found] == [(66, 31, 3)] * 2
     white = np.full((5, 5, 3), 255, dtype=np.uint8)
     assert trimmed([white])[0] is white
+
+
+def test_what_was_measured_stands_on_the_colour_of_its_curve_within_the_run():
+    late = np.linspace(-1.0, 5.0, 601)
+    axis = drawn(Panel("T [°C]", {"a": TIME, "b": 2 * TIME}, points={"b": (late, 2 * late)}))
+    lines = axis.get_lines()
+    assert [line.get_label() for line in lines] == ["a", "b", "b, measured"]
+    assert lines[2].get_color() == lines[1].get_color() != lines[0].get_color()
+    assert 40 < len(lines[2].get_xdata()) <= 80
+    assert axis.get_xlim() == (TIME[0], TIME[-1])

@@ -56,7 +56,7 @@ def results(**changes):
     }
     parts = {
         "record": record, "history": Columns(history), "probes": Columns(probes),
-        "model": "axisymmetric", "freezing": ["casting"],
+        "model": "axisymmetric", "freezing": ["casting"], "measured": {},
     }  # fmt: skip
     return SimpleNamespace(**parts | changes)
 

@@ -11,7 +11,9 @@ import pytest
 
 from castx.command.run import run
 from castx.errors import CaseError
+from castx.report.figures import cooling
 from castx.report.report import opening_text, solid_text, steps_text, summary, write_report
+from castx.results.files.measurements import Measured
 from castx.results.reading import Results
 
 pytestmark = pytest.mark.serial
@@ -49,6 +51,20 @@ def test_the_summary_has_the_numbers_of_the_run(folder):
     assert found["casting all solid"].startswith("not yet")
     assert found["steps"] == f"{len(results.history['time']) - 1}, 0 of them cut"
     assert results.freezing == ["casting"]
+
+
+def test_the_summary_compares_with_what_was_measured(folder):
+    results = Results(folder)
+    name = "centre.temperature"
+    time, computed = results.probes["time"], results.probes[name]
+    results.measured = {name: Measured(time, computed - np.where(time > 0.2, 3.0, 0.0))}
+    text = dict(summary(results))[f"{name} beside its measurement"]
+    count, later = len(time), int(np.count_nonzero(time > 0.2))
+    first = time[time > 0.2][0]
+    mean = 3.0 * np.sqrt(later / count)
+    assert text == f"RMS {mean:.3g} K, at most +3 K at {first:.4g} s, {count} points"
+    (panel,) = cooling(results)
+    assert panel.points.keys() == {"centre"}
 
 
 def test_steps_taken_again_are_told():
