@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class FieldCopies:
     """Copies of the wanted fields of one moment: arrays of the pieces of this rank by body.
 
-    Bodies that are removed have none.
+    Bodies that are removed have none. Those of the foundry are found when they are written.
     """
 
     time: float
@@ -99,12 +99,19 @@ class Fields:
 
         In the first cycle the last state of each stage is written as well.
         """
-        if self._pending is not None and self._pending.phase != phase_of(snapshot):
-            if self._pending.phase[0] == 1:
-                self.write_pending()
+        self.leave_stage(snapshot)
         self._pending = self._copy(snapshot)
         if snapshot.step == 0 or self._due(snapshot.time):
             self.write_pending()
+
+    def leave_stage(self, snapshot: Snapshot) -> None:
+        """Write the last state of a stage of the first cycle if a state is of another one.
+
+        Call it before the quantities of the foundry are followed to that state; collective.
+        """
+        if self._pending is not None and self._pending.phase != phase_of(snapshot):
+            if self._pending.phase[0] == 1:
+                self.write_pending()
 
     def _due(self, now: float) -> bool:
         """Return whether a multiple of `every` lies after the last output and not after now."""
@@ -122,7 +129,9 @@ class Fields:
             state.nodal[body] = {
                 name: self._nodal(snapshot, body, name)[piece.nodes]
                 for name in self._names
-                if name not in CELLWISE and (body in self._melting or not of_melting(name))
+                if name not in CELLWISE
+                and not is_of_foundry(name)
+                and (body in self._melting or not of_melting(name))
             }
             state.cellwise[body] = {
                 name: snapshot.cellwise(body, name)[: piece.cells].copy()
@@ -132,8 +141,6 @@ class Fields:
         return state
 
     def _nodal(self, snapshot: Snapshot, body: str, name: str) -> FloatArray:
-        if is_of_foundry(name):
-            return self._foundry.nodal(body, name)
         if name in PAIRED:
             return interface_field(snapshot, body, name)
         return snapshot.nodal(body, name)
@@ -148,6 +155,7 @@ class Fields:
             return
         state, index = self._pending, len(self._outputs)
         self._pending = None
+        self._add_foundry(state)
         with self._disk.writing():
             for number, (body, piece) in enumerate(self._pieces.items()):
                 if piece.cells > 0 and body in state.nodal:
@@ -160,6 +168,17 @@ class Fields:
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._write_collection()
+
+    def _add_foundry(self, state: FieldCopies) -> None:
+        """Find the wanted quantities of the foundry for a moment to be written; collective.
+
+        It is the last one to which they were followed.
+        """
+        for body, known in state.nodal.items():
+            here = self._pieces[body].nodes
+            for name in self._names:
+                if is_of_foundry(name) and body in self._melting:
+                    known[name] = self._foundry.nodal(body, name)[here]
 
     def _write_collection(self) -> None:
         write_whole(self._folder / COLLECTION, collection(self._outputs))

@@ -108,9 +108,11 @@ class BodySolidification:
         self._enthalpy: FloatArray = np.zeros(nodes)
         self._first_enthalpy: FloatArray = np.zeros(nodes)
         self._numbering = body.node_numbering
+        self._slow: FloatArray | None = None
 
     def update(self, snapshot: Snapshot, body: str) -> None:
         """Take over the state after an accepted step; collective."""
+        self._slow = None
         time, enthalpy = snapshot.time, snapshot.nodal(body, "enthalpy").copy()
         if body in snapshot.process.renewed:
             self._times[:], self._gradient[:] = np.nan, np.nan
@@ -164,6 +166,7 @@ class BodySolidification:
 
         A level that was not noted before is noted from now on.
         """
+        self._slow = None
         self._time, self._enthalpy = float(arrays["time"]), arrays["last_enthalpy"]
         self._first_time = float(arrays["first_time"])
         self._first_enthalpy = arrays["first_enthalpy"]
@@ -194,9 +197,15 @@ class BodySolidification:
         return np.where(np.isfinite(self._passing(FRONT)), self._gradient, np.nan)
 
     def _slowness(self) -> FloatArray:
-        """Return |∇t| of the times at which f_s = 0.9 was passed [s/m]; collective."""
-        in_cells = self._steepness.in_cells(self._passing(FRONT))
-        return self._steepness.at_nodes(in_cells, np.isfinite(in_cells).astype(np.float64))
+        """Return |∇t| of the times at which f_s = 0.9 was passed [s/m]; collective.
+
+        Several quantities ask for it after one step; it is found once.
+        """
+        if self._slow is None:
+            in_cells = self._steepness.in_cells(self._passing(FRONT))
+            finite = np.isfinite(in_cells).astype(np.float64)
+            self._slow = self._steepness.at_nodes(in_cells, finite)
+        return self._slow
 
     def front_speed(self) -> FloatArray:
         """Return v = 1/|∇t| of the surface f_s = 0.9 [m/s]; collective."""

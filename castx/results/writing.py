@@ -174,6 +174,7 @@ class ResultsWriter:
             StorageError: the disk did not take it; on all ranks.
         """
         self._record.update(snapshot)
+        self._fields.leave_stage(snapshot)
         self._solidification.update(snapshot)
         self._pools.update(snapshot)
         self._record.note_hot_spots(self._pools.described())

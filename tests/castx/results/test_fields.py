@@ -8,6 +8,7 @@ from castx.case.output import FIELDS
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.quantities import UNITS
+from castx.results.snapshot import ProcessState
 from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
@@ -105,6 +106,39 @@ def test_bodies_that_do_not_melt_have_no_solid_fraction_and_no_foundry_quantitie
         for block in pieces(reader, 0.0, name):
             assert set(block.point_data) == known
             assert list(block.field_data["name"]) == [name]
+
+
+class Counted:
+    """A source of foundry quantities that counts how often it is asked."""
+
+    def __init__(self, mesh):
+        self.mesh, self.value, self.asked = mesh, 0.0, 0
+
+    def nodal(self, body, name):
+        self.asked += 1
+        return np.full(len(self.mesh.bodies[body].points), self.value)
+
+
+def test_foundry_quantities_are_found_only_for_moments_that_are_written(comm, shared_tmp_path):
+    """Eight states, of which four are written; a new stage begins with the seventh."""
+    mesh = cylinder_mesh(comm, size=5e-3)
+    source = Counted(mesh)
+    names = ("temperature", "niyama", "cooling_rate")
+    fields = Fields(shared_tmp_path, names, 2.0, mesh, source, Disk(comm), ["casting"])
+    for step in range(8):
+        process = ProcessState(stage=int(step >= 6))
+        snapshot = FakeSnapshot(0.5 * step, step, mesh, formulas=FORMULAS, process=process)
+        fields.leave_stage(snapshot)
+        source.value = 0.5 * step
+        fields.update(snapshot)
+    fields.write_pending()
+    comm.Barrier()
+    reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
+    assert reader.time_values == [0.0, 2.0, 2.5, 3.5]
+    for time in reader.time_values:
+        for block in pieces(reader, time, "casting"):
+            assert (block["niyama"] == time).all() and (block["cooling_rate"] == time).all()
+    assert source.asked == 2 * 4
 
 
 def test_every_field_has_a_unit():

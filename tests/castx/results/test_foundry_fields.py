@@ -23,6 +23,7 @@ from castx.results.foundry_fields import (
     is_of_foundry,
     written_names,
 )
+from castx.results.freezing.gradients import Steepness
 from castx.results.reading import Results
 from castx.results.solidification import BodySolidification, Followed, Solidification
 from tests.castx.fakes import FakeSnapshot, slab_mesh
@@ -196,6 +197,38 @@ def test_a_run_that_goes_on_ends_like_one_that_was_not_stopped(comm, shared_tmp_
         values = whole.field(name, "casting").values
         assert np.isfinite(values).sum() > 6, name
         np.testing.assert_allclose(parts.field(name, "casting").values, values, rtol=1e-6)
+
+
+STAGED = """
+[[stages]]
+at = 0.2
+[[stages.boundaries]]
+on = "casting/wall"
+heat = { type = "temperature", value = 200 }
+"""
+
+
+def test_the_last_state_of_a_stage_knows_nothing_of_what_passes_later(comm, shared_tmp_path):
+    path = shared_tmp_path / "staged.toml"
+    if comm.rank == 0:
+        path.write_text(CASE + STAGED)
+    comm.Barrier()
+    results = Results(run(path, output=shared_tmp_path / "staged"))
+    assert results.times == [0.0, 0.2, 0.4]
+    first, last = (results.field("passing_time_0.5", "casting", t).values for t in (0.2, 0.4))
+    assert np.nanmax(first) <= 0.2 < np.nanmax(last)
+    next_step = (last > 0.2) & (last <= 0.22)
+    assert next_step.any() and np.isnan(first[next_step]).all()
+
+
+def test_the_speed_of_the_front_is_found_once_for_all_that_ask_for_it(comm, monkeypatch):
+    calls = []
+    found = Steepness.at_nodes
+    monkeypatch.setattr(Steepness, "at_nodes", lambda *given: calls.append(1) or found(*given))
+    _, fields = solidified(comm, Followed(fractions=(0.4, 0.99)))
+    for name in ("niyama", "cooling_rate", "arm_spacing", "pore_fraction", "front_speed"):
+        fields.nodal("casting", name)
+    assert len(calls) == 1
 
 
 def test_names_stand_for_fields():
