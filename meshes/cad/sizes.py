@@ -21,6 +21,8 @@ from castx.meshes.cad.faces import Face
 
 OPPOSITE = -0.5
 """Cosine between the normals of the two sides of a wall; they enclose at most 60°."""
+ON_EDGE = 1e-6
+"""Share of a triangle beyond its edges that still belongs to it."""
 CHUNK = 256
 """Samples that are compared with all others at a time."""
 MOST = 3000
@@ -44,7 +46,6 @@ class Samples:
         corners: (samples, 3, 3) [m].
         points: their middles, (samples, 3) [m].
         normals: out of the first body of the face, (samples, 3).
-        radii: largest distance of a corner from the middle [m].
         areas: [m²].
     """
 
@@ -52,7 +53,6 @@ class Samples:
     corners: FloatArray
     points: FloatArray
     normals: FloatArray
-    radii: FloatArray
     areas: FloatArray
 
 
@@ -74,7 +74,6 @@ def samples_of(faces: Sequence[Face]) -> Samples:
         places,
         middles,
         np.concatenate(normals),
-        np.linalg.norm(places - middles[:, None], axis=2).max(axis=1),
         0.5 * np.linalg.norm(vectors, axis=1),
     )
 
@@ -114,42 +113,39 @@ def wall_thickness(
     for first in range(0, len(asked), CHUNK):
         rows = asked[first : first + CHUNK]
         thickness[rows] = _to_other_side(
-            samples.points[rows], normals[rows], samples.points[own], normals[own],
-            samples.radii[own],
-        )  # fmt: skip
+            samples.points[rows], normals[rows], samples.corners[own], normals[own]
+        )
     return thickness, -normals
 
 
 def _to_other_side(
-    points: FloatArray,
-    normals: FloatArray,
-    others: FloatArray,
-    other_normals: FloatArray,
-    radii: FloatArray,
+    points: FloatArray, normals: FloatArray, corners: FloatArray, other_normals: FloatArray
 ) -> FloatArray:
-    """Return how far inside the next opposite triangle lies, taken as a disc.
+    """Return how far inside the next opposite triangle is hit.
 
     Args:
         points: from which to look along the negative normals, (points, 3) [m].
         normals: outward ones.
-        others: middles of the triangles, (triangles, 3) [m].
+        corners: of the triangles, (triangles, 3, 3) [m].
         other_normals: of the triangles.
-        radii: of the triangles [m].
     """
+    first, edges = corners[:, 0], corners[:, 1:] - corners[:, :1]
     cosines = normals @ other_normals.T
-    heights = np.einsum("ij,ij->i", others, other_normals) - points @ other_normals.T
-    along = normals @ others.T - np.einsum("ij,ij->i", normals, points)[:, None]
-    squares = (
-        np.einsum("ij,ij->i", points, points)[:, None]
-        + np.einsum("ij,ij->i", others, others)
-        - 2.0 * points @ others.T
-    )
+    heights = np.einsum("ij,ij->i", first, other_normals) - points @ other_normals.T
     opposite = cosines < OPPOSITE
     depths = np.where(opposite, heights / np.where(opposite, -cosines, 1.0), np.inf)
     known = opposite & (depths > 1e-9)
     hit = np.where(known, depths, 0.0)
-    beside = squares + hit * (2.0 * along + hit)
-    return np.asarray(np.where(known & (beside <= radii**2), depths, np.inf).min(axis=1))
+    duals = np.swapaxes(np.linalg.pinv(edges), 1, 2)  # of a triangle without area: none
+    shares = []
+    for number in range(2):
+        dual = duals[:, number]
+        start = points @ dual.T - np.einsum("ij,ij->i", first, dual)
+        shares.append(start - hit * (normals @ dual.T))
+    shares.append(1.0 - shares[0] - shares[1])
+    for share in shares:
+        known &= share >= -ON_EDGE
+    return np.asarray(np.where(known, depths, np.inf).min(axis=1))
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,25 @@ def sampled():
         yield faces, samples
 
 
+def test_coarse_triangles_of_a_bore_do_not_thin_the_wall_above_it():
+    """Eight millimetres of wall are left at the crest, and no triangle reaches beyond its edges."""
+    with gmsh_session():
+        occ = gmsh.model.occ
+        block, bore = occ.addBox(0, 0, 0, 100, 60, 40), occ.addCylinder(-1, 30, 20, 102, 0, 0, 12)
+        ((_, part),), _ = occ.cut([(3, block)], [(3, bore)])
+        occ.synchronize()
+        faces = faces_of({part: "casting"})
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 30)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 5)
+        gmsh.model.mesh.generate(2)
+        samples = samples_of(faces)
+    walls, _ = wall_thickness(samples, faces, "casting")
+    upper = np.array([face.normals[0, 2] > 0.99 for face in faces])[samples.faces]
+    above = upper & (np.abs(samples.points[:, 1] - 0.03) < 0.01)
+    assert above.any() and 0.008 - 1e-9 < walls[above].min() < 0.0105
+    assert walls[upper].max() == pytest.approx(0.04)
+
+
 def test_walls_are_as_thick_as_drawn(sampled):
     faces, samples = sampled
     flat = np.array([abs(face.normals[0, 2]) > 0.5 and len(face.bodies) == 2 for face in faces])
