@@ -162,7 +162,7 @@ class CadPart:
         selectors: of the named surfaces.
         rest: name of the free faces that no selector has.
         curvature: elements round a full circle.
-        across: cells across a wall.
+        across: cells across a wall; 0: as many as the other sizes make.
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         rules: sizes at places.

@@ -14,6 +14,8 @@ from castx.meshes.cad.faces import Face
 from castx.meshes.cad.reading import centre_of, place_text
 from castx.meshes.cad.sizes import (
     Samples,
+    SizeGrid,
+    crowded_cells,
     estimated_cells,
     samples_of,
     set_field,
@@ -54,8 +56,10 @@ def generate(
     _mesh_faces()
     samples = samples_of(faces)
     wishes = wanted_sizes(part, faces, named, samples)
+    grid = size_grid(part, wishes)
+    _refuse_crowds(part, samples, wishes.sizes[: len(samples.areas)], grid)
     _refuse_many(part, samples, wishes.sizes[: len(samples.areas)], volumes)
-    set_field(part, size_grid(part, wishes), volumes, scratch)
+    set_field(part, grid, volumes, scratch)
     gmsh.model.mesh.clear()
     _mesh_faces()
     _mesh_solids()
@@ -79,6 +83,19 @@ def _refuse_many(
             f"about {cells:.1e} cells, and geometry.most_cells allows {part.most_cells:.1e}; make "
             f"all sizes {factor:.2g} times as large, geometry.across or geometry.curvature "
             "smaller, or geometry.growth larger"
+        )
+
+
+def _refuse_crowds(part: CadPart, samples: Samples, sizes: FloatArray, grid: SizeGrid) -> None:
+    """Refuse a wall or a sharp wedge so thin that it alone needs too many cells, with its place."""
+    cells = crowded_cells(grid)
+    if cells > part.most_cells:
+        least = int(np.argmin(sizes))
+        raise ValueError(
+            f"about {cells:.1e} cells, and geometry.most_cells allows {part.most_cells:.1e}: round "
+            f"{place_text(samples.points[least])} a wall, a wedge or a curved face asks for a size "
+            f"of {sizes[least]:.2g} m; thicken it or round it off in CAD, allow more cells, or "
+            "take walls as they come, geometry.across = 0"
         )
 
 

@@ -183,7 +183,8 @@ def wanted_sizes(
             least = min(least, part.interface_size)
         sizes[here] = np.minimum(least, _curved(face.tag, samples.points[here], part.curvature))
     corners, wanted = [samples.corners], []
-    for body in dict.fromkeys(name for face in faces for name in face.bodies):
+    bodies = dict.fromkeys(name for face in faces for name in face.bodies)
+    for body in bodies if part.across else ():
         walls, inward = wall_thickness(samples, faces, body)
         sizes = np.minimum(sizes, walls / part.across)
         thin = np.flatnonzero(walls < part.across * part.size)
@@ -352,6 +353,15 @@ def estimated_cells(
     near = float((samples.areas * layers).sum())
     inside = sum(_volume_of(rule, volumes) / rule.size**3 for rule in part.rules)
     return (near + total / part.size**3 + inside) / FILLING
+
+
+def crowded_cells(grid: SizeGrid) -> float:
+    """Return about how many cells a mesh has where sizes are below the step of their grid.
+
+    The grid spreads such a size over all nodes round its place, about half of which is inside.
+    """
+    ratios = grid.step / np.minimum(grid.sizes, grid.step)
+    return float(0.5 / FILLING * np.sum(ratios[ratios > 1.0] ** 3))
 
 
 def _volume_of(rule: SizeRule, volumes: Mapping[str, float]) -> float:

@@ -78,7 +78,7 @@ class CadGeometry(Description):
         tolerance: gaps and overlaps of solids up to it are closed [m].
         size: largest element size [m].
         curvature: elements round a full circle.
-        across: cells across a wall.
+        across: cells across a wall; 0: as many as the other sizes make.
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         sizes: at places.
@@ -98,7 +98,7 @@ class CadGeometry(Description):
     tolerance: Annotated[float, Quantity(LENGTH, least=0.0)] = 1e-6
     size: Annotated[float, Quantity(LENGTH, above=0.0)]
     curvature: Annotated[float, Quantity(PURE_NUMBER, least=3.0, most=1000.0)] = 16.0
-    across: Annotated[int, Whole(1, 20)] = 2
+    across: Annotated[int, Whole(0, 20)] = 2
     interface_size: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
     growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
     sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)

@@ -31,6 +31,7 @@ class NewCase:
         bodies: names and volumes [m³].
         interfaces: pairs of bodies with areas [m²].
         surfaces: free ones as "body/surface", with areas [m²].
+        across: cells across walls with which it could be meshed.
     """
 
     file: str
@@ -39,6 +40,7 @@ class NewCase:
     bodies: tuple[tuple[str, float], ...]
     interfaces: tuple[tuple[str, str, float], ...]
     surfaces: tuple[tuple[str, float], ...]
+    across: int = 1
 
 
 def roles(names: Sequence[str]) -> dict[str, int]:
@@ -75,7 +77,8 @@ def _geometry(case: NewCase) -> str:
         "# CHOOSE, then: castx check, castx run, castx report.\n\n"
         f'[geometry]\nmodel = "3d"\nfile = {json.dumps(case.file, ensure_ascii=False)}\n'
         f'size = "{1e3 * case.size:.3g} mm"                 # CHOOSE: largest cells\n'
-        "across = 1                      # CHOOSE: cells across walls; 2 and more for results\n"
+        f"across = {case.across}                      # CHOOSE: cells across walls; 2 and more for "
+        "results\n"
         "curvature = 8                   # CHOOSE: cells round a full circle\n"
         '# surfaces = { top = { normal = "+z" } }          # free faces by words; others: outside\n'
     )

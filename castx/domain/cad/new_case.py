@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from castx.case.cad.geometry import SUFFIXES, is_cad_file
 from castx.case.cad.template import NewCase, case_text
 from castx.domain.cad.guarded import meshed_apart
-from castx.errors import CaseError
+from castx.errors import CaseError, MeshError
 from castx.meshes.cad.description import CadFile, CadPart, Mould
 from castx.meshes.cad.report import Report
 
@@ -47,10 +48,10 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
         cad_file: with solids; a lone one gets a mould.
         target: the case file to which its path is relative.
     """
-    report, margin = _survey(cad_file, None), None
+    (report, across), margin = _survey(cad_file, None), None
     if len(report.bodies) == 1:
         margin = _rounded(MARGIN * report.extent)
-        report = _survey(cad_file, Mould(margin=margin))
+        report, across = _survey(cad_file, Mould(margin=margin))
     file = os.path.relpath(cad_file.resolve(), target.resolve().parent)
     between = [(measure.name.split("/"), measure.cad) for measure in report.interfaces]
     return NewCase(
@@ -60,13 +61,19 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
         tuple((measure.name, measure.cad) for measure in report.bodies),
         tuple((bodies[0], bodies[1], area) for bodies, area in between),
         tuple((measure.name, measure.cad) for measure in report.surfaces),
+        across,
     )
 
 
-def _survey(cad_file: Path, mould: Mould | None) -> Report:
+def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:
+    """Return what a coarse mesh tells, with one cell across walls, or none if that is refused."""
     part = CadPart((CadFile(str(cad_file)),), math.inf, across=1, curvature=8.0, mould=mould)
     with TemporaryDirectory() as folder:
-        return meshed_apart(part, Path(folder) / "mesh.msh")
+        mesh = Path(folder) / "mesh.msh"
+        try:
+            return meshed_apart(part, mesh), 1
+        except MeshError:
+            return meshed_apart(replace(part, across=0), mesh), 0
 
 
 def _rounded(length: float) -> float:

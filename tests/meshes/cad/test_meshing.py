@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import gmsh
 import pytest
 
@@ -10,6 +12,8 @@ from castx.meshes.cad.cells import TETRAHEDRON
 from castx.meshes.cad.description import CadFile, CadPart
 from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.meshing import add_groups, generate, write
+from castx.meshes.cad.part import mesh_part
+from tests.cad_files import write_cad
 
 pytestmark = pytest.mark.serial
 
@@ -71,3 +75,22 @@ def test_faces_that_cross_are_refused(tmp_path):
         occ.synchronize()
         with pytest.raises(ValueError, match=r"gmsh cannot mesh the solids: .*CAD"):
             meshed(CadPart((CadFile("a.step"),), 0.01), tmp_path)
+
+
+def test_a_wall_that_needs_too_many_cells_is_refused_with_its_place_or_taken_as_it_comes(tmp_path):
+    """A pocket of 10 x 6 mm leaves 0.6 mm to the side of a block of 120 mm."""
+
+    def thin(occ):
+        block, pocket = occ.addBox(0, 0, 0, 120, 40, 10), occ.addBox(0.6, 15, 4, 9, 10, 7)
+        ((_, part),), _ = occ.cut([(3, block)], [(3, pocket)])
+        return [part]
+
+    path = write_cad(tmp_path / "thin.step", thin)
+    part = CadPart((CadFile(str(path)),), 0.01, across=1, curvature=8.0, most_cells=2e4)
+    text = r"most_cells allows 2.0e\+04: round \(\S+, 0.0[12]\d*, \S+\) m a wall.*across = 0"
+    with gmsh_session(), pytest.raises(ValueError, match=text):
+        mesh_part(part, str(tmp_path / "thin.msh"))
+    with gmsh_session():
+        report = mesh_part(replace(part, across=0), str(tmp_path / "thin.msh"))
+    assert report.quality.cells < 5000
+    assert report.bodies[0].mesh == pytest.approx(report.bodies[0].cad, rel=0.05)

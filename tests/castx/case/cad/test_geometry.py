@@ -60,7 +60,7 @@ def test_ends_of_names():
         ({**STEP, "tolerance": "3 mm"}, "tolerance: must be at most half of size, 0.004 m"),
         ({**STEP, "size": 0}, "size: must be positive"),
         ({**STEP, "curvature": 2}, "curvature: must be at least 3"),
-        ({**STEP, "across": 0}, "across: a whole number from 1 to 20"),
+        ({**STEP, "across": -1}, "across: a whole number from 0 to 20"),
         ({**STEP, "growth": 0}, "growth: must be at least 0.05"),
         ({**STEP, "most_cells": 0}, "most_cells: must be at least 1"),
         ({**STEP, "interface_size": 1}, "interface_size: must not exceed size, 0.004 m"),
