@@ -51,6 +51,9 @@ def joined(assembly: Assembly) -> Assembly:
     Raises:
         ValueError: solids overlap.
     """
+    if len(assembly.solids) == 1:
+        gmsh.model.occ.synchronize()
+        return assembly
     before = volumes(assembly)
     given = [(3, tag) for tag in assembly.solids.values()]
     _, pieces = gmsh.model.occ.fragment(given[:1], given[1:])
