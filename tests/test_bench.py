@@ -137,3 +137,24 @@ def test_faults_are_planted_where_python_finds_them(tmp_path):
     mutation = script("mutation")
     copy = mutation.copy_of_checkout(tmp_path)  # asks Python, and raises if it looks elsewhere
     assert (copy / "castx" / "forms").resolve() == copy / "forms"
+
+
+def test_random_assemblies_are_drawn_meshed_and_judged(tmp_path):
+    """A small one is meshed; what it is not told it calls wrong."""
+    bench = script("random_assemblies")
+    step = tmp_path / "a.step"
+    again = [bench.written(random.Random("1/9"), step) for _ in range(2)]
+    assert again[0] == again[1] and again[0][0].words == ["cone", "halves z"]
+    assert len(again[0][0].solids) == 3 and 0.005 <= again[0][1] <= 1.0
+    ran = {"ended": "ran", "steps": 5, "volume": 0.01}
+    place = "castx: a and b overlap round (0.1, 0, -2e-3) m; cut one"
+    for cells, said in (
+        (ran, []),
+        ({**ran, "steps": 3}, ["3 steps"]),
+        ({**ran, "volume": 0.4}, ["a volume is off by 0.4"]),
+        ({"ended": "refused", "said": place}, []),
+        ({"ended": "refused", "said": "a; b"}, ["the refusal has no place"]),
+        ({"ended": "refused", "said": "a.step: b"}, ["the refusal has no cure"]),
+        ({"ended": "3", "said": ""}, ["ended by 3"]),
+    ):
+        assert list(bench.wrongs(cells, 5)) == said
