@@ -10,6 +10,7 @@ such sweep as preconditioner of its linear systems.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 
 from petsc4py import PETSc
@@ -19,9 +20,12 @@ import numpy as np
 from castx.arrays import BoolArray
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.equilibrium.newton import EquilibriumReport, Newton
+from castx.errors import ConvergenceError
 from castx.solvers.inner.nest import Block
 from castx.solvers.inner.options import FACTORS
 from castx.solvers.layout import Layout
+
+_log = logging.getLogger(__name__)
 
 
 class BlockIteration:
@@ -49,20 +53,26 @@ class BlockIteration:
         self._newton.begin(x, time)
 
     def solve(self, x: PETSc.Vec) -> EquilibriumReport:
-        """Sweep over the blocks of the unknowns x.
+        """Sweep over the blocks of the unknowns x; leave them at the start if a block fails.
 
-        Raises:
-            ConvergenceError: a block of its own has no solution.
+        A soft body beside one that stands still may find no equilibrium where both together do, so
+        that the forces are left to `finish`.
         """
+        start, closed = x.array_r.copy(), self._newton.balance.active.closed.copy()
         reports: list[EquilibriumReport] = []
         residuals: list[float] = []
         sweeps: list[int] = []
         balanced = False
         while not balanced and len(sweeps) < self._most:
             sweeps.append(len(residuals))
-            for block in range(self._blocks):
-                reports.append(self._newton.solve(x, block))
-                residuals.extend(reports[-1].residuals)
+            try:
+                for block in range(self._blocks):
+                    reports.append(self._newton.solve(x, block))
+                    residuals.extend(reports[-1].residuals)
+            except ConvergenceError as error:
+                _log.debug("a block for itself: %s", error)
+                x.array[:], self._newton.balance.active.closed = start, closed
+                break
             norm, balanced = self._newton.imbalance(x)
             residuals.append(norm)
         return EquilibriumReport(

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from castx.equilibrium.newton import Newton
+from castx.errors import ConvergenceError
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import (
     blocks,
@@ -97,6 +99,28 @@ def test_an_early_stop_leaves_a_state_to_go_on_from(comm, form):
     following = made.equilibrium.solve(1.0)
     assert following.residuals[0] <= before * (1 + 1e-9)
     assert following.residuals[-1] < before
+
+
+@pytest.mark.parametrize("form", ["bodies", "interface"])
+def test_a_block_without_an_equilibrium_leaves_the_start_to_all_together(comm, form, monkeypatch):
+    """Bodies beside others at rest may have none; the solution of the penalty method is found."""
+    expected = pressed(comm, "penalty", penalty=1e12, tolerance=1e-10)[0]
+    solve, calls = Newton.solve, []
+
+    def failing(newton, x, part=0):
+        report = solve(newton, x, part)
+        calls.append(part)
+        if len(calls) == 4:
+            raise ConvergenceError("no equilibrium", "the mechanical equilibrium")
+        return report
+
+    monkeypatch.setattr(Newton, "solve", failing)
+    made, report = pressed(comm, penalty=1e12, blocks=form, tolerance=1e-10)
+    assert not report.balanced and report.iterations > 0
+    assert len(calls) == 4 and not made.equilibrium.x.array_r.any()
+    made.equilibrium.finish(0.0)
+    p = pressures(comm, expected)
+    np.testing.assert_allclose(pressures(comm, made), p, atol=1e-6 * p.max())
 
 
 def test_each_block_ends_quadratically(comm):
