@@ -21,7 +21,7 @@ def join(solids: Sequence[Solid], tolerance: float, drills: Collection[int] = ()
     Raises:
         ValueError: solids of two bodies of one rank overlap, or one of them vanishes.
     """
-    _refuse_hollow(solids)
+    _refuse_hollow(solids, tolerance)
     if len(solids) == 1:
         return {solids[0].tag: solids[0].name}
     gmsh.option.setNumber("Geometry.ToleranceBoolean", tolerance * MILLIMETRES)
@@ -68,11 +68,21 @@ def _refuse_drilled(tag: int, owners: Sequence[Solid], drills: Collection[int]) 
         )
 
 
-def _refuse_hollow(solids: Sequence[Solid]) -> None:
+def _refuse_hollow(solids: Sequence[Solid], tolerance: float) -> None:
+    """Refuse solids without volume, and skins that a cut in CAD has left over."""
     for solid in solids:
-        if not gmsh.model.occ.getMass(3, solid.tag) > 0.0:
+        volume = gmsh.model.occ.getMass(3, solid.tag)
+        if not volume > 0.0:
             raise ValueError(
                 f"the solid {solid.name!r} has no volume or is turned inside out; repair it in CAD"
+            )
+        faces = gmsh.model.getBoundary([(3, solid.tag)], oriented=False)
+        thickness = 2.0 * volume / sum(gmsh.model.occ.getMass(*face) for face in faces)
+        if thickness < tolerance * MILLIMETRES:
+            raise ValueError(
+                f"the solid {solid.name!r} round {place_text(centre_of(3, solid.tag))} is "
+                f"{thickness / MILLIMETRES:.1g} m thick in the mean, less than geometry.tolerance, "
+                f"{tolerance:g} m: a rest of what was cut away; remove it in CAD"
             )
 
 

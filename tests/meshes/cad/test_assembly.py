@@ -70,3 +70,19 @@ def test_solids_that_are_not_the_bodies_of_the_case_are_listed():
             refuse_other_bodies(("top", "mould"), volumes, solids)
         with pytest.raises(ValueError, match="does not list the body 'solid-2' under"):
             refuse_other_bodies(("top",), volumes, solids)
+
+
+def test_a_skin_left_over_from_a_cut_is_refused_with_its_place():
+    """A box of 20 mm out of which one smaller by 0.3 µm on each side is cut."""
+    with gmsh_session():
+        occ = gmsh.model.occ
+        thin = 3e-4
+        inner = occ.addBox(thin, thin, thin, *(3 * (20 - 2 * thin,)))
+        ((_, skin),), _ = occ.cut([(3, occ.addBox(0, 0, 0, 20, 20, 20))], [(3, inner)])
+        block = occ.addBox(30, 0, 0, 20, 20, 20)
+        occ.synchronize()
+        solids = [Solid(skin, "skin", ""), Solid(block, "block", "")]
+        text = r"the solid 'skin' round \(0.01, 0.01, 0.01\) m is 3e-07 m thick .*; remove it in CAD"
+        with pytest.raises(ValueError, match=text):
+            join(solids, 1e-6)
+        assert list(join(solids, 1e-8).values()) == ["skin", "block"]
