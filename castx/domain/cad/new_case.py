@@ -72,7 +72,9 @@ def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:
         mesh = Path(folder) / "mesh.msh"
         try:
             return meshed_apart(part, mesh), 1
-        except MeshError:
+        except MeshError as error:
+            if "geometry.across" not in str(error):  # what the refusal of too many cells advises
+                raise
             return meshed_apart(replace(part, across=0), mesh), 0
 
 

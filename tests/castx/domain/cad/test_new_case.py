@@ -9,7 +9,7 @@ import pytest
 from castx.case.cad.template import case_text
 from castx.domain.cad.guarded import meshed_apart
 from castx.domain.cad.new_case import new_case, write_new_case
-from castx.errors import CaseError
+from castx.errors import CaseError, MeshError
 from tests.cad_files import two_blocks, write_cad
 
 pytestmark = pytest.mark.serial
@@ -48,6 +48,72 @@ def test_walls_too_thin_for_a_cell_are_taken_as_they_come(tmp_path, monkeypatch)
     assert "\nacross = 1 " in case_text(new_case(path, tmp_path / "a.toml"))
     monkeypatch.setattr("castx.domain.cad.new_case.meshed_apart", few_cells)
     assert "\nacross = 0 " in case_text(new_case(path, tmp_path / "a.toml"))
+
+
+def bow_tie(occ):
+    """A prism whose section crosses itself, so that its two halves have opposite volumes."""
+    corners = [occ.addPoint(*p) for p in ((0, 0, 0), (20, 10, 0), (20, 0, 0), (0, 10, 0))]
+    return extruded(occ, corners)
+
+
+def extruded(occ, corners):
+    ends = [*corners[1:], corners[0]]
+    lines = [occ.addLine(a, b) for a, b in zip(corners, ends, strict=True)]
+    section = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    return [tag for dim, tag in occ.extrude([(2, section)], 0, 0, 10) if dim == 3]
+
+
+def dented(occ):
+    """A cube of triangles, one corner of which is pushed through the opposite side."""
+    places = [(0, 0, 0), (10, 0, 0), (10, 10, 0), (0, 10, 0),
+              (0, 0, 10), (10, 0, 10), (10, 10, -4), (0, 10, 10)]  # fmt: skip
+    points = [occ.addPoint(*place) for place in places]
+    lines: dict[frozenset[int], int] = {}
+    faces = []
+    for a, b, c in ((0, 2, 1), (0, 3, 2), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5),
+                    (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (4, 5, 6), (4, 6, 7)):  # fmt: skip
+        for i, j in ((a, b), (b, c), (c, a)):
+            if frozenset((i, j)) not in lines:
+                lines[frozenset((i, j))] = occ.addLine(points[i], points[j])
+        loop = [lines[frozenset(pair)] for pair in ((a, b), (b, c), (c, a))]
+        faces.append(occ.addPlaneSurface([occ.addCurveLoop(loop)]))
+    return [occ.addVolume([occ.addSurfaceLoop(faces)])]
+
+
+def sheet(occ):
+    occ.addRectangle(0, 0, 0, 10, 20)
+    return []
+
+
+@pytest.mark.parametrize(
+    "solids, text",
+    [
+        (bow_tie, r"part\.step: the solid 'part' has no volume .*; repair it in CAD"),
+        (dented, r"part\.step: gmsh cannot mesh .* \(0\.\d+, .*\) m; .*intersect.*repair"),
+        (sheet, r"part\.step has 1 surfaces and no solid, .* export each part as a solid"),
+        (b"", r"part\.step is empty; export it again"),
+        (b"solid a\nfacet normal 0 0 1\n", r"part\.step is no STEP file: .*do not rename files"),
+        (b"ISO-10303-21;\nHEADER;\n", r"part\.step cannot be read: .* export it again"),
+    ],
+)
+def test_bad_files_are_refused_with_file_and_cure(tmp_path, solids, text):
+    path = tmp_path / "part.step"
+    if isinstance(solids, bytes):
+        path.write_bytes(solids)
+    else:
+        write_cad(path, solids)
+    with pytest.raises(MeshError, match=text):
+        write_new_case(path, tmp_path / "part.toml")
+    assert not (tmp_path / "part.toml").exists()
+
+
+def test_a_solid_turned_inside_out_is_refused(tmp_path):
+    path = write_cad(tmp_path / "part.brep", lambda occ: [occ.addBox(0, 0, 0, 10, 10, 10)])
+    before, found, solid = path.read_text().rpartition("\nSo\n")
+    assert found and solid.count("+3 0") == 1
+    path.write_text(before + found + solid.replace("+3 0", "-3 0"))
+    with pytest.raises(MeshError, match="'part' has no volume or is turned inside out; repair it"):
+        write_new_case(path, tmp_path / "part.toml")
 
 
 def test_refused(tmp_path):
