@@ -33,6 +33,7 @@ from castx.equilibrium.supports.springs import FIRM, WEAK, FloatingMotions
 from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
+from castx.mechanics.q1p0 import Q1P0Formulation
 from castx.mechanics.rigid_modes import near_null_modes, rigid_modes
 from castx.solvers.counters import StepCounters
 from castx.solvers.inner.arrow_schur import ArrowSchur
@@ -44,8 +45,10 @@ from castx.solvers.inner.sweep import BlockSweep
 from castx.solvers.layout import Layout
 
 BLOCKS_PREFIX = f"{PREFIX}bodies_"
-LARGEST_DIRECT = {2: 200_000, 3: 12_000}
+LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
+LARGEST_DIRECT_Q1P0 = 12_000
+"""The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
 
 
 @dataclass(frozen=True)
@@ -159,14 +162,20 @@ def _build_equilibrium(
     return Equilibrium(balance, _procedure(bodies, contacts, balance, settings))
 
 
+def largest_direct(bodies: DeformableBodies) -> int:
+    """Return the number of unknowns up to which "automatic" solves directly."""
+    dimension = bodies.parts[0].mesh.mesh.topology.dim
+    q1p0 = any(isinstance(part.formulation, Q1P0Formulation) for part in bodies.parts)
+    return LARGEST_DIRECT_Q1P0 if q1p0 and dimension == 3 else LARGEST_DIRECT[dimension]
+
+
 def _procedure(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
     balance: MomentumBalance,
     settings: MechanicsSettings,
 ) -> Procedure:
-    largest = LARGEST_DIRECT[bodies.parts[0].mesh.mesh.topology.dim]
-    direct = solves_directly(settings.linear, bodies.layout.size_global, largest)
+    direct = solves_directly(settings.linear, bodies.layout.size_global, largest_direct(bodies))
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)
@@ -184,7 +193,9 @@ def _inner_solver(
     blocks = _body_blocks(bodies, balance.transform, MULTIGRID)
     if isinstance(pairs, MultiplierContact):
         return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
-    return BlockSweep(comm, BLOCKS_PREFIX, blocks, balance.transform.coupling)
+    # Where set-ups are frequent their price is more than the iterations that it saves.
+    coupling = balance.transform.coupling if bodies.assembly.is_elastic else None
+    return BlockSweep(comm, BLOCKS_PREFIX, blocks, coupling)
 
 
 def _by_blocks(

@@ -47,8 +47,14 @@ class InnerSolver(Protocol):
     def most_changed(self) -> int:
         """Constrained unknowns and closed pairs by which a set-up may fall behind."""
 
-    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
-        """Prepare for a matrix whose constrained rows and columns are those of a diagonal."""
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
+        """Prepare for a matrix whose constrained rows and columns are those of a diagonal.
+
+        Args:
+            matrix: the matrix.
+            constrained: owned unknowns, shape (owned,).
+            anew: whether to keep nothing of an earlier set-up.
+        """
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to about the solution for b."""
@@ -125,7 +131,7 @@ class SystemPreconditioner:
         self._masked: PETSc.Mat | None = None
         self._stiffness: FloatArray = np.zeros(0)
         self._first_iterations = 0
-        self.is_fresh = False
+        self._anew = self.is_fresh = False
 
     def refresh(self, iterations: int) -> None:
         """Prepare for the operator as it now is.
@@ -148,11 +154,14 @@ class SystemPreconditioner:
             if self._masked is not None:
                 self._masked.destroy()
             self._masked = masked(operator.matrix, constrained)
-            self._inner.set_up(self._masked, constrained)
+            self._inner.set_up(self._masked, constrained, self._anew)
+            self._anew = False
             self._set_up_for, self._stiffness = state, diagonal(operator.matrix)
 
     def _is_outdated(self, state: BoolArray, iterations: int) -> bool:
-        if self._set_up_for is None or iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
+        if iterations > OUTDATED * self._first_iterations + OUTDATED_BY:
+            self._anew = True
+        if self._set_up_for is None or self._anew:
             return True
         changed = int(np.count_nonzero(state != self._set_up_for))
         if int(self._comm.allreduce(changed, op=MPI.SUM)) > self._inner.most_changed:
@@ -171,9 +180,13 @@ class SystemPreconditioner:
         if self._inner.is_exact:
             self.discard()
 
-    def discard(self) -> None:
-        """Make the next `refresh` set the inner solver up anew."""
+    def expire(self) -> None:
+        """Make the next `refresh` set up what of the inner solver is not that of the matrix."""
         self._set_up_for = None
+
+    def discard(self) -> None:
+        """Make the next `refresh` set all of the inner solver up anew."""
+        self._set_up_for, self._anew = None, True
 
     def apply(self, r: PETSc.Vec, z: PETSc.Vec) -> None:
         """Set z to about the solution of the system for r."""

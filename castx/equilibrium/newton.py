@@ -127,7 +127,7 @@ class Newton:
         # Elastic constants change little in a step, but freezing multiplies them.
         if not self.balance.assembly.is_elastic:
             for preconditioner in self._preconditioner.all:
-                preconditioner.discard()
+                preconditioner.expire()
 
     def solve(self, x: PETSc.Vec, part: int = 0) -> EquilibriumReport:
         """Solve for all unknowns x, or for a part of them.

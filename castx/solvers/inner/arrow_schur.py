@@ -57,13 +57,13 @@ class ArrowSchur:
         self._work: list[PETSc.Vec] = []
 
     @booked_as(RunPart.SET_UP)
-    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Augment the block of the bodies and set up the sweep over them."""
         u, multipliers = self._index_sets(matrix)
         A, Bt = (matrix.createSubMatrix(u, column) for column in (u, multipliers))
         B, C = (matrix.createSubMatrix(multipliers, column) for column in (u, multipliers))
         scaled = self._augment(A, B, Bt)
-        self._sweep.set_up(A, constrained[: self._sizes[0]])
+        self._sweep.set_up(A, constrained[: self._sizes[0]], anew)
         closed = ~constrained[self._sizes[0] :]
         self._schur = np.where(closed, -self._weights, diagonal(C))
         for item in (B, C, *self._parts):

@@ -33,7 +33,7 @@ class BlockSolver:
         self.prefix = prefix
 
     @booked_as(RunPart.SET_UP)
-    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Extract the block from the matrix and set up its solver."""
         first = not self._blocks.ready
         self._ksp.setOperators(self._blocks.update(matrix, constrained))

@@ -33,7 +33,7 @@ class DirectSolver:
         self._ready = False
 
     @booked_as(RunPart.SET_UP)
-    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Factorise the matrix."""
         self._ksp.setOperators(matrix)
         if not self._ready:

@@ -64,11 +64,13 @@ class Blocks:
         self._copied: list[tuple[BoolArray, FloatArray]] = []
         self.nest: PETSc.Mat | None = None
 
-    def update(self, matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
+    def update(
+        self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False
+    ) -> PETSc.Mat:
         """Copy the entries of a matrix; return the nest, or the matrix of the only block.
 
         The diagonal block of a multigrid whose matrix has hardly changed stays as it is, and with
-        it its set-up, unless all are such.
+        it its set-up, unless all are wanted `anew`.
         """
         if not self._matrices:
             self._matrices = [
@@ -85,7 +87,7 @@ class Blocks:
             self._copied = self._present(matrix, constrained)
             self.nest = PETSc.Mat().createNest(self._matrices, comm=self._comm)
             return self.nest
-        kept = self._hardly_changed(matrix, constrained)
+        kept = self._hardly_changed(matrix, constrained, anew)
         for b, (row, matrices) in enumerate(zip(self._rows, self._matrices, strict=True)):
             for c, (column, block) in enumerate(zip(self._rows, matrices, strict=True)):
                 if b != c or not kept[b]:
@@ -104,19 +106,21 @@ class Blocks:
         stiffness = [values[rows.getIndices() - self._first] for rows in self._rows]
         return list(zip(self._parts(constrained), stiffness, strict=True))
 
-    def _hardly_changed(self, matrix: PETSc.Mat, constrained: BoolArray) -> list[bool]:
+    def _hardly_changed(
+        self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool
+    ) -> list[bool]:
         """Return which diagonal blocks may stay; take note of what the others are now."""
         if self.nest is None:
             return [False]
         now, kept = self._present(matrix, constrained), []
         for b, (constraints, stiffness) in enumerate(now):
-            factor = largest_factor(stiffness, self._copied[b][1], self._comm)
-            changed = bool(np.any(constraints != self._copied[b][0]))
-            changed = self._comm.allreduce(changed, op=MPI.LOR)
-            by_factors = self._given[b].options is FACTORS
-            kept.append(not (by_factors or changed or factor > RESET_UP))
-        if all(kept):
-            kept = [False] * len(kept)
+            then, before = self._copied[b]
+            free = ~(constraints | then)
+            factor = largest_factor(stiffness[free], before[free], self._comm)
+            changed = int(np.count_nonzero(constraints != then))
+            changed = self._comm.allreduce(changed, op=MPI.SUM)
+            few = changed <= MOST_CHANGED_IN_SWEEP and factor <= RESET_UP
+            kept.append(few and not anew and self._given[b].options is not FACTORS)
         for b, stays in enumerate(kept):
             if not stays:
                 self._copied[b] = now[b]

@@ -67,12 +67,12 @@ class BlockSweep:
         return 0 if self._stiff.exists else MOST_CHANGED_IN_SWEEP
 
     @booked_as(RunPart.SET_UP)
-    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray) -> None:
+    def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
         if self._uncoupled is not None:
             matrix = self._uncoupled.set_up(matrix, constrained)
-        assembled = self._blocks.update(matrix, constrained)
+        assembled = self._blocks.update(matrix, constrained, anew)
         if not first:
             for b in self._blocks.renew_modes(constrained):
                 self._solver_of(b).reset()

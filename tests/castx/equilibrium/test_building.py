@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from castx.contact.choice import Contact
 from castx.contact.methods.registry import names
+from castx.equilibrium import building
 from castx.equilibrium.equilibrium import Equilibrium
 from castx.equilibrium.fallback import FallbackMethods
+from castx.mechanics.q1p0 import Q1P0Formulation
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem, pushed
 from tests.small_contact import SOFT, STIFF
@@ -32,6 +36,36 @@ def test_small_problems_are_solved_directly(comm, method):
     made = pressed(comm, Contact("upper", "base", method), linear="automatic")
     report = made.equilibrium.solve(0.0)
     assert set(report.linear_solves) == {1} and not report.sweeps
+
+
+def test_large_problems_are_solved_by_multigrid(comm, monkeypatch):
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
+    made = pressed(comm, Contact("upper", "base"), linear="automatic")
+    assert max(made.equilibrium.solve(0.0).linear_solves) > 1
+
+
+def test_open_pairs_are_taken_apart_where_set_ups_are_rare(comm, monkeypatch):
+    """In bodies that are elastic; a liquid is set up anew in every step."""
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
+    given, made = [], building.BlockSweep
+    monkeypatch.setattr(
+        building, "BlockSweep", lambda *parts: given.append(parts[3]) or made(*parts)
+    )
+    pressed(comm, Contact("upper", "base"), linear="automatic")
+    monkeypatch.setattr(building.BodyAssembly, "is_elastic", False)
+    pressed(comm, Contact("upper", "base"), linear="automatic")
+    assert given[0] is not None and given[1] is None
+
+
+def test_in_space_factors_pay_for_small_problems_and_for_q1p0():
+    def largest(dimension, *formulations):
+        mesh = SimpleNamespace(mesh=SimpleNamespace(topology=SimpleNamespace(dim=dimension)))
+        parts = [SimpleNamespace(mesh=mesh, formulation=made) for made in formulations]
+        return building.largest_direct(SimpleNamespace(parts=parts))
+
+    q1p0 = object.__new__(Q1P0Formulation)
+    assert largest(3, None, None) < largest(3, None, q1p0) < largest(2, None, None)
+    assert largest(2, None, q1p0) == largest(2, None, None)
 
 
 @pytest.mark.parametrize("method", BY_BLOCKS)

@@ -77,6 +77,24 @@ def test_springs_and_held_unknowns_are_eliminated_exactly(comm, method):
     )
 
 
+def test_only_a_set_up_that_failed_or_fell_behind_is_done_anew(comm):
+    equilibrium = floating_block(comm).equilibrium
+    preconditioner = equilibrium._procedure._preconditioner.chosen
+    inner, found = preconditioner._inner, []
+    inner.set_up = lambda matrix, constrained, anew: found.append(anew)
+    preconditioner.discard()
+    for iterations in (0, 5, 5):  # fresh, its first solve, and no reason for another set-up
+        preconditioner.refresh(iterations)
+    assert found == [True]
+    preconditioner.expire()
+    preconditioner.refresh(5)
+    preconditioner.refresh(5)
+    assert found == [True, False]
+    preconditioner.refresh(20)
+    assert found == [True, False, True]
+    del inner.set_up
+
+
 def test_operator_holds_and_supports(comm):
     """Held rows are those of the identity; the springs act on the floating motion alone."""
     made = floating_block(comm)

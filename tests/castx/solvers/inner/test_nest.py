@@ -72,13 +72,13 @@ def by_multigrid(comm):
     return [Block(index_set(comm, own), none, MULTIGRID) for own in (~second, second)]
 
 
-def renewed(comm, blocks, dense, constrained):
+def renewed(comm, blocks, dense, constrained, anew=False):
     """Return which diagonal blocks PETSc takes for new ones after an update, and the nest."""
     nest, before = blocks.nest, [-1, -1]
     if nest is not None:
         before = [nest.getNestSubMatrix(b, b).stateGet() for b in range(2)]
     A = matrix(comm, dense, LOCAL)
-    nest = blocks.update(A, constrained)
+    nest = blocks.update(A, constrained, anew)
     A.destroy()
     after = [nest.getNestSubMatrix(b, b).stateGet() for b in range(2)]
     return [now != then for now, then in zip(after, before, strict=True)], nest
@@ -86,19 +86,28 @@ def renewed(comm, blocks, dense, constrained):
 
 @pytest.mark.parametrize(
     ("factor", "held", "expected"),
-    [(0.99 * RESET_UP, 0, [False, True]), (1.01 * RESET_UP, 0, [True, True]), (1.0, 1, [True] * 2)],
+    [
+        (0.99 * RESET_UP, 0, [False, True]),
+        (1.01 * RESET_UP, 0, [True, True]),
+        (1.0, 1, [False, True]),
+        (1.0, MOST_CHANGED_IN_SWEEP + 1, [True, True]),
+    ],
 )
 def test_a_multigrid_whose_block_hardly_changes_stays(comm, dense, factor, held, expected):
-    """The second block becomes twice as stiff, the first a little, or one of it is constrained."""
+    """The second block becomes twice as stiff, the first a little, or some of it is constrained."""
     blocks, constrained = Blocks(comm, by_multigrid(comm)), np.zeros(LOCAL, dtype=bool)
     assert renewed(comm, blocks, dense, constrained)[0] == [True, True]
     changed, second = dense + np.eye(len(dense), k=1), in_second(comm)
     changed[0, 0] *= factor
     changed[second, second] *= 2.0
-    constrained[0] = held
+    if comm.rank == comm.size - 1:
+        constrained[:held] = True
+    # The diagonal of what is constrained says nothing.
+    own = slice(len(dense) - LOCAL, len(dense) - LOCAL + held)
+    changed[own, own] *= 7.0
     assert renewed(comm, blocks, changed, constrained)[0] == expected
-    # A set-up that is asked for although nothing changes is that of all blocks.
-    assert renewed(comm, blocks, changed, constrained)[0] == [True, True]
+    assert renewed(comm, blocks, changed, constrained)[0] == [False, False]
+    assert renewed(comm, blocks, changed, constrained, anew=True)[0] == [True, True]
     blocks.destroy()
 
 
