@@ -48,7 +48,7 @@ ORDER = [
     "equilibrium/accuracy",
     "equilibrium",
     "coupling",
-    "results/files results/freezing results/pools",
+    "results/files results/freezing results/pools results/solid",
     "results",
     "process",
     "checkpoint",

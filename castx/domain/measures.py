@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
-from dolfinx.mesh import Mesh
+from dolfinx.mesh import Mesh, meshtags
 
 from castx.arrays import FloatArray
 from castx.domain.mesh import BodyMesh
@@ -104,6 +104,30 @@ def nodal_area_vectors(
     v = ufl.TestFunction(fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,))))
     normal = ufl.FacetNormal(body.mesh)
     return _assembled(nodal_area_vector(v, normal, ds.weight, ds.measure)).reshape(-1, gdim)
+
+
+def facet_areas(
+    body: BodyMesh, model: str, facets: npt.NDArray[np.int32]
+) -> tuple[FloatArray, FloatArray]:
+    """Return areas ∫ φ dS and area vectors ∫ φ n dS of the local nodes on outer facets; collective.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        facets: of this rank.
+
+    Returns:
+        Of shapes (nodes,) and (nodes, gdim), n outward [m²].
+    """
+    dimension, gdim = body.mesh.topology.dim, body.mesh.geometry.dim
+    chosen = np.unique(facets).astype(np.int32)
+    tags = meshtags(body.mesh, dimension - 1, chosen, np.ones(len(chosen), dtype=np.int32))
+    weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+    ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=tags)(1)
+    areas = _assembled(nodal_measure(ufl.TestFunction(body.nodes), weight, ds))
+    v = ufl.TestFunction(fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,))))
+    vectors = nodal_area_vector(v, ufl.FacetNormal(body.mesh), weight, ds)
+    return areas, _assembled(vectors).reshape(-1, gdim)
 
 
 def _assembled(form: ufl.Form) -> FloatArray:

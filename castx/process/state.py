@@ -17,9 +17,11 @@ from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError
+from castx.foundry.cracking import principal_values
 from castx.mechanics.body import BodyMechanics
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
+from castx.results.quantities import CELLWISE, PRINCIPAL
 from castx.results.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
@@ -92,7 +94,7 @@ class State:
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
-        if name not in ("stress", "von_mises", "plastic_strain"):
+        if name not in CELLWISE:
             raise CaseError(f"no cell field {name!r} on body {body!r}")
         if body in self.now.rigid:
             cells = len(self.mesh.bodies[body].nodes.dofmap.list)
@@ -100,6 +102,8 @@ class State:
         mechanics = self._mechanics(body, name)
         if name == "plastic_strain":
             return mechanics.plastic_strain()
+        if name in PRINCIPAL:
+            return principal_values(mechanics.stress())[:, 0 if name == PRINCIPAL[0] else 2]
         return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())
 
     def _rigid_field(self, body: str, name: str) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.report.figures import NUMERICS, curve_figures, field_figures
 from castx.report.hot_spots import hot_spot_table
+from castx.report.solid import solid_rows
 from castx.report.stages import process_rows
 from castx.results.files.folder import REPORT, write_whole
 from castx.results.files.measurements import Deviation
@@ -72,6 +73,7 @@ def summary(run: Results) -> list[tuple[str, str]]:
     rows += [(f"{name} beside its measurement", deviation_text(name, apart))
              for name, apart in run.deviations.items()]
     rows += process_rows(record.get("process", []))
+    rows += solid_rows(record.get("stage_ends", []), run.model)
     if "energy_error" in history:
         rows.append(("energy error", f"{np.abs(history['energy_error']).max():.1e}"))
     errors = [values for name, values in history.items() if name.endswith(".force_error")]

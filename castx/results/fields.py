@@ -17,6 +17,7 @@ from castx.results.files.vtu import Piece, write_piece
 from castx.results.foundry_fields import PASSING, is_of_foundry
 from castx.results.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
 from castx.results.snapshot import Snapshot
+from castx.results.solid.stage_ends import DEVIATION
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
@@ -49,7 +50,7 @@ class WrittenMoment:
 
 
 class FoundrySource(Protocol):
-    """Where the quantities of the foundry come from."""
+    """Where the quantities of the foundry, and the deviation from the nominal shape, come from."""
 
     def nodal(self, body: str, name: str, /) -> FloatArray:
         """Return a quantity at the nodes of a body, ghosts included: (nodes,); collective."""
@@ -130,7 +131,7 @@ class Fields:
                 name: self._nodal(snapshot, body, name)[piece.nodes]
                 for name in self._names
                 if name not in CELLWISE
-                and not is_of_foundry(name)
+                and not found_late(name)
                 and (body in self._melting or not of_melting(name))
             }
             state.cellwise[body] = {
@@ -177,7 +178,7 @@ class Fields:
         for body, known in state.nodal.items():
             here = self._pieces[body].nodes
             for name in self._names:
-                if is_of_foundry(name) and body in self._melting:
+                if found_late(name) and (body in self._melting or not of_melting(name)):
                     known[name] = self._foundry.nodal(body, name)[here]
 
     def _write_collection(self) -> None:
@@ -197,6 +198,11 @@ class Fields:
             if path.name not in known:
                 path.unlink()
         self._write_collection()
+
+
+def found_late(name: str) -> bool:
+    """Return whether a field is found when it is written, from what is followed or kept."""
+    return name == DEVIATION or is_of_foundry(name)
 
 
 def of_melting(name: str) -> bool:

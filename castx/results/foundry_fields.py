@@ -21,6 +21,7 @@ from castx.foundry.porosity import dimensionless_niyama, pore_fraction
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.results.hot_spots import POOL, HotSpots
+from castx.results.solid.stage_ends import DEVIATION, StageEnds
 from castx.results.solidification import (
     QUANTITIES,
     BodySolidification,
@@ -117,6 +118,7 @@ class FoundryFields:
         solidification: the thermal history, followed elsewhere.
         poured: the bodies that freeze, by name.
         pools: their pools of liquid, followed elsewhere; None: nothing asks for them.
+        ends: knows the distortion of the bodies that deform; None: nothing asks for it.
     """
 
     def __init__(
@@ -124,7 +126,9 @@ class FoundryFields:
         solidification: Solidification,
         poured: Mapping[str, Poured],
         pools: HotSpots | None = None,
+        ends: StageEnds | None = None,
     ) -> None:
+        self._ends = ends
         self._solidification, self._poured, self._pools = solidification, poured, pools
 
     def nodal(self, body: str, name: str) -> FloatArray:
@@ -135,6 +139,9 @@ class FoundryFields:
         if name == POOL:
             numbers = None if self._pools is None else self._pools.numbers(body)
             return self._solidification.nowhere(body) if numbers is None else numbers
+        if name == DEVIATION:
+            found = None if self._ends is None else self._ends.deviation(body)
+            return self._solidification.nowhere(body) if found is None else found
         history = self._solidification.of(body)
         if name in QUANTITIES or history is None:
             return self._solidification.nodal(body, name)

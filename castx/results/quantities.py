@@ -8,8 +8,9 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.results.snapshot import Snapshot
 
-CELLWISE = ("stress", "von_mises", "plastic_strain")
-MECHANICAL = ("displacement", "pressure", *CELLWISE)
+PRINCIPAL = ("largest_principal_stress", "smallest_principal_stress")
+CELLWISE = ("stress", "von_mises", "plastic_strain", *PRINCIPAL)
+MECHANICAL = ("displacement", "pressure", "deviation", *CELLWISE)
 """What a run without mechanics does not have."""
 
 UNITS = {
@@ -21,6 +22,9 @@ UNITS = {
     "stress": "Pa",
     "von_mises": "Pa",
     "plastic_strain": "1",
+    "largest_principal_stress": "Pa",
+    "smallest_principal_stress": "Pa",
+    "deviation": "m",
     "gap": "m",
     "contact_pressure": "Pa",
     "heat_transfer_coefficient": "W/m²/K",

@@ -73,6 +73,7 @@ class RunRecord:
     _events: list[Mapping[str, Any]] = field(default_factory=list)
     _profile: dict[str, Any] = field(default_factory=dict)
     _hot_spots: list[dict[str, Any]] = field(default_factory=list)
+    _stage_ends: list[dict[str, Any]] = field(default_factory=list)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
@@ -92,6 +93,10 @@ class RunRecord:
     def note_hot_spots(self, found: list[dict[str, Any]]) -> None:
         """Take over the isolated pools of liquid, the worst first."""
         self._hot_spots = found
+
+    def note_stage_ends(self, found: list[dict[str, Any]]) -> None:
+        """Take over stresses and distortion at the ends of the stages."""
+        self._stage_ends = found
 
     def notes(self) -> dict[str, Any]:
         """Return the content for the record of a run that goes on from here."""
@@ -129,6 +134,7 @@ class RunRecord:
             "last": {name: number(value) for name, value in self._last.items()},
             "process": self._events,
             "hot_spots": self._hot_spots,
+            "stage_ends": self._stage_ends,
             "wall": self._wall,
             "restarts": self._restarts,
             "peak_memory": self._memory,

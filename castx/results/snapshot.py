@@ -83,7 +83,7 @@ class Snapshot(Protocol):
         """Return a field constant in each cell, with ghosts: (cells,), the stress (cells, 6).
 
         Names: stress [Pa] as xx yy zz xy xz yz (axisymmetric: rr zz θθ rz 0 0), von_mises [Pa],
-        plastic_strain.
+        plastic_strain, largest_principal_stress and smallest_principal_stress [Pa].
         """
 
     def paired(self, interface: str, name: str) -> FloatArray:

@@ -38,6 +38,7 @@ from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
 from castx.results.snapshot import Snapshot
+from castx.results.solid.stage_ends import StageEnds
 from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class ResultsWriter:
         self._solidification = solidification_of(case, mesh)
         self._metals = pooled_metals(case)
         self._pools = HotSpots(mesh, self._metals)
+        self._ends = StageEnds(mesh, deforming(case))
         self._history = History(
             self._folder / "history.csv",
             [body.name for body in case.bodies],
@@ -100,7 +102,7 @@ class ResultsWriter:
             wanted_fields(case),
             case.output.every,
             mesh,
-            FoundryFields(self._solidification, poured_bodies(case), self._pools),
+            FoundryFields(self._solidification, poured_bodies(case), self._pools, self._ends),
             self._disk,
             [body.name for body in case.bodies if melts(case, body.material)],
         )
@@ -117,13 +119,14 @@ class ResultsWriter:
         )
 
     def notes(self) -> dict[str, Any]:
-        """Return the numbers of rows and outputs on disk, as JSON knows them."""
+        """Return rows and outputs on disk and what is followed, as JSON knows them; collective."""
         return {
             "rows": self._rows,
             "lost_rows": self._lost,
             "outputs": self._fields.notes(),
             "record": self._record.notes(),
             "pools": self._pools.notes(),
+            "stage_ends": self._ends.described(),
         }
 
     def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
@@ -142,6 +145,7 @@ class ResultsWriter:
             raise CaseError(refusal)
         self._solidification.restore(part_of(arrays, "solidification"))
         self._pools.restore(part_of(arrays, "pools"), notes.get("pools", {}))
+        self._ends.resume(notes.get("stage_ends", []))
         self._record.resume(notes["record"])
         self._record.note_hot_spots(self._pools.described())
         self._rows, self._resumed = notes["rows"], notes
@@ -177,6 +181,7 @@ class ResultsWriter:
         self._fields.leave_stage(snapshot)
         self._solidification.update(snapshot)
         self._pools.update(snapshot)
+        self._ends.update(snapshot)
         self._record.note_hot_spots(self._pools.described())
         with self._disk.writing():
             self._probes.append(snapshot)
@@ -229,6 +234,7 @@ class ResultsWriter:
                 self._record.write(reason, message)
             return
         self._fields.write_pending()
+        self._record.note_stage_ends(self._ends.described())
         if self._comm.rank == 0:
             with self._disk.writing():
                 self._record.write(reason, message)
@@ -271,6 +277,13 @@ def wanted_fields(case: Case) -> list[str]:
         if case.coupling.scheme != "thermal" or entry not in MECHANICAL
         for name in written_names(entry, case)
     ]
+
+
+def deforming(case: Case) -> list[str]:
+    """Return the names of the bodies that deform in a case."""
+    if case.coupling.scheme == "thermal":
+        return []
+    return [body.name for body in case.bodies if body.law != "rigid"]
 
 
 def refuse_without_mechanics(case: Case) -> None:

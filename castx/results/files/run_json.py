@@ -69,6 +69,36 @@ class _HotSpot(_Strict):
     deficit: float | None = None
 
 
+class _Extreme(_Strict):
+    value: float = 0.0
+    place: list[float] = []
+
+
+class _StressExtremes(_Strict):
+    largest_principal: _Extreme = _Extreme()
+    smallest_principal: _Extreme = _Extreme()
+    von_mises: _Extreme = _Extreme()
+    mean_von_mises: float = 0.0
+
+
+class _Distortion(_Strict):
+    outward: _Extreme = _Extreme()
+    inward: _Extreme = _Extreme()
+    allowance: list[float] = []
+
+
+class _SolidBody(_Strict):
+    stress: _StressExtremes = _StressExtremes()
+    distortion: _Distortion = _Distortion()
+
+
+class _StageEnd(_Strict):
+    stage: int = 0
+    cycle: int = 1
+    time: float = 0.0
+    bodies: dict[str, _SolidBody] = {}
+
+
 class _Record(_Strict):
     castx: str = ""
     case: _Case = _Case()
@@ -84,6 +114,7 @@ class _Record(_Strict):
     totals: dict[str, int] = {}
     process: list[_Event] = []
     hot_spots: list[_HotSpot] = []
+    stage_ends: list[_StageEnd] = []
     wall: float = 0.0
     peak_memory: dict[str, int] = {}
     exit: _Exit = _Exit()

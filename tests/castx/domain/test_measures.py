@@ -10,6 +10,7 @@ from castx.domain.measures import (
     bounding_box,
     cell_measure,
     extent,
+    facet_areas,
     nodal_area_vectors,
     nodal_areas,
     nodal_mean,
@@ -42,6 +43,20 @@ def casting(comm, model, cells="simplices"):
         comm, model, "slab", ["casting"], length=R, width=H, size=0.008, cells=cells, **depth
     )
     return mesh.bodies["casting"], "far"
+
+
+@models
+def test_areas_of_facets_are_those_of_the_surface_they_make(model, comm):
+    body, side = casting(comm, model)
+    areas, vectors = facet_areas(body, model, body.facet_tags.find(body.surface_tag(side)))
+    np.testing.assert_allclose(areas, nodal_areas(body, model, side), rtol=1e-12, atol=1e-20)
+    expected = nodal_area_vectors(body, model, side)
+    np.testing.assert_allclose(vectors, expected, rtol=1e-12, atol=1e-18)
+    owned = body.node_numbering.owned
+    total = comm.allreduce(float(areas[:owned].sum()))
+    assert total == pytest.approx(MANTLE[model], rel=1e-9)
+    nothing, _ = facet_areas(body, model, np.zeros(0, dtype=np.int32))
+    assert not nothing.any()
 
 
 @models
