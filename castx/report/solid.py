@@ -17,7 +17,7 @@ def solid_rows(ends: Sequence[Mapping[str, Any]], model: str) -> Iterator[tuple[
     """
     latest = {body: (end["time"], found) for end in ends for body, found in end["bodies"].items()}
     for body, (time, found) in latest.items():
-        stress, distortion = found["stress"], found["distortion"]
+        stress, distortion = found["stress"], found.get("distortion")
         pull, mises = stress["largest_principal"], stress["von_mises"]
         yield (
             f"stress {body}",
@@ -25,6 +25,8 @@ def solid_rows(ends: Sequence[Mapping[str, Any]], model: str) -> Iterator[tuple[
             f"{_mega(mises['value'])} at {_place(mises)} and {_mega(stress['mean_von_mises'])} in "
             "the mean",
         )
+        if distortion is None:
+            continue
         out, into = distortion["outward"], distortion["inward"]
         shares = zip(parts("displacement", model), distortion["allowance"], strict=True)
         yield (

@@ -89,7 +89,7 @@ class _Distortion(_Strict):
 
 class _SolidBody(_Strict):
     stress: _StressExtremes = _StressExtremes()
-    distortion: _Distortion = _Distortion()
+    distortion: _Distortion | None = None
 
 
 class _StageEnd(_Strict):

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 SYMMETRY = "symmetry-"
 """Beginning of the names of planes of symmetry."""
+FLAT = 1.0 - 1e-6
+"""Share of the area of a surface that its area vectors sum up to, from which it is a plane."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,10 @@ class Plane:
 class Shape:
     """The surface of a body: nominal places, areas and normals of its nodes on all ranks.
 
+    Attributes:
+        known: whether it has one, and each surface of symmetry is one plane; else there is nothing
+            to compare.
+
     Args:
         body: its mesh.
         model: geometric model; the axis of an axisymmetric body is no surface.
@@ -59,8 +65,13 @@ class Shape:
         self._count = len(areas)
         self._points, self._numbers = self._here(body.points), self._here(body.original_nodes)
         self._areas = self._here(areas)
-        self._planes = [plane_of(body, model, name) for name in symmetric]
-        for name, plane in zip(symmetric, self._planes, strict=True):
+        planes = {name: plane_of(body, model, name) for name in symmetric}
+        self._planes = [plane for plane in planes.values() if plane is not None]
+        surface = body.mesh.comm.allreduce(len(self._nodes))
+        self.known = surface > 0 and len(self._planes) == len(planes)
+        for name, plane in planes.items():
+            if plane is None:
+                continue
             nodes = body.surface_nodes(name)  # the facets of the image are there too
             vectors[nodes] -= (vectors[nodes] @ plane.normal)[:, None] * plane.normal
         vectors = self._here(vectors)
@@ -117,8 +128,8 @@ class Shape:
         }
 
 
-def plane_of(body: BodyMesh, model: str, name: str) -> Plane:
-    """Return a plane of symmetry of a body from its facets; collective.
+def plane_of(body: BodyMesh, model: str, name: str) -> Plane | None:
+    """Return a plane of symmetry of a body from its facets, None if it is none; collective.
 
     Args:
         body: its mesh.
@@ -133,5 +144,8 @@ def plane_of(body: BodyMesh, model: str, name: str) -> Plane:
     )
     total = np.sum(body.mesh.comm.allgather(sums), axis=0)
     dimension = body.points.shape[1]
-    normal = total[:dimension] / np.linalg.norm(total[:dimension])
+    length = float(np.linalg.norm(total[:dimension]))
+    if length < FLAT * total[-1]:
+        return None
+    normal = total[:dimension] / length
     return Plane(normal, float(normal @ total[dimension:-1] / total[-1]))

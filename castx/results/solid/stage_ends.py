@@ -102,21 +102,26 @@ class StageEnds:
                 "cycle": last.cycle,
                 "time": last.time,
                 "bodies": {
-                    name: {
-                        "stress": self._stresses[name].of(stress),
-                        "distortion": self._shapes[name].of(last.displacement[name]),
-                    }
+                    name: self._body(name, stress, last.displacement[name])
                     for name, stress in last.stress.items()
                 },
             }
         return [self._found[stage] for stage in sorted(self._found)]
 
+    def _body(self, name: str, stress: FloatArray, displacement: FloatArray) -> dict[str, Any]:
+        found = {"stress": self._stresses[name].of(stress)}
+        if self._shapes[name].known:
+            found["distortion"] = self._shapes[name].of(displacement)
+        return found
+
     def deviation(self, body: str) -> FloatArray | None:
         """Return the deviation in the last state at the local nodes [m], (nodes,); collective.
 
-        Not a number off the surface; None: the body does not deform.
+        Not a number off the surface; None: the body does not deform, or has nothing to compare.
         """
         if self._last is None or body not in self._last.displacement:
+            return None
+        if not self._shapes[body].known:
             return None
         return self._shapes[body].nodal_deviation(self._last.displacement[body])
 

@@ -32,6 +32,12 @@ def test_the_last_end_of_each_body_is_told():
     )
 
 
+def test_a_body_without_distortion_has_its_stress():
+    closed = end(0, 10.0, 5e7)
+    del closed["bodies"]["casting"]["distortion"]
+    assert list(dict(solid_rows([closed], "axisymmetric"))) == ["stress casting"]
+
+
 def test_a_body_that_is_gone_keeps_its_last_end():
     later = {**end(1, 90.0, 1e8), "bodies": {}}
     rows = dict(solid_rows([end(0, 10.0, 5e7), later], "axisymmetric"))

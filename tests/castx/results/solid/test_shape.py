@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mpi4py import MPI
 
 import numpy as np
 import pytest
+from dolfinx.mesh import meshtags
 
 from castx.case.geometry import Geometry
 from castx.domain.mesh import build_mesh
@@ -51,6 +54,20 @@ def test_a_quarter_contracts_towards_its_axis(quarter):
     cut = (r < 0.019) & ((points[:, 0] < 1e-9) | (points[:, 1] < 1e-9)) & (z > 1e-6)
     assert np.isnan(found[cut & (z < HEIGHT - 1e-6)]).all()
     assert shape.of(moved)["allowance"] == pytest.approx([SHRUNK] * 3, rel=1e-12)
+
+
+def test_two_planes_with_one_name_and_a_body_without_surface_have_nothing_to_compare(block):
+    """Opposite sides under one name, then all sides as planes of symmetry."""
+    tags, dimension = block.facet_tags, block.mesh.topology.dim
+    sides = [block.surfaces[name] for name in ("wall", "far")]
+    both = np.where(np.isin(tags.values, sides), np.int32(1), tags.values + np.int32(1))
+    doubled = meshtags(block.mesh, dimension - 1, tags.indices, both)
+    pair = replace(block, facet_tags=doubled, surfaces={"symmetry-x": 1})
+    assert plane_of(pair, "plane-strain", "symmetry-x") is None
+    names = {f"symmetry-{name}": tag for name, tag in block.surfaces.items()}
+    nodes = {f"symmetry-{name}": found for name, found in block.nodes_on.items()}
+    assert not Shape(replace(block, surfaces=names, nodes_on=nodes), "plane-strain").known
+    assert Shape(block, "plane-strain").known
 
 
 def test_turning_and_moving_is_no_distortion(block):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from mpi4py import MPI
 
@@ -58,6 +59,17 @@ def test_a_run_that_goes_on_describes_the_same_ends(mesh, stop):
     second.resume(json.loads(json.dumps(first)))
     assert second.described() == first
     assert follow(second, mesh, COURSE[stop:]).described() == whole
+
+
+def test_a_body_between_planes_of_symmetry_has_stress_alone(mesh):
+    body = mesh.bodies["casting"]
+    surfaces = {f"symmetry-{name}": tag for name, tag in body.surfaces.items()}
+    nodes = {f"symmetry-{name}": found for name, found in body.nodes_on.items()}
+    closed = replace(body, surfaces=surfaces, nodes_on=nodes)
+    ends = StageEnds(replace(mesh, bodies={"casting": closed}), ["casting"])
+    (end,) = follow(ends, mesh, COURSE[:1]).described()
+    assert list(end["bodies"]["casting"]) == ["stress"]
+    assert ends.deviation("casting") is None
 
 
 def test_the_deviation_is_that_of_the_last_state(mesh):
