@@ -47,6 +47,13 @@ def test_castings_drawn_at_random_are_accepted(name):
         load_case(case)
 
 
+def test_the_casting_whose_cost_is_measured_may_be_a_solid():
+    scaling = script("scaling")
+    case = load_case(scaling.CASE, scaling.SOLID)
+    assert case.bodies[0].material == "solid"
+    assert case.materials["solid"].liquid is None
+
+
 def history(gap=1e-4, **changes):
     """Return two accepted steps of a casting of 20 N, as they are read from a history."""
     steps = {
@@ -88,7 +95,7 @@ def test_castings_are_judged_by_every_accepted_step(changes, said):
 
 
 def test_cases_that_are_written_out_are_accepted():
-    memory, restart, cylinder = (script(name) for name in ("memory", "restart", "cylinder"))
+    memory, restart, cylinder = (script(name) for name in ("memory", "restart", "scaling"))
     for method, linear in memory.KINDS:
         case = load_case(tomllib.loads(memory.case_text(method, linear, 1000)))
         assert case.time.end == pytest.approx(20.0)

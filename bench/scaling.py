@@ -1,11 +1,13 @@
-"""Cost of the coupled cylinder in space: steps, iterations, passes, time and memory by mesh size.
+"""Cost of the coupled cylinder in space by mesh size: steps, iterations, passes, time and memory.
 
-    bin/with-fenicsx mpirun -n 2 python3 bench/cylinder.py [NODES ...] [--viscoplastic] [--end S]
+    bin/with-fenicsx mpirun -n 2 python3 bench/scaling.py [NODES ...] [--viscoplastic | --elastic]
+        [--end S]
 
 Runs demos/cylinder_3d.toml with about so many nodes in all (default 1300 5400 20000), without
-output files; with --viscoplastic its casting flows as its database says, from the liquid on. CPU
-seconds and memory are sums over the ranks; memory is the peak of the resident sets, which never
-falls, so each size is best run alone: bench/cylinder.py 20000.
+output files; with --viscoplastic its casting flows as its database says, from the liquid on, with
+--elastic it is a solid at every temperature. CPU seconds and memory are sums over the ranks; memory
+is the peak of the resident sets, which never falls, so each size is best run alone:
+bench/scaling.py 20000.
 """
 
 from __future__ import annotations
@@ -24,9 +26,13 @@ from castx.process.simulation import Simulation
 CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
 SIZES = {1300: 0.0072, 5400: 0.0042, 20000: 0.00258}
 COLUMNS = (
-    "nodes", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its", "linear its", "frozen",
-    "wall s", "CPU s", "memory MB", "energy error", "solid at end",
+    "nodes", "cells", "unknowns", "ranks", "steps", "cutbacks", "passes", "heat its", "mech its",
+    "linear its", "frozen", "a solve", "wall s", "CPU s", "memory MB", "energy error",
+    "solid at end",
 )
+SOLID = (
+    "materials.solid.extends=Al-pure", "materials.solid.liquid=none", "bodies.0.material=solid",
+)  # fmt: skip
 COUNTS = (
     "cutbacks", "passes", "heat_iterations", "mechanics_iterations", "linear_iterations",
     "frozen_pairs",
@@ -39,12 +45,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("nodes", nargs="*", type=int, default=list(SIZES))
-    parser.add_argument("--viscoplastic", action="store_true", help="let the casting flow")
+    law = parser.add_mutually_exclusive_group()
+    law.add_argument("--viscoplastic", action="store_true", help="let the casting flow")
+    law.add_argument("--elastic", action="store_true", help="let it be a solid throughout")
     parser.add_argument("--end", type=float, default=90.0, help="end of the run [s]")
     wanted = parser.parse_args(arguments)
     changes = [f"time.end={wanted.end}"]
     if wanted.viscoplastic:
         changes.append("bodies.0.law=thermo-elasto-viscoplastic")
+    if wanted.elastic:
+        changes += SOLID
     show(COLUMNS)
     for nodes in wanted.nodes:
         show(measure([f"geometry.size={element_size(nodes)}", *changes]))
@@ -68,14 +78,20 @@ def measure(changes: Sequence[str]) -> tuple[str, ...]:
     wall = time.perf_counter() - begin
     cpu = comm.allreduce(time.process_time() - cpu)
     memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024
-    bodies = simulation.mesh.bodies.values()
-    nodes = sum(body.nodes.dofmap.index_map.size_global for body in bodies)
+    meshes = [body.mesh.topology for body in simulation.mesh.bodies.values()]
+    nodes, cells = (
+        sum(mesh.index_map(dim).size_global for mesh in meshes) for dim in (0, meshes[0].dim)
+    )
+    mechanics = simulation.problem.mechanics
+    assert mechanics is not None
+    unknowns = mechanics.equilibrium.x.getSize()
+    linear = counts["linear_iterations"] / max(counts["mechanics_iterations"], 1)
     totals = state.totals
     simulation.destroy()
     return (
-        f"{nodes}", f"{comm.size}", f"{state.step}", *(f"{count}" for count in counts.values()),
-        f"{wall:.0f}", f"{cpu:.0f}", f"{memory:.0f}", f"{totals['energy_error']:.1e}",
-        f"{totals['casting.solid_fraction']:.3f}",
+        f"{nodes}", f"{cells}", f"{unknowns}", f"{comm.size}", f"{state.step}",
+        *(f"{count}" for count in counts.values()), f"{linear:.1f}", f"{wall:.0f}", f"{cpu:.0f}",
+        f"{memory:.0f}", f"{totals['energy_error']:.1e}", f"{totals['casting.solid_fraction']:.3f}",
     )
 
 
