@@ -100,8 +100,10 @@ def _body(name: str, volume: float, role: int) -> str:
 def _interface(first: str, second: str, area: float, role: dict[str, int]) -> str:
     first, second = sorted((first, second), key=lambda name: role[name])
     contact = ""
-    if role[first] == role[second] == SAND:
-        contact = 'contact = { method = "none" }\n'
+    if CASTING not in (role[first], role[second]):
+        # Where parts of a tool slide freely on each other, nothing holds some of them.
+        method = "none" if SAND in (role[first], role[second]) else "tied"
+        contact = f'contact = {{ method = "{method}" }}      # CHOOSE: parts of one clamped tool\n'
     return (
         f"[[interfaces]]                  # {area:.4g} m²\n"
         f'bodies = ["{first}", "{second}"]\n{contact}'

@@ -51,3 +51,18 @@ def test_the_text_is_a_case():
     assert read.interfaces[2].contact.method == "none"
     assert [b.on for b in read.boundaries] == ["mould/outside"]
     assert text.count("CHOOSE") > 10
+
+
+def test_the_parts_of_a_tool_are_tied_to_each_other_unless_they_are_sand():
+    bodies = ("casting", "die-low", "die-high", "chill", "core")
+    pairs = [(a, b, 1e-4) for index, a in enumerate(bodies) for b in bodies[:index]]
+    case = NewCase("a.step", 0.01, None, tuple((b, 1e-6) for b in bodies), tuple(pairs), ())
+    read = load_case(tomllib.loads(case_text(case)))
+    methods = {interface.name: interface.contact.method for interface in read.interfaces}
+    assert {name for name, method in methods.items() if method == "tied"} == {
+        "die-high/die-low", "chill/die-low", "chill/die-high"
+    }  # fmt: skip
+    assert {name for name, method in methods.items() if method == "none"} == {
+        "die-low/core", "die-high/core", "chill/core"
+    }  # fmt: skip
+    assert sum(name.startswith("casting/") for name in methods) == 4
