@@ -85,7 +85,7 @@ def _integrals(face: CellKind, points: FloatArray, model: str) -> tuple[FloatArr
     """Return ∫φ n dS and ∫φ dS of the corners of facets, weighted by the model."""
     places, weights = face.quadrature(DEGREE)
     shapes = face.shape_functions(places)[0]
-    normal = _normal(face.jacobians(points, places))
+    normal = _normal(face, points, places)
     weight = np.broadcast_to(weights, normal.shape[:2]).copy()
     if model == "axisymmetric":
         weight *= 2 * np.pi * np.einsum("qa,fa->fq", shapes, points[:, :, 0])
@@ -96,12 +96,15 @@ def _integrals(face: CellKind, points: FloatArray, model: str) -> tuple[FloatArr
 
 def _unit_normal(face: CellKind, points: FloatArray) -> FloatArray:
     middle = face.reference.mean(axis=0, keepdims=True)
-    normal = _normal(face.jacobians(points, middle))[:, 0]
+    normal = _normal(face, points, middle)[:, 0]
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
-def _normal(jacobians: FloatArray) -> FloatArray:
-    """Return normals whose length is the area of ∂x/∂ξ, (facets, points, dimension)."""
+def _normal(face: CellKind, points: FloatArray, places: FloatArray) -> FloatArray:
+    """Return normals whose length is the area of ∂x/∂ξ, (facets, places, dimension)."""
+    # From the first corner: gradients of shape functions add up to zero but for rounding, by which
+    # the normal of a facet along an axis would lean.
+    jacobians = face.jacobians(points - points[:, :1], places)
     if jacobians.shape[2] == 2:
         tangent = jacobians[:, :, :, 0]
         return np.stack((tangent[:, :, 1], -tangent[:, :, 0]), axis=2)

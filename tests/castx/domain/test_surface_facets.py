@@ -8,6 +8,7 @@ from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.surface_facets import surface_facets
 from castx.errors import MeshError
 from tests.castx.domain.interface_meshes import MESHES, NAMES, cup
+from tests.castx.fakes import cylinder_mesh
 
 pytestmark = pytest.mark.sampled
 
@@ -57,6 +58,14 @@ def test_normals_are_unit_vectors_out_of_the_body(mesh):
     back = surface_facets(mesh, mesh.bodies["mould"], "casting")
     order, other = (np.lexsort(np.round(f.points.mean(axis=1), 9).T) for f in (facets, back))
     np.testing.assert_allclose(facets.normals[order], -back.normals[other], atol=1e-12)
+
+
+def test_normals_of_facets_along_an_axis_do_not_lean(comm):
+    """By no rounding either: restarts go on with the same bits."""
+    mesh = cylinder_mesh(comm, "axisymmetric", 3e-3)
+    facets = surface_facets(mesh, mesh.bodies["casting"], "mould")
+    for vectors in (facets.normals, facets.vectors.reshape(-1, 2)):
+        assert (np.count_nonzero(vectors, axis=1) == 1).all()
 
 
 def test_all_ranks_have_all_facets_once(mesh, comm):
