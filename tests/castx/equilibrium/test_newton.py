@@ -60,7 +60,7 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
              "law": "thermo-elasto-viscoplastic"},
             {"name": "mould", "material": "steel-carbon", "temperature": 150.0},
         ],
-        "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": method},
+        "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": method, "normals": "averaged"},
                         "heat": {"law": "limited", "closed": 200.0, "gas_conductivity": 0.05}}],
         "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
         "loads": {"gravity": [0.0, -9.81]},
