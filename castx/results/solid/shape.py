@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mpi4py import MPI
+
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 SYMMETRY = "symmetry-"
 """Beginning of the names of planes of symmetry."""
+ON_AXIS = 1e-9
+"""Radius of a surface, beside the extent of its body, below which it is the axis."""
 FLAT = 1.0 - 1e-6
 """Share of the area of a surface that its area vectors sum up to, from which it is a plane."""
 
@@ -65,7 +69,11 @@ class Shape:
         self._count = len(areas)
         self._points, self._numbers = self._here(body.points), self._here(body.original_nodes)
         self._areas = self._here(areas)
-        planes = {name: plane_of(body, model, name) for name in symmetric}
+        planes = {
+            name: plane_of(body, model, name)
+            for name in symmetric
+            if not is_axis(body, model, name)
+        }
         self._planes = [plane for plane in planes.values() if plane is not None]
         surface = body.mesh.comm.allreduce(len(self._nodes))
         self.known = surface > 0 and len(self._planes) == len(planes)
@@ -126,6 +134,22 @@ class Shape:
             "inward": smallest(self._comm, deviation, *where),
             "allowance": [float(share) for share in shares],
         }
+
+
+def is_axis(body: BodyMesh, model: str, name: str) -> bool:
+    """Return whether a surface is the axis of an axisymmetric body, and no plane; collective.
+
+    Args:
+        body: its mesh.
+        model: geometric model.
+        name: of the surface.
+    """
+    if model != "axisymmetric":
+        return False
+    radii = np.abs(body.points[body.surface_nodes(name), 0])
+    largest_of = (float(radii.max(initial=0.0)), float(np.abs(body.points).max(initial=0.0)))
+    radius, extent = (body.mesh.comm.allreduce(own, op=MPI.MAX) for own in largest_of)
+    return bool(radius <= ON_AXIS * extent)
 
 
 def plane_of(body: BodyMesh, model: str, name: str) -> Plane | None:

@@ -106,3 +106,18 @@ def test_in_an_axisymmetric_body_only_the_axis_is_left_to_move_along(comm):
     np.testing.assert_allclose(found[top], -SHRUNK * HEIGHT / 2, rtol=1e-9)
     axis = (r < 1e-9) & (z > 1e-9) & (z < HEIGHT - 1e-9)
     assert np.isnan(found[axis]).all()
+
+
+def test_a_surface_at_the_axis_is_no_plane_of_symmetry(comm):
+    """Blocks of revolution call it so; it has no area and no normal."""
+    geometry = Geometry.read({
+        "generator": "stacked_blocks", "model": "axisymmetric",
+        "upper": [0.02, 0.01], "base": [0.02, 0.01], "size": 0.005, "symmetry": True,
+    })  # fmt: skip
+    names = list(geometry.surfaces)
+    body = build_mesh(geometry, names, comm).bodies[names[-1]]
+    shape = Shape(body, "axisymmetric")
+    assert shape.known
+    found = shape.of(-SHRUNK * body.points)
+    assert found["allowance"] == pytest.approx([SHRUNK, SHRUNK], rel=1e-9)
+    assert -SHRUNK * 0.02 - 1e-12 <= found["inward"]["value"] < 0.0
