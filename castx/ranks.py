@@ -1,11 +1,17 @@
-"""The end of a command on several ranks: one exit code for all, and no rank left waiting."""
+"""Several ranks as one: what the first does or refuses, one exit code, no rank left waiting."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
+from typing import TypeVar, cast
 
 from mpi4py import MPI
+
+from castx.errors import CaseError, MeshError
+
+T = TypeVar("T")
 
 GRACE = 5.0
 """Time for the other ranks to end after one has failed [s]."""
@@ -13,6 +19,29 @@ PAUSE = 0.01
 """Time between two looks at the other ranks [s]."""
 BUG = 1
 """Exit code of all ranks after a fault of castx itself."""
+
+
+def on_first_rank(comm: MPI.Intracomm, action: Callable[[], T]) -> T:
+    """Do something on rank 0 and return its result, or raise its refusal, on all ranks; collective.
+
+    Args:
+        comm: the ranks.
+        action: what rank 0 does.
+
+    Raises:
+        CaseError, MeshError: what the action has raised.
+    """
+    found: T | None = None
+    refusal: CaseError | MeshError | None = None
+    if comm.rank == 0:
+        try:
+            found = action()
+        except (CaseError, MeshError) as error:
+            refusal = error
+    found, refusal = comm.bcast((found, refusal))
+    if refusal is not None:
+        raise refusal
+    return cast(T, found)
 
 
 def common_code(verdicts: MPI.Intracomm, code: int) -> int:

@@ -10,7 +10,8 @@ from mpi4py import MPI
 
 from castx.checkpoint.archive import ArchiveWriter, read_array, read_header
 from castx.checkpoint.gathering import Gathering
-from castx.errors import CaseError, StorageError
+from castx.errors import StorageError
+from castx.ranks import on_first_rank
 from castx.results.files.folder import CHECKPOINT
 from castx.stateful import Array, Saved
 
@@ -78,17 +79,9 @@ class Checkpoint:
         Raises:
             CaseError: the file is damaged; on all ranks.
         """
-        found: dict[str, Any] | None = None
-        refusal = None
-        if self._comm.rank == 0 and self.path.is_file():
-            try:
-                found = read_header(self.path)
-            except CaseError as error:
-                refusal = str(error)
-        found, refusal = self._comm.bcast((found, refusal))
-        if refusal is not None:
-            raise CaseError(refusal)
-        return found
+        return on_first_rank(
+            self._comm, lambda: read_header(self.path) if self.path.is_file() else None
+        )
 
     def read(self, header: Mapping[str, Any], state: Mapping[str, Saved]) -> dict[str, Array]:
         """Return the local rows, ghosts included, of the wanted arrays that the file has.

@@ -20,7 +20,6 @@ from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
-from castx.command.refusals import on_first_rank
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -33,6 +32,7 @@ from castx.errors import CaseError, MeshError
 from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
 from castx.process.building import stage_cases
+from castx.ranks import on_first_rank
 from castx.report.assembly.exploded import refuse_format, write_picture
 from castx.report.assembly.shells import shells_of
 from castx.report.stages import cycle_text, stage_table

@@ -16,11 +16,11 @@ from mpi4py import MPI
 import typer
 from rich.logging import RichHandler
 
-from castx.command.refusals import naming, on_first_rank, seconds
+from castx.command.refusals import naming, seconds
 from castx.command.terminal import LINES, EnduringConsole, console_of, endure_broken_pipes
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 from castx.input.printable import printable
-from castx.ranks import common_code
+from castx.ranks import common_code, on_first_rank
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
 Overrides = Annotated[

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-from mpi4py import MPI
 
 from castx.errors import CaseError, MeshError
 
@@ -32,26 +30,6 @@ def seconds(option: str, text: str) -> float:
         return Quantity(TIME, above=0.0).read(value)
     except CaseError as error:
         raise CaseError(f'{option} {text}: {error}; for instance "8 h"') from None
-
-
-def on_first_rank(comm: MPI.Intracomm, action: Callable[[], None]) -> None:
-    """Do something on rank 0 and raise its refusal on all ranks; collective.
-
-    Args:
-        comm: the ranks.
-        action: what rank 0 does.
-
-    Raises:
-        CaseError, MeshError: what the action has raised.
-    """
-    refusal: CaseError | MeshError | None = None
-    if comm.rank == 0:
-        try:
-            action()
-        except (CaseError, MeshError) as error:
-            refusal = error
-    if (refusal := comm.bcast(refusal)) is not None:
-        raise refusal
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from castx.case.stages import Schedule
 from castx.errors import CaseError
 from castx.materials.lookup import find_material
 from castx.profiling import PartCost, RunPart, booked_as
+from castx.ranks import on_first_rank
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.files.folder import (
@@ -135,14 +136,7 @@ class ResultsWriter:
         Raises:
             CaseError: a table lacks rows, or is damaged; on all ranks.
         """
-        refusal = None
-        if self._comm.rank == 0:
-            try:
-                self._lost = lost_rows(self._folder, notes)
-            except CaseError as error:
-                refusal = str(error)
-        if (refusal := self._comm.bcast(refusal)) is not None:
-            raise CaseError(refusal)
+        self._lost = on_first_rank(self._comm, lambda: lost_rows(self._folder, notes))
         self._solidification.restore(part_of(arrays, "solidification"))
         self._pools.restore(part_of(arrays, "pools"), notes.get("pools", {}))
         self._ends.resume(notes.get("stage_ends", []))

@@ -1,8 +1,9 @@
-"""One exit code for all ranks, and no rank left waiting for one that has failed."""
+"""What the first rank does for all, one exit code, and no rank left waiting for a failed one."""
 
 import pytest
 
 from castx import ranks
+from castx.errors import CaseError, MeshError
 
 
 def test_all_ranks_end_with_the_largest_code(comm):
@@ -67,3 +68,26 @@ def test_a_rank_that_failed_alone_ends_the_others(impatient, capsys):
 def test_a_rank_that_has_not_failed_waits_for_as_long_as_it_takes(impatient):
     """Fifty pauses are longer than the patience with a rank that has failed."""
     assert ranks.common_code(Lonely(50), 0) == 3
+
+
+@pytest.mark.parametrize("kind", [CaseError, MeshError])
+def test_what_the_first_rank_refuses_is_raised_on_all(comm, kind):
+    calls = []
+
+    def refuse():
+        calls.append(comm.rank)
+        raise kind("no")
+
+    with pytest.raises(kind, match="no"):
+        ranks.on_first_rank(comm, refuse)
+    assert comm.allgather(calls) == [[0], *[[]] * (comm.size - 1)]
+
+
+def test_what_the_first_rank_does_is_done_once(comm):
+    calls = []
+    ranks.on_first_rank(comm, lambda: calls.append(comm.rank))
+    assert comm.allreduce(len(calls)) == 1
+
+
+def test_what_the_first_rank_finds_is_known_to_all(comm):
+    assert ranks.on_first_rank(comm, lambda: [comm.rank, comm.size]) == [0, comm.size]

@@ -22,6 +22,7 @@ from castx.case.output import DIMENSIONS
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.input.units import TIME, Dimension, number
+from castx.ranks import on_first_rank
 from castx.results.files.folder import MEASURED, write_whole
 
 if TYPE_CHECKING:
@@ -100,17 +101,7 @@ def measured_curves(
     Raises:
         CaseError: a file cannot be read, or a measurement belongs to no column; on all ranks.
     """
-    found: dict[str, Measured] = {}
-    refusal = None
-    if comm.rank == 0:
-        try:
-            found = {m.of: _checked(m, columns) for m in measurements}
-        except CaseError as error:
-            refusal = str(error)
-    refusal, found = comm.bcast((refusal, found))
-    if refusal is not None:
-        raise CaseError(refusal)
-    return found
+    return on_first_rank(comm, lambda: {m.of: _checked(m, columns) for m in measurements})
 
 
 def _checked(measurement: Measurement, columns: Collection[str]) -> Measured:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from castx.command.refusals import naming, on_first_rank, seconds
+from castx.command.refusals import naming, seconds
 from castx.errors import CaseError, ConvergenceError, MeshError
 
 
@@ -19,25 +19,6 @@ def test_a_time_is_a_number_or_has_a_unit(text, value):
 def test_what_is_no_time_is_refused_with_its_option(text):
     with pytest.raises(CaseError, match=rf'--time-limit {text}: .*for instance "8 h"'):
         seconds("--time-limit", text)
-
-
-@pytest.mark.parametrize("kind", [CaseError, MeshError])
-def test_what_the_first_rank_refuses_is_raised_on_all(comm, kind):
-    calls = []
-
-    def refuse():
-        calls.append(comm.rank)
-        raise kind("no")
-
-    with pytest.raises(kind, match="no"):
-        on_first_rank(comm, refuse)
-    assert comm.allgather(calls) == [[0], *[[]] * (comm.size - 1)]
-
-
-def test_what_the_first_rank_does_is_done_once(comm):
-    calls = []
-    on_first_rank(comm, lambda: calls.append(comm.rank))
-    assert comm.allreduce(len(calls)) == 1
 
 
 @pytest.mark.parametrize("kind", [CaseError, MeshError])
