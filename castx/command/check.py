@@ -33,8 +33,6 @@ from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
 from castx.process.building import stage_cases
 from castx.ranks import on_first_rank
-from castx.report.assembly.exploded import refuse_format, write_picture
-from castx.report.assembly.shells import shells_of
 from castx.report.stages import cycle_text, stage_table
 from castx.results.files.measurements import measured_curves
 from castx.results.probes import readings_of
@@ -58,6 +56,8 @@ def check_case(
         MeshError: the mesh lacks what the case asks of it.
     """
     if picture is not None:
+        from castx.report.assembly.exploded import refuse_format  # loads what draws, see draw_case
+
         refuse_format(picture)
     names = [body.name for body in case.bodies]
     refuse_too_large(case.geometry, names, comm, solved=False)
@@ -88,6 +88,10 @@ def draw_case(case: Case, mesh: CastingMesh, picture: Path) -> None:
     Raises:
         CaseError: the picture cannot be drawn or written.
     """
+    # Half a second that no check without a picture should wait for.
+    from castx.report.assembly.exploded import write_picture
+    from castx.report.assembly.shells import shells_of
+
     shells = shells_of(mesh, [interface.name for interface in case.interfaces])
     flat = case.geometry.model != "3d"
     on_first_rank(mesh.comm, lambda: write_picture(shells, flat, picture))
