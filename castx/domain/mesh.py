@@ -67,6 +67,11 @@ class BodyMesh:
         return KINDS[self.mesh.topology.cell_name()]
 
     @property
+    def symmetry_planes(self) -> list[str]:
+        """Names of the surfaces on planes of symmetry, sorted."""
+        return sorted(name for name in self.surfaces if name.startswith("symmetry-"))
+
+    @property
     def node_numbering(self) -> Numbering:
         """The local nodes by their numbers in the mesh before it was distributed."""
         owned = self.nodes.dofmap.index_map.size_local

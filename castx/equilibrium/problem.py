@@ -146,5 +146,5 @@ def _closed_surfaces(
     """
     sides = [zip((c.secondary, c.primary), c.surfaces, strict=True) for c in contacts]
     shut = {surface for pair in sides for body, surface in pair if body == name}
-    shut |= {s for s in mesh.bodies[name].surfaces if s.startswith("symmetry-")}
+    shut.update(mesh.bodies[name].symmetry_planes)
     return shut | {d.surface for d in displacements if d.value is not None}

@@ -93,8 +93,8 @@ def fixed_directions(
     named = {condition.surface for condition in conditions}
     planes = [
         SurfaceDisplacement(surface, "normal")
-        for surface in sorted(body.surfaces)
-        if surface.startswith("symmetry-") and surface not in named
+        for surface in body.symmetry_planes
+        if surface not in named
     ]
     found = [_axis(body)] if model == "axisymmetric" else []
     for condition in sorted([*planes, *conditions], key=lambda c: not c.symmetry):

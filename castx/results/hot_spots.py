@@ -195,8 +195,8 @@ def feeding_nodes(
         for name in surfaces.named:
             marked[body.surface_nodes(name)] = 1.0
         return marked > 0.0
-    symmetric = {name for name in body.surfaces if name.startswith("symmetry-")}
-    facets = free_facets(body, model, sorted(symmetric | (closed & set(body.surfaces))))
+    shut = {*body.symmetry_planes, *closed.intersection(body.surfaces)}
+    facets = free_facets(body, model, sorted(shut))
     marked[fem.locate_dofs_topological(body.nodes, body.mesh.topology.dim - 1, facets)] = 1.0
     return np.asarray(nodal_sum(body, marked) > 0.0)
 

@@ -22,8 +22,6 @@ from castx.results.solid.extremes import largest, smallest
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
 
-SYMMETRY = "symmetry-"
-"""Beginning of the names of planes of symmetry."""
 ON_AXIS = 1e-9
 """Radius of a surface, beside the extent of its body, below which it is the axis."""
 FLAT = 1.0 - 1e-6
@@ -62,7 +60,7 @@ class Shape:
 
     def __init__(self, body: BodyMesh, model: str) -> None:
         self._body, self._comm, self._model = body, body.mesh.comm, model
-        symmetric = sorted(name for name in body.surfaces if name.startswith(SYMMETRY))
+        symmetric = body.symmetry_planes
         areas, vectors = facet_areas(body, model, free_facets(body, model, symmetric))
         owned = body.node_numbering.owned
         self._nodes: IntArray = np.flatnonzero(areas[:owned] > 0.0).astype(np.int32)
