@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -88,16 +89,14 @@ DIMENSIONS = {
 """Of the quantities that probes record."""
 
 
-def _folder(value: Any) -> Path:
+def _path(value: Any, needed: str) -> Path:
     if not isinstance(value, str | Path) or not str(value).strip() or "\0" in str(value):
-        raise CaseError("the path of a folder is needed, relative to the working directory")
+        raise CaseError(f"the path of {needed}")
     return Path(value)
 
 
-def _file(value: Any) -> Path:
-    if not isinstance(value, str | Path) or not str(value).strip() or "\0" in str(value):
-        raise CaseError("the path of a table is needed, relative to the case file")
-    return Path(value)
+_FOLDER = partial(_path, needed="a folder is needed, relative to the working directory")
+_TABLE = partial(_path, needed="a table is needed, relative to the case file")
 
 
 class Output(Description):
@@ -111,7 +110,7 @@ class Output(Description):
             often if they take long.
     """
 
-    folder: Annotated[Path, PlainValidator(_folder)] = Path("results")
+    folder: Annotated[Path, PlainValidator(_FOLDER)] = Path("results")
     every: Annotated[float | None, Quantity(TIME, above=0.0)] = None
     fields: Annotated[tuple[Annotated[str, Choice(FIELDS)], ...], Field(max_length=len(FIELDS))] = (
         "temperature",
@@ -270,7 +269,7 @@ class Measurement(Description):
     """
 
     of: _Title
-    file: Annotated[Path, PlainValidator(_file)]
+    file: Annotated[Path, PlainValidator(_TABLE)]
     column: _Title | None = None
     unit: _UnitName = ""
     time: _Title = "time"
