@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.case.contact import is_tied
 from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
 from castx.contact.kinematics.gaps import Gaps
@@ -22,6 +23,7 @@ from castx.contact.system import ContactSystem
 from castx.domain.measures import nodal_volumes
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.block_iterative import BlockIteration, arrow_blocks
+from castx.equilibrium.body_blocks import body_blocks, moving_together
 from castx.equilibrium.equilibrium import Equilibrium, Procedure
 from castx.equilibrium.fallback import FallbackMethods
 from castx.equilibrium.forces import MomentumBalance
@@ -34,7 +36,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.q1p0 import Q1P0Formulation
-from castx.mechanics.rigid_modes import near_null_modes, rigid_modes
+from castx.mechanics.rigid_modes import rigid_modes
 from castx.solvers.counters import StepCounters
 from castx.solvers.inner.arrow_schur import ArrowSchur
 from castx.solvers.inner.block_solver import BlockSolver
@@ -179,18 +181,20 @@ def _procedure(
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)
-    inner = _inner_solver(bodies, balance, direct)
+    inner = _inner_solver(bodies, contacts, balance, direct)
     return Newton(balance, [(None, inner)], settings.options, bodies.counters)
 
 
 def _inner_solver(
-    bodies: DeformableBodies, balance: MomentumBalance, direct: bool
+    bodies: DeformableBodies, contacts: Sequence[Contact], balance: MomentumBalance, direct: bool
 ) -> InnerSolver:
     comm, pairs = bodies.layout.comm, balance.contact.pairs
     if direct:
         multipliers = isinstance(pairs, MultiplierContact)
         return DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)
-    blocks = _body_blocks(bodies, balance.transform, MULTIGRID)
+    blocks = body_blocks(
+        bodies.layout, bodies.parts, _tied_together(bodies, contacts), balance.transform, MULTIGRID
+    )
     if isinstance(pairs, MultiplierContact):
         return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
     # Where set-ups are frequent their price is more than the iterations that it saves.
@@ -208,7 +212,9 @@ def _by_blocks(
     """Return the iteration over blocks, or Newton's method with one sweep as preconditioner."""
     comm = bodies.layout.comm
     solver_options = FACTORS if direct else MULTIGRID
-    bodies_in_turn = blocks = _body_blocks(bodies, balance.transform, solver_options)
+    bodies_in_turn = blocks = body_blocks(
+        bodies.layout, bodies.parts, _alone(bodies), balance.transform, solver_options
+    )
     if chosen.setting("blocks") == "interface":
         blocks = arrow_blocks(blocks, balance.transform)
 
@@ -233,19 +239,21 @@ def _mask(layout: Layout, block: Block) -> BoolArray:
     return mask
 
 
-def _body_blocks(
-    bodies: DeformableBodies, transform: ConstraintTransform, options: Mapping[str, object]
-) -> list[Block]:
-    """Return a block for each body, with the options of its solver."""
-    blocks = []
-    for b, (rows, body) in enumerate(zip(bodies.layout.index_sets(), bodies.parts, strict=True)):
-        own = bodies.layout.local_slice(b)
-        modes = [
-            transform.unknowns(_extended(bodies.layout, b, mode))[own]
-            for mode in near_null_modes(body.unknowns)
-        ]
-        blocks.append(Block(rows, np.array(modes), options))
-    return blocks
+def _alone(bodies: DeformableBodies) -> list[list[int]]:
+    """Return the bodies as groups of one."""
+    return [[b] for b in range(len(bodies.parts))]
+
+
+def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
+    """Return the bodies in groups of those that are tied and have unknowns of one kind."""
+    number = {name: b for b, name in enumerate(bodies.names)}
+    sizes = bodies.layout.block_sizes
+    ties = [
+        (number[c.secondary], number[c.primary])
+        for c in contacts
+        if is_tied(c.method) and {c.secondary, c.primary} <= number.keys()
+    ]
+    return moving_together(len(sizes), [(a, b) for a, b in ties if sizes[a] == sizes[b]])
 
 
 def _floating(

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray
+from castx.domain import compat
 from castx.equilibrium.accuracy.convergence import worst_row
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import (
@@ -222,7 +223,7 @@ class Newton:
     ) -> Any:
         reasons, limits = PETSc.SNES.ConvergedReason, self.balance.convergence
         if not np.isfinite(norms[2]):
-            return reasons.DIVERGED_FNORM_NAN
+            return compat.not_finite()
         x, f = snes.getSolution(), snes.getFunction()[0]
         if iteration > 0:
             self._linear_solves.append(snes.ksp.getIterationNumber())

@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from castx.domain import compat
 from castx.heat.balance import HeatBalance
 from castx.heat.interfaces import couple_step
 from castx.solvers.inner.options import FACTORS, solves_directly
@@ -125,7 +126,7 @@ def converged(
     """Compare the residual with the heat that changes place, not with the first residual."""
     reasons = PETSc.SNES.ConvergedReason
     if not np.isfinite(norms[2]):
-        return reasons.DIVERGED_FNORM_NAN
+        return compat.not_finite()
     sums = balance.sums()
     if sums.residual <= tolerance * sums.moved + sums.rounding:
         return reasons.CONVERGED_FNORM_ABS

@@ -62,9 +62,7 @@ class BodyMechanics:
         self.name, self.mesh, self.model = body.name, body, model
         self.cell_nodes = body.nodes.dofmap.list
         self._law, with_pressure = description.law, description.formulation == "mixed"
-        self.unknowns = BodyUnknowns(
-            body, model, with_pressure, self._law.largest_shear_modulus()
-        )
+        self.unknowns = BodyUnknowns(body, model, with_pressure, self._law.largest_shear_modulus())
         self.dimension, self.block_size = self.unknowns.dimension, self.unknowns.block_size
         self.space, self.solution = self.unknowns.space, self.unknowns.solution
         self.axial, self.length = self.unknowns.axial, self.unknowns.length
@@ -73,8 +71,7 @@ class BodyMechanics:
         self.points = IntegrationPoints(body, model, degree)
         cells = fem.functionspace(body.mesh, ("DG", 0))
         self.owned_cells = int(cells.dofmap.index_map.size_local)
-        starts_liquid = description.starts_liquid
-        self.material = MaterialPoints(self.points, self._law, cells, starts_liquid)
+        self.material = MaterialPoints(self.points, self._law, cells, description.starts_liquid)
         self._force_of_stress = self.points.weights.sum(axis=1) / self.points.sizes
         self.formulation = _formulation(
             self.unknowns, self.material, self.loads, description, cells, planes
@@ -108,10 +105,7 @@ class BodyMechanics:
         return self.material.conditions.coherent
 
     def liquid_totals(self) -> dict[str, float] | None:
-        """Return totals of feeding demand, pores and pressure by the name of their column.
-
-        None for a body that never is a liquid.
-        """
+        """Return totals of feeding, pores and pressure by column; None: it never is a liquid."""
         return self.formulation.liquid_totals()
 
     def set_time(self, time: float) -> None:
@@ -209,6 +203,11 @@ class BodyMechanics:
         self._evaluate()
         return cell_stress(self.material, self.formulation.mean_stress())
 
+    def mechanical_strain(self) -> FloatArray:
+        """Return elastic and inelastic strain of the cells, (cells, 6) in the order of stresses."""
+        self._evaluate()
+        return self.material.mechanical_strain()
+
     def plastic_strain(self) -> FloatArray:
         """Return the equivalent viscoplastic strain of the cells, shape (cells,)."""
         return self.points.cell_means(self.material.response.equivalent)
@@ -232,6 +231,21 @@ class BodyMechanics:
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the parts of the body that a checkpoint keeps, by their name there."""
         return self.formulation.stateful_parts()
+
+
+def point_stress(part: BodyMechanics) -> FloatArray:
+    """Return the stress at the integration points of a body [Pa], shape (cells, 6 points).
+
+    The points come one after the other, the first local direction of the cell fastest.
+    """
+    part.stress()  # at the present unknowns
+    points, places = part.points, part.points.places.round(12)
+    shape = points.cells, points.per_cell
+    deviator = part.material.response.stress.reshape(*shape, points.components)
+    stress = np.zeros((*shape, 6))
+    stress[..., : points.components] = deviator[:, np.lexsort(places.T)]
+    stress[..., :3] += part.formulation.mean_stress()[:, None, None]
+    return stress.reshape(points.cells, 6 * points.per_cell)
 
 
 def _formulation(

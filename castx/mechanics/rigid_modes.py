@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpi4py import MPI
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,34 +10,50 @@ from castx.arrays import FloatArray
 from castx.domain.measures import bounding_box
 from castx.mechanics.formulation import BodyUnknowns
 
+Box = tuple[FloatArray, FloatArray]
 
-def rigid_modes(unknowns: BodyUnknowns) -> FloatArray:
+
+def extent(parts: Sequence[BodyUnknowns]) -> Box:
+    """Return the lowest and highest coordinates [m] of the nodes of bodies; collective."""
+    points = np.concatenate([_points(unknowns) for unknowns in parts])
+    return bounding_box(points, parts[0].mesh.mesh.comm)
+
+
+def rigid_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:
     """Return the rigid motions of a body as owned unknowns, shape (modes, owned unknowns).
 
-    Each moves no node by more than about one: rotations are taken about the middle of the body and
+    Each moves no node by more than about one: rotations are taken about the middle of a box and
     scaled by its size. Axisymmetric bodies have only the axial translation.
+
+    Args:
+        unknowns: of the body.
+        box: that of all bodies which move together; None: that of this body alone.
     """
     d, size = unknowns.dimension, unknowns.block_size
-    owned = unknowns.space.dofmap.index_map.size_local
-    points = unknowns.mesh.nodes.tabulate_dof_coordinates()[:owned, :d]
+    points = _points(unknowns)
+    owned = len(points)
     if unknowns.model == "axisymmetric":
         motions = [np.tile([0.0, 1.0], (owned, 1))]
     else:
         motions = [np.tile(e, (owned, 1)) for e in np.eye(d)]
-        motions += _rotations(points, unknowns.mesh.mesh.comm)
+        motions += _rotations(points, box or extent([unknowns]))
     modes = np.zeros((len(motions), owned, size))
     for mode, motion in zip(modes, motions, strict=True):
         mode[:, :d] = motion
     return modes.reshape(len(motions), owned * size)
 
 
-def near_null_modes(unknowns: BodyUnknowns) -> FloatArray:
+def near_null_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:
     """Return the near-null space of a body as owned unknowns, shape (modes, owned unknowns).
 
     These are the rigid motions, in an axisymmetric body the radial translation, and the constant
     pressure where it is an unknown.
+
+    Args:
+        unknowns: of the body.
+        box: of the rotations, see `rigid_modes`.
     """
-    modes = [*rigid_modes(unknowns)]
+    modes = [*rigid_modes(unknowns, box)]
     owned = unknowns.space.dofmap.index_map.size_local
     extra = [0] if unknowns.model == "axisymmetric" else []
     if unknowns.pressure_component is not None:
@@ -49,8 +65,15 @@ def near_null_modes(unknowns: BodyUnknowns) -> FloatArray:
     return np.array(modes)
 
 
-def _rotations(points: FloatArray, comm: MPI.Intracomm) -> list[FloatArray]:
-    low, high = bounding_box(points, comm)
+def _points(unknowns: BodyUnknowns) -> FloatArray:
+    """Return the owned nodes of a body, shape (owned, dimension) [m]."""
+    owned = unknowns.space.dofmap.index_map.size_local
+    places = unknowns.mesh.nodes.tabulate_dof_coordinates()
+    return np.asarray(places[:owned, : unknowns.dimension])
+
+
+def _rotations(points: FloatArray, box: Box) -> list[FloatArray]:
+    low, high = box
     arms = (points - (low + high) / 2) / (np.linalg.norm(high - low) / 2)
     if points.shape[1] == 2:
         return [np.stack((-arms[:, 1], arms[:, 0]), axis=1)]

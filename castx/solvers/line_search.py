@@ -85,10 +85,13 @@ def critical_part(
         precision: of λ, relative.
 
     Returns:
-        λ between 0 and 1; None where the full step leaves little work or none of the other sign, or
-        where next to nothing of it would be left: from the same place the same step would follow
-        for ever. So it is at a kink, such as that of a body that is about to tip onto a pair.
+        λ between 0 and 1; None where the full step leaves little work or none of the other sign,
+        where the work before it is not finite, or where next to nothing of it would be left: from
+        the same place the same step would follow for ever. So it is at a kink, such as that of a
+        body that is about to tip onto a pair.
     """
+    if not np.isfinite(start):
+        return None
     # Where the forces overflow the step has gone too far.
     beyond = -np.copysign(OVERFLOW, start)
 

@@ -24,7 +24,6 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray,
 from vtkmodules.vtkCommonCore import reference, vtkDataArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import (
     vtkCellArray,
-    vtkCellTypes,
     vtkGenericCell,
     vtkStaticCellLocator,
     vtkUnstructuredGrid,
@@ -217,12 +216,28 @@ def add(target: Any, name: str, values: Any, count: int) -> None:
     target.AddArray(array)
 
 
+def kinds_of(grid: vtkUnstructuredGrid) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """Return VTK's numbers of the kinds of all cells, by the function that its version has."""
+    try:
+        types = grid.GetCellTypes()
+    except TypeError:  # before VTK 9.6 it asks for an argument
+        types = grid.GetCellTypesArray()
+    return np.asarray(vtk_to_numpy(types))
+
+
+def dimension_of(kind: int) -> int:
+    """Return the dimension of cells of a kind."""
+    cell = vtkGenericCell()
+    cell.SetCellType(kind)
+    return cell.GetCellDimension()
+
+
 def check_cells(grid: vtkUnstructuredGrid) -> None:
     """Refuse cells whose points do not exist or whose number of points does not fit their kind."""
     cells = grid.GetCells()
     connectivity = vtk_to_numpy(cells.GetConnectivityArray())
     offsets = vtk_to_numpy(cells.GetOffsetsArray())
-    kinds = vtk_to_numpy(grid.GetCellTypesArray())
+    kinds = kinds_of(grid)
     widths = np.diff(offsets)
     wrong = offsets[0] != 0 or offsets[-1] != len(connectivity) or (widths < 0).any()
     if wrong or len(kinds) != len(widths):
@@ -243,9 +258,9 @@ def check_cells(grid: vtkUnstructuredGrid) -> None:
 
 def of_dimension(grid: vtkUnstructuredGrid, dimension: int) -> vtkUnstructuredGrid:
     """Return the part of a grid that has the dimension of the model."""
-    types = vtk_to_numpy(grid.GetCellTypesArray())
+    types = kinds_of(grid)
     kinds = np.unique(types)
-    fitting = [k for k in kinds if vtkCellTypes.GetDimension(int(k)) == dimension]
+    fitting = [kind for kind in kinds if dimension_of(int(kind)) == dimension]
     if not fitting:
         shape = {2: "triangles or quadrilaterals", 3: "tetrahedra, hexahedra, wedges or pyramids"}
         raise Refused(f"the model needs cells that are {shape[dimension]}")

@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 
 from castx.arrays import FloatArray
+from castx.domain import compat
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
 
@@ -22,7 +23,7 @@ def quadrature_degree(body: BodyMesh, model: str, formulation: str) -> int:
     Strains of linear simplices are constant. In plane stress the pressure enters the strain, so
     that both must be integrated alike.
     """
-    if body.mesh.ufl_cell().cellname() not in ("triangle", "tetrahedron"):
+    if body.kind.name not in ("triangle", "tetrahedron"):
         return 2
     return 2 if model == "plane-stress" and formulation == "mixed" else 1
 
@@ -37,13 +38,13 @@ class IntegrationPoints:
     """
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
-        self._mesh, self.model = body.mesh, model
+        self._mesh, self._kind, self.model = body.mesh, body.kind, model
         self.numbering, self.node_numbering = body.cell_numbering, body.node_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
         self._all_cells = np.arange(self.cells, dtype=np.int32)
         self.degree = degree
-        self.places = self._space(()).element.interpolation_points()
+        self.places = compat.interpolation_points(self._space(()))
         self.per_cell = len(self.places)
         self.components = 6 if model == "3d" else 4
         self._shapes = self._tabulate()
@@ -63,7 +64,7 @@ class IntegrationPoints:
         return self.cells * self.per_cell
 
     def _cell_type(self) -> basix.CellType:
-        return getattr(basix.CellType, self._mesh.ufl_cell().cellname())
+        return getattr(basix.CellType, self._kind.name)
 
     def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
         element = basix.ufl.quadrature_element(

@@ -152,6 +152,13 @@ class MaterialPoints:
         """Volumetric strain of the cells, shape (cells,)."""
         return self.points.cell_means(self._strain[:, :3].sum(axis=1))
 
+    def mechanical_strain(self) -> FloatArray:
+        """Return ε - e^θ/3 1 of the cells, beyond thermal strain and pores, shape (cells, 6)."""
+        strain = self.points.cell_means(self._strain)
+        strain = np.pad(strain, ((0, 0), (0, 6 - strain.shape[1])))
+        strain[:, :3] -= self.conditions.thermal_strain[:, None] / 3.0
+        return strain
+
     def plastic_power(self) -> FloatArray:
         """Return s:ε̇_vp [W/m³], shape (points,)."""
         return np.asarray(self.response.work / self._step)

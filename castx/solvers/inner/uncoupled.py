@@ -23,12 +23,18 @@ class Uncoupled:
         coupling: N, of which row k is what v_k has of other nodes than its own.
 
     Attributes:
-        matrix: TᵀAT since the first `set_up`.
+        T: I + N on the free rows, since the first `set_up`.
+        matrix: TᵀAT since then.
     """
 
     def __init__(self, coupling: PETSc.Mat) -> None:
-        self._coupling = coupling
-        self._T: PETSc.Mat | None = None
+        # With the place of a diagonal, which few rows of N have: put in row by row, it would move
+        # all entries behind it each time.
+        self._coupling = coupling.copy()
+        identity = _identity(coupling)
+        self._coupling.axpy(1.0, identity)
+        identity.destroy()
+        self.T: PETSc.Mat | None = None
         self.matrix: PETSc.Mat | None = None
         self._work: list[PETSc.Vec] = []
 
@@ -40,33 +46,44 @@ class Uncoupled:
             constrained: owned unknowns, shape (owned,).
         """
         self._free()
-        free = matrix.createVecRight()
+        free, ones = matrix.createVecRight(), matrix.createVecRight()
         free.array[:] = np.where(constrained, 0.0, 1.0)
-        self._T = self._coupling.copy()
-        self._T.diagonalScale(free, free)
-        self._T.shift(1.0)
-        self.matrix = matrix.ptap(self._T)
-        self._work = [free, matrix.createVecRight()]
+        ones.set(1.0)
+        self.T = self._coupling.copy()
+        self.T.diagonalScale(free, free)
+        self.T.setDiagonal(ones)
+        self.matrix = matrix.ptap(self.T)
+        self._work = [free, ones]
         return self.matrix
 
     def right_hand_side(self, b: PETSc.Vec) -> PETSc.Vec:
         """Return Tᵀb, until the next call."""
-        assert self._T is not None
-        self._T.multTranspose(b, self._work[0])
+        assert self.T is not None
+        self.T.multTranspose(b, self._work[0])
         return self._work[0]
 
     def restore(self, x: PETSc.Vec) -> None:
         """Replace the unknowns v' by v = T v'."""
-        assert self._T is not None
-        self._T.mult(x, self._work[1])
+        assert self.T is not None
+        self.T.mult(x, self._work[1])
         self._work[1].copy(x)
 
     def _free(self) -> None:
-        for item in (self._T, self.matrix, *self._work):
+        for item in (self.T, self.matrix, *self._work):
             if item is not None:
                 item.destroy()
         self._work = []
 
     def destroy(self) -> None:
-        """Free the matrices; the coupling is its owner's."""
+        """Free the matrices; what was given as the coupling is its owner's."""
         self._free()
+        self._coupling.destroy()
+
+
+def _identity(like: PETSc.Mat) -> PETSc.Mat:
+    """Return the identity with the layout of a square matrix."""
+    first, last = like.getOwnershipRange()
+    pointers = np.arange(last - first + 1, dtype=PETSc.IntType)
+    columns = np.arange(first, last, dtype=PETSc.IntType)
+    pattern = pointers, columns, np.ones(last - first)
+    return PETSc.Mat().createAIJ(like.getSizes(), csr=pattern, comm=like.getComm())

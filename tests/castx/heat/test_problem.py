@@ -193,7 +193,8 @@ def test_prescribed_temperature_of_joined_nodes_and_where_two_meet(comm):
     totals = heat.totals()
     assert totals["energy_error"] < 1e-9
     mould = mesh.bodies["mould"]
-    assert (heat.temperature["mould"].x.array[mould.surface_nodes("top")] == 150.0).all()
+    top = heat.temperature["mould"].x.array[mould.surface_nodes("top")]
+    np.testing.assert_array_max_ulp(top, np.full_like(top, 150.0))  # factors may round it
     received = totals["mould/top.heat"] + totals["mould/outside.heat"]
     received += totals["casting/mould.heat"]
     assert totals["mould.heat_in"] == pytest.approx(received, rel=1e-12)

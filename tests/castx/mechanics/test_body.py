@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from castx.mechanics.body import BodyMechanics
+from castx.mechanics.body import BodyMechanics, point_stress
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.description import MechanicalBody
 from tests.castx.mechanics.lone_bodies import MELTING, MODELS, alone, begin, move, slab_mesh
@@ -99,6 +99,32 @@ def test_stress_components_of_a_shear_in_space(comm):
     G = 70e9 / (2 * 1.33)
     expected = G * np.array([0, 0, 0, 4e-3, 7e-3, 10e-3])
     np.testing.assert_allclose(part.stress(), np.tile(expected, (len(part.stress()), 1)), atol=1.0)
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_stress_at_points_has_the_mean_of_the_cell_and_the_slopes_of_the_strain(comm, cells):
+    made = stretched_block(comm, cells)
+    found = point_stress(made).reshape(len(made.stress()), -1, 6)
+    np.testing.assert_allclose(found.mean(axis=1), made.stress(), atol=1e-4)
+    if cells == "simplices":
+        assert found.shape[1] == 1
+        return
+    # ε_xx = 1e-3 y/L in each cell: the points along the second direction differ, others do not.
+    by_direction = found[:, :, 0].reshape(-1, 2, 2, 2)  # third, second, first direction
+    spans = [np.abs(np.diff(by_direction, axis=axis)).max(initial=0.0) for axis in (3, 2, 1)]
+    assert spans[1] > 1e3 and max(spans[0], spans[2]) < 1e-6 * spans[1]
+
+
+def stretched_block(comm, cells):
+    """Return a body bent so that its strain along x grows with y."""
+    formulation = "mixed" if cells == "simplices" else "q1p0"
+    part = alone(comm, "3d", cells=cells, formulation=formulation)
+    points = part.mesh.nodes.tabulate_dof_coordinates()
+    part.update_state(np.full(len(points), STRESS_FREE), np.ones(len(points)), 1.0)
+    moved = np.zeros((len(points), part.block_size))
+    moved[:, 0] = 0.1 * points[:, 0] * points[:, 1]
+    part.solution.x.array[:] = moved.ravel()
+    return part
 
 
 def size_of_forces(part) -> float:

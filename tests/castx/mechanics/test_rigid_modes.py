@@ -8,8 +8,16 @@ import numpy as np
 import pytest
 from dolfinx import fem
 
-from castx.mechanics.rigid_modes import near_null_modes, rigid_modes
-from tests.castx.mechanics.lone_bodies import MODELS, YOUNG, alone, begin, jacobian_times
+from castx.mechanics.rigid_modes import extent, near_null_modes, rigid_modes
+from tests.castx.mechanics.lone_bodies import (
+    LENGTH,
+    MODELS,
+    WIDTH,
+    YOUNG,
+    alone,
+    begin,
+    jacobian_times,
+)
 from tests.elastic_bodies import STRESS_FREE
 
 pytestmark = pytest.mark.sampled
@@ -67,3 +75,18 @@ def test_multigrid_gets_radial_translation_and_pressure_too(comm, model, formula
     assert len(extra) == len(components)
     for mode, component in zip(extra, components, strict=True):
         np.testing.assert_array_equal(mode, np.eye(part.block_size)[[component] * len(mode)])
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_bodies_that_move_together_turn_about_one_middle(comm, model):
+    """In a box twice as large as the body its corner turns about a point outside."""
+    part = alone(comm, model, formulation="displacement")
+    low, high = extent([part.unknowns])
+    np.testing.assert_allclose(high - low, [LENGTH, WIDTH, WIDTH][: part.dimension])
+    box = (low, low + 2 * (high - low) + [0.0, 1.0, 0.0][: part.dimension])
+    middle, half = (box[0] + box[1]) / 2, np.linalg.norm(box[1] - box[0]) / 2
+    owned = part.space.dofmap.index_map.size_local
+    points = part.mesh.nodes.tabulate_dof_coordinates()[:owned, : part.dimension]
+    arms = (points - middle) / half
+    about_z = near_null_modes(part.unknowns, box)[-1].reshape(points.shape)
+    np.testing.assert_allclose(about_z[:, :2], arms[:, [1, 0]] * [-1.0, 1.0], atol=1e-15)

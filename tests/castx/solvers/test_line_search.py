@@ -45,6 +45,14 @@ def test_a_step_whose_forces_overflow_goes_too_far(overflow, sign):
 
 
 @pytest.mark.serial
+@pytest.mark.parametrize("start", [math.nan, math.inf])
+def test_no_step_is_shortened_whose_work_before_it_is_no_number(start):
+    """The forces may overflow where gaps have closed and nothing else has moved yet."""
+    part = critical_part(lambda s: s - 0.3, start, enough=0.5, precision=1e-8)
+    assert part is None
+
+
+@pytest.mark.serial
 @pytest.mark.parametrize("size, taken", [(1e-15, None), (1e-7, 1e-7)])
 def test_a_step_of_which_nothing_would_be_left_is_taken(size, taken):
     """At a kink, where the forces of a full step are far larger than those at its start."""

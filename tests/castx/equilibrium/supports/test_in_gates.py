@@ -10,6 +10,7 @@ from castx.contact.choice import Contact
 from castx.errors import CaseError
 from castx.mechanics.description import SurfaceLoad
 from castx.tables import Table
+from castx.verification.contact.closed_mould import GRAVITY
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import (
@@ -22,7 +23,6 @@ from tests.elastic_bodies import (
     places,
     problem,
 )
-from tests.verification.closed_mould import GRAVITY
 from tests.verification.test_v17_loss_of_contact import case
 
 WIDTH, HEIGHT, SIDEWAYS, UPWARDS = 0.1, 0.06, 1e4, 50.0

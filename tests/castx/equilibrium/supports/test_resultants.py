@@ -26,8 +26,10 @@ def test_a_force_at_every_node(comm, model):
         middle = np.zeros(part.dimension)
         middle[-1] = centre[name]
         arms = points - middle
-        moment = np.cross(arms, forces) if model != "axisymmetric" else np.zeros((1, 0))
-        moment = np.atleast_1d(moment.sum(axis=0))
+        out_of_plane = [(0, 0), (0, 3 - part.dimension)]
+        moment = np.cross(np.pad(arms, out_of_plane), np.pad(forces, out_of_plane)).sum(axis=0)
+        if part.dimension == 2:
+            moment = moment[2:]
         expected[name] = (comm.allreduce(forces.sum(axis=0)), comm.allreduce(moment))
     found = NodalResultants(transform, list(made.bodies.values())).of(
         transform.forces_on_unknowns(nodal)
