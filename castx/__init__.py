@@ -1,7 +1,8 @@
 """Thermo-mechanics of metal casting: solidification, stresses, contact, and heat across it.
 
 Public: `run`, `load_case`, `Case`, `Simulation`, `UserLaw`, `ResultsWriter`, `Results`, `draw`,
-`heat_transfer_coefficient`, `gap_heat_laws`, `contact_methods`, `flow_rules`, `find_material`.
+`heat_transfer_coefficient`, `gap_heat_laws`, `interface_names`, `contact_methods`, `flow_rules`,
+`find_material`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from castx.report.interface_law import heat_transfer_coefficient
     from castx.results.reading import Results
     from castx.results.writing import ResultsWriter
+    from castx.transfer.database.entries import interface_names
     from castx.transfer.registry import gap_heat_laws
     from castx.transfer.user_law import UserLaw
 
@@ -39,6 +41,7 @@ __all__ = [
     "flow_rules",
     "gap_heat_laws",
     "heat_transfer_coefficient",
+    "interface_names",
     "load_case",
     "run",
 ]
@@ -55,6 +58,7 @@ _MODULES = {
     "flow_rules": "castx.materials.inelastic",
     "gap_heat_laws": "castx.transfer.registry",
     "heat_transfer_coefficient": "castx.report.interface_law",
+    "interface_names": "castx.transfer.database.entries",
     "load_case": "castx.case.reading.read",
     "run": "castx.command.run",
 }

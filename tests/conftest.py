@@ -24,7 +24,7 @@ from mpi4py import MPI
 import hypothesis
 import pytest
 
-from tests import selection
+from tests import communicators, selection
 
 # Examples that differ between ranks would end in different collective calls.
 hypothesis.settings.register_profile("ranks", derandomize=True, database=None, deadline=None)
@@ -74,6 +74,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if WORLD.rank > 0:
         sys.stdout = open(os.devnull, "w")  # the reporter keeps what it finds here
         config.option.xmlpath = None
+    if communicators.are_scarce():
+        config.pluginmanager.register(communicators)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -6,6 +6,7 @@ import hashlib
 import os
 import platform
 import pwd
+import re
 import shlex
 import signal
 import subprocess
@@ -81,6 +82,71 @@ def launch(environment, redirection="", cwd=PROJECT):
         )  # fmt: skip
 
 
+def which(environment, **more):
+    """Return what the launcher says of its road, and its status."""
+    ended = subprocess.run(
+        [LAUNCHER, "--which"], env=environment | more, capture_output=True, text=True, timeout=60,
+        check=False,
+    )  # fmt: skip
+    return ended.stdout + ended.stderr, ended.returncode
+
+
+@pytest.mark.parametrize("road", ["native", "debian", "pip"])
+def test_the_road_that_is_asked_for_is_taken(debian, road):
+    assert which(debian, CASTX_FENICSX=road) == (f"{road}: CASTX_FENICSX={road}\n", 0)
+
+
+def test_an_unknown_road_is_refused(debian):
+    said, status = which(debian, CASTX_FENICSX="conda")
+    assert status == 125
+    assert "CASTX_FENICSX=conda is no road to FEniCSx: native, debian or pip" in said
+
+
+@pytest.fixture
+def without_dolfinx(debian):
+    """A machine as above on which nobody asked for a road, and whose python3 has no DOLFINx."""
+    del debian["CASTX_FENICSX"]
+    program = Path(debian["HOME"]) / "bin" / "python3"
+    program.write_text("#!/bin/sh\nexit 1\n")
+    program.chmod(0o755)
+    return debian
+
+
+def test_the_debian_that_is_built_goes_before_all_others(without_dolfinx):
+    said, status = which(without_dolfinx)
+    assert said.startswith("debian: it is built in ") and status == 0
+
+
+def test_a_python_with_dolfinx_goes_before_a_debian_that_is_not_built(without_dolfinx):
+    next(Path(without_dolfinx["XDG_CACHE_HOME"]).glob("castx/debian-13-*")).rmdir()
+    said, _ = which(without_dolfinx)
+    assert "DOLFINx 0.9 or newer" in said
+    (Path(without_dolfinx["HOME"]) / "bin" / "python3").write_text("#!/bin/sh\nexit 0\n")
+    said, _ = which(without_dolfinx)
+    assert said.startswith("native: ") and "has DOLFINx" in said
+
+
+def test_wheels_serve_where_no_debian_can_be_built(without_dolfinx):
+    """Wheels that are there are taken; they are no reason to leave a Debian 13 that is built."""
+    cache = Path(without_dolfinx["XDG_CACHE_HOME"]) / "castx"
+    wheels = cache / wheels_folder(without_dolfinx)
+    wheels.mkdir()
+    (wheels / "complete").touch()
+    assert which(without_dolfinx)[0].startswith("debian: it is built")
+    next(cache.glob("debian-13-*")).rmdir()
+    said, status = which(without_dolfinx)
+    assert said == f"pip: the wheels of PyPI are installed in {wheels}\n" and status == 0
+
+
+def wheels_folder(environment):
+    """Return the name of the folder that the launcher looks into."""
+    ended = subprocess.run(
+        ["sh", "-x", LAUNCHER, "--which"], env=environment, capture_output=True, text=True,
+        timeout=60, check=False,
+    )  # fmt: skip
+    return re.findall(r"^\+ wheels=.*/(wheels-\S+)$", ended.stderr, re.M)[0]
+
+
 def test_the_command_gets_streams_and_folders(debian):
     ended = launch(debian)
     assert ended.returncode == 0, ended.stderr
@@ -105,6 +171,20 @@ def test_signals_reach_the_command(debian, tmp_path, number):
         assert started.stdout is not None and started.stdout.readline() == "ready\n"
         started.send_signal(number)
         assert started.wait(30) == number
+
+
+WAITING = """
+trap 'handled=$(sleep 0.4; echo late)' USR1
+sh -c "sleep 0.1; kill -USR1 $$; sleep 0.1; exit 9" &
+wait_for $!
+"""
+
+
+def test_a_command_that_ends_while_a_signal_is_handled_keeps_its_status(tmp_path):
+    """The shell takes note of the end of the command inside its trap."""
+    function = re.findall(r"^wait_for\(\) \{.*?^\}", LAUNCHER.read_text(), re.M | re.S)
+    (tmp_path / "waiting").write_text(function[0] + WAITING)
+    assert subprocess.run(["sh", tmp_path / "waiting"], timeout=60, check=False).returncode == 9
 
 
 @pytest.mark.parametrize("redirection", [">&-", "2>&-", "<&- >&- 2>&-"])

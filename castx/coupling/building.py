@@ -109,7 +109,7 @@ def build_problem(
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    """Check that the surfaces of all boundary conditions exist, those of later stages included.
+    """Check that all surfaces that the case names exist, those of later stages included.
 
     Raises:
         MeshError: one is missing; names the key.
@@ -127,8 +127,9 @@ def _named_surfaces(case: Case) -> Iterator[tuple[str, str]]:
     """Yield the place in the case and the name of each surface that the user names."""
     for index, boundary in enumerate(case.boundaries):
         yield f"boundaries[{index}].on", boundary.on
-    for index, on in enumerate(case.foundry.feeders or ()):
-        yield f"foundry.feeders[{index}]", on
+    for key in ("feeders", "flat", "round"):
+        for index, on in enumerate(getattr(case.foundry, key) or ()):
+            yield f"foundry.{key}[{index}]", on
     for number, stage in enumerate(case.stages):
         for index, boundary in enumerate(stage.boundaries):
             yield f"stages[{number}].boundaries[{index}].on", boundary.on

@@ -88,7 +88,8 @@ class BodyMesh:
         """Coordinates of the local nodes (nodes, gdim) [m], exactly as meshed."""
         geometry = self.mesh.geometry
         points = np.empty((len(self.parent_vertices), geometry.dim))
-        points[self.nodes.dofmap.list.ravel()] = geometry.x[geometry.dofmap.ravel(), : geometry.dim]
+        corners = compat.geometry_nodes(self.mesh).ravel()
+        points[self.nodes.dofmap.list.ravel()] = geometry.x[corners, : geometry.dim]
         return points
 
     def surface_tag(self, name: str) -> int:
@@ -290,7 +291,7 @@ def _original_vertices(mesh: dolfinx.mesh.Mesh) -> LongArray:
     index_map = topology.index_map(0)
     numbers = np.empty(index_map.size_local + index_map.num_ghosts, dtype=np.int64)
     corners = topology.connectivity(topology.dim, 0).array
-    numbers[corners] = geometry.input_global_indices[geometry.dofmap.ravel()]
+    numbers[corners] = geometry.input_global_indices[compat.geometry_nodes(mesh).ravel()]
     return numbers
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +12,10 @@ from tempfile import TemporaryDirectory
 import gmsh
 import numpy as np
 
+from castx.arrays import FloatArray, LongArray
 from castx.case.cad.geometry import CadGeometry
 from castx.case.geometry import Geometry
+from castx.domain import compat
 from castx.domain.cad.description import part_of
 from castx.domain.cad.guarded import meshed_apart
 from castx.domain.cell_kinds import KINDS
@@ -28,6 +30,8 @@ OF_MESHIO = {
     "hexahedron": "hexahedron",
 }  # fmt: skip
 """meshio's names of DOLFINx's cells."""
+Move = Callable[[FloatArray, list[LongArray]], FloatArray]
+
 MESH_BEGINNINGS = (b"$MeshFormat", b"$Comments")
 
 
@@ -36,7 +40,8 @@ def gmsh_session() -> Iterator[None]:
     """Open a silent gmsh with an empty model, and restore the earlier model afterwards."""
     started = not gmsh.isInitialized()
     if started:
-        gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
+        with compat.kept_signals():
+            gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
     previous = gmsh.model.getCurrent()
@@ -46,7 +51,8 @@ def gmsh_session() -> Iterator[None]:
     finally:
         gmsh.model.remove()
         if started:
-            gmsh.finalize()
+            with compat.kept_signals():
+                gmsh.finalize()
         else:
             gmsh.model.setCurrent(previous)
 
@@ -201,3 +207,39 @@ def _generate(geometry: Geometry) -> None:
         generator(**arguments)
     except ValueError as error:
         raise MeshError(f"generator {name}: {error}") from error
+
+
+def write_moved(file: Path, target: Path, move: Move) -> None:
+    """Write a gmsh mesh anew with other places of its nodes; call it on one rank only.
+
+    Names of bodies and surfaces stay.
+
+    Args:
+        file: the mesh.
+        target: to write, .msh.
+        move: takes the places of the nodes (nodes, 3) and the nodes of the cells of the highest
+            dimension by kind, (cells, corners), and returns the new places.
+
+    Raises:
+        MeshError: a mesh cannot be read or written.
+    """
+    if target.suffix.lower() != ".msh":
+        raise MeshError(f"a moved mesh is written as .msh, and {target} is none")
+    with gmsh_session():
+        _open(file)
+        tags, places, _ = gmsh.model.mesh.getNodes()
+        order = np.argsort(tags)
+        tags, places = tags[order], places.reshape(-1, 3)[order]
+        kinds, _, corners = gmsh.model.mesh.getElements(dim=gmsh.model.getDimension())
+        cells = [
+            np.searchsorted(tags, found).reshape(
+                -1, gmsh.model.mesh.getElementProperties(kind)[3]
+            )
+            for kind, found in zip(kinds, corners, strict=True)
+        ]
+        for tag, place in zip(tags, move(places, cells), strict=True):
+            gmsh.model.mesh.setNode(int(tag), place.tolist(), [])
+        try:
+            gmsh.write(str(target))
+        except Exception as error:  # gmsh raises nothing more special
+            raise MeshError(f"gmsh cannot write {target}: {error}") from error

@@ -11,11 +11,18 @@ pytestmark = pytest.mark.serial
 
 
 def test_versions_name_castx_and_what_it_stands_on(monkeypatch):
-    monkeypatch.setattr(environment, "PACKAGES", ("numpy", "no-such-package"))
+    packages = {"numpy": "numpy", "no-such-package": "no_such_module"}
+    monkeypatch.setattr(environment, "PACKAGES", packages)
     found = environment.versions()
     assert found["castx"] == castx.__version__
     assert found["numpy"].count(".") >= 1
     assert found["no-such-package"] == "missing"
+
+
+def test_a_module_that_another_package_brings_says_its_version_itself(monkeypatch):
+    """The wheels of PyPI bring DOLFINx and petsc4py in a package of another name."""
+    monkeypatch.setattr(environment, "PACKAGES", {"no-such-package": "castx"})
+    assert environment.versions()["no-such-package"] == castx.__version__
 
 
 def test_every_package_of_the_record_is_known():

@@ -17,6 +17,8 @@ from castx.meshes.cad.report import Report
 
 MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
+FIRST_CELLS = 1e5
+"""Cells of a first mesh, with which a step takes seconds; thin walls alone may ask for more."""
 
 
 def write_new_case(cad_file: Path, target: Path) -> None:
@@ -67,13 +69,13 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
 
 def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:
     """Return what a coarse mesh tells, with one cell across walls, or none if that is refused."""
-    part = CadPart((CadFile(str(cad_file)),), math.inf, across=1, curvature=8.0, mould=mould)
+    part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
     with TemporaryDirectory() as folder:
         mesh = Path(folder) / "mesh.msh"
         try:
-            return meshed_apart(part, mesh), 1
+            return meshed_apart(replace(part, across=1, most_cells=FIRST_CELLS), mesh), 1
         except MeshError:  # too many or flat cells in thin walls; what is damaged is refused again
-            return meshed_apart(replace(part, across=0), mesh), 0
+            return meshed_apart(part, mesh), 0
 
 
 def _rounded(length: float) -> float:

@@ -4,6 +4,7 @@ import gmsh
 import pytest
 
 from castx.case.geometry import Geometry
+from castx.domain import compat
 from castx.domain.cell_kinds import KINDS
 from castx.domain.mesh import build_mesh
 from castx.domain.source import gmsh_session
@@ -105,7 +106,7 @@ def test_cells_turned_the_wrong_way_are_turned_back(recombine, comm, shared_tmp_
         gmsh.model.mesh.reverse([(2, gmsh.model.getEntities(2)[0][1])])
 
     mesh = read(written(shared_tmp_path, comm, build, mesh=False), comm).parent
-    corners = mesh.geometry.x[mesh.geometry.dofmap][:, :, :2]
+    corners = mesh.geometry.x[compat.geometry_nodes(mesh)][:, :, :2]
     assert (KINDS[mesh.topology.cell_name()].corner_volumes(corners) > 0).all()
 
 

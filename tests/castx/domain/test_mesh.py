@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from castx.case.geometry import Geometry
+from castx.domain import compat
 from castx.domain.cell_kinds import KINDS
 from castx.domain.mesh import build_mesh
 from castx.domain.source import write_mesh
@@ -224,7 +225,7 @@ def test_nodes_lie_on_their_parents_vertices(quarter):
     parent.topology.create_connectivity(0, 3)
     vertex_points = np.empty((len(parent.geometry.x), 3))
     vertex_points[parent.topology.connectivity(3, 0).array] = parent.geometry.x[
-        parent.geometry.dofmap.ravel()
+        compat.geometry_nodes(parent).ravel()
     ]
     for body in quarter.bodies.values():
         points = body.points
@@ -242,7 +243,7 @@ def test_cells_are_positively_oriented(model, cells, comm):
     for part in (mesh.parent, *(body.mesh for body in mesh.bodies.values())):
         gdim = part.geometry.dim
         assert gdim == part.topology.dim
-        corners = part.geometry.x[part.geometry.dofmap][:, :, :gdim]
+        corners = part.geometry.x[compat.geometry_nodes(part)][:, :, :gdim]
         assert (KINDS[part.topology.cell_name()].corner_volumes(corners) > 0).all()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from castx.case.geometry import Geometry
-from castx.domain.source import named_mesh, write_mesh
+from castx.domain.source import named_mesh, write_mesh, write_moved
 from castx.errors import MeshError
 
 pytestmark = pytest.mark.serial
@@ -105,3 +105,22 @@ def test_unknown_formats_and_folders_are_refused(tmp_path) -> None:
         write_mesh(geometry(file), tmp_path / "part.doc", ["casting"])
     with pytest.raises(MeshError, match=r"meshio cannot write .*part\.vtu: "):
         write_mesh(geometry(file), tmp_path / "nowhere" / "part.vtu", ["casting"])
+
+
+def test_a_moved_mesh_keeps_cells_and_names(tmp_path) -> None:
+    file, target = tmp_path / "part.msh", tmp_path / "moved.msh"
+    file.write_text(SQUARE)
+    seen = []
+
+    def move(nodes, cells):
+        seen.extend(cells)
+        return 2.0 * nodes
+
+    write_moved(file, target, move)
+    assert [corners.tolist() for corners in seen] == [[[0, 1, 2], [0, 2, 3]]]
+    before, after = (named_mesh(geometry(path), ["casting"]) for path in (file, target))
+    np.testing.assert_array_equal(after.points, 2.0 * before.points)
+    np.testing.assert_array_equal(after.cells, before.cells)
+    assert after.surface_names == before.surface_names == ("side",)
+    with pytest.raises(MeshError, match=r"written as \.msh"):
+        write_moved(file, tmp_path / "moved.vtu", move)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from castx.case.cad.template import case_text
-from castx.domain.cad.guarded import meshed_apart
 from castx.domain.cad.new_case import new_case, write_new_case
 from castx.errors import CaseError, MeshError
 from tests.cad_files import two_blocks, write_cad
@@ -35,10 +32,7 @@ def test_a_lone_solid_gets_a_mould(tmp_path):
     assert case.interfaces == (("bar", "mould", pytest.approx(18e-4)),)
 
 
-def test_walls_too_thin_for_a_cell_are_taken_as_they_come(tmp_path, monkeypatch):
-    def few_cells(part, mesh):
-        return meshed_apart(replace(part, most_cells=3e3), mesh)
-
+def test_walls_that_alone_ask_for_many_cells_are_taken_as_they_come(tmp_path, monkeypatch):
     def thin(occ):
         block, pocket = occ.addBox(0, 0, 0, 120, 40, 10), occ.addBox(0.6, 15, 4, 9, 10, 6)
         ((_, part),), _ = occ.cut([(3, block)], [(3, pocket)], removeTool=False)
@@ -46,7 +40,7 @@ def test_walls_too_thin_for_a_cell_are_taken_as_they_come(tmp_path, monkeypatch)
 
     path = write_cad(tmp_path / "thin.step", thin, ["part", "pin"])
     assert "\nacross = 1 " in case_text(new_case(path, tmp_path / "a.toml"))
-    monkeypatch.setattr("castx.domain.cad.new_case.meshed_apart", few_cells)
+    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 3e3)
     assert "\nacross = 0 " in case_text(new_case(path, tmp_path / "a.toml"))
 
 
