@@ -11,6 +11,7 @@ import numpy as np
 from castx.errors import CaseError
 from castx.foundry.arm_spacing import ArmSpacing
 from castx.foundry.die_life import Fatigue
+from castx.foundry.hot_tearing import clyne_davies_of_alloy, kou
 from castx.foundry.mush import FreezingPath
 from castx.foundry.porosity import ATMOSPHERE, CriticalLiquid, Melt, melt_contraction
 from castx.materials.description import MaterialDescription
@@ -27,9 +28,17 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "pore_fraction": FEEDING,
     "arm_spacing": ("arm_spacing",),
     "yield_strength": ("arm_spacing", "strength"),
+    "tearing_margin": FEEDING,
+    "brittle_strain_index": ("critical_strain",),
+    "cold_crack_index": ("tensile_strength",),
+    "feeding_path": FEEDING,
+    "emptied": ("solidification_shrinkage",),
 }
 """Keys of a material that a field asks for."""
-OF_THE_MUSH = ("dimensionless_niyama", "pore_fraction", "clyne_davies")
+OF_THE_MUSH = (
+    "dimensionless_niyama", "pore_fraction", "feeding_path", "clyne_davies", "brittle_strain",
+    "brittle_time", "brittle_strain_index", "tearing_margin",
+)  # fmt: skip
 """Fields that a material without a freezing range does not have."""
 
 
@@ -69,6 +78,18 @@ class Alloy:
         if law is None or material.solidus is None or material.liquidus is None:
             raise CaseError(f"material {material.name!r} never melts: it has no mush")
         return FreezingPath(law, material.solidus, material.liquidus)
+
+    @property
+    def tearing_indices(self) -> dict[str, float | None] | None:
+        """Kou's index [K] and the ratio of Clyne and Davies; None: it has no freezing range.
+
+        The ratio is None where no temperature lies between f = 0.4 and 0.9.
+        """
+        material = self.material
+        if material.solidus is None or material.solidus == material.liquidus:
+            return None
+        ratio = clyne_davies_of_alloy(self.path)
+        return {"kou": kou(self.path), "clyne_davies": ratio if np.isfinite(ratio) else None}
 
     @cached_property
     def critical_liquid(self) -> CriticalLiquid:

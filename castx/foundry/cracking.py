@@ -16,6 +16,23 @@ def principal_values(stress: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.eigvalsh(stress[:, rows])[:, ::-1])
 
 
+def strain_across(strain: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return P ε P, P = 1 - n n/‖n‖²: strains without their parts along a direction.
+
+    Args:
+        strain: (k, 6) as xx yy zz xy xz yz, shear as tensor components.
+        direction: n, of any length, (k, 2 or 3); where it is zero all of the strain is kept.
+    """
+    rows = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
+    n = np.zeros((len(strain), 3))
+    n[:, : direction.shape[1]] = direction
+    length = np.linalg.norm(n, axis=1, keepdims=True)
+    n = np.divide(n, length, out=np.zeros_like(n), where=length > 0.0)
+    across = np.eye(3) - n[:, :, None] * n[:, None, :]
+    found = across @ strain[:, rows] @ across
+    return np.asarray(found[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
+
+
 def cold_crack_index(largest_principal: FloatArray, tensile_strength: FloatArray) -> FloatArray:
     """Return the largest σ_1/R_m(T) over the cooling, not below zero.
 

@@ -56,7 +56,7 @@ class Fatigue:
     ductility: float
     ductility_exponent: float
 
-    def cycles(self, strain_range: FloatArray, young_modulus: float) -> FloatArray:
+    def cycles(self, strain_range: FloatArray, young_modulus: float | FloatArray) -> FloatArray:
         """Return N, the cycles to a crack; infinite without strain.
 
         Newton's method in ln 2N for ln Δε/2, a curve that bends one way only: from the shorter of
@@ -64,7 +64,7 @@ class Fatigue:
 
         Args:
             strain_range: Δε of a cycle, (n,).
-            young_modulus: E [Pa].
+            young_modulus: E, one for all or (n,) [Pa].
         """
         half = np.abs(np.asarray(strain_range, dtype=np.float64)) / 2.0
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -99,6 +99,11 @@ def rate_across(strain_gained: FloatArray, time_between: FloatArray) -> FloatArr
 
 
 def tearing_margin(rate: FloatArray, critical_rate: FloatArray) -> FloatArray:
-    """Return ε̇_⟂/ε̇_c, above 1 where a tear is to be expected; infinite where ε̇_c = 0 < ε̇_⟂."""
+    """Return ε̇_⟂/ε̇_c, above 1 where a tear is to be expected.
+
+    Infinite where ε̇_c = 0: shrinkage alone cavitates, strained or not.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.asarray(rate) / critical_rate)
+        margin = np.asarray(rate) / critical_rate
+    alone = np.isfinite(rate) & (np.asarray(critical_rate) == 0.0)
+    return np.asarray(np.where(alone, np.inf, margin))

@@ -25,7 +25,7 @@ def stage_case(case: Case, number: int, surfaces: Surfaces) -> Case:
         CaseError: a spray has no surface to cool.
     """
     present = [body.name for body in case.bodies]
-    boundaries = list(case.boundaries)
+    boundaries = replaced(case.boundaries, [])  # of one surface, as one
     for index, stage in enumerate(case.stages[:number]):
         present = [name for name in present if name not in stage.remove]
         boundaries = replaced(boundaries, stage.boundaries)

@@ -18,14 +18,15 @@ from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError
 from castx.foundry.cracking import principal_values
-from castx.mechanics.body import BodyMechanics
+from castx.mechanics.body import BodyMechanics, point_stress
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
-from castx.results.quantities import CELLWISE, PRINCIPAL
+from castx.results.quantities import CELLWISE, FOLLOWED_IN_CELLS, PRINCIPAL
 from castx.results.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 
+TENSORS = ("stress", "point_stress", "mechanical_strain")
 START, NONE = ProcessState(), MappingProxyType[str, float]({})
 
 
@@ -93,15 +94,21 @@ class State:
         raise CaseError(f"no nodal field {name!r} on body {body!r}")
 
     def cellwise(self, body: str, name: str) -> FloatArray:
-        """Return a field constant in each cell, with ghosts, shape (cells,), stress (cells, 6)."""
-        if name not in CELLWISE:
+        """Return a field constant in each cell, with ghosts, shape (cells,), tensors (cells, 6)."""
+        if name not in CELLWISE and name not in FOLLOWED_IN_CELLS:
             raise CaseError(f"no cell field {name!r} on body {body!r}")
         if body in self.now.rigid:
             cells = len(self.mesh.bodies[body].nodes.dofmap.list)
-            return np.zeros((cells, 6) if name == "stress" else cells)
+            return np.zeros((cells, 6) if name in TENSORS else cells)
         mechanics = self._mechanics(body, name)
+        if name == "point_stress":
+            return point_stress(mechanics)
         if name == "plastic_strain":
             return mechanics.plastic_strain()
+        if name == "mechanical_strain":
+            return mechanics.mechanical_strain()
+        if name == "coherent":
+            return mechanics.coherent.astype(np.float64)
         if name in PRINCIPAL:
             return principal_values(mechanics.stress())[:, 0 if name == PRINCIPAL[0] else 2]
         return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())

@@ -11,16 +11,21 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.results.cracking.cracks import COLD_CRACKS
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
-from castx.results.foundry_fields import PASSING, is_of_foundry
+from castx.results.foundry_fields import entry_of, is_of_foundry
+from castx.results.histories import histories
 from castx.results.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
 from castx.results.snapshot import Snapshot
 from castx.results.solid.stage_ends import DEVIATION
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
+
+LATE_IN_CELLS = (COLD_CRACKS, *histories.CELLWISE)
+"""Fields in cells that are found when they are written."""
 
 
 @dataclass
@@ -54,6 +59,9 @@ class FoundrySource(Protocol):
 
     def nodal(self, body: str, name: str, /) -> FloatArray:
         """Return a quantity at the nodes of a body, ghosts included: (nodes,); collective."""
+
+    def cellwise(self, body: str, name: str, /) -> FloatArray:
+        """Return a quantity in the cells of a body, ghosts included: (cells,)."""
 
 
 class Fields:
@@ -176,9 +184,12 @@ class Fields:
         It is the last one to which they were followed.
         """
         for body, known in state.nodal.items():
-            here = self._pieces[body].nodes
+            here, cells = self._pieces[body].nodes, self._pieces[body].cells
             for name in self._names:
-                if found_late(name) and (body in self._melting or not of_melting(name)):
+                if name in LATE_IN_CELLS:
+                    found = self._foundry.cellwise(body, name)
+                    state.cellwise[body][name] = found[:cells].copy()
+                elif found_late(name) and (body in self._melting or not of_melting(name)):
                     known[name] = self._foundry.nodal(body, name)[here]
 
     def _write_collection(self) -> None:
@@ -202,7 +213,7 @@ class Fields:
 
 def found_late(name: str) -> bool:
     """Return whether a field is found when it is written, from what is followed or kept."""
-    return name == DEVIATION or is_of_foundry(name)
+    return name == DEVIATION or name in (*LATE_IN_CELLS, *histories.NODAL) or is_of_foundry(name)
 
 
 def of_melting(name: str) -> bool:
@@ -211,8 +222,8 @@ def of_melting(name: str) -> bool:
 
 
 def units_of(names: Sequence[str]) -> dict[str, str]:
-    """Return the units of fields; the times at which solid fractions pass are in seconds."""
-    return {name: UNITS["passing_times" if name.startswith(PASSING) else name] for name in names}
+    """Return the units of fields, by their names in the files."""
+    return {name: UNITS[entry_of(name)] for name in names}
 
 
 def phase_of(snapshot: Snapshot) -> tuple[int, int]:

@@ -15,12 +15,25 @@ from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.foundry.alloy import Alloy
 from castx.foundry.arm_spacing import yield_strength
+from castx.foundry.cracking import brittle_strain_ratio
 from castx.foundry.hot_tearing import BRIDGED, RELAXED, VULNERABLE, clyne_davies
 from castx.foundry.modulus import PouredMetal, SandMould, mould_constant, thermal_modulus
 from castx.foundry.porosity import dimensionless_niyama, pore_fraction
+from castx.foundry.suction import (
+    CUT_OFFS,
+    TEARING_DEPRESSION,
+    MushSuction,
+    rate_across,
+    tearing_margin,
+)
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.results.cracking.cracks import BRITTLE, COLD_CRACKS, MARGIN, Cracks
+from castx.results.cracking.strains import BodyStrains
+from castx.results.feeding.feeding_path import FEEDING_PATH
+from castx.results.histories.histories import NODAL, OF_MELTING, Histories
 from castx.results.hot_spots import POOL, HotSpots
+from castx.results.quantities import MARGINS, PASSING
 from castx.results.solid.stage_ends import DEVIATION, StageEnds
 from castx.results.solidification import (
     QUANTITIES,
@@ -31,9 +44,6 @@ from castx.results.solidification import (
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
-
-PASSING = "passing_time_"
-"""Beginning of the names of the fields that `passing_times` stands for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +69,7 @@ def _arm_spacing(history: BodySolidification, poured: Poured) -> FloatArray:
 def _dimensionless_niyama(history: BodySolidification, poured: Poured) -> FloatArray:
     alloy, rate = poured.alloy, history.cooling_rate()
     width = alloy.path.freezing_range
-    return dimensionless_niyama(
-        history.gradient(), rate, alloy.spacing(rate), alloy.melt(), width
-    )
+    return dimensionless_niyama(history.gradient(), rate, alloy.spacing(rate), alloy.melt(), width)
 
 
 def _pore_fraction(history: BodySolidification, poured: Poured) -> FloatArray:
@@ -94,21 +102,68 @@ DERIVED: Mapping[str, Derived] = {
 }
 
 
+def brittle_field(strains: BodyStrains, poured: Poured, name: str) -> FloatArray:
+    """Return one of `BRITTLE` at the nodes."""
+    if name == "brittle_time":
+        return strains.duration(BRIDGED)
+    strain = strains.largest(BRIDGED)
+    if name == "brittle_strain":
+        return strain
+    return brittle_strain_ratio(strain, poured.alloy.critical_strain)
+
+
+def margin(
+    strains: BodyStrains, history: BodySolidification, poured: Poured, cut_off: float
+) -> FloatArray:
+    """Return ε̇_⟂/ε̇_c of Rappaz, Drezet and Gremaud at the nodes, (nodes,); collective.
+
+    Args:
+        strains: gained in the mush, without those that shrinkage alone makes.
+        history: gradient, front speed and cooling rate.
+        poured: the alloy.
+        cut_off: liquid fraction g_c.
+    """
+    alloy, until = poured.alloy, 1.0 - cut_off
+    rate = rate_across(strains.largest_beside_shrinkage(until), strains.duration(until))
+    front = history.gradient(), history.front_speed(), alloy.spacing(history.cooling_rate())
+    melt = alloy.melt(TEARING_DEPRESSION)
+    return tearing_margin(rate, MushSuction.of(alloy.path, cut_off).critical_rate(*front, melt))
+
+
 def is_of_foundry(name: str) -> bool:
-    """Return whether a field is one of the foundry."""
-    return name == POOL or follows_fronts(name)
+    """Return whether a field of the nodes is one of the foundry."""
+    return name == POOL or name in BRITTLE or name in OF_MELTING or follows_fronts(name)
 
 
 def follows_fronts(name: str) -> bool:
     """Return whether a field follows from when surfaces of solid fraction pass the nodes."""
-    return name in QUANTITIES or name in DERIVED or name.startswith(PASSING)
+    known = name in QUANTITIES or name in DERIVED or name == FEEDING_PATH
+    return known or name.startswith((PASSING, MARGINS))
+
+
+def pores_of(
+    solidification: Solidification, poured: Mapping[str, Poured], body: str
+) -> FloatArray:
+    """Return the pore fraction of the nodes of a body that freezes, (nodes,); collective."""
+    history = solidification.of(body)
+    assert history is not None
+    return _pore_fraction(history, poured[body])
 
 
 def written_names(name: str, case: Case) -> list[str]:
     """Return the fields that an entry of `output.fields` stands for."""
+    if name == MARGIN:
+        return [f"{MARGINS}{cut_off!r}" for cut_off in CUT_OFFS]
     if name != "passing_times":
         return [name]
     return [f"{PASSING}{fraction!r}" for fraction in case.foundry.passing_times]
+
+
+def entry_of(name: str) -> str:
+    """Return the entry of `output.fields` to which a written field belongs."""
+    if name.startswith(PASSING):
+        return "passing_times"
+    return MARGIN if name.startswith(MARGINS) else name
 
 
 class FoundryFields:
@@ -119,6 +174,8 @@ class FoundryFields:
         poured: the bodies that freeze, by name.
         pools: their pools of liquid, followed elsewhere; None: nothing asks for them.
         ends: knows the distortion of the bodies that deform; None: nothing asks for it.
+        cracks: strain and stress of the cooling, followed elsewhere; None: nothing asks for them.
+        histories: what else is followed; None: nothing asks for it.
     """
 
     def __init__(
@@ -127,8 +184,11 @@ class FoundryFields:
         poured: Mapping[str, Poured],
         pools: HotSpots | None = None,
         ends: StageEnds | None = None,
+        cracks: Cracks | None = None,
+        histories: Histories | None = None,
     ) -> None:
-        self._ends = ends
+        self._ends, self._histories = ends, histories
+        self._cracks = Cracks({}, {}) if cracks is None else cracks
         self._solidification, self._poured, self._pools = solidification, poured, pools
 
     def nodal(self, body: str, name: str) -> FloatArray:
@@ -142,6 +202,14 @@ class FoundryFields:
         if name == DEVIATION:
             found = None if self._ends is None else self._ends.deviation(body)
             return self._solidification.nowhere(body) if found is None else found
+        if name in BRITTLE:
+            strains = self._cracks.strains(body)
+            if strains is None:
+                return self._solidification.nowhere(body)
+            return brittle_field(strains, self._poured[body], name)
+        if name in NODAL:
+            found = None if self._histories is None else self._histories.field(body, name)
+            return self._solidification.nowhere(body) if found is None else found
         history = self._solidification.of(body)
         if name in QUANTITIES or history is None:
             return self._solidification.nodal(body, name)
@@ -149,7 +217,25 @@ class FoundryFields:
             return history.passing_time(float(name.removeprefix(PASSING)))
         if body not in self._poured:
             return self._solidification.nowhere(body)
+        if name.startswith(MARGINS):
+            strains = self._cracks.strains(body)
+            if strains is None:
+                return self._solidification.nowhere(body)
+            cut_off = float(name.removeprefix(MARGINS))
+            return margin(strains, history, self._poured[body], cut_off)
         return DERIVED[name](history, self._poured[body])
+
+    def cellwise(self, body: str, name: str) -> FloatArray:
+        """Return a field in the cells of a body: (cells,) or (cells, gdim), ghosts may follow.
+
+        Not a number where it does not exist: the cold-crack index in cells that are not solid and
+        in bodies without a tensile strength, the life of bodies that freeze.
+        """
+        if name == COLD_CRACKS:
+            found = self._cracks.cold_crack_index(body)
+        else:
+            found = None if self._histories is None else self._histories.field(body, name)
+        return self._solidification.nowhere_in_cells(body) if found is None else found
 
 
 def followed_by(case: Case) -> Followed:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from castx.results.files.series import Series, cut_back
 from castx.results.snapshot import Snapshot
@@ -13,11 +14,14 @@ from castx.solvers.counters import StepCounters
 COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))
 BODY_TOTALS = (
     "solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "force_error",
-    "power", "feeding_demand", "fed_volume", "unfed_volume", "pocket_pressure",
+    "power", "feeding_demand", "fed_volume", "unfed_volume", "pocket_pressure", "pipe_volume",
+    "feeder_level",
 )  # fmt: skip
 INTERFACE_TOTALS = (
     "heat", "power", "mean_gap", "min_gap", "max_gap", "closed_fraction", "force",
+    "ejection_force",
 )  # fmt: skip
+NOTHING = MappingProxyType[str, float]({})
 RUN_TOTALS = ("energy_error", "support_force", "largest_pull", "cycle", "stage")
 
 
@@ -72,14 +76,20 @@ class History:
         cut_back(self._path, rows)
         self._resumed = True
 
-    def append(self, snapshot: Snapshot) -> None:
-        """Write the line of one accepted step."""
+    def append(self, snapshot: Snapshot, followed: Mapping[str, float] = NOTHING) -> None:
+        """Write the line of one accepted step.
+
+        Args:
+            snapshot: the state after it.
+            followed: further totals by the name of their column, which are followed elsewhere.
+        """
+        known = {**snapshot.totals, **followed}
         if self._series is None:
-            self._totals = ordered_totals(snapshot.totals, self._bodies, self._interfaces)
+            self._totals = ordered_totals(known, self._bodies, self._interfaces)
             columns = ("time", *COUNTERS, *self._totals)
             self._series = Series(self._path, columns, resumed=self._resumed)
         counters = dataclasses.astuple(snapshot.counters)
-        totals = [snapshot.totals[name] for name in self._totals]
+        totals = [known[name] for name in self._totals]
         self._series.append([snapshot.time, *counters, *totals])
 
     def sync(self) -> None:

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from dolfinx import fem
 
 from castx.arrays import FloatArray
-from castx.results.snapshot import Snapshot
 
+if TYPE_CHECKING:
+    from castx.results.snapshot import Snapshot
+
+FOLLOWED_IN_CELLS = ("mechanical_strain", "coherent")
+"""What cells have beside the fields that are written: see `Snapshot.cellwise`."""
 PRINCIPAL = ("largest_principal_stress", "smallest_principal_stress")
-CELLWISE = ("stress", "von_mises", "plastic_strain", *PRINCIPAL)
-MECHANICAL = ("displacement", "pressure", "deviation", *CELLWISE)
+CELLWISE = ("stress", "von_mises", "plastic_strain", *PRINCIPAL, "point_stress")
+CRACKING = (
+    "brittle_strain", "brittle_time", "brittle_strain_index", "tearing_margin", "cold_crack_index",
+)  # fmt: skip
+OF_INTERFACES = ("first_opening",)
+OF_DIES = ("strain_range", "life")
+MECHANICAL = (
+    "displacement", "pressure", "deviation", *CELLWISE, *CRACKING, *OF_INTERFACES, *OF_DIES,
+)  # fmt: skip
 """What a run without mechanics does not have."""
 
 UNITS = {
@@ -24,6 +36,7 @@ UNITS = {
     "plastic_strain": "1",
     "largest_principal_stress": "Pa",
     "smallest_principal_stress": "Pa",
+    "point_stress": "Pa",
     "deviation": "m",
     "gap": "m",
     "contact_pressure": "Pa",
@@ -41,8 +54,24 @@ UNITS = {
     "yield_strength": "Pa",
     "modulus": "m",
     "pool": "1",
+    "brittle_strain": "1",
+    "brittle_time": "s",
+    "brittle_strain_index": "1",
+    "tearing_margin": "1",
+    "cold_crack_index": "1",
+    "emptied": "1",
+    "heat_flux": "W/m²",
+    "first_opening": "s",
+    "feeding_path": "m",
+    "strain_range": "1",
+    "life": "1",
 }
 """Unit of each field in the files."""
+
+PASSING = "passing_time_"
+"""Beginning of the names of the fields that `passing_times` stands for."""
+MARGINS = "tearing_margin_"
+"""Beginning of the names of the fields that `tearing_margin` stands for."""
 
 PAIRED = ("gap", "contact_pressure", "heat_transfer_coefficient")
 
@@ -68,6 +97,8 @@ def on_secondary_nodes(snapshot: Snapshot, interface: str, name: str) -> FloatAr
 
     The mean by area where a node has several pairs, zero off the interface; collective.
     """
+    from dolfinx import fem  # names and units are read without it
+
     pairs = snapshot.pairs[interface]
     field = fem.Function(snapshot.mesh.bodies[pairs.secondary].nodes)
     nodes, areas = pairs.secondary_local, pairs.areas

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pyvista
@@ -15,10 +13,7 @@ from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.results.files.collection import FieldSeries
-from castx.results.files.folder import RECORD
-from castx.results.files.measurements import Deviation, deviation, read_measured
-from castx.results.files.run_json import read_record
-from castx.results.files.series import read_series
+from castx.results.files.run_tables import Columns, RunTables
 from castx.results.files.vtu import VTK_TENSOR
 from castx.results.snapshot import FULLY_SOLID
 
@@ -27,13 +22,6 @@ SAME_TIME = 1e-9
 
 NEAR = 0.25
 """Distance from the other body, in edges of a cell, below which a node lies on an interface."""
-
-
-class Columns(dict[str, FloatArray]):
-    """Arrays by name; a missing one is refused with the names of those that exist."""
-
-    def __missing__(self, name: str) -> FloatArray:
-        raise CaseError(f"there is no {name!r}; {among(name, list(self), what='there are')}")
 
 
 @dataclass(frozen=True)
@@ -71,7 +59,22 @@ class InterfaceFields:
     time: float
 
 
-class Results:
+@dataclass(frozen=True)
+class FieldOverTime:
+    """A field of a body, or on an interface, at all moments of output at which it was written.
+
+    Attributes:
+        times: of these moments, (moments,) [s].
+        values: (moments, points), or with the components of a vector or tensor behind.
+        points: positions before anything moved, (points, gdim) [m]; of cells their middles.
+    """
+
+    times: FloatArray
+    values: FloatArray
+    points: FloatArray
+
+
+class Results(RunTables):
     """The results folder of a run on any number of ranks, finished or still going on.
 
     >>> import castx
@@ -87,16 +90,15 @@ class Results:
     >>> temperature = results.field("temperature", "casting")  # at the last time, here 0.1 s
     >>> temperature.values.shape == (len(temperature.points),)
     True
+    >>> results.units("casting")["displacement"], results.unit("centre.temperature")
+    ('m', '°C')
+    >>> results.over_time("temperature", "casting").values.shape[0]  # moments
+    2
     >>> mould = results.grids(0.0)["mould"]  # for pyvista
     >>> print(f"{mould['temperature'].max():.1f} °C")
     200.0 °C
 
-    Attributes:
-        folder: the results folder.
-        record: run.json: what was run, with what, and how it ended.
-        history: columns of history.csv by name, (steps + 1,).
-        probes: columns of probes.csv by name, (steps + 1,).
-        measured: measured curves by the columns of probes.csv that they belong to.
+    `RunTables` has what is not a field: record, tables, probes, hot spots, ends of stages.
 
     Args:
         folder: the results folder.
@@ -104,52 +106,6 @@ class Results:
     Raises:
         CaseError: it is none, or a file is missing or broken.
     """
-
-    def __init__(self, folder: str | Path) -> None:
-        self.folder = Path(folder)
-        try:
-            record = read_record(self.folder / RECORD)
-            history = read_series(self.folder / "history.csv")
-            probes = read_series(self.folder / "probes.csv")
-            self.measured = read_measured(self.folder)
-        except (OSError, ValueError) as error:
-            raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
-        if "bodies" not in record or history.get("time", np.empty(0)).size == 0:
-            raise CaseError(f"{folder} holds no accepted step of a run of castx")
-        self.record: Mapping[str, Any] = record
-        self.history, self.probes = Columns(history), Columns(probes)
-
-    @property
-    def deviations(self) -> dict[str, Deviation]:
-        """How far the probes are from what was measured, by column, where times overlap."""
-        time = self.probes["time"]
-        found = {
-            name: deviation(time, self.probes[name], curve)
-            for name, curve in self.measured.items()
-            if name in self.probes
-        }
-        return {name: apart for name, apart in found.items() if apart is not None}
-
-    @property
-    def case(self) -> Mapping[str, Any]:
-        """Name, file and digest of the case."""
-        case: Mapping[str, Any] = self.record["case"]
-        return case
-
-    @property
-    def model(self) -> str:
-        """The model, such as "axisymmetric" or "3d"."""
-        return str(self.record["model"])
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """Names of all bodies, of removed ones too."""
-        return tuple(self.record["bodies"])
-
-    @property
-    def interfaces(self) -> tuple[str, ...]:
-        """Names of all interfaces."""
-        return tuple(self.record["interfaces"])
 
     @property
     def freezing(self) -> list[str]:
@@ -230,6 +186,54 @@ class Results:
             for key in sorted(first.point_data)
         }
         return InterfaceFields(self._points(first)[here], Columns(values), self._written(time))
+
+    def units(self, body: str, time: float | None = None) -> dict[str, str]:
+        """Return the fields that a body has at a time, and their units.
+
+        Raises:
+            CaseError: the body or the time is not there.
+        """
+        from castx.results.fields import units_of  # loads the solvers
+
+        grid = self._grid(body, time)
+        return units_of([*grid.point_data, *(key for key in grid.cell_data if key != "body")])
+
+    def unit(self, column: str) -> str:
+        """Return the unit of a column of probes.csv.
+
+        Raises:
+            CaseError: there is no such column; with those that exist.
+        """
+        from castx.results.quantities import UNITS  # loads the solvers
+
+        _ = self.probes[column]
+        return "s" if column == "time" else UNITS[column.split(".")[1]]
+
+    def over_time(self, name: str, body: str) -> FieldOverTime:
+        """Return a field of one body at all moments at which the body was there.
+
+        Raises:
+            CaseError: the field was not written, or there is no such body.
+        """
+        if body not in self.bodies:
+            raise CaseError(f"no body {body!r}; {among(body, self.bodies)}")
+        there = [time for time in self.times if body in self.grids(time)]
+        found = [self.field(name, body, time) for time in there]
+        first = found[0]
+        points = first.points[first.cells].mean(axis=1) if first.in_cells else first.points
+        return FieldOverTime(np.array(there), np.array([at.values for at in found]), points)
+
+    def interface_over_time(self, interface: str, name: str) -> FieldOverTime:
+        """Return a field, such as "gap", on an interface while both of its bodies were there.
+
+        Raises:
+            CaseError: the interface is not there, or the field was not written.
+        """
+        both = set(interface.split("/"))
+        there = [time for time in self.times if both <= set(self.grids(time))]
+        found = [self.interface(interface, time) for time in there or self.times]
+        values = np.array([at.values[name] for at in found])
+        return FieldOverTime(np.array(there), values, found[0].points)
 
     def _written(self, time: float | None) -> float:
         """Return the time at which fields were written."""

@@ -74,6 +74,7 @@ class RunRecord:
     _profile: dict[str, Any] = field(default_factory=dict)
     _hot_spots: list[dict[str, Any]] = field(default_factory=list)
     _stage_ends: list[dict[str, Any]] = field(default_factory=list)
+    _followed: dict[str, Any] = field(default_factory=dict)
 
     def update(self, snapshot: Snapshot) -> None:
         """Take over the state after an accepted step; collective."""
@@ -98,6 +99,10 @@ class RunRecord:
         """Take over stresses and distortion at the ends of the stages."""
         self._stage_ends = found
 
+    def note_followed(self, found: dict[str, Any]) -> None:
+        """Take over what else is followed through the run, by subject."""
+        self._followed = found
+
     def notes(self) -> dict[str, Any]:
         """Return the content for the record of a run that goes on from here."""
         return {
@@ -111,7 +116,8 @@ class RunRecord:
     def resume(self, notes: Mapping[str, Any]) -> None:
         """Go on with the record of an earlier part of the run."""
         self._restarts = [
-            *notes["restarts"], {"at": notes["time_reached"], "started": self._started}
+            *notes["restarts"],
+            {"at": notes["time_reached"], "started": self._started},
         ]
         self._started, self._wall_before = notes["started"], notes["wall"]
         self._counts |= notes["totals"]
@@ -135,6 +141,7 @@ class RunRecord:
             "process": self._events,
             "hot_spots": self._hot_spots,
             "stage_ends": self._stage_ends,
+            **self._followed,
             "wall": self._wall,
             "restarts": self._restarts,
             "peak_memory": self._memory,

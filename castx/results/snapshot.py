@@ -83,7 +83,10 @@ class Snapshot(Protocol):
         """Return a field constant in each cell, with ghosts: (cells,), the stress (cells, 6).
 
         Names: stress [Pa] as xx yy zz xy xz yz (axisymmetric: rr zz θθ rz 0 0), von_mises [Pa],
-        plastic_strain, largest_principal_stress and smallest_principal_stress [Pa].
+        plastic_strain, largest_principal_stress and smallest_principal_stress [Pa],
+        point_stress [Pa] at the integration points, one after the other, (cells, 6 points),
+        mechanical_strain (cells, 6), elastic and inelastic, as the stress, and coherent, 1 in cells
+        that are solid.
         """
 
     def paired(self, interface: str, name: str) -> FloatArray:

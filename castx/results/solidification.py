@@ -274,6 +274,10 @@ class Solidification:
         index_map = self._mesh.bodies[body].nodes.dofmap.index_map
         return np.full(index_map.size_local + index_map.num_ghosts, np.nan)
 
+    def nowhere_in_cells(self, body: str) -> FloatArray:
+        """Return not a number in the cells of a body, ghosts included: (cells,)."""
+        return np.full(len(self._mesh.bodies[body].nodes.dofmap.list), np.nan)
+
     def nodal(self, body: str, quantity: str) -> FloatArray:
         """Return one of `QUANTITIES` at the nodes of a body, ghosts included: (nodes,); collective.
 

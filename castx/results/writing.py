@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import logging
 from contextlib import suppress
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from castx.case.stages import Schedule
 from castx.errors import CaseError
+from castx.foundry.alloy import Alloy
 from castx.materials.lookup import find_material
 from castx.profiling import PartCost, RunPart, booked_as
 from castx.ranks import on_first_rank
+from castx.results.cracking.cracks import cracks_of
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.files.folder import (
@@ -29,17 +32,22 @@ from castx.results.files.measurements import measured_curves, write_measured
 from castx.results.files.series import damage_of
 from castx.results.foundry_fields import (
     FoundryFields,
+    pores_of,
     poured_bodies,
     solidification_of,
     written_names,
 )
+from castx.results.histories.histories import histories_of
 from castx.results.history import History
-from castx.results.hot_spots import HotSpots, pooled_metals
+from castx.results.hot_spots import HotSpots
+from castx.results.pools.pooled_metal import pooled_metals
 from castx.results.probes import Probes
 from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
 from castx.results.snapshot import Snapshot
+from castx.results.solid.shape import is_axis, plane_of
 from castx.results.solid.stage_ends import StageEnds
+from castx.results.solid.surface_forms import SurfaceForms
 from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:
@@ -90,7 +98,14 @@ class ResultsWriter:
         self._solidification = solidification_of(case, mesh)
         self._metals = pooled_metals(case)
         self._pools = HotSpots(mesh, self._metals)
-        self._ends = StageEnds(mesh, deforming(case))
+        forms = SurfaceForms(mesh, case.foundry.flat, case.foundry.round)
+        self._ends = StageEnds(mesh, deforming(case), forms)
+        self._cracks = cracks_of(case, mesh)
+        poured = poured_bodies(case)
+        self._histories = histories_of(
+            case, mesh, pairs, partial(pores_of, self._solidification, poured)
+        )
+        followed = self._pools, self._ends, self._cracks, self._histories
         self._history = History(
             self._folder / "history.csv",
             [body.name for body in case.bodies],
@@ -103,7 +118,7 @@ class ResultsWriter:
             wanted_fields(case),
             case.output.every,
             mesh,
-            FoundryFields(self._solidification, poured_bodies(case), self._pools, self._ends),
+            FoundryFields(self._solidification, poured, *followed),
             self._disk,
             [body.name for body in case.bodies if melts(case, body.material)],
         )
@@ -116,7 +131,12 @@ class ResultsWriter:
     def saved(self) -> dict[str, Saved]:
         """Return the state of the quantities that are followed from step to step; collective."""
         return joined(
-            {"solidification": self._solidification.saved(), "pools": self._pools.saved()}
+            {
+                "solidification": self._solidification.saved(),
+                "pools": self._pools.saved(),
+                "cracks": self._cracks.saved(),
+                "histories": self._histories.saved(),
+            }
         )
 
     def notes(self) -> dict[str, Any]:
@@ -139,6 +159,8 @@ class ResultsWriter:
         self._lost = on_first_rank(self._comm, lambda: lost_rows(self._folder, notes))
         self._solidification.restore(part_of(arrays, "solidification"))
         self._pools.restore(part_of(arrays, "pools"), notes.get("pools", {}))
+        self._cracks.restore(part_of(arrays, "cracks"))
+        self._histories.restore(part_of(arrays, "histories"))
         self._ends.resume(notes.get("stage_ends", []))
         self._record.resume(notes["record"])
         self._record.note_hot_spots(self._pools.described())
@@ -176,12 +198,16 @@ class ResultsWriter:
         self._solidification.update(snapshot)
         self._pools.update(snapshot)
         self._ends.update(snapshot)
+        self._cracks.update(snapshot)
+        self._histories.update(snapshot)
+        self._record.note_followed(self._histories.described())
+        totals = self._histories.totals()
         self._record.note_hot_spots(self._pools.described())
         with self._disk.writing():
             self._probes.append(snapshot)
         if self._comm.rank == 0:
             with self._disk.writing():
-                self._history.append(snapshot)
+                self._history.append(snapshot, totals)
         self._rows += 1
         self._fields.update(snapshot)
         self._disk.raise_failures()
@@ -308,16 +334,21 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
             "law": body.law,
             "temperature": body.temperature.text,
             "freezes": freezing_range(case, body.material),
+            "tearing": Alloy(find_material(body.material, case.materials)).tearing_indices,
             "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
             "cells": cell_count(mesh, body.name),
+            "symmetry": symmetry_planes(mesh, body.name),
         }
         for body in case.bodies
     }
+    written = case.content.get("interfaces", [])
+    keys = {"/".join(entry["bodies"]): entry.get("heat", {}) for entry in written}
     interfaces = {
         interface.name: {
             "pairs": mesh.comm.allreduce(len(pairs[interface.name].secondary_local)),
             "contact": interface.contact.method,
             "heat": None if interface.heat is None else interface.heat.law,
+            "heat_keys": keys.get(interface.name, {}),
         }
         for interface in case.interfaces
     }
@@ -331,6 +362,21 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
         "interfaces": interfaces,
         "ranks": mesh.comm.size,
     }
+
+
+def symmetry_planes(mesh: CastingMesh, name: str) -> list[dict[str, Any]]:
+    """Return the planes of symmetry of a body, n·x = offset, as JSON knows them; collective."""
+    body = mesh.bodies[name]
+    planes = [
+        plane_of(body, mesh.model, surface)
+        for surface in body.symmetry_planes
+        if not is_axis(body, mesh.model, surface)
+    ]
+    return [
+        {"normal": plane.normal.tolist(), "offset": plane.offset}
+        for plane in planes
+        if plane is not None
+    ]
 
 
 def melts(case: Case, name: str) -> bool:

@@ -25,13 +25,25 @@ class _Case(_Strict):
     digest: str = ""
 
 
+class _Plane(_Strict):
+    normal: list[float] = []
+    offset: float = 0.0
+
+
+class _Tearing(_Strict):
+    kou: float = 0.0
+    clyne_davies: float | None = None
+
+
 class _Body(_Strict):
     material: str = ""
     law: str = ""
     temperature: str = ""
     freezes: list[float] | None = None
+    tearing: _Tearing | None = None
     nodes: int = 0
     cells: int = 0
+    symmetry: list[_Plane] = []
 
 
 class _Interface(_Strict):
@@ -90,6 +102,8 @@ class _Distortion(_Strict):
 class _SolidBody(_Strict):
     stress: _StressExtremes = _StressExtremes()
     distortion: _Distortion | None = None
+    flatness: dict[str, float] = {}
+    roundness: dict[str, float] = {}
 
 
 class _StageEnd(_Strict):
@@ -97,6 +111,24 @@ class _StageEnd(_Strict):
     cycle: int = 1
     time: float = 0.0
     bodies: dict[str, _SolidBody] = {}
+
+
+class _Feeding(_Strict):
+    pipe_volume: float = 0.0
+    unfed_volume: float = 0.0
+    levels: dict[str, float | None] = {}
+
+
+class _Opening(_Strict):
+    first: float | None = None
+    opened_fraction: float = 0.0
+
+
+class _Ejection(_Strict):
+    stage: int = 0
+    cycle: int = 1
+    time: float = 0.0
+    forces: dict[str, float] = {}
 
 
 class _Record(_Strict):
@@ -115,6 +147,10 @@ class _Record(_Strict):
     process: list[_Event] = []
     hot_spots: list[_HotSpot] = []
     stage_ends: list[_StageEnd] = []
+    feeding: dict[str, _Feeding] = {}
+    openings: dict[str, _Opening] = {}
+    ejection: list[_Ejection] = []
+    feeding_distance: dict[str, float | None] = {}
     wall: float = 0.0
     peak_memory: dict[str, int] = {}
     exit: _Exit = _Exit()

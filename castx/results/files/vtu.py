@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from dolfinx.plot import vtk_mesh
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataSetAttributes, vtkUnstructuredGrid
@@ -49,6 +48,8 @@ class Piece:
     @classmethod
     def of(cls, body: BodyMesh) -> Piece:
         """Return the piece of a body."""
+        from dolfinx.plot import vtk_mesh  # files are read without it
+
         topology = body.nodes.mesh.topology
         owned = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         if owned.size == 0:

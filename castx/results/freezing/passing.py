@@ -48,6 +48,8 @@ PLACES, WEIGHTS = (-0.5, 0.0, 0.5), (0.25, 0.5, 0.25)
 
 NEAR = 0.1
 """Distance from the front, in widths of the control volume, from which a node shows a gradient."""
+BARELY = 1e-7
+"""Share of a plateau in which a front enters and leaves: liquid without superheat is that cold."""
 REACH = 3.0
 """Difference from T*, in differences between neighbours, beyond which nothing passes."""
 
@@ -187,6 +189,7 @@ class Excess:
             values = level.enthalpy_beside(self._curve, temperature, distance)
             sums.append(self._volumes.shares(of.index, values))
         own = step.start + shares * (step.end - step.start)
+        own -= [[2.0 * place * BARELY * (level.hot - level.cold)] for level, place in cases]
         return (own - self._volumes.added(sums)).reshape(share.shape)
 
     def _slopes(self, rises: Sequence[FloatArray], parts: Sequence[Parts]) -> FloatArray:
@@ -339,7 +342,7 @@ class Front:
             if not self._comm.allreduce(bool(unsettled.any()), MPI.LOR):
                 break
             share = np.where(unsettled, low + (high - low) * above / (above - below), share)
-            flat = unsettled.reshape(-1, nodes.shape[-1])
+            flat = unsettled.reshape(len(parts), nodes.shape[-1])
             parts = [of.of(one) for of, one in zip(parts, flat, strict=True)]
             found = self._excess.after(step, share, parts)
             up, down = unsettled & (found > 0.0), unsettled & (found <= 0.0)

@@ -10,6 +10,7 @@ import basix
 import numpy as np
 
 from castx.arrays import BoolArray, IntArray
+from castx.domain.measures import nodal_sum
 from castx.mechanics.liquid.regions import Regions
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class NodeRegions:
         # A node that no edge joins to another one is a region of its own.
         self._pairs = np.concatenate([np.column_stack([nodes, nodes]), edges.astype(np.int32)])
         self._regions = Regions(body, self._pairs)
-        self._original = body.original_nodes
+        self._original, self._body = body.original_nodes, body
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
         """Return the number of regions, and that of each node, −1: none, (nodes,); collective.
@@ -50,3 +51,31 @@ class NodeRegions:
         place = np.empty(count, dtype=np.int32)
         place[np.argsort(lowest)] = np.arange(count, dtype=np.int32)
         return count, np.where(chosen, place[region], -1) if count else region
+
+    def join(self, some: BoolArray, others: BoolArray, chosen: BoolArray) -> bool:
+        """Return whether a region of chosen nodes has some and others among them; collective.
+
+        Arguments are of the nodes of this rank, ghosts included, (nodes,).
+        """
+        count, region = self.find(chosen)
+        touching = np.zeros(count + 1, dtype=np.int32)  # region -1 is the last one
+        np.maximum.at(touching, region, (others & chosen).astype(np.int32))
+        self._regions.comm.Allreduce(MPI.IN_PLACE, touching, op=MPI.MAX)
+        here = bool(touching[region[some]].any())
+        return bool(self._regions.comm.allreduce(here, MPI.LOR))
+
+    def neighbours_of(self, marked: BoolArray) -> BoolArray:
+        """Return the nodes that edges join to marked ones; collective.
+
+        Args:
+            marked: by kinds of marks, ghosts included, (nodes, kinds).
+
+        Returns:
+            Of the same shape, ghosts included.
+        """
+        found = np.zeros(marked.shape)
+        for one, other in (self._pairs.T, self._pairs.T[::-1]):
+            np.maximum.at(found, one, np.where(one != other, 1.0, 0.0)[:, None] * marked[other])
+        for kind in range(found.shape[1]):
+            found[:, kind] = nodal_sum(self._body, found[:, kind])
+        return np.asarray(found > 0.0)

@@ -14,7 +14,7 @@ class Isolation:
     """The state of a pool when no liquid joined it to a surface that feeds it any more.
 
     Attributes:
-        time: end of the step after which it was found isolated [s].
+        time: when it was cut off, within the step in which it was [s].
         centre: centroid of its liquid [m].
         volume: of its liquid, Σ V_i g_i [m³].
     """

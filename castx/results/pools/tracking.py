@@ -28,6 +28,10 @@ TIE = 1e-6
 """Difference of solid fractions, and of shares of a step, that counts as none."""
 
 
+HALVES = 12
+"""How often a step is halved to find when a pool was cut off."""
+
+
 class BodyPools:
     """The pools of one body.
 
@@ -154,10 +158,32 @@ class BodyPools:
             if touches > 0:
                 isolation = None
             elif isolation is None:
-                isolation = Isolation(time, tuple(each / volume for each in moments), volume)
+                cut_off = self._cut_off(region == index, fraction, feeds, time)
+                isolation = Isolation(cut_off, tuple(each / volume for each in moments), volume)
             self._pools[pool] = replace(
                 self._pools[pool], isolation=isolation, place=tuple_of(places[index])
             )
+
+    def _cut_off(
+        self, inside: BoolArray, fraction: FloatArray, feeds: BoolArray, time: float
+    ) -> float:
+        """Return when the last way from a pool to what feeds froze in a step [s]; collective.
+
+        By halves of the step, in which solid fractions are linear; of the nodes that are `inside`
+        it at the end. The end of the step where it was not fed before: a part of an isolated pool.
+        """
+        start = self._fraction
+        if np.isnan(self._time) or not self._regions.join(inside, feeds, start < self._limit):
+            return time
+        fed, free = 0.0, 1.0
+        for _ in range(HALVES):
+            share = 0.5 * (fed + free)
+            liquid = start + share * (fraction - start) < self._limit
+            if self._regions.join(inside, feeds, liquid):
+                fed = share
+            else:
+                free = share
+        return float(self._time + free * (time - self._time))
 
     def _last(
         self, group: LongArray | IntArray, groups: Sequence[int], key: FloatArray

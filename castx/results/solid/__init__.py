@@ -1,4 +1,5 @@
-"""What freezing and cooling leave in a solid body: residual stress, and its distortion.
+"""What freezing and cooling leave in a solid body: residual stress, distortion, form of surfaces.
 
-Public: `stresses.StressExtremes`, `shape.Shape`, `stage_ends.StageEnds`.
+Public: `stresses.StressExtremes`, `shape.Shape`, `stage_ends.StageEnds`,
+`surface_forms.SurfaceForms`.
 """

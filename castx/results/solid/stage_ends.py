@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from castx.arrays import FloatArray
 from castx.results.solid.shape import Shape
 from castx.results.solid.stresses import StressExtremes
+from castx.results.solid.surface_forms import SurfaceForms
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
@@ -66,9 +67,13 @@ class StageEnds:
     Args:
         mesh: of all bodies.
         bodies: names of those that deform.
+        forms: of selected surfaces; None: none is.
     """
 
-    def __init__(self, mesh: CastingMesh, bodies: Collection[str]) -> None:
+    def __init__(
+        self, mesh: CastingMesh, bodies: Collection[str], forms: SurfaceForms | None = None
+    ) -> None:
+        self._forms = forms
         there = {name: mesh.bodies[name] for name in bodies}
         self._owned = {
             name: body.mesh.topology.index_map(body.mesh.topology.dim).size_local
@@ -112,7 +117,7 @@ class StageEnds:
         found = {"stress": self._stresses[name].of(stress)}
         if self._shapes[name].known:
             found["distortion"] = self._shapes[name].of(displacement)
-        return found
+        return found if self._forms is None else found | self._forms.of(name, displacement)
 
     def deviation(self, body: str) -> FloatArray | None:
         """Return the deviation in the last state at the local nodes [m], (nodes,); collective.

@@ -61,6 +61,33 @@ def test_what_is_missing_is_named_with_its_cure(quantity, key):
         Alloy(alloy()).melt()
 
 
+def test_indices_of_hot_tearing():
+    """Scheil with k = 0.17 and T_m - T_L = 14.3 K, and a metal that freezes at one temperature."""
+    scheil = {"solid_fraction": "scheil", "partition_coefficient": 0.17, "melting_point": 660.3,
+              "liquidus": 646.0, "solidus": 0.0}  # fmt: skip
+    found = Alloy(alloy(**scheil)).tearing_indices
+    assert found == {
+        "kou": pytest.approx(3962.701, rel=1e-5), "clyne_davies": pytest.approx(7.443063, rel=1e-6)
+    }  # fmt: skip
+    assert Alloy(find_material("Al-pure")).tearing_indices is None
+    assert Alloy(find_material("sand-silica")).tearing_indices is None
+
+
+CAST = ("AlCu4.5", "AlSi7Mg", "AlSi9Cu3", "CuSn12", "G20Mn5", "GJL-250", "GJS-400")
+
+
+@pytest.mark.parametrize("name", CAST)
+def test_alloys_of_the_database_break_above_their_yield_stress(name):
+    found = Alloy(find_material(name))
+    strength, flow = found.tensile_strength, found.material.description.yield_stress
+    assert flow is not None
+    temperature = np.linspace(20.0, found.path.solidus, 50)
+    assert np.all(strength(temperature) > flow(temperature))
+    assert np.all(np.diff(strength(temperature)) < 0.0)
+    if name[0] != "G" or name == "G20Mn5":  # graphite swells, and feeds itself
+        assert found.melt().viscosity < 0.01 and 2e-5 < found.spacing(np.array(1.0)) < 4e-4
+
+
 def test_pure_metals_and_sand_have_no_mush():
     with pytest.raises(CaseError, match="without a freezing range has no mush"):
         _ = Alloy(find_material("Al-pure")).path

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import dblquad, quad
+from scipy.integrate import dblquad, quad, simpson
 
 from castx.foundry.mush import FreezingPath
 from castx.foundry.porosity import CriticalLiquid, Melt, dimensionless_niyama
@@ -36,6 +36,15 @@ def test_without_shrinkage_more_strain_is_borne():
     still = (PLACE[0], np.zeros(1), PLACE[2])
     found = MushSuction.of(LINEAR, 0.02).critical_rate(*still, MELT)
     assert found[0] == pytest.approx(0.05806374, rel=1e-5)
+
+
+def test_strain_that_counts_from_the_solidus_would_be_borne_less():
+    """The lower limit of E(T) decides: with T_S in place of T(1 - g_c) it is 0.01395016/s."""
+    solid = np.linspace(1e-12, 0.98, 20001)  # f linear in T: E = ε̇ ΔT_f (1 - f²)/2 from T_S
+    weight = 0.5 * (1.0 - solid**2) * solid**2 / (1.0 - solid) ** 3
+    straining = 2500.0 * simpson(weight, x=solid)
+    found = MushSuction(MushSuction.of(LINEAR, 0.02).shrinking, straining)
+    assert found.critical_rate(*PLACE, MELT)[0] == pytest.approx(0.01395016, rel=1e-5)
 
 
 def test_shrinkage_alone_cavitates():
@@ -82,4 +91,5 @@ def test_the_margin_hangs_on_the_cut_off():
     np.testing.assert_allclose(rate, [0.02, 0.0], rtol=1e-14)
     margin = tearing_margin(rate, np.array([0.04, 0.04]))
     np.testing.assert_allclose(margin, [0.5, 0.0], rtol=1e-14)
-    assert np.isposinf(tearing_margin(np.array(0.01), np.array(0.0)))
+    alone = tearing_margin(np.array([0.01, 0.0, np.nan]), np.zeros(3))
+    np.testing.assert_array_equal(alone, [np.inf, np.inf, np.nan])

@@ -52,6 +52,19 @@ def test_a_stage_holds_what_is_left_and_keeps_earlier_conditions():
     assert len(case.bodies) == 2  # the case itself stays as it is
 
 
+def test_conditions_of_one_surface_may_stand_in_several_entries():
+    """The second entry had taken the place of the first, whose heat was lost without a word."""
+    case = case_of(
+        boundaries=[
+            {"on": "mould/outside", "heat": AIR},
+            {"on": "mould/outside", "displacement": {"r": 0.0}},
+        ]
+    )
+    (held,) = stage_case(case, 0, SURFACES).boundaries
+    assert held.heat == case.boundaries[0].heat
+    assert held.displacement == case.boundaries[1].displacement
+
+
 def test_surfaces_that_are_clamped_in_some_stage_are_known_in_all():
     """Free of force before and after, along the direction of the clamp, for equal columns."""
     pressed = {"force": 5e3, "stiffness": 1e9, "direction": "z"}

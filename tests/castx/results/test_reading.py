@@ -117,6 +117,37 @@ def test_what_is_not_there_is_refused_with_what_is(results, ask, message):
         ask(results)
 
 
+def test_fields_and_probes_have_units(results):
+    assert results.units("casting") == {
+        "temperature": "°C", "displacement": "m", "gap": "m", "stress": "Pa"
+    }  # fmt: skip
+    assert results.unit("centre.temperature") == "°C" and results.unit("time") == "s"
+    with pytest.raises(CaseError, match=r'did you mean "centre\.temperature"'):
+        results.unit("center.temperature")
+
+
+def test_fields_over_time_have_all_moments(results):
+    found = results.over_time("temperature", "casting")
+    np.testing.assert_array_equal(found.times, [0.0, 1.0])
+    expected = FORMULAS["temperature"](found.points)
+    np.testing.assert_allclose(found.values, [expected, expected])
+    stress = results.over_time("stress", "mould")
+    assert stress.values.shape == (2, len(stress.points), 6)
+    np.testing.assert_allclose(stress.values[1], FORMULAS["stress"](stress.points))
+    with pytest.raises(CaseError, match="no body 'core'; known: casting, mould"):
+        results.over_time("temperature", "core")
+
+
+def test_gaps_of_an_interface_are_followed_over_time(results):
+    found = results.interface_over_time("casting/mould", "gap")
+    assert found.values.shape == (2, len(found.points))
+    np.testing.assert_allclose(found.values[0], 1e-5 * found.points[:, 1], atol=1e-12)
+    with pytest.raises(CaseError, match="there are: displacement, gap"):
+        results.interface_over_time("casting/mould", "h")
+    with pytest.raises(CaseError, match="no interface 'mould/casting'"):
+        results.interface_over_time("mould/casting", "gap")
+
+
 def test_get_and_in_work_as_for_any_mapping(results):
     assert results.history.get("gap") is None and "gap" not in results.history
 

@@ -11,8 +11,9 @@ from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series
-from castx.results.writing import ResultsWriter, wanted_fields
+from castx.results.writing import ResultsWriter, symmetry_planes, wanted_fields
 from castx.solvers.counters import StepCounters
+from castx.transfer.database.entries import interface_entry
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
 CONTENT = {
@@ -58,6 +59,20 @@ def record(folder):
     return json.loads((folder / "run.json").read_text())
 
 
+def test_the_record_keeps_the_numbers_that_an_interface_takes_from_the_database(
+    comm, shared_tmp_path, monkeypatch
+):
+    heat = {"from": "aluminium-steel-coated", "closed": 900}
+    interfaces = [{"bodies": ["casting", "mould"], "heat": heat}]
+    monkeypatch.setitem(CONTENT, "interfaces", interfaces)
+    run(comm, shared_tmp_path)
+    kept = record(shared_tmp_path)["interfaces"]["casting/mould"]
+    assert kept["heat"] == "series"
+    assert kept["heat_keys"] == {**interface_entry(heat["from"]).heat, **heat}
+    case = json.loads((shared_tmp_path / "case.json").read_text())
+    assert case["interfaces"][0]["heat"] == kept["heat_keys"]
+
+
 def test_a_finished_run_leaves_everything(comm, shared_tmp_path):
     run(comm, shared_tmp_path)
     written = record(shared_tmp_path)
@@ -68,6 +83,7 @@ def test_a_finished_run_leaves_everything(comm, shared_tmp_path):
     assert written["ranks"] == comm.size and written["time_reached"] == 1.0
     assert written["bodies"]["casting"]["material"] == "Al-pure"
     assert written["bodies"]["casting"]["nodes"] == 5 * 9
+    assert written["bodies"]["casting"]["tearing"] is None  # a pure metal
     assert written["interfaces"]["casting/mould"]["pairs"] == 9
     memory = written["peak_memory"]
     assert 1e7 < memory["largest_rank"] <= memory["all_ranks"] < 1e11
@@ -91,6 +107,18 @@ def test_the_last_accepted_state_is_there_after_a_common_end(comm, shared_tmp_pa
     assert record(shared_tmp_path)["exit"] == {"reason": reason, "message": str(ending)}
     reader = pyvista.get_reader(shared_tmp_path / "fields" / "castx.pvd")
     assert reader.time_values == [0.0, 1.0]
+
+
+def test_planes_of_symmetry_are_recorded(comm, shared_tmp_path):
+    content = {**CONTENT, "geometry": {**CONTENT["geometry"], "model": "3d", "size": "10 mm",
+                                       "sector": "quarter"}, "probes": []}  # fmt: skip
+    case = read_case({**content, "output": {"folder": str(shared_tmp_path)}}, Path("case.toml"))
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
+    planes = symmetry_planes(mesh, "casting")
+    assert sorted(np.abs(plane["normal"]).round(12).tolist() for plane in planes) == [
+        [0.0, 1.0, 0.0], [1.0, 0.0, 0.0],
+    ]  # fmt: skip
+    assert [plane["offset"] for plane in planes] == pytest.approx([0.0, 0.0], abs=1e-15)
 
 
 def test_a_bug_is_recorded_too(comm, shared_tmp_path):

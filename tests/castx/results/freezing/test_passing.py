@@ -126,3 +126,18 @@ def test_levels_at_one_temperature_are_followed_once(comm):
             np.testing.assert_array_equal(level, getattr(alone, name)[0])
     assert comm.allreduce(int(alone.frozen.sum())) > 0
     assert prices[0] == prices[1]
+
+
+def test_a_front_comes_with_latent_heat_and_not_with_rounding(comm):
+    """The superheat of all liquid vanishes but for rounding, and then a tenth of it freezes."""
+    body = slab_mesh(comm, 1e-3, 6e-3).bodies["casting"]
+    level = Level.of(Curve(), 1.0)
+    front = Front(body, Curve(), [level])
+    inside = body.points[:, 0] < 5.5e-3
+    superheat = 1e-10 * level.hot * (1.0 + body.points[:, 0] / 1e-3)
+    rest, gone = level.hot + superheat, level.hot + 0.1 * superheat - 1e-10 * level.hot
+    before = np.zeros((1, len(PLACES), len(rest)), dtype=bool)
+    for after, entered in ((gone, False), (gone - 0.1 * (level.hot - level.cold), True)):
+        step = Step(rest, after)
+        found = front.passage(step, front.parts(step), before)
+        assert (found.frozen[0, 0, inside] == entered).all()

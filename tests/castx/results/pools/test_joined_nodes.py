@@ -79,3 +79,20 @@ def test_numbers_are_those_of_one_rank(comm):
         numbers.append((count, every))
     assert numbers[0] == numbers[1]
     assert numbers[0][0] >= 2
+
+
+def test_neighbours_are_one_edge_away(comm):
+    body = box(comm, "quadrilaterals")
+    x = np.round(body.points[:, 0] / SIZE)
+    near = NodeRegions(body).neighbours_of(np.column_stack([x == 5, x == 0]))
+    assert near[:, 0].tolist() == (np.abs(x - 5) <= 1).tolist()
+    assert near[:, 1].tolist() == (x <= 1).tolist()
+
+
+def test_nodes_are_joined_by_chosen_ones_alone(comm):
+    body = box(comm, "simplices")
+    x = np.round(body.points[:, 0] / SIZE)
+    regions = NodeRegions(body)
+    assert regions.join(x == 1, x == 9, x < 20)
+    assert not regions.join(x == 1, x == 9, x != 5)
+    assert not regions.join(x == 1, x == 9, x < 9)

@@ -1,0 +1,4 @@
+"""What measured temperatures tell of interface data: covariance, correlation, when to measure.
+
+Public: `covariance.posterior`, `covariance.correlation`, `lumped.LumpedCooling`.
+"""
