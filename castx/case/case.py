@@ -95,12 +95,15 @@ class Case(Description):
 
     @property
     def digest(self) -> str:
-        """Hash (SHA-256) of the content, overrides included; layout and comments do not count."""
+        """Hash (SHA-256) of `content`; layout and comments do not count."""
         return self._digest
 
     @property
     def content(self) -> dict[str, Any]:
-        """Keys and values of the file, overrides included, with the types of JSON."""
+        """Keys and values of the file, with overrides and what interfaces take from the database.
+
+        They have the types of JSON.
+        """
         content: dict[str, Any] = json.loads(self._content)
         return content
 
@@ -109,7 +112,7 @@ class Case(Description):
 
         Args:
             path: the case file.
-            content: keys and values of the file, overrides included.
+            content: keys and values of the file, with overrides and what it takes from elsewhere.
         """
         canonical = json.dumps(content, sort_keys=True, default=str)
         case = self.model_copy()

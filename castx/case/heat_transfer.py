@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator, model_validator
 
 from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
@@ -19,11 +19,14 @@ from castx.input.units import LENGTH
 from castx.input.variation import Variation
 from castx.transfer import keys
 from castx.transfer.conductance import ConductionLaw
+from castx.transfer.database.naming import FROM, changed, with_entry
 from castx.transfer.declaration import GapHeatLaw, Given
 from castx.transfer.registry import gap_heat_laws, with_keys_of_laws
 from castx.transfer.surfaces import Coating, ContactConductance, Radiation, Roughness
 
 _MOST_PATCHES = 100
+_NO_NUMBERS = frozenset({"entry", "law", "patches"})
+"""Keys that say which law acts where, and where its numbers come from."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,10 @@ def _patch(index: int, entry: Any) -> Patch:
     changes = {key: item for key, item in entry.items() if key not in ("within", "on")}
     if not changes or "patches" in changes:
         raise refuse("must say what is different there: closed, coating, ...", index)
+    try:
+        changes = with_entry(changes)
+    except Refusal as error:
+        raise error.inside(index) from None
     return Patch({a: _bounds(index, a, b) for a, b in within.items()}, changes, on)
 
 
@@ -103,6 +110,7 @@ class InterfaceHeat(Description):
     Laws may have further keys of their own.
 
     Attributes:
+        entry: interface of the database, `from` in a case file, whose keys those beside it change.
         law: name of the gap heat law.
         closed: coefficient of touching surfaces without pressure [W/m²/K]; left out, it is 1/R of
             roughness and coating.
@@ -116,6 +124,7 @@ class InterfaceHeat(Description):
         patches: parts of the interface with other keys; the first that contains a pair counts.
     """
 
+    entry: Annotated[str, Field(alias=FROM)] = ""
     law: Annotated[str, Choice(tuple(gap_heat_laws()))]
     closed: Annotated[Variation | None, keys.CLOSED.entry] = None
     open: Annotated[Variation | None, keys.OPEN.entry] = None
@@ -127,6 +136,11 @@ class InterfaceHeat(Description):
     radiation: Radiation | None = None
     patches: Annotated[tuple[Patch, ...], PlainValidator(_patches)] = ()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_entry(cls, data: Any) -> Any:
+        return with_entry(data) if isinstance(data, Mapping) else data
+
     @property
     def declared(self) -> GapHeatLaw:
         """The declaration of the law."""
@@ -135,7 +149,7 @@ class InterfaceHeat(Description):
     @property
     def given(self) -> Given:
         """The keys of the law that the case gives."""
-        names = self.model_fields_set - {"law", "patches"}
+        names = self.model_fields_set - _NO_NUMBERS
         return Given({name: getattr(self, name) for name in names})
 
     @property
@@ -171,7 +185,7 @@ class InterfaceHeat(Description):
         for key in type(self).model_fields:
             if key in needed - replaced and key not in self.model_fields_set:
                 yield Problem((key,), f"missing; the law {self.law!r} needs it")
-            if key in self.model_fields_set and key not in (*usable, "law", "patches"):
+            if key in self.model_fields_set and key not in {*usable, *_NO_NUMBERS}:
                 used = ", ".join(usable) or "no further numbers"
                 yield Problem((key,), f"the law {self.law!r} takes {used}")
         if law.exchange == "perfect" and self.patches:
@@ -225,11 +239,11 @@ class InterfaceHeat(Description):
     def on(self, patch: Patch) -> InterfaceHeat:
         """Return the heat transfer on a patch: the keys of the interface, changed by its own.
 
-        A patch with a law of its own takes over nothing but the radiation.
+        A patch with a law or an entry of its own takes over nothing but the radiation.
 
         Raises:
             Refusal: the keys are inconsistent.
         """
         kept = {"radiation"} if "law" in patch.changes else set(type(self).model_fields)
-        own = {k: getattr(self, k) for k in kept & self.model_fields_set if k != "patches"}
-        return InterfaceHeat.read(own | dict(patch.changes))
+        kept = (kept & self.model_fields_set) - {"entry", "patches"}
+        return InterfaceHeat.read(changed({key: getattr(self, key) for key in kept}, patch.changes))

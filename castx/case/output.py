@@ -42,6 +42,7 @@ FIELDS = (
     "plastic_strain",
     "largest_principal_stress",
     "smallest_principal_stress",
+    "point_stress",
     "deviation",
     "gap",
     "contact_pressure",
@@ -61,6 +62,17 @@ FIELDS = (
     "yield_strength",
     "modulus",
     "pool",
+    "brittle_strain",
+    "brittle_time",
+    "brittle_strain_index",
+    "tearing_margin",
+    "cold_crack_index",
+    "emptied",
+    "heat_flux",
+    "first_opening",
+    "feeding_path",
+    "strain_range",
+    "life",
 )
 BODY_QUANTITIES = (
     "temperature",
@@ -189,6 +201,13 @@ class Foundry(Description):
         pool_limit: solid fraction below which liquid belongs to a pool; None: the coherency of the
             material, 0.7 where it has none.
         feeders: surfaces "body/surface" that feed; None: all free surfaces.
+        ejection_friction: coefficient of friction from which the forces to draw bodies apart are
+            estimated at each interface; None: they are not.
+        flat: surfaces "body/surface" whose flatness is measured at the ends of stages.
+        round: those whose roundness is, in plane models.
+        porosity_limit: pore fraction below which a place counts as fed.
+        opening_gap: gap beyond which a pair of an interface counts as open [m].
+        mass_feeding_limit: solid fraction below which metal sinks to feed; None: as for pools.
     """
 
     at: Annotated[FrontPlace, PlainValidator(_front)] = FrontPlace(fraction=0.9)
@@ -199,6 +218,12 @@ class Foundry(Description):
     modulus_mould: ModulusMould | None = None
     pool_limit: Annotated[float | None, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = None
     feeders: Annotated[tuple[str, ...] | None, PlainValidator(surface_names)] = None
+    ejection_friction: Annotated[float | None, Quantity(PURE_NUMBER, least=0.0)] = None
+    flat: Annotated[tuple[str, ...], PlainValidator(surface_names)] = ()
+    round: Annotated[tuple[str, ...], PlainValidator(surface_names)] = ()
+    porosity_limit: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 5e-4
+    opening_gap: Annotated[float, Quantity(LENGTH, above=0.0)] = 1e-6
+    mass_feeding_limit: Annotated[float | None, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = None
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield fractions named twice, and two ways to the constant of the modulus."""

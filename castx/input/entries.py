@@ -42,7 +42,7 @@ class Description(BaseModel):
         try:
             description = handler(data)
         except ValidationError as error:
-            raise Refusal(translate(error, list(cls.model_fields))) from None
+            raise Refusal(translate(error, cls._keys())) from None
         problems = list(description.inconsistencies())
         if problems:
             raise Refusal(problems)
@@ -58,7 +58,12 @@ class Description(BaseModel):
         try:
             return cls.model_validate(data)
         except ValidationError as error:
-            raise Refusal(translate(error, list(cls.model_fields))) from None
+            raise Refusal(translate(error, cls._keys())) from None
+
+    @classmethod
+    def _keys(cls) -> list[str]:
+        """Return the keys as a case file writes them."""
+        return [field.alias or name for name, field in cls.model_fields.items()]
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield contradictions between values that are allowed one by one."""

@@ -8,7 +8,6 @@ valid (left out where it does not depend on temperature). Where no source is kno
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -16,13 +15,18 @@ from importlib.resources import files
 from typing import Any
 
 from castx.errors import CaseError
-from castx.input.problems import KeyPath, Problem, Refusal, among, summary
+from castx.input.problems import KeyPath, Problem, Refusal, summary
+from castx.input.sourced import (
+    entry_names,
+    file_content,
+    item_problems,
+    items,
+    plain,
+    text_problems,
+)
 from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.description import MaterialDescription
 from castx.materials.sources import Source, unit_of
-
-UNKNOWN_SOURCE = "representative value, source not established"
-"""Source of numbers whose origin is unknown."""
 
 _FOLDER = files("castx.materials") / "database"
 _ABOUT = ("summary", "class")
@@ -50,8 +54,7 @@ class Entry:
 @cache
 def database_names() -> tuple[str, ...]:
     """Return the names of all entries in alphabetical order."""
-    names = (file.name for file in _FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
+    return entry_names(_FOLDER)
 
 
 @cache
@@ -65,11 +68,7 @@ def database_entry(name: str) -> Entry:
         CaseError: the file is not right; with its name, the keys, their values and the cure.
     """
     file = _FOLDER / f"{name}.toml"
-    try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{file}: {error}") from None
-    return read_entry(content, str(file))
+    return read_entry(file_content(file), str(file))
 
 
 def read_entry(content: dict[str, Any], file: str) -> Entry:
@@ -85,32 +84,13 @@ def read_entry(content: dict[str, Any], file: str) -> Entry:
     problems = list(_format_problems(content))
     if problems:
         raise CaseError(summary(file, problems, content))
-    properties = {key: _plain(item) for key, item in content.items() if key not in _ABOUT}
-    sources = {".".join(path): _source(item) for path, item in _items(content)}
+    properties = {key: plain(item) for key, item in content.items() if key not in _ABOUT}
+    sources = {".".join(path): _source(item) for path, item in items(content, _ABOUT)}
     try:
         description = MaterialDescription.read(properties)
     except Refusal as refusal:
         raise CaseError(summary(file, refusal.problems, properties)) from None
     return Entry(content["summary"], content["class"], description, sources)
-
-
-def _is_item(value: Any) -> bool:
-    """Whether a table is a property rather than a table of properties."""
-    return not isinstance(value, dict) or not all(isinstance(v, dict) for v in value.values())
-
-
-def _items(content: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Yield the properties of a file with the keys that lead to them."""
-    for key, item in content.items():
-        if key not in _ABOUT and _is_item(item):
-            yield (key,), item
-        elif key not in _ABOUT:
-            yield from (((key, inner), part) for inner, part in item.items())
-
-
-def _plain(item: Any) -> Any:
-    """Return a property as a case file gives it."""
-    return item["value"] if _is_item(item) else {key: part["value"] for key, part in item.items()}
 
 
 def _source(item: dict[str, Any]) -> Source:
@@ -120,26 +100,12 @@ def _source(item: dict[str, Any]) -> Source:
 
 def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
     """Yield mistakes in the form of a file, whatever its numbers are."""
-    for key in _ABOUT:
-        if not isinstance(content.get(key), str) or not content[key]:
-            yield Problem((key,), "missing; a text in quotes is needed")
-    for path, item in _items(content):
-        if not isinstance(item, dict):
-            text = 'a table is needed: { value = ..., unit = "...", source = "...", valid = [..] }'
-            yield Problem(path, text)
-            continue
-        for key in set(item) - set(_KEYS):
-            yield Problem((*path, key), f"unknown key; {among(key, _KEYS, what='known keys')}")
-        if "value" not in item:
-            yield Problem((*path, "value"), "missing; this key is needed")
-        if not isinstance(item.get("source"), str) or not item["source"]:
-            text = f"missing; author, year and table or equation, or {UNKNOWN_SOURCE!r}"
-            yield Problem((*path, "source"), text)
+    yield from text_problems(content, _ABOUT)
+    for path, item in items(content, _ABOUT):
         unit = unit_of(".".join(path))
-        if unit is not None and item.get("unit", "") != unit.si:
-            cure = f'must be "{unit.si}"; convert the numbers'
-            yield Problem((*path, "unit"), cure if unit.si else "a pure number has none")
-        yield from _range_problems(path, item)
+        yield from item_problems(path, item, _KEYS, None if unit is None else unit.si)
+        if isinstance(item, dict):
+            yield from _range_problems(path, item)
 
 
 def _range_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:

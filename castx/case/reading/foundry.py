@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.case.geometry import PLANE_MODELS
 from castx.errors import CaseError
 from castx.foundry.alloy import NEEDED, OF_THE_MUSH, missing
 from castx.input.problems import Problem, Refusal, among
@@ -21,6 +22,23 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
         yield from _front_problems(case, body, material)
     if "modulus" in case.output.fields:
         yield from _modulus_problems(case, poured)
+    if "cold_crack_index" in case.output.fields:
+        yield from _strength_problems(case)
+    if "tearing_margin" in case.output.fields and case.coupling.scheme == "mechanical":
+        yield Problem(
+            ("output", "fields", case.output.fields.index("tearing_margin")),
+            "needs the gradient of the temperature and the speed of the front, which "
+            'coupling.scheme = "mechanical" does not have; use another scheme, or leave it out',
+        )
+    if "emptied" in case.output.fields and not any(case.loads.gravity):
+        text = "missing; the field emptied needs to know what is up: gravity = [0, 0, -9.81]"
+        yield Problem(("loads", "gravity"), text)
+    if "heat_flux" in case.output.fields and case.coupling.scheme == "mechanical":
+        text = 'there is no heat_flux in a run with coupling.scheme = "mechanical"; leave it out'
+        yield Problem(("output", "fields", case.output.fields.index("heat_flux")), text)
+    yield from _form_problems(case)
+    if "life" in case.output.fields:
+        yield from _fatigue_problems(case)
     yield from _feeder_problems(case, [body.name for body, _ in poured])
 
 
@@ -70,6 +88,56 @@ def _feeder_problems(case: Case, freezing: list[str]) -> Iterator[Problem]:
         if body not in freezing:
             text = f"no body {body!r} that freezes; {among(body, freezing)}"
             yield Problem(("foundry", "feeders", index), text)
+
+
+def _strength_problems(case: Case) -> Iterator[Problem]:
+    """Yield a problem if no body that deforms has a tensile strength."""
+    for body in case.bodies:
+        try:
+            material = find_material(body.material, case.materials)
+        except (CaseError, Refusal):
+            return  # refused elsewhere
+        if body.law != "rigid" and not missing(material.description, ("tensile_strength",)):
+            return
+    place = ("output", "fields", case.output.fields.index("cold_crack_index"))
+    text = "no body that deforms has a tensile_strength; give it in its material"
+    yield Problem(place, f"{text}, or leave cold_crack_index out")
+
+
+def _form_problems(case: Case) -> Iterator[Problem]:
+    """Yield selected surfaces of bodies that do not deform, and round ones of other models."""
+    bodies = [body.name for body in case.bodies if body.law != "rigid"]
+    bodies = [] if case.coupling.scheme == "thermal" else bodies
+    for key in ("flat", "round"):
+        for index, on in enumerate(getattr(case.foundry, key)):
+            body, _, _ = on.partition("/")
+            if body not in bodies:
+                text = f"no body {body!r} that deforms; {among(body, bodies)}"
+                yield Problem(("foundry", key, index), text)
+    if case.foundry.round and case.geometry.model not in PLANE_MODELS:
+        text = f"is known of sections, in plane models, not in the model {case.geometry.model!r}"
+        yield Problem(("foundry", "round"), text)
+
+
+def _fatigue_problems(case: Case) -> Iterator[Problem]:
+    """Yield a problem if no body that deforms and does not freeze has a strain-life curve."""
+    poured, lacking = {body.name for body, _ in _poured(case)}, []
+    for body in case.bodies:
+        try:
+            material = find_material(body.material, case.materials)
+        except (CaseError, Refusal):
+            return  # refused elsewhere
+        if body.law == "rigid" or body.name in poured:
+            continue
+        if not missing(material.description, ("fatigue",)):
+            return
+        lacking.append(material.name)
+    place = ("output", "fields", case.output.fields.index("life"))
+    text = "no body that deforms without freezing has fatigue"
+    if lacking:
+        text += f"; material {lacking[0]!r} needs fatigue = {{ strength, strength_exponent, "
+        text += "ductility, ductility_exponent }"
+    yield Problem(place, f"{text}, or leave life out")
 
 
 def _modulus_problems(case: Case, poured: list[tuple[Body, Material]]) -> Iterator[Problem]:

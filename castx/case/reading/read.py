@@ -11,6 +11,7 @@ from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
 from castx.case.reading.normals import with_normals
 from castx.case.reading.stages import stage_problems
+from castx.case.reading.written_out import written_out
 from castx.errors import CaseError
 from castx.input.overrides import apply_overrides, shortened
 from castx.input.problems import Refusal, summary
@@ -75,7 +76,7 @@ def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
         _refuse_contradictions(case)
     except Refusal as refusal:
         raise CaseError(summary(f"{path} {remark}".strip(), refusal.problems, data)) from None
-    return _completed(case, path).with_source(path, data)
+    return _completed(case, path).with_source(path, written_out(data))
 
 
 def _refuse_contradictions(case: Case) -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.errors import CaseError
-from castx.materials.database import UNKNOWN_SOURCE, database_entry, database_names, read_entry
+from castx.input.sourced import UNKNOWN_SOURCE
+from castx.materials.database import database_entry, database_names, read_entry
 from castx.materials.flow import PLASTIC, VISCOPLASTIC, law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material

@@ -18,7 +18,7 @@ ALL = [
 ]  # fmt: skip
 STRONG = {"extends": "AlSi7Mg", "strength": {"base": 6e7, "slope": 1e5}}
 MOULD = {"material": "sand-silica", "temperature": 20}
-BRONZE = {"bodies__0__material": "CuSn12", "bodies__0__temperature": 1100}
+IRON = {"bodies__0__material": "GJL-250", "bodies__0__temperature": 1300}
 HOT = {"material": "sand-silica", "temperature": 700}
 
 
@@ -46,15 +46,29 @@ def test_accepted(changes):
     ("changes", "text"),
     [
         (
+            {**ALLOY, "output__fields": ["brittle_strain", "brittle_strain_index"]},
+            r"output.fields\[1\].*'AlSi7Mg' of body 'casting' has no critical_strain; give it in",
+        ),
+        ({**IRON, "output__fields": ["tearing_margin"]}, "has no melt_viscosity, arm_spacing"),
+        ({"output__fields": ["brittle_strain"]}, "has no mush, and so no brittle_strain"),
+        (
+            {"output__fields": ["cold_crack_index"]},
+            "'aluminium' of body 'casting' has no tensile_strength; give it in",
+        ),
+        (
+            {"bodies__0__temperature": 400.0, "output__fields": ["cold_crack_index"]},
+            r"output.fields\[0\].*no body that deforms has a tensile_strength; give it in its mat",
+        ),
+        (
             {"output__fields": ["pore_fraction"]},
             r"output.fields\[0\].*'aluminium' of body 'casting' freezes at one temperature: a "
             "material without a freezing range has no mush, and so no pore_fraction; leave it out",
         ),
         ({"output__fields": ["clyne_davies"]}, "without a freezing range has no mush"),
         (
-            {**BRONZE, "output__fields": ["gap", "dimensionless_niyama"]},
-            r"output.fields\[1\].*'CuSn12' of body 'casting' has no melt_viscosity, arm_spacing; "
-            r"give it in \[materials.CuSn12\], or leave dimensionless_niyama out",
+            {**IRON, "output__fields": ["gap", "dimensionless_niyama"]},
+            r"output.fields\[1\].*'GJL-250' of body 'casting' has no melt_viscosity, arm_spacing; "
+            r"give it in \[materials.GJL-250\], or leave dimensionless_niyama out",
         ),
         ({**ALLOY, "output__fields": ["yield_strength"]}, "has no strength; give it in"),
         (
@@ -107,7 +121,7 @@ def test_refused(changes, text):
 
 
 def test_what_nobody_asks_for_needs_no_data():
-    changes = {**BRONZE, "materials__steel__density": REMOVED}
+    changes = {**IRON, "materials__steel__density": REMOVED}
     with pytest.raises(CaseError) as refusal:
         read_case(cylinder(**changes), FILE)
     assert "melt_viscosity" not in str(refusal.value)
