@@ -15,7 +15,7 @@ from castx.materials.flow import VISCOPLASTIC, isotropic_hardening, law_problems
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.material import Material
 from castx.materials.thermal_strain import volumetric_thermal_strain
-from castx.report.curves import COLOURS, DOTS_PER_INCH, figure
+from castx.report.style import COLOURS, DOTS_PER_INCH, figure
 from castx.tables import Table
 
 FORMATS = (".png", ".svg", ".pdf")

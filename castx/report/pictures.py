@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import pyvista
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 
 from castx.arrays import FloatArray
 
@@ -42,6 +43,7 @@ class View:
         cut: place of a plane whose side towards smaller y is cut away to show the inside [m]; None:
             nothing is.
         direction: from the bodies to the eye (3,); None: straight at the plane.
+        pixels: largest side of a picture.
     """
 
     model: str
@@ -49,6 +51,7 @@ class View:
     high: FloatArray
     cut: float | None
     direction: FloatArray | None
+    pixels: int = PIXELS
 
     @classmethod
     def of(
@@ -96,20 +99,20 @@ class View:
         """Return the surface of a body that is drawn."""
         if self.cut is not None:
             grid = grid.clip("-y", origin=(0.0, self.cut, 0.0))
-        surface = grid.extract_surface()
+        surface = outer_faces(grid)
         if self.model == "axisymmetric":
-            surface = surface.triangulate()  # pyvista flips triangles only
+            surface = surface.triangulate()
             mirrored = surface.reflect((1.0, 0.0, 0.0), point=(0.0, 0.0, 0.0))
-            mirrored.flip_normals()
+            mirrored.regular_faces = mirrored.regular_faces[:, ::-1]  # a mirror turns them over
             surface = surface.merge(mirrored).clean(tolerance=1e-9)
         return surface
 
     def window(self) -> tuple[int, int]:
         """Return width and height in pixels."""
         if self.direction is not None:
-            return PIXELS, PIXELS
+            return self.pixels, self.pixels
         width, height = (self.high - self.low)[:2]
-        scale = PIXELS / max(width, height)
+        scale = self.pixels / max(width, height)
         return max(round(scale * width), 200), max(round(scale * height), 200)
 
     def aim(self, plotter: pyvista.Plotter) -> None:
@@ -130,6 +133,14 @@ class View:
 
 Box = tuple[FloatArray, FloatArray]
 """Lowest and highest corner, (3,) each [m]."""
+
+
+def outer_faces(grid: pyvista.UnstructuredGrid) -> pyvista.PolyData:
+    """Return the faces of one cell only by VTK itself; pyvista has renamed its function."""
+    faces = vtkGeometryFilter()
+    faces.SetInputData(grid)
+    faces.Update()
+    return pyvista.PolyData(faces.GetOutput())
 
 
 def box(grid: pyvista.UnstructuredGrid) -> Box:
@@ -196,6 +207,7 @@ def picture(
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.window()))
     plotter.background_color = "white"
     flat = view.direction is None
+    edges, fronts = [], []
     for name, grid in grids.items():
         surface = view.shown(deformed(grid, exaggeration))
         scale = scale_of.get(name)
@@ -205,9 +217,12 @@ def picture(
             style = {"scalars": field, "clim": scale.limits, "cmap": scale.colours,
                      "nan_color": NEUTRAL, "show_scalar_bar": False}  # fmt: skip
         plotter.add_mesh(surface, lighting=not flat, **SHADING, **style)
-        add_lines(plotter, outline(surface), EDGE, 2)
+        edges.append(outline(surface))
         if front and name in coloured and "solid_fraction" in surface.point_data:
-            add_lines(plotter, surface.contour([0.5], scalars="solid_fraction"), FRONT, 4)
+            fronts.append(surface.contour([0.5], scalars="solid_fraction"))
+    for lines, colour, width in ((edges, EDGE, 2), (fronts, FRONT, 4)):
+        if lines:  # all at once: what pyvista adds costs more than what it draws
+            add_lines(plotter, pyvista.merge(lines), colour, width)
     view.aim(plotter)
     if smooth:
         plotter.enable_anti_aliasing("ssaa")

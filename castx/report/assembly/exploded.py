@@ -17,9 +17,9 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.report.assembly.shells import Shell
 from castx.report.assembly.spread import shifts
-from castx.report.curves import figure
 from castx.report.display import display
 from castx.report.pictures import EDGE, NEUTRAL, SHADING, Image, add_lines, outline
+from castx.report.style import figure
 
 FORMATS = (".png", ".svg", ".pdf")
 WIDTH = 10.0

@@ -1,0 +1,126 @@
+// Curves over time with uPlot: numbers at the pointer, several runs and measured points in one diagram.
+"use strict";
+
+castx.charts = (() => {
+  const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b", "#8c6d31"];
+  const HEIGHT = 240, PAPER = [680, 190];
+  const pointer = uPlot.sync("castx");
+
+  // A curve has one colour in all runs, a run one kind of line.
+  const styles = (panel) => {
+    const curves = [], runs = [];
+    for (const table of panel.tables) {
+      for (const { curve, run } of table.lines) {
+        if (!curves.includes(curve)) curves.push(curve);
+        if (!runs.includes(run)) runs.push(run);
+      }
+    }
+    const dashes = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
+    return ({ curve, run }) => {
+      const place = curves.indexOf(curve), round = Math.floor(place / COLOURS.length);
+      return { stroke: COLOURS[place % COLOURS.length], dash: dashes[(runs.indexOf(run) + round) % dashes.length] };
+    };
+  };
+
+  const series = (panel) => {
+    const style = styles(panel), value = (_, y) => castx.text(y);
+    const found = [{ label: "time [s]", value: (_, x) => castx.text(x) }];
+    for (const { measured, lines } of panel.tables) {
+      for (const line of lines) {
+        const { stroke, dash } = style(line);
+        found.push(measured
+          ? { label: line.name, stroke, value, paths: () => null, points: { show: true, size: 6, stroke, fill: "#fff" } }
+          : { label: line.name, stroke, dash, width: 1.8, value, points: { show: false },
+            ...(panel.steps ? { paths: uPlot.paths.stepped({ align: -1 }) } : {}) });
+      }
+    }
+    return found;
+  };
+
+  const positive = (panel, values) => (panel.logarithmic ? values.map((y) => (y > 0 ? y : null)) : values);
+
+  const columns = (panel) => {
+    const tables = panel.tables.map((table) => [table.time, ...table.lines.map((line) => positive(panel, line.values))]);
+    return tables.length === 1 ? tables[0] : uPlot.join(tables);
+  };
+
+  const range = (panel) => (_, low, high) => {
+    if (low === null || high === null) return [0, 1];
+    if (panel.logarithmic) return [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high) + 1e-9)];
+    const levels = Object.values(panel.levels);
+    const [least, most] = [Math.min(low, ...levels), Math.max(high, ...levels)];
+    if (most - least < panel.least) return [-0.05 * panel.least, panel.least];
+    const margin = 0.05 * (most - least) || Math.abs(most) || 1;
+    return [least - margin, most + margin];
+  };
+
+  // Thin lines with names, such as solidus and liquidus.
+  const levels = (panel) => (plot) => {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = "#6a7078";
+    ctx.setLineDash([6 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
+    ctx.font = `${11 * uPlot.pxRatio}px sans-serif`;
+    ctx.textAlign = "right";
+    for (const [name, level] of Object.entries(panel.levels)) {
+      const y = plot.valToPos(level, "y", true);
+      if (y < bbox.top || y > bbox.top + bbox.height) continue;
+      ctx.beginPath();
+      ctx.moveTo(bbox.left, y);
+      ctx.lineTo(bbox.left + bbox.width, y);
+      ctx.stroke();
+      ctx.fillText(name, bbox.left + bbox.width - 4, y - 4);
+    }
+    ctx.restore();
+  };
+
+  // The point of a series that is nearest to the pointer: tables of different times are joined with holes.
+  const nearest = (plot, of, index) => {
+    const values = plot.data[of];
+    for (let k = 0; k < values.length; k++) {
+      for (const at of [index - k, index + k]) if (values[at] !== undefined && values[at] !== null) return at;
+    }
+    return index;
+  };
+
+  // Loggers begin early and end late: the run decides.
+  const span = (panel) => {
+    const times = panel.tables.filter((table) => !table.measured).flatMap((table) => [table.time[0], table.time.at(-1)]);
+    return [Math.min(...times), Math.max(...times)];
+  };
+
+  const options = (panel, width) => {
+    const [first, last] = span(panel);
+    return {
+      width, height: HEIGHT, series: series(panel),
+      scales: { x: { time: false, range: (_, low, high) => (low === null || low < first || high > last ? [first, last || 1] : [low, high]) },
+        y: { range: range(panel), distr: panel.logarithmic ? 3 : 1 } },
+      axes: [{ label: "time [s]", labelSize: 20, size: 36 },
+        { label: panel.label, size: 64, labelSize: 20, values: (_, found) => found.map((y) => (y === null ? "" : castx.text(y))) }],
+      cursor: { sync: { key: pointer.key, setSeries: false }, dataIdx: nearest, drag: { x: true, y: false } },
+      legend: { live: true },
+      hooks: { draw: [levels(panel)] },
+    };
+  };
+
+  const draw = (root, pages) => {
+    const drawn = [];
+    for (const page of pages) {
+      const target = root.querySelector(`[data-curves="${CSS.escape(page.title)}"]`);
+      for (const panel of page.panels) {
+        const holder = document.createElement("div");
+        holder.className = "chart";
+        target.append(holder);
+        const plot = new uPlot(options(panel, holder.clientWidth || 800), columns(panel), holder);
+        drawn.push({ plot, holder });
+      }
+    }
+    const fit = (width, height) => drawn.forEach(({ plot, holder }) => plot.setSize({ width: width ?? holder.clientWidth, height }));
+    window.addEventListener("resize", () => fit(null, HEIGHT));
+    window.addEventListener("beforeprint", () => fit(...PAPER));
+    window.addEventListener("afterprint", () => fit(null, HEIGHT));
+    return drawn;
+  };
+
+  return { draw };
+})();

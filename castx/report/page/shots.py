@@ -1,0 +1,240 @@
+"""Still pictures of the report: one for each finding, and a row of moments for paper."""
+
+from __future__ import annotations
+
+import io
+from base64 import b64encode
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pyvista
+from matplotlib import colormaps
+from matplotlib.image import imsave
+
+from castx.arrays import FloatArray
+from castx.report.moments import moments
+from castx.report.pictures import (
+    Image,
+    Scale,
+    View,
+    chosen_times,
+    deformed,
+    exaggeration,
+    limits_of,
+    picture,
+)
+from castx.report.reported import ReportedRun, State
+from castx.report.scene.scene import shown_range, shown_times
+from castx.report.scene.topics import Topic, topics_of
+from castx.report.summary.finding import Finding, Shown
+
+PIXELS = 480
+"""Largest side of a picture."""
+MOST_STILLS = 4
+RING = (224, 0, 122)
+MARGIN = 6
+
+
+@dataclass(frozen=True)
+class Bar:
+    """Colours below a picture: label with unit, text of both ends, colours for CSS."""
+
+    label: str
+    low: str
+    high: str
+    colours: str
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A picture with what stands below it.
+
+    Attributes:
+        title: what is seen.
+        source: the picture as a data URI.
+        bars: of its colours.
+        field: that it shows.
+        time: [s].
+    """
+
+    title: str
+    source: str
+    bars: tuple[Bar, ...]
+    field: str
+    time: float
+
+
+def finding_shot(run: ReportedRun, finding: Finding) -> Shot | None:
+    """Return the picture of a finding; None where its field was not written, or does not vary.
+
+    Call it inside `castx.report.display.display()`.
+
+    Args:
+        run: the results.
+        finding: with its place marked by a ring, unless it is seen from outside.
+    """
+    if finding.shown is None:
+        return None
+    shown = drawable(run, finding.shown)
+    if shown is None:
+        return None
+    time = run.nearest(shown.time, shown.bodies[0])
+    topic = topic_of(shown.field)
+    return shot(run, topic, time, shown, None if shown.outside else finding.place)
+
+
+def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
+    """Return what is shown with a field that was written: another one stands in for a missing one.
+
+    Stress may have been written as von Mises alone, distortion as displacement alone.
+    """
+    time = run.nearest(shown.time, shown.bodies[0])
+    state = run.grids(time)
+    written = {n for name in shown.bodies if name in state for n in state[name].array_names}
+    for field in (shown.field, "von_mises", "temperature"):
+        if field in written:
+            return replace(shown, field=field)
+    return None
+
+
+def topic_of(field: str) -> Topic:
+    """Return how a field is shown."""
+    return next(topics_of([field]))
+
+
+def stills(run: ReportedRun) -> list[Shot]:
+    """Return what the view shows where it is missing or printed: some moments of one field."""
+    written = {name for grid in run.grids().values() for name in grid.array_names}
+    field = next((name for name in ("temperature", "von_mises") if name in written), None)
+    if field is None:
+        return []
+    what = chosen_times(run.times, moments(run))
+    times = shown_times(list(what), [], MOST_STILLS)
+    bodies = tuple(run.freezing or run.grids())
+    made = [shot(run, topic_of(field), time, Shown(field, bodies)) for time in times]
+    return [
+        replace(one, title=f"t = {time:.4g} s" + (f": {what[time]}" if what[time] else ""))
+        for one, time in zip(made, times, strict=True)
+        if one is not None
+    ]
+
+
+def shot(
+    run: ReportedRun, topic: Topic, time: float, shown: Shown, place: Sequence[float] | None = None
+) -> Shot | None:
+    """Return a picture of a field; None where it does not vary.
+
+    Args:
+        run: the results.
+        topic: the field.
+        time: one of those with fields [s].
+        shown: how.
+        place: that gets a ring (gdim,) [m].
+    """
+    state = run.grids(time)
+    if shown.outside:
+        state = {name: grid for name, grid in state.items() if name in shown.bodies}
+    scales = list(scales_of(state, topic, shown.bodies))
+    if not scales:
+        return None
+    view, factor = view_and_factor(run, state, shown)
+    image = picture(
+        view, state, topic.field, scales[0].limits, colours=scales[0].colours,
+        coloured=scales[0].bodies, front=topic.front, exaggeration=factor,
+        beside=scales[1] if len(scales) > 1 else None,
+    )  # fmt: skip
+    if place is not None:
+        image = ringed(image, view, moved_place(state, shown.bodies, place, factor))
+    title = topic.title + (f", displacements {factor:g} times" if factor else "")
+    bars = tuple(bar(topic, scale) for scale in scales)
+    return Shot(title, png(trimmed(image)), bars, topic.field, time)
+
+
+def scales_of(state: State, topic: Topic, bodies: Sequence[str]) -> Iterator[Scale]:
+    """Yield the colours of the bodies that matter, then of those around them."""
+    others = () if topic.melting else tuple(sorted(set(state) - set(bodies)))
+    for names, colours in ((tuple(bodies), topic.colours), (others, topic.beside)):
+        there = tuple(name for name in names if name in state)
+        found = limits_of([state], topic.field, there, 1.0)
+        if found is None:
+            continue
+        values = np.concatenate([state[n][topic.field] for n in there
+                                 if topic.field in state[n].array_names])  # fmt: skip
+        limits = shown_range(np.asarray(values, dtype=np.float64), topic)
+        yield Scale(limits or (found[0], found[0] + 1.0), colours, there)
+
+
+def view_and_factor(run: ReportedRun, state: State, shown: Shown) -> tuple[View, float]:
+    """Return the view of a picture, and the factor on the displacements."""
+    castings = [state[name] for name in shown.bodies if name in state]
+    view = View.of(run.model, state.values(), shown.outside, castings)
+    factor = exaggeration(view, state) if shown.moved else 0.0
+    if factor:
+        both = [*state.values(), *(deformed(grid, factor) for grid in state.values())]
+        view = View.of(run.model, both, castings=castings)
+    return replace(view, pixels=PIXELS), factor
+
+
+def moved_place(
+    state: State, bodies: Sequence[str], place: Sequence[float], factor: float
+) -> FloatArray:
+    """Return where a place is drawn (3,) [m], with the displacement of the nearest node."""
+    point = np.zeros(3)
+    point[: len(place)] = place
+    grids: list[pyvista.UnstructuredGrid] = [state[name] for name in bodies if name in state]
+    if factor and grids and "displacement" in grids[0].point_data:
+        nearest = grids[0].find_closest_point(point)
+        return np.asarray(point + factor * grids[0]["displacement"][nearest], dtype=np.float64)
+    return point
+
+
+def ringed(image: Image, view: View, point: FloatArray) -> Image:
+    """Return a picture with a ring round a point."""
+    height, width = image.shape[:2]
+    centre = 0.5 * (view.low + view.high)
+    if view.direction is None:
+        right, upward, reach = np.eye(3)[0], np.eye(3)[1], 0.5 * (view.high - view.low)[1]
+    else:
+        towards = view.direction / np.linalg.norm(view.direction)
+        right = np.cross([0.0, 0.0, 1.0], towards)
+        right /= np.linalg.norm(right)
+        upward, reach = np.cross(towards, right), 0.52 * view.size
+    scale = 0.5 * height / reach
+    column = 0.5 * width + scale * float(right @ (point - centre))
+    line = 0.5 * height - scale * float(upward @ (point - centre))
+    rows, columns = np.mgrid[:height, :width]
+    distance = np.hypot(rows - line, columns - column)
+    found = image.copy()
+    found[np.abs(distance - 9.0) < 3.2] = 255
+    found[np.abs(distance - 9.0) < 1.8] = RING
+    return found
+
+
+def trimmed(image: Image) -> Image:
+    """Return a picture without its white rim."""
+    drawn = np.any(image < 250, axis=2)
+    rows, columns = (np.flatnonzero(drawn.any(axis=axis)) for axis in (1, 0))
+    if rows.size == 0:
+        return image
+    top, left = max(rows[0] - MARGIN, 0), max(columns[0] - MARGIN, 0)
+    return image[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]
+
+
+def png(image: Image) -> str:
+    """Return a picture as a data URI."""
+    stream = io.BytesIO()
+    imsave(stream, np.ascontiguousarray(image), format="png")
+    return "data:image/png;base64," + b64encode(stream.getvalue()).decode("ascii")
+
+
+def bar(topic: Topic, scale: Scale) -> Bar:
+    """Return the colour bar of a picture."""
+    steps = colormaps[scale.colours](np.linspace(0.0, 1.0, 17))[:, :3]
+    colours = ", ".join("#" + "".join(f"{round(255 * x):02x}" for x in step) for step in steps)
+    low, high = (f"{topic.factor * limit:.4g}" for limit in scale.limits)
+    return Bar(f"{topic.label}, {', '.join(scale.bodies)}", low, high, colours)
+
+
+Shots = Mapping[str, Shot]
+"""Pictures of findings by their names."""

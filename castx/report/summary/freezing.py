@@ -1,0 +1,105 @@
+"""What freezes last: when and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from castx.report.summary.finding import Finding, Shown
+from castx.results.reading import Results
+from castx.results.snapshot import FULLY_SOLID
+
+LAST_LIQUID = "Freezes last"
+STILL_LIQUID = "Still liquid"
+
+
+def freezing(run: Results) -> Iterator[Finding]:
+    """Yield when the last liquid of each casting has frozen, or how much is left at the end."""
+    time = run.history["time"]
+    for body in run.freezing:
+        fraction = run.history[f"{body}.solid_fraction"]
+        known = np.flatnonzero(np.isfinite(fraction))
+        solid = np.flatnonzero(fraction >= FULLY_SOLID)
+        if solid.size == 0:
+            last = int(known[-1])
+            yield still_liquid(run, body, float(time[last]), 1.0 - float(fraction[last]))
+            continue
+        before, after = float(time[max(solid[0] - 1, 0)]), float(time[solid[0]])
+        yield last_liquid(run, body, before, after)
+
+
+def still_liquid(run: Results, body: str, time: float, liquid: float) -> Finding:
+    """Return the finding of a casting that is not all solid at the end.
+
+    Args:
+        run: the results.
+        body: the casting.
+        time: of its last state [s].
+        liquid: its share of liquid then.
+    """
+    return Finding(
+        STILL_LIQUID, body, liquid, "%",
+        f"{body} has not frozen when the run ends: a longer one tells what freezes last.",
+        factor=100.0, place=last_place(run, body, time), time=time,
+        shown=Shown("solid_fraction", (body,), time),
+    )  # fmt: skip
+
+
+def last_liquid(run: Results, body: str, before: float, after: float) -> Finding:
+    """Return when and where the last liquid of a casting has frozen.
+
+    Pools of liquid are followed in every step; where none was cut off, the written fields tell the
+    place, and the step the time.
+
+    Args:
+        run: the results.
+        body: the casting.
+        before: start of the step in which it became all solid [s].
+        after: end of this step [s].
+    """
+    pools = [
+        spot for spot in run.record.get("hot_spots", [])
+        if spot["body"] == body and spot["ended"] is not None and before <= spot["ended"] <= after
+    ]  # fmt: skip
+    place: Sequence[float] | None
+    if pools:
+        latest = max(pools, key=lambda spot: float(spot["ended"]))
+        time, place = float(latest["ended"]), latest["place"]
+        told = "The last liquid freezes there; what it shrinks by then nothing can feed."
+    else:
+        time, place = after, last_place(run, body, after)
+        told = (
+            f"All solid in the step from {before:.4g} to {after:.4g} s; the place is that of the "
+            "last liquid in the written fields."
+        )
+    return Finding(
+        LAST_LIQUID, body, time, "s", told,
+        place=place, time=time, shown=Shown("temperature", (body,), earlier(run.times, time)),
+    )  # fmt: skip
+
+
+def earlier(times: Sequence[float], time: float) -> float:
+    """Return the last time of fields before a time, the first one if there is none."""
+    return max((written for written in times if written < time), default=times[0])
+
+
+def last_place(run: Results, body: str, time: float) -> Sequence[float] | None:
+    """Return where a casting was least solid, and hottest of these places, in its last fields.
+
+    Args:
+        run: the results.
+        body: the casting.
+        time: up to which fields count [s].
+    """
+    for written in reversed([found for found in run.times if found <= time]):
+        grid = run.grids(written).get(body)
+        if grid is None or not {"solid_fraction", "temperature"} <= set(grid.point_data):
+            continue
+        solid = np.asarray(grid.point_data["solid_fraction"])
+        if solid.min() < FULLY_SOLID:
+            least = np.flatnonzero(solid <= solid.min() + 1e-9)
+            hottest = least[np.argmax(np.asarray(grid.point_data["temperature"])[least])]
+            point = np.asarray(grid.points[hottest], dtype=np.float64)
+            return list(point if run.model == "3d" else point[:2])
+    return None

@@ -1,0 +1,38 @@
+"""All findings of a summary, in the order in which they are read.
+
+A number of run.json or of the fields becomes part of every report, and of every comparison of
+several runs, by a function that yields its findings where a run has them, entered here. The extreme
+of a field needs one line in `castx.report.summary.risks.FIELD_RISKS` only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from castx.report.summary.finding import Finding
+from castx.report.summary.freezing import freezing
+from castx.report.summary.gaps import gaps
+from castx.report.summary.measured import deviations, ejection
+from castx.report.summary.risks import alloy_risks, field_risks, hot_spots
+from castx.report.summary.solid import distortion, residual_stress
+from castx.results.reading import Results
+
+Finder = Callable[[Results], Iterable[Finding]]
+
+FINDERS: tuple[Finder, ...] = (
+    freezing, hot_spots, field_risks, alloy_risks, gaps, residual_stress, distortion, ejection,
+    deviations,
+)  # fmt: skip
+
+
+def findings(run: Results) -> list[Finding]:
+    """Return all findings of a run that has written fields or not."""
+    return [finding for find in FINDERS for finding in find(run)]
+
+
+def leading(found: Iterable[Finding]) -> list[Finding]:
+    """Return the first finding of each topic."""
+    first: dict[str, Finding] = {}
+    for finding in found:
+        first.setdefault(finding.topic, finding)
+    return list(first.values())

@@ -1,0 +1,86 @@
+"""A page needs no network, its scripts are well-formed, and no text breaks out of its data."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from castx.report.page.assets import CURVES_ONLY, SCRIPTS, data, text, uplot
+
+pytestmark = pytest.mark.serial
+
+
+def test_no_text_ends_the_element_of_the_data():
+    hostile = {"</script><script>alert(1)</script>": "<!-- & \u2028 ]]>"}
+    found = str(data(hostile))
+    assert not set("<>&\u2028") & set(found)
+    assert json.loads(found) == hostile
+
+
+def test_the_library_has_its_licence_and_no_address():
+    assert "MIT License" in text("vendor/uPlot.LICENSE") and "Leon Sorokin" in text(
+        "vendor/uPlot.LICENSE"
+    )
+    library = uplot()
+    assert library.startswith("/*! leeoniya/uPlot") and not re.search(r"https?:", library)
+    assert len(library) > 40_000
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_scripts_are_well_formed(name, tmp_path):
+    assert "</script" not in text(f"scripts/{name}.js").lower()
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed here: it checks the syntax of scripts")
+    path = tmp_path / "script.js"
+    path.write_text(text(f"scripts/{name}.js"))
+    subprocess.run([node, "--check", str(path)], check=True, timeout=60)
+
+
+def test_a_page_without_a_view_has_the_scripts_of_its_curves():
+    assert set(CURVES_ONLY) < set(SCRIPTS)
+
+
+CUTS = """
+const cube = {
+  kind: "hexahedron", cells: Uint16Array.from([0, 1, 2, 3, 4, 5, 6, 7]),
+  points: Float64Array.from([0,0,0, 1,0,0, 1,1,0, 0,1,0, 0,0,1, 1,0,1, 1,1,1, 0,1,1]),
+};
+cube.shape = castx.geometry.shape(cube);
+const area = (v) => {
+  const at = (i) => [0, 1, 2].map((k) => {
+    const [p, q] = [cube.points[3 * v.a[i] + k], cube.points[3 * v.b[i] + k]];
+    return p + v.t[i] * (q - p);
+  });
+  let sum = 0;
+  for (let i = 0; i < v.length; i += 3) {
+    const [p, q, r] = [at(i), at(i + 1), at(i + 2)];
+    const side = (s) => s.map((x, k) => x - p[k]);
+    sum += 0.5 * Math.hypot(...castx.geometry.cross(side(q), side(r)));
+  }
+  return sum;
+};
+const cut = (plane) => area(castx.geometry.drawn(cube, plane).triangles);
+const third = 1 / Math.sqrt(3);
+console.log(JSON.stringify([
+  cut(null), cut({ normal: [0, 0, 1], offset: 0.25 }),
+  cut({ normal: [third, third, third], offset: 1.5 * third }), cube.shape.edges.length,
+  [1e-14, 612.34567, 0, null].map(castx.text),
+]));
+"""
+
+
+def test_a_cut_of_a_cube_has_its_area(tmp_path):
+    """A quarter of its height: 2 + 4/4; across its diagonal: half its sides and a hexagon."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed here: it runs the scripts")
+    path = tmp_path / "cuts.js"
+    path.write_text("\n".join([text("scripts/data.js"), text("scripts/geometry.js"), CUTS]))
+    told = subprocess.run([node, str(path)], check=True, timeout=60, capture_output=True).stdout
+    whole, quarter, diagonal, edges, texts = json.loads(told)
+    assert (whole, quarter, edges) == (6.0, 3.0, 12)
+    assert diagonal == pytest.approx(3.0 + 0.75 * 3.0**0.5)
+    assert texts == ["1e-14", "612.3", "0", "–"]

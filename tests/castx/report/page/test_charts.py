@@ -1,0 +1,132 @@
+"""The figures that a run has data for, with the lines they should have."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from castx.report.page.charts import (
+    NUMERICS,
+    Panel,
+    Section,
+    columns,
+    contact,
+    cooling,
+    displacements,
+    merged,
+    numbers,
+    numerics,
+    run_sections,
+    solidification,
+)
+from castx.results.reading import Columns
+
+pytestmark = pytest.mark.serial
+
+TIME = np.array([0.0, 1.0, 2.0])
+
+
+def results(**changes):
+    """Return what the figures read of a results folder."""
+    record = {
+        "bodies": {
+            "casting": {"freezes": [577.0, 613.0]},
+            "mould": {"freezes": None},
+        },
+        "interfaces": {"casting/mould": {}},
+    }
+    history = {
+        "time": TIME,
+        "step": np.array([0.0, 1.0, 1.0]),
+        "heat_iterations": TIME,
+        "mechanics_iterations": TIME,
+        "passes": TIME,
+        "energy_error": np.array([0.0, -1e-9, 1e-8]),
+        "casting.solid_fraction": 0.5 * TIME,
+        "casting/mould.heat": 1e3 * TIME,
+        "casting/outside.heat": -TIME,
+    }
+    probes = {
+        "time": TIME,
+        "centre.temperature": 700.0 - TIME,
+        "wall.gap": 1e-6 * TIME,
+        "wall.displacement.r": 1e-6 * TIME,
+        "wall.displacement.z": 2e-6 * TIME,
+    }
+    parts = {
+        "record": record, "history": Columns(history), "probes": Columns(probes),
+        "model": "axisymmetric", "freezing": ["casting"], "measured": {},
+    }  # fmt: skip
+    return SimpleNamespace(**parts | changes)
+
+
+def test_columns_are_chosen_by_their_end():
+    series = {"a.gap": TIME, "b.gap": 2 * TIME, "gap": TIME, "a.gaps": TIME}
+    found = columns(series, "gap", 1e6)
+    assert list(found) == ["a", "b"]
+    np.testing.assert_array_equal(found["b"], 2e6 * TIME)
+
+
+def test_cooling_curves_show_where_the_casting_freezes():
+    (panel,) = cooling(results())
+    assert list(panel.lines) == ["centre"]
+    assert panel.levels == {"solidus": 577.0, "liquidus": 613.0}
+    run = results()
+    run.record["bodies"]["casting"]["freezes"] = [660.0, 660.0]
+    assert cooling(run)[0].levels == {"melting point": 660.0}
+
+
+def test_heat_is_that_of_interfaces_and_counts_per_metre_in_plane_models():
+    fraction, heat = solidification(results())
+    np.testing.assert_array_equal(fraction.lines["casting"], 50.0 * TIME)
+    assert list(heat.lines) == ["casting/mould"] and heat.label == "heat passed [kJ]"
+    np.testing.assert_array_equal(heat.lines["casting/mould"], TIME)
+    assert solidification(results(model="plane-strain"))[1].label == "heat passed [kJ/m]"
+
+
+def test_there_are_panels_only_for_what_was_probed():
+    assert [panel.label for panel in contact(results())] == ["gap [µm]"]
+    found = displacements(results())
+    assert [panel.label for panel in found] == ["displacement r [µm]", "displacement z [µm]"]
+    np.testing.assert_allclose(found[1].lines["wall"], 2.0 * TIME)
+
+
+def test_the_energy_error_is_shown_where_there_is_one():
+    assert numerics(results())[-1].logarithmic
+    quiet = results()
+    quiet.history["energy_error"] = 0.0 * TIME
+    assert [panel.label for panel in numerics(quiet)][-1] == "iterations, passes"
+
+
+def test_sections_without_lines_are_left_out():
+    found = run_sections(results(probes=Columns({"time": TIME})))
+    assert [section.title for section in found] == ["Solidification and heat", NUMERICS]
+
+
+def test_curves_keep_seven_digits_and_know_what_is_no_number():
+    assert numbers(np.array([1.23456789e-5, np.nan, np.inf])) == [1.234568e-5, None, None]
+
+
+def page(run, **changes):
+    parts = {"label": "T", "lines": {"a": 2.0 * TIME}, "levels": {"solidus": 3.0}}
+    return {run: [Section("Cooling", "hot", TIME, [Panel(**parts | changes)])]}
+
+
+def test_one_run_has_its_curves_and_points_under_their_names():
+    (found,) = merged(page("first", points={"a": (TIME[:2], TIME[:2])}))
+    (panel,) = found["panels"]
+    computed, measured = panel["tables"]
+    assert computed["time"] == list(TIME) and computed["lines"][0]["values"] == [0.0, 2.0, 4.0]
+    assert computed["lines"][0]["name"] == "a" and panel["levels"] == {"solidus": 3.0}
+    assert measured["measured"] and measured["lines"][0]["name"] == "a, measured"
+
+
+def test_several_runs_share_the_diagrams_of_one_name():
+    (found,) = merged(page("first") | page("second"))
+    (panel,) = found["panels"]
+    assert [table["lines"][0]["name"] for table in panel["tables"]] == ["a, first", "a, second"]
+    assert {table["lines"][0]["curve"] for table in panel["tables"]} == {"a"}
+    (apart,) = merged(page("first") | page("second", label="p"))
+    assert [panel["label"] for panel in apart["panels"]] == ["T", "p"]

@@ -1,0 +1,123 @@
+"""Still pictures: what they show, where the ring is, and which field stands in."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import pyvista
+
+from castx.report.display import display
+from castx.report.page.shots import (
+    RING,
+    drawable,
+    finding_shot,
+    moved_place,
+    ringed,
+    scales_of,
+    stills,
+    topic_of,
+    trimmed,
+)
+from castx.report.pictures import View
+from castx.report.summary.finding import Finding, Shown
+from castx.results.reading import Columns
+
+pytestmark = pytest.mark.serial
+
+
+def grids(time):
+    """Return a casting in a mould with some of the fields of the report."""
+    found = {}
+    for left, name in enumerate(("casting", "mould")):
+        image = pyvista.ImageData(dimensions=(4, 4, 1), origin=(3.0 * left, 0.0, 0.0))
+        found[name] = image.cast_to_unstructured_grid()
+        x = found[name].points[:, 0]
+        found[name]["temperature"] = 600.0 - 50.0 * time * x
+        found[name]["displacement"] = np.tile([1e-3, 0.0, 0.0], (found[name].n_points, 1))
+    found["casting"]["von_mises"] = 1e8 * found["casting"].points[:, 0]
+    return found
+
+
+def results():
+    times = [0.0, 1.0, 2.0]
+    history = {"time": np.array(times), "casting.solid_fraction": np.array([0.0, 0.6, 1.0])}
+    return SimpleNamespace(
+        grids=lambda time=2.0: grids(time), times=times, model="plane-strain",
+        freezing=["casting"], history=Columns(history), record={"interfaces": {}},
+        nearest=lambda time, body=None: 2.0 if time is None else time,
+    )  # fmt: skip
+
+
+def centre_of_ring(image):
+    rows, columns = np.nonzero((np.abs(image.astype(int) - RING) < 4).all(axis=2))
+    return rows.mean(), columns.mean()
+
+
+def test_the_ring_is_at_the_place():
+    image = np.full((200, 400, 3), 255, dtype=np.uint8)
+    flat = View("plane-strain", np.array([0.0, 0, 0]), np.array([4.0, 2, 0]), None, None)
+    row, column = centre_of_ring(ringed(image, flat, np.array([1.0, 1.5, 0.0])))
+    assert row == pytest.approx(50, abs=1) and column == pytest.approx(100, abs=1)
+
+
+def test_the_ring_is_where_the_camera_sees_the_place_in_space():
+    cube = pyvista.ImageData(dimensions=(2, 2, 2)).cast_to_unstructured_grid()
+    view = View("3d", np.zeros(3), np.ones(3), None, np.array([-0.45, -1.0, 0.55]))
+    with display():
+        plotter = pyvista.Plotter(off_screen=True, window_size=list(view.window()))
+        plotter.background_color = "white"
+        corner = np.array([1.0, 0.0, 1.0])
+        plotter.add_mesh(pyvista.Sphere(0.02, corner), color="black", lighting=False)
+        view.aim(plotter)
+        image = np.asarray(plotter.screenshot(return_img=True))
+        plotter.close()
+    rows, columns = np.nonzero(image.max(axis=2) < 50)
+    found = centre_of_ring(ringed(image, view, corner))
+    assert found == pytest.approx((rows.mean(), columns.mean()), abs=1.5)
+    assert cube.n_points == 8
+
+
+def test_the_place_moves_with_its_node():
+    found = moved_place(grids(0.0), ["casting"], [1.0, 1.0], 100.0)
+    assert found == pytest.approx([1.1, 1.0, 0.0])
+    assert moved_place(grids(0.0), ["casting"], [1.0, 1.0], 0.0) == pytest.approx([1.0, 1.0, 0.0])
+
+
+def test_another_field_stands_in_for_one_that_was_not_written():
+    run = results()
+    assert drawable(run, Shown("deviation", ("casting",))).field == "von_mises"
+    assert drawable(run, Shown("deviation", ("mould",))).field == "temperature"
+    assert drawable(run, Shown("temperature", ("gone",))) is None
+
+
+def test_castings_have_colours_of_their_own():
+    own, beside = scales_of(grids(1.0), topic_of("temperature"), ("casting",))
+    assert own.limits == pytest.approx((450.0, 600.0)) and own.bodies == ("casting",)
+    assert beside.limits == pytest.approx((300.0, 450.0)) and beside.colours != own.colours
+
+
+def test_a_finding_has_its_picture_with_bars():
+    finding = Finding(
+        "Residual stress", "casting", 3e8, "MPa", "", place=[1.0, 1.0],
+        shown=Shown("von_mises", ("casting",), 2.0, moved=True),
+    )  # fmt: skip
+    with display():
+        shot = finding_shot(results(), finding)
+        row = stills(results())
+    assert shot.source.startswith("data:image/png;base64,") and "displacements" in shot.title
+    (bar,) = shot.bars
+    assert (bar.low, bar.high) == ("0", "300") and "MPa" in bar.label
+    assert [still.title for still in row] == ["t = 1 s: 25 % solid, 50 % solid",
+                                              "t = 2 s: 75 % solid, all solid, end"]  # fmt: skip
+    quiet = Finding("Force to draw", "core", 1.0, "kN", "")
+    assert finding_shot(results(), quiet) is None
+
+
+def test_the_white_rim_is_cut_off():
+    image = np.full((100, 80, 3), 255, dtype=np.uint8)
+    image[20:30, 30:40] = 0
+    assert trimmed(image).shape == (22, 22, 3)
+    white = np.full((5, 5, 3), 255, dtype=np.uint8)
+    assert trimmed(white) is white

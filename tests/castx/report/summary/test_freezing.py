@@ -1,0 +1,43 @@
+"""What freezes last, of pools that were followed or of the written fields."""
+
+import numpy as np
+import pytest
+
+from castx.report.summary.freezing import LAST_LIQUID, STILL_LIQUID, earlier, freezing
+from castx.results.reading import Columns
+from tests.castx.report.summary.fake_run import TIME, run
+
+pytestmark = pytest.mark.serial
+
+
+def pool(ended, place):
+    return {"body": "casting", "ended": ended, "place": place}
+
+
+def test_the_pool_that_ends_last_says_when_and_where():
+    found = run()
+    found.record["hot_spots"] = [
+        pool(1.7, [0.01, 0.0]), pool(1.9, [0.02, 0.01]), pool(0.9, [0.0, 0.0]), pool(None, [9, 9]),
+        {**pool(1.95, [7.0, 7.0]), "body": "other"},
+    ]  # fmt: skip
+    (last,) = freezing(found)
+    assert (last.topic, last.value, last.time) == (LAST_LIQUID, 1.9, 1.9)
+    assert last.place == [0.02, 0.01] and last.number == "1.9 s"
+    assert last.shown.time == 1.0  # the last fields with liquid
+
+
+def test_without_pools_the_fields_say_where_and_the_step_when():
+    (last,) = freezing(run())
+    assert last.value == 2.0 and last.place == pytest.approx([0.02, 0.0])
+    assert "from 1 to 2 s" in last.sentence
+
+
+def test_a_casting_that_is_not_solid_says_how_much_is_liquid():
+    history = Columns({"time": TIME, "casting.solid_fraction": np.array([0.0, 0.2, 0.5, 0.75])})
+    (last,) = freezing(run(history=history))
+    assert last.topic == STILL_LIQUID and last.number == "25 %" and last.time == 3.0
+
+
+def test_fields_before_a_moment_are_shown():
+    assert earlier([0.0, 5.0, 10.0], 10.0) == 5.0
+    assert earlier([3.0], 1.0) == 3.0

@@ -1,0 +1,28 @@
+"""All findings of a run."""
+
+import pytest
+
+from castx.report.summary.registry import FINDERS, findings, leading
+from tests.castx.report.summary.fake_run import run
+from tests.castx.report.summary.test_solid import end
+
+pytestmark = pytest.mark.serial
+
+
+def test_findings_come_in_the_order_of_the_registry_and_have_names_of_their_own():
+    found = run()
+    found.record["stage_ends"] = [end(0, 3.0, 5e7, "casting", "mould")]
+    every = findings(found)
+    topics = [finding.topic for finding in every]
+    assert topics == [
+        "Freezes last", "Least Niyama", "Largest gap", "Residual stress", "Residual stress",
+        "Distortion", "Distortion",
+    ]  # fmt: skip
+    assert len({finding.name for finding in every}) == len(every)
+    assert [finding.of for finding in leading(every)] == ["casting", "casting", "casting/mould",
+                                                          "casting", "casting"]  # fmt: skip
+
+
+def test_a_run_without_anything_has_no_findings():
+    quiet = run(freezing=[], interfaces=())
+    assert len(FINDERS) > 5 and not findings(quiet)

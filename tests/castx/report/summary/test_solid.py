@@ -1,0 +1,52 @@
+"""Stress and distortion at the last end of each body."""
+
+import pytest
+
+from castx.report.summary.solid import distortion, residual_stress
+from tests.castx.report.summary.fake_run import run
+
+pytestmark = pytest.mark.serial
+
+
+def extreme(value, *place):
+    return {"value": value, "place": list(place)}
+
+
+def end(stage, time, pull, *names):
+    stress = {
+        "largest_principal": extreme(pull, 0.01, 0.02), "smallest_principal": extreme(-1e6, 0, 0),
+        "von_mises": extreme(9e7, 0.0, 0.03), "mean_von_mises": 2.5e7,
+    }  # fmt: skip
+    shape = {
+        "outward": extreme(1e-5, 0.02, 0.0), "inward": extreme(-6.846e-4, 0.03, 0.06),
+        "allowance": [0.0137, 0.0121],
+    }  # fmt: skip
+    bodies = {name: {"stress": stress, "distortion": shape} for name in names or ("casting",)}
+    return {"stage": stage, "cycle": 1, "time": time, "bodies": bodies}
+
+
+def with_ends(*ends):
+    found = run(model="axisymmetric")
+    found.record["stage_ends"] = list(ends)
+    return found
+
+
+def test_the_last_end_of_each_body_counts():
+    found = with_ends(end(0, 10.0, 5e7), end(1, 90.0, 1.234e8))
+    (stress,), (shape,) = residual_stress(found), distortion(found)
+    assert stress.number == "123.4 MPa" and stress.where("axisymmetric").endswith("t = 90 s")
+    assert "von Mises at most 90 MPa at r 0.0, z 30.0 mm, 25 MPa in the mean" in stress.sentence
+    assert shape.number == "-0.6846 mm" and shape.place == [0.03, 0.06]
+    assert "from -0.685 to 0.01 mm; allowance r 1.37 %, z 1.21 %" in shape.sentence
+
+
+def test_castings_come_first_and_a_body_that_is_gone_keeps_its_last_end():
+    found = with_ends(end(0, 10.0, 5e7, "mould", "casting"), end(1, 20.0, 6e7, "casting"))
+    first, second = residual_stress(found)
+    assert (first.of, first.time, second.of, second.time) == ("casting", 20.0, "mould", 10.0)
+
+
+def test_a_body_without_distortion_has_its_stress():
+    closed = end(0, 10.0, 5e7)
+    del closed["bodies"]["casting"]["distortion"]
+    assert not list(distortion(with_ends(closed))) and list(residual_stress(with_ends(closed)))
