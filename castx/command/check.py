@@ -19,7 +19,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.command.cad_report import show_cad
-from castx.command.range_watch import outside_used_range, ranges_text
+from castx.command.watches.range_watch import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -269,7 +269,8 @@ def heat_text(heat: InterfaceHeat | None) -> str:
         return "none"
     radiation = " and radiation" if heat.radiation is not None else ""
     patches = f", other on {len(heat.patches)} of its parts" if heat.patches else ""
-    return f"{heat.law}{radiation}{patches}"
+    origin = f" of {heat.entry}" if heat.entry else ""
+    return f"{heat.law}{origin}{radiation}{patches}"
 
 
 def material_warnings(case: Case) -> Iterator[str]:

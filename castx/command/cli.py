@@ -7,20 +7,30 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from enum import IntEnum, StrEnum
+from enum import IntEnum
 from pathlib import Path
 from typing import Annotated, cast
 
 from mpi4py import MPI
 
 import typer
-from rich.logging import RichHandler
 
+from castx.command.look_up import EntryName, EntryPlot, look_up
 from castx.command.refusals import naming, seconds
-from castx.command.terminal import LINES, EnduringConsole, console_of, endure_broken_pipes
+from castx.command.scheil import scheil
+from castx.command.terminal import (
+    LINES,
+    Detail,
+    console_of,
+    output_of,
+    prepare_logging,
+    show_details,
+)
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
+from castx.handover.target import Target
 from castx.input.printable import printable
 from castx.ranks import common_code, on_first_rank
+from castx.version import __version__
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
 Overrides = Annotated[
@@ -33,7 +43,6 @@ UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
 
 app = typer.Typer(
     name="castx",
-    help="Thermo-mechanics of metal casting: solidification, stress, contact, air gaps.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -44,17 +53,6 @@ AFTER_FAILURE = (
     "coupling.passes or time.smallest_step the run goes on with --restart; after others it has to "
     "begin anew."
 )
-
-
-class Detail(StrEnum):
-    """A part of the solution of which a run can show every iteration."""
-
-    NEWTON = "newton"
-
-    @property
-    def modules(self) -> tuple[str, ...]:
-        """Names of the loggers."""
-        return {Detail.NEWTON: ("castx.process.simulation", "castx.solvers.snes")}[self]
 
 
 class Exit(IntEnum):
@@ -125,41 +123,24 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
     return code
 
 
-def prepare_logging(comm: MPI.Intracomm) -> None:
-    """Show the messages of castx on rank 0, and on other ranks critical ones only."""
-    console = console_of(comm, stderr=True)
-    handler = RichHandler(console=console, show_time=False, show_path=False)
-    handler.addFilter(make_printable)
-    level = logging.INFO if comm.rank == 0 else logging.CRITICAL
-    logger = logging.getLogger("castx")
-    logger.handlers = [handler]
-    logger.setLevel(level)
-    logger.propagate = False
-    show_details(comm, ())
+def show_version(context: typer.Context, wanted: bool) -> None:
+    """Show the version of castx on rank 0, and end there."""
+    if wanted:
+        if context.obj.rank == 0:
+            typer.echo(f"castx {__version__}")
+        raise typer.Exit
 
 
-def make_printable(record: logging.LogRecord) -> bool:
-    """Write out the control characters of a message, and let it pass."""
-    record.msg, record.args = printable(record.getMessage(), LINES), None
-    return True
-
-
-def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
-    """Show on rank 0 the messages of these details, and of no others."""
-    for detail in Detail:
-        level = logging.DEBUG if detail in details and comm.rank == 0 else logging.NOTSET
-        for module in detail.modules:
-            logging.getLogger(module).setLevel(level)
-
-
-def output_of(context: typer.Context) -> tuple[MPI.Intracomm, EnduringConsole]:
-    """Return the ranks, and a console that is silent on all but the first.
-
-    Call it when all libraries are loaded that the command needs.
-    """
-    endure_broken_pipes()
-    comm: MPI.Intracomm = context.obj
-    return comm, console_of(comm)
+@app.callback()
+def castx_command(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=show_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Thermo-mechanics of metal casting: solidification, stress, contact, air gaps."""
 
 
 @app.command()
@@ -279,55 +260,127 @@ def new(
 @app.command()
 def report(
     context: typer.Context,
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR…", help="A results folder, or several to compare.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="Instead of comparison.html."),
+    ] = None,
 ) -> None:
-    """Write report.html, with curves and pictures, into a results folder."""
-    from castx.report.report import write_report
+    """Write report.html into a results folder; of several, comparison.html here."""
+    from castx.report.page.comparison import write_page
 
     comm, console = output_of(context)
     if comm.rank == 0:
-        console.print(f"written: {write_report(folder)}", markup=False)
+        console.print(f"written: {write_page(folders, output)}", markup=False)
+
+
+@app.command()
+def export(
+    context: typer.Context,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    to: Annotated[Target, typer.Option(help="What to write.")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="PATH", help="The file; for calculix a folder."),
+    ],
+    body: Annotated[str | None, typer.Option(metavar="NAME", help="Else what freezes.")] = None,
+    time: Annotated[str | None, typer.Option(metavar="TIME", help="Else the last.")] = None,
+    stage: Annotated[int | None, typer.Option(metavar="N", help="Its end, from 0.")] = None,
+    release: Annotated[bool, typer.Option("--release", help="calculix: without forces.")] = False,
+    elastic: Annotated[bool, typer.Option("--elastic", help="calculix: cannot yield.")] = False,
+    spacing: Annotated[str | None, typer.Option(help='exaca: of the grid, "20 um".')] = None,
+    fit: Annotated[bool, typer.Option("--fit", help="stl, mould: as it fits best.")] = False,
+    mesh: Annotated[
+        Path | None, typer.Option(metavar="PART.msh", help="mould: move the nodes of this mesh.")
+    ] = None,
+    nominal: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="mould: results of the wanted part.")
+    ] = None,
+) -> None:
+    """Hand a body over: to CalculiX, as tables, as its distorted or compensated surface."""
+    from castx.handover.export import Request, exported
+
+    comm, console = output_of(context)
+    request = Request(
+        folder, to, output, body, time, stage, release, elastic, spacing, fit, mesh, nominal
+    )
+    for line in on_first_rank(comm, lambda: exported(request)):
+        style = "yellow" if line.startswith("warning") else None
+        console.print(line, markup=False, style=style)
 
 
 @app.command()
 def materials(
     context: typer.Context,
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="Show all numbers of this one.")
-    ] = None,
+    name: EntryName = None,
     case_file: Annotated[
         Path | None,
         typer.Option("--case", metavar="CASE.toml", help="Take the materials of a case too."),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Draw NAME over temperature: .png, .svg or .pdf."),
-    ] = None,
+    plot: EntryPlot = None,
 ) -> None:
     """List the materials of the database, or the numbers of one with units, ranges and sources."""
     from castx.case.reading.read import load_case
     from castx.command.listing import material_list, material_table
     from castx.materials.lookup import find_material
 
-    comm, console = output_of(context)
-    case_materials = {} if case_file is None else load_case(case_file).materials
-    if name is None:
-        if plot is not None:
-            raise typer.BadParameter("it draws one material: castx materials NAME --plot FILE")
-        console.print(material_list(case_materials))
-        console.refuse_loss()
-        return
-    console.print(material_table(name, case_materials))
-    if plot is None:
-        text = f"curves: castx materials {name} --plot {name}.png"
-        console.print(text, markup=False)
-        console.refuse_loss()
-        return
-    from castx.report.material_figure import write_figure
+    given = {} if case_file is None else load_case(case_file).materials
 
-    material = find_material(name, case_materials)
-    on_first_rank(comm, lambda: write_figure(material, plot))
-    console.print(f"written: {plot}", markup=False)
+    def draw(path: Path) -> None:
+        from castx.report.material_figure import write_figure
+
+        write_figure(find_material(name or "", given), path)
+
+    table = material_list(given) if name is None else material_table(name, given)
+    look_up(context, table, draw, name, plot)
+
+
+app.command()(scheil)
+
+
+@app.command()
+def verify(
+    context: typer.Context,
+    numbers: Annotated[list[str] | None, typer.Argument(metavar="[V1 …]", help="These.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser meshes: minutes.")] = False,
+    show_list: Annotated[bool, typer.Option("--list", help="List them and run none.")] = False,
+    output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/verification"),
+) -> None:
+    """Compare castx with exact solutions and write a page; fails if a tolerance is missed."""
+    from castx.command.proof.verify import list_or_verify
+
+    if not list_or_verify(numbers or (), output, *output_of(context), quick=quick, show=show_list):
+        raise typer.Exit(Exit.FAILED)
+
+
+@app.command()
+def validate(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="Of one of them.")] = None,
+    folder: Annotated[Path, typer.Option(metavar="DIR", help="Of all.")] = Path("validation"),
+    output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/validation"),
+) -> None:
+    """List the experiments, or run the case of one and compare it with what was measured."""
+    from castx.command.proof.validate import list_or_validate
+    from castx.command.run import run as run_case_file
+
+    list_or_validate(name, folder, output, *output_of(context), run_case_file)
+
+
+@app.command()
+def interfaces(context: typer.Context, name: EntryName = None, plot: EntryPlot = None) -> None:
+    """List the interfaces of the database, or the numbers of one with units, ranges and sources."""
+    from castx.command.listing import interface_list, interface_table
+
+    def draw(path: Path) -> None:
+        from castx.report.interface_figure import write_interface_figure
+
+        write_interface_figure(name or "", path)
+
+    table = interface_list() if name is None else interface_table(name)
+    look_up(context, table, draw, name, plot)
 
 
 @app.command()

@@ -1,8 +1,8 @@
-"""Tables for the terminal: the materials, all numbers of one of them, and the versions in use."""
+"""Tables for the terminal: materials, interfaces, all numbers of one of them, versions in use."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
@@ -11,17 +11,28 @@ from rich.table import Table
 from rich.text import Text
 
 from castx.environment import versions
+from castx.input.variation import ARGUMENTS
 from castx.materials.database import database_entry, database_names
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.sources import Property, numbers, unit_of
+from castx.report.interface_law import heat_transfer_coefficient
 from castx.results.files.folder import RECORD
 from castx.results.files.run_json import read_record
+from castx.transfer.database.entries import (
+    SourcedNumber,
+    interface_entry,
+    interface_names,
+    plain_numbers,
+)
 
 WIDTH = 48
 """Characters that a line of a table may have beside the names, in a terminal of 80 columns."""
+
+OPEN_GAP = 1e-4
+"""Gap for which the list of interfaces shows the coefficient [m]."""
 
 DATA = {
     "h": ("heat", ("density", "heat_capacity", "conductivity")),
@@ -120,20 +131,30 @@ def value_text(item: Property) -> Text:
     """Return a number with its unit, or a table as lines of temperatures over lines of values."""
     known = unit_of(item.name)
     unit, factor = (known.people, known.factor) if known else (item.unit, 1.0)
-    cells = [
-        ("" if at is None else f"{at:.5g}", value if isinstance(value, str) else number_text(
-            value * factor))
-        for at, value in numbers(item.value)
-    ]  # fmt: skip
+    cells = []
+    for at, value in numbers(item.value):
+        shown = value if isinstance(value, str) else number_text(value * factor)
+        cells.append(("" if at is None else f"{at:.5g}", shown))
+    return cells_text(cells, unit)
+
+
+def cells_text(cells: Sequence[tuple[str, str]], unit: str, head: str = "°C") -> Text:
+    """Return a number with its unit, or lines of arguments over lines of values.
+
+    Args:
+        cells: arguments and values, as text; of a single number the argument is "".
+        unit: of the values.
+        head: unit of the arguments.
+    """
     if not cells[0][0]:
         return Text(f"{cells[0][1]} {unit}")
-    label = max(len(unit), 2)
+    label = max(len(unit), len(head))
     width = max(len(text) for cell in cells for text in cell) + 2
     columns = max((WIDTH - label) // width, 1)
     lines = []
     for start in range(0, len(cells), columns):
         part = cells[start : start + columns]
-        line = "°C".ljust(label) + "".join(at.rjust(width) for at, _ in part)
+        line = head.ljust(label) + "".join(at.rjust(width) for at, _ in part)
         lines.append(Text(line, style="dim"))
         lines.append(Text(unit.ljust(label) + "".join(v.rjust(width) for _, v in part)))
     return Text("\n").join(lines)
@@ -142,6 +163,71 @@ def value_text(item: Property) -> Text:
 def number_text(value: float) -> str:
     """Return a number with five digits, without the noise of a change of units."""
     return f"{value:.5g}"
+
+
+def interface_list() -> Group:
+    """Return the table of all interfaces: coefficient closed and open, and what it is."""
+    table = Table("interface", box=SIMPLE_HEAD, pad_edge=False)
+    for column in ("closed", f"{1e3 * OPEN_GAP:g} mm"):
+        table.add_column(column, justify="right", no_wrap=True)
+    table.add_column("is")
+    table.columns[0].no_wrap = True
+    for name in interface_names():
+        entry = interface_entry(name)
+        h = heat_transfer_coefficient(entry.heat, gap=[0.0, OPEN_GAP])
+        coefficients = (f"{value:.3g}" if value < 1e3 else f"{value:.0f}" for value in h)
+        table.add_row(name, *coefficients, f"{entry.summary}; {entry.process}")
+    legend = (
+        "coefficients in W/m²/K, without radiation; all numbers of one: castx interfaces NAME; "
+        'in a case: heat = { from = "NAME" }'
+    )
+    return Group(table, Text(legend))
+
+
+def interface_table(name: str) -> Group:
+    """Return all numbers of an interface of the database, and their sources below.
+
+    Raises:
+        CaseError: there is no such interface.
+    """
+    entry = interface_entry(name)
+    sources = list(dict.fromkeys(number.source for number in entry.numbers))
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(no_wrap=True)
+    grid.add_column(no_wrap=True)
+    for number in entry.numbers:
+        heading = Text(number.name, style="bold")
+        heading.append(f" [{sources.index(number.source) + 1}]", style="not bold")
+        if number.ranges:
+            heading.append(f"\n  {ranges_text(number)}", style="not bold dim")
+        grid.add_row(heading, sourced_text(number))
+    about = (entry.alloy, entry.mould, entry.layer, entry.process)
+    labels = ("alloy", "mould", "between them", "process")
+    lines = [Text(f"{label}: {text}") for label, text in zip(labels, about, strict=True)]
+    title = Text.assemble((name, "bold"), f": {entry.summary}")
+    notes = [Text(f"[{at}] {source}") for at, source in enumerate(sources, start=1)]
+    return Group(title, *lines, Text(), grid, Text(), *notes)
+
+
+def ranges_text(number: SourcedNumber) -> str:
+    """Return the ranges of a number."""
+    factor, unit = (1e6, " µm") if number.unit == "m" else (1.0, "")
+    each = (f"{low * factor:g} to {high * factor:g}" for low, high in number.ranges)
+    return ", ".join(each) + unit
+
+
+def sourced_text(number: SourcedNumber) -> Text:
+    """Return a number with its unit, several of them, or a table as lines."""
+    if isinstance(number.value, str):
+        return Text(number.value)
+    factor, unit = (1e6, "µm") if number.unit == "m" else (1.0, number.unit)
+    values = [number_text(factor * value) for value in plain_numbers(number.value)]
+    if not isinstance(number.value, dict):
+        return Text(f"{', '.join(values)} {unit}".strip())
+    over = number.value["over"]
+    head = ARGUMENTS[over].dimension.unit.replace("degC", "°C")
+    arguments = (f"{row[0]:.5g}" for row in number.value["table"])
+    return cells_text(list(zip(arguments, values, strict=True)), unit, head)
 
 
 def profile_table(folder: Path) -> Table:

@@ -1,16 +1,21 @@
-"""The console of castx: rank 0 only, without colours where output is no terminal, and enduring."""
+"""Console and messages of castx: rank 0 only, no colours where output is no terminal, enduring."""
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import threading
+from collections.abc import Sequence
 from contextlib import suppress
+from enum import StrEnum
 from typing import Any
 
 from mpi4py import MPI
 
+import typer
 from rich.console import Console
+from rich.logging import RichHandler
 
 from castx.errors import StorageError
 from castx.input.printable import printable
@@ -84,3 +89,51 @@ def endure_broken_pipes() -> None:
     """
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+
+
+class Detail(StrEnum):
+    """A part of the solution of which a run can show every iteration."""
+
+    NEWTON = "newton"
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Names of the loggers."""
+        return {Detail.NEWTON: ("castx.process.simulation", "castx.solvers.snes")}[self]
+
+
+def prepare_logging(comm: MPI.Intracomm) -> None:
+    """Show the messages of castx on rank 0, and on other ranks critical ones only."""
+    console = console_of(comm, stderr=True)
+    handler = RichHandler(console=console, show_time=False, show_path=False)
+    handler.addFilter(make_printable)
+    level = logging.INFO if comm.rank == 0 else logging.CRITICAL
+    logger = logging.getLogger("castx")
+    logger.handlers = [handler]
+    logger.setLevel(level)
+    logger.propagate = False
+    show_details(comm, ())
+
+
+def make_printable(record: logging.LogRecord) -> bool:
+    """Write out the control characters of a message, and let it pass."""
+    record.msg, record.args = printable(record.getMessage(), LINES), None
+    return True
+
+
+def show_details(comm: MPI.Intracomm, details: Sequence[Detail]) -> None:
+    """Show on rank 0 the messages of these details, and of no others."""
+    for detail in Detail:
+        level = logging.DEBUG if detail in details and comm.rank == 0 else logging.NOTSET
+        for module in detail.modules:
+            logging.getLogger(module).setLevel(level)
+
+
+def output_of(context: typer.Context) -> tuple[MPI.Intracomm, EnduringConsole]:
+    """Return the ranks, and a console that is silent on all but the first.
+
+    Call it when all libraries are loaded that the command needs.
+    """
+    endure_broken_pipes()
+    comm: MPI.Intracomm = context.obj
+    return comm, console_of(comm)

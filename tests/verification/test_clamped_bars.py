@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
+from castx.verification.solids.viscoplastic_bars import KINDS, LENGTH, Kind, bar
 from tests import coupled_cases
 from tests.coupled_cases import merged
-from tests.verification.bars import KINDS, LENGTH, Kind, bar
 
 YOUNG, POISSON, EXPANSION = 70e9, 0.33, 2e-5
 HEATING = 100.0

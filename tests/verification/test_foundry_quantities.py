@@ -4,7 +4,7 @@ Half-space, freezing range 560 to 615 °C with f_s linear in T, initially 640 °
 By similarity both fronts go with √t, so that at a distance x from the wall
     t_f = (1/7.527429e-3² - 1/1.0481317e-2²) x² = 8545.79 x² s/m²,
 and the Niyama value G/√Ṫ at f_s = 0.9 is the same everywhere: 2740.71 K^½ s^½/m.
-Source: similarity solution of the heat equation with k and c blended by f_s (verification.md, V3).
+Source: `castx/verification/coupled/chilled_alloy.py`.
 Tolerances at 20 to 28 elements from the wall: Niyama value 1 % (a node sees the front in phases of
 the element, which does not fall further), t_f 3.5 % in the mean, falling with element and step.
 """
@@ -20,14 +20,15 @@ from castx.case.reading.read import read_case
 from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
 from castx.results.solidification import Solidification
+from castx.verification.coupled.chilled_alloy import ChilledAlloy
 
-NIYAMA, TIME = 2740.71, 8545.79
+ALLOY = ChilledAlloy()
+NIYAMA, TIME = ALLOY.half_space.niyama(), ALLOY.freezing
 END = 5.0
 
 
 def chilled_wall(size, step):
-    """Return the case; density and heat capacities give the volumetric numbers of V3."""
-    density = 1000.0
+    """Return the case of V3."""
     content = {
         "geometry": {
             "generator": "slab",
@@ -36,16 +37,7 @@ def chilled_wall(size, step):
             "width": 2 * size,
             "size": size,
         },
-        "materials": {
-            "alloy": {
-                "density": density,
-                "heat_capacity": {"solid": 2.75e6 / density, "liquid": 2.70e6 / density},
-                "conductivity": {"solid": 180, "liquid": 85},
-                "latent_heat": 9.8e8 / density,
-                "solidus": 560,
-                "liquidus": 615,
-            }
-        },
+        "materials": {"alloy": ALLOY.half_space.material()},
         "bodies": [{"name": "casting", "material": "alloy", "temperature": 640}],
         "boundaries": [{"on": "casting/wall", "heat": {"type": "temperature", "value": 300}}],
         "time": {"end": END, "first_step": step, "largest_step": step, "fixed_step": step},

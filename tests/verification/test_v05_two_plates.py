@@ -1,6 +1,6 @@
 """V5: steady heat through two plates with a given resistance between them.
 
-Formula: q = (T_hot − T_cold) / (L/k + 1/h + L/k), exact with linear elements and nodal exchange.
+Reference: `castx/verification/heat/plates.py`.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ import pytest
 
 from castx.heat.body import HeatBody
 from castx.tables import Table
+from castx.verification.heat.plates import Plates
 from tests.heat_conditions import surface_heat
 from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import casting_on_mould, material, profile, strip
 
-THICKNESS, CONDUCTIVITY, EXCHANGE, COLD, HOT = 0.495, 40.0, 80.0, 100.0, 300.0
-FLUX = (HOT - COLD) / (2 * THICKNESS / CONDUCTIVITY + 1 / EXCHANGE)
+PLATES = Plates()
+THICKNESS, CONDUCTIVITY, EXCHANGE = PLATES.thickness, PLATES.conductivity, PLATES.exchange
+COLD, HOT, FLUX = PLATES.cold, PLATES.hot, PLATES.flux
 
 
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])

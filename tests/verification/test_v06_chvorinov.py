@@ -2,6 +2,7 @@
 
 Source: N. Chvorinov, Giesserei 27 (1940) 177. With perfect contact and sand that is thick enough,
 plates of the same superheat have similar temperature fields, so the rule is exact.
+The field `modulus` of a run is V/A in the middle of a plate, which freezes last.
 """
 
 from __future__ import annotations
@@ -9,7 +10,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.case.reading.read import read_case
+from castx.command.run import run_case
 from castx.heat.body import HeatBody
+from castx.results.reading import Results
+from castx.verification.heat.chvorinov import (
+    LATENT,
+    MELTING,
+    METAL,
+    MOULD,
+    SAND,
+    START,
+    THICKNESSES,
+    rough_time,
+    sand_depth,
+)
 from tests.verification.heat_strips import (
     casting_on_mould,
     material,
@@ -19,25 +34,15 @@ from tests.verification.heat_strips import (
     strip,
 )
 
-LATENT, TM, START, SAND = 9.5e8, 660.0, 700.0, 20.0
 SIZE = 0.5e-3
 
 
 def solidification_time(comm, thickness: float) -> float:
     """Return when the middle of a plate is solid; half of the plate is meshed."""
     half = thickness / 2
-    # Rough time of solidification after Chvorinov: it sets the steps and the depth of the sand.
-    expected = np.pi / 4 * (LATENT / (TM - SAND)) ** 2 / (0.6 * 1.76e6) * half**2
-    depth = SIZE * np.ceil(8 * np.sqrt(0.6 / 1.76e6 * expected) / SIZE)
-    mesh = strip(comm, size=SIZE, length=half, mould_length=float(depth))
-    metal = material(
-        heat_capacity={"solid": 2.9e6, "liquid": 2.6e6},
-        conductivity={"solid": 210.0, "liquid": 95.0},
-        latent_heat=LATENT,
-        solidus=TM,
-        liquidus=TM,
-    )
-    sand = material(heat_capacity=1.76e6, conductivity=0.6)
+    expected = rough_time(half)
+    mesh = strip(comm, size=SIZE, length=half, mould_length=sand_depth(half, SIZE))
+    metal, sand = material(**METAL), material(**MOULD)
     heat = casting_on_mould(
         mesh, [HeatBody("casting", metal, START), HeatBody("mould", sand, SAND)], "perfect"
     )
@@ -56,7 +61,35 @@ def solidification_time(comm, thickness: float) -> float:
 
 @pytest.mark.serial
 def test_time_grows_with_the_square_of_the_modulus(comm):
-    thickness = np.array([10e-3, 20e-3, 40e-3])
+    thickness = np.array(THICKNESSES)
     times = np.array([solidification_time(comm, value) for value in thickness])
     constant = times / (thickness / 2) ** 2
     assert constant == pytest.approx(constant.mean(), rel=0.05)
+
+
+@pytest.mark.parametrize("half", [5e-3, 20e-3])
+def test_the_field_modulus_is_volume_over_surface(comm, shared_tmp_path, half):
+    size = half / 10
+    heat = LATENT + METAL["heat_capacity"]["liquid"] * (START - MELTING)
+    expected = np.pi / 4 * (heat / (MELTING - SAND)) ** 2 / (0.6 * 1.76e6) * half**2
+    depth = size * np.ceil(8 * np.sqrt(0.6 / 1.76e6 * expected) / size)
+    step = expected / 60
+    described = {
+        "geometry": {"generator": "two_slabs", "model": "plane-strain", "length": half,
+                     "mould_length": float(depth), "width": size, "size": size},
+        "materials": {"metal": METAL, "sand": MOULD},
+        "bodies": [{"name": "casting", "material": "metal", "temperature": START},
+                   {"name": "mould", "material": "sand", "temperature": SAND}],
+        "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": "none"},
+                        "heat": {"law": "perfect"}}],
+        "coupling": {"scheme": "thermal"},
+        "time": {"end": 1.2 * expected, "first_step": step, "largest_step": step,
+                 "fixed_step": step},
+        "foundry": {"modulus_mould": {"material": "sand", "temperature": SAND}},
+        "output": {"folder": str(shared_tmp_path / "out"), "fields": ["modulus"]},
+    }  # fmt: skip
+    case = read_case(described, shared_tmp_path / "v6.toml")
+    field = Results(run_case(case, comm)).field("modulus", "casting")
+    middle = np.isclose(field.points[:, 0], half)
+    assert field.values[middle] == pytest.approx(half, rel=0.05)
+    assert np.nanmax(field.values) == pytest.approx(field.values[middle].max(), rel=1e-6)

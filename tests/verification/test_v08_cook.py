@@ -13,36 +13,21 @@ at n = 64, those cut by the longer ones 2.4 to 3.1 % and 0.9 to 1.3 %, whatever 
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from castx.equilibrium.problem import MechanicalProblem
+from castx.verification.solids.cook import CASES as IN_CASE_FILES
+from castx.verification.solids.cook import INCOMPRESSIBLE, TIP, Membrane, draw_membrane
 from tests.elastic_bodies import at, body, drawn, elastic, fixed, problem, pulled
-from tests.verification.cook import TIP, draw_membrane, inner_pressures
+from tests.verification.cook import inner_pressures
 
-
-class Case(NamedTuple):
-    """Model, constants, shear stress on the right edge and u_y at (48, 60)."""
-
-    model: str
-    young: float
-    poisson: float
-    shear: float
-    tip: float
-
-
-CASES = {
-    "plane stress": Case("plane-stress", 1.0, 1 / 3, 1 / 16, 25.187),
-    "plane strain": Case("plane-strain", 70.0, 1 / 3, 6.25, 32.299),
-    "nearly incompressible": Case("plane-strain", 250.0, 0.4999, 100 / 16, 7.770),
-    "incompressible": Case("plane-strain", 250.0, 0.5, 100 / 16, 7.7695),
-}
+CASES = {**IN_CASE_FILES, "incompressible": INCOMPRESSIBLE}
 
 
 def bent(
-    comm, folder, case: Case, n: int, stabilisation: str, longer: bool = False
+    comm, folder, case: Membrane, n: int, stabilisation: str, longer: bool = False
 ) -> MechanicalProblem:
     draw = partial(draw_membrane, n, longer=longer)
     mesh = drawn(comm, case.model, ["membrane"], folder / "cook.msh", draw)

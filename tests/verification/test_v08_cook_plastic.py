@@ -39,8 +39,9 @@ from castx.mechanics.constitutive.response import SMALLEST_SECANT
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
+from castx.verification.solids.cook import TIP, draw_membrane
 from tests.elastic_bodies import at, drawn, elastic, fixed, heat, problem
-from tests.verification.cook import TIP, draw_membrane, inner_pressures
+from tests.verification.cook import inner_pressures
 
 REFERENCE, STEPS = 2.14, 20
 KINDS: dict[str, dict[str, Any]] = {

@@ -20,43 +20,29 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
-from tests.verification.bars import KINDS, Kind, bar, stresses
+from castx.verification.solids.viscoplastic_bars import (
+    COEFFICIENT,
+    COOLING,
+    CREEPING,
+    EXPANSION,
+    EXPONENT,
+    KINDS,
+    START,
+    VISCOPLASTIC,
+    VISCOSITY,
+    YOUNG,
+    Kind,
+    bar,
+    exact_maxwell,
+    exact_norton,
+    maxwell,
+    norton,
+)
+from tests.verification.bars import stresses
 
 pytestmark = pytest.mark.sampled
 
-VISCOPLASTIC = "thermo-elasto-viscoplastic"
-YOUNG, VISCOSITY, EXPANSION, COOLING = 50e9, 200e9, 2.4e-5, 2.0
-MAXWELL = {
-    "young_modulus": YOUNG, "poisson_ratio": 0.3, "expansion": EXPANSION, "law": "bingham",
-    "yield_stress": 0.0, "viscosity": VISCOSITY,
-}  # fmt: skip
-CREEPING, COEFFICIENT, EXPONENT, START = 60e9, 1e-40, 5.0, 80e6
-NORTON = {
-    "young_modulus": CREEPING, "poisson_ratio": 0.35, "expansion": 0.0, "law": "norton",
-    "coefficient": COEFFICIENT, "exponent": EXPONENT,
-}  # fmt: skip
 COARSE = 12
-
-
-def maxwell(kind: Kind, end: float, steps: int) -> dict[str, Any]:
-    cooled = [[0.0, 500.0], [end, 500.0 - COOLING * end]]
-    held = [[0.0, 0.0]]
-    return bar(kind, MAXWELL, VISCOPLASTIC, cooled, held, end=end, steps=steps)
-
-
-def norton(kind: Kind, end: float, steps: int) -> dict[str, Any]:
-    warm, stretched = [[0.0, 500.0]], [[0.0, START / CREEPING]]
-    return bar(kind, NORTON, VISCOPLASTIC, warm, stretched, end=end, steps=steps)
-
-
-def exact_maxwell(time: float) -> float:
-    limit = 3 * VISCOSITY * EXPANSION * COOLING
-    return limit * -np.expm1(-YOUNG * time / (3 * VISCOSITY))
-
-
-def exact_norton(time: float) -> float:
-    m = 1 - EXPONENT
-    return (START**m - m * CREEPING * COEFFICIENT * time) ** (1 / m)
 
 
 def implicit_maxwell(end: float, steps: int) -> FloatArray:
@@ -78,13 +64,6 @@ def implicit_norton(end: float, steps: int) -> FloatArray:
         stress = brentq(excess, 0.0, stress, args=(stress,), xtol=1e-6, rtol=1e-15)
         found.append(stress)
     return np.array(found)
-
-
-def test_reference_numbers():
-    values = [exact_maxwell(t) for t in (1.0, 5.0, 20.0, 100.0)]
-    assert values == pytest.approx([2.302721e6, 9.813870e6, 23.360383e6, 28.793077e6], rel=1e-6)
-    values = [exact_norton(t) for t in (10.0, 100.0, 1000.0)]
-    assert values == pytest.approx([8.034080e6, 4.517999e6, 2.540663e6], rel=1e-6)
 
 
 @pytest.mark.serial  # ranks agree in the test of Perzyna's flow

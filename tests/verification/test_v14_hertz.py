@@ -10,68 +10,33 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import gmsh
 import numpy as np
 import pytest
 
 from castx.case.contact import Pairing
 from castx.contact.choice import Contact
+from castx.verification.contact.rollers import (
+    DEPTH,
+    HALF_WIDTH,
+    LOAD,
+    PEAK,
+    POISSON,
+    RADIUS,
+    YOUNG,
+    draw_rollers,
+    exact_pressure,
+)
 from tests.contact_methods import AT_ONCE, sharp
 from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, problem, pushed
 
 pytestmark = pytest.mark.sampled
-
-YOUNG, POISSON = {"upper": 7e9, "lower": 70e9}, 0.33
-RADIUS = {"upper": 0.05, "lower": 0.08}
-LOAD = 2e5
-DEPTH = 4.0  # of the slice in space, in elements
-MODULUS = 1 / ((1 - POISSON**2) * sum(1 / E for E in YOUNG.values()))
-CURVATURE = sum(1 / R for R in RADIUS.values())
-HALF_WIDTH = math.sqrt(4 * LOAD / (math.pi * CURVATURE * MODULUS))
-PEAK = 2 * LOAD / (math.pi * HALF_WIDTH)
-
-
-def draw(size: float, model: str) -> None:
-    """Draw a quarter of each cylinder, fine where they touch, the lower one a little coarser.
-
-    In space they are a slice.
-    """
-    geo, parts = gmsh.model.geo, []
-    for name, sign, factor in (("upper", 1.0, 1.0), ("lower", -1.0, 1.3)):
-        R, h = RADIUS[name], factor * size
-        # Apart by so much that gmsh takes no points for one; the load closes it.
-        y = 0.0 if name == "upper" else -1e-6
-        tip = geo.addPoint(0.0, y, 0.0, h)
-        middle = geo.addPoint(0.0, y + sign * R, 0.0, R / 8)
-        angle = (1.5 if model == "3d" else 3.0) * HALF_WIDTH / R
-        near = geo.addPoint(R * math.sin(angle), y + sign * R * (1 - math.cos(angle)), 0.0, h)
-        side = geo.addPoint(R, y + sign * R, 0.0, R / 8)
-        curves = [geo.addCircleArc(tip, middle, near), geo.addCircleArc(near, middle, side),
-                  geo.addLine(side, middle), geo.addLine(middle, tip)]  # fmt: skip
-        surface = geo.addPlaneSurface([geo.addCurveLoop(curves)])
-        if model == "3d":
-            made = geo.extrude([(2, surface)], 0, 0, DEPTH * size, numElements=[1])
-            parts.append((name, made[1][1], [tag for _, tag in made[2:]], [surface, made[0][1]]))
-        else:
-            parts.append((name, surface, curves, []))
-    geo.synchronize()
-    dimension = 3 if model == "3d" else 2
-    for name, inside, sides, ends in parts:
-        gmsh.model.addPhysicalGroup(dimension, [inside], name=name)
-        gmsh.model.addPhysicalGroup(dimension - 1, sides[:2], name=f"{name} skin")
-        gmsh.model.addPhysicalGroup(dimension - 1, [sides[2]], name=f"{name} end")
-        if ends:
-            gmsh.model.addPhysicalGroup(dimension - 1, ends, name=f"{name} slice")
-    axis = [sides[3] for _, _, sides, _ in parts]
-    gmsh.model.addPhysicalGroup(dimension - 1, axis, name="symmetry-x")
-    gmsh.model.mesh.generate(dimension)
 
 
 def touching(comm, folder: Path, method: str, elements: int, model: str = "plane-strain"):
     """Return the solved problem with so many elements on the half-width."""
     size = HALF_WIDTH / elements
     names = list(YOUNG)
-    mesh = drawn(comm, model, names, folder / "hertz.msh", lambda: draw(size, model))
+    mesh = drawn(comm, model, names, folder / "hertz.msh", lambda: draw_rollers(size, model))
     form = "displacement" if model == "3d" else "mixed"
     end = pushed("upper end", 0.5 * LOAD / RADIUS["upper"])
     loads = {"upper": (end,), "lower": ()}
@@ -100,10 +65,6 @@ def profile(comm, made):
     count = np.bincount(line)
     area = np.bincount(line, areas)
     return np.bincount(line, x) / count, np.bincount(line, force) / area, area
-
-
-def exact_pressure(x):
-    return PEAK * np.sqrt(np.maximum(1 - (x / HALF_WIDTH) ** 2, 0.0))
 
 
 def test_reference_numbers():

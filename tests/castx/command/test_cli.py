@@ -39,6 +39,12 @@ def test_newton_iterations_are_shown_on_request(comm, case_file, shared_tmp_path
     assert re.search("'everything' is not .*'newton'", said())
 
 
+def test_the_version_is_told_by_the_first_rank(comm, capsys):
+    assert execute(["--version"], comm) == 0
+    told = ["castx", castx.__version__] if comm.rank == 0 else []
+    assert capsys.readouterr().out.split() == told
+
+
 def test_wrong_arguments_are_refused(comm, said):
     assert execute(["solve"], comm) == 2
     assert "No such command 'solve'" in said()
@@ -81,6 +87,16 @@ def test_mesh_writes_files_for_other_programs(comm, case_file, shared_tmp_path, 
     assert b"<VTKFile" in target.read_bytes()[:200]
     assert execute(["mesh", str(case_file), "-o", "part.doc"], comm) == 2
     assert "cannot write part.doc: formats: " in said()
+
+
+def test_export_names_what_is_missing_and_what_it_writes(comm, case_file, shared_tmp_path, said):
+    folder = shared_tmp_path / "out"
+    assert execute(["run", str(case_file), "--output", str(folder)], comm) == 0
+    target = shared_tmp_path / "nodes.csv"
+    given = ["export", str(folder), "-o", str(target), "--body", "casting"]
+    assert execute([*given, "--to", "csv"], comm) == 2
+    assert "run the case again with" in said()
+    assert execute([*given, "--to", "word"], comm) == 2
 
 
 def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
@@ -156,6 +172,25 @@ def test_numbers_and_curves_of_a_material(comm, shared_tmp_path, said):
         assert text in said()
 
 
+def test_interfaces_are_listed_shown_and_drawn(comm, shared_tmp_path, said):
+    assert execute(["interfaces"], comm) == 0
+    text = said()
+    assert "aluminium-steel-coated" in text and "castx interfaces NAME" in text
+    assert execute(["interfaces", "steel-sand"], comm) == 0
+    text = said()
+    assert "300 to 2000" in text and "castx interfaces steel-sand --plot steel-sand.png" in text
+    picture = shared_tmp_path / "steel.png"
+    assert execute(["interfaces", "steel-sand", "--plot", str(picture)], comm) == 0
+    assert f"written: {picture}" in said() and picture.read_bytes().startswith(PNG)
+    for arguments, text in (
+        (["interfaces", "steel-snad"], '"steel-sand"?'),
+        (["interfaces", "--plot", str(picture)], "castx interfaces NAME --plot FILE"),
+        (["interfaces", "steel-sand", "--plot", "a.bmp"], "must end in .png"),
+    ):
+        assert execute(arguments, comm) == 2
+        assert text in said()
+
+
 def test_info(comm, said):
     assert execute(["info"], comm) == 0
     assert "fenics-dolfinx" in said()
@@ -193,7 +228,14 @@ def test_a_library_that_wants_to_exit_has_failed(comm, monkeypatch, capsys):
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    "arguments", [("info",), ("materials",), ("materials", "Al-pure"), ("check", "case.toml")]
+    "arguments",
+    [
+        ("info",),
+        ("materials",),
+        ("materials", "Al-pure"),
+        ("interfaces",),
+        ("check", "case.toml"),
+    ],
 )
 def test_output_that_cannot_be_written_is_one_line(case_file, arguments):
     command = [sys.executable, "-m", "castx", *arguments]
@@ -213,3 +255,19 @@ def test_the_command_itself_loads_neither_units_nor_solvers():
     code = "import sys, castx.command.cli; print([m for m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"pint", "pydantic", "numpy", "dolfinx"} & set(eval(found.stdout))
+
+
+def test_several_results_folders_are_compared(comm, shared_tmp_path, said, monkeypatch):
+    asked = []
+
+    def write(folders, target):
+        asked.append((folders, target))
+        return target or "here.html"
+
+    monkeypatch.setattr("castx.report.page.comparison.write_page", write)
+    first, second = str(shared_tmp_path / "a"), str(shared_tmp_path / "b")
+    assert execute(["report", first, second, "--output", "c.html"], comm) == 0
+    assert "written: c.html" in said()
+    assert execute(["report", first], comm) == 0
+    assert "written: here.html" in said()
+    assert [len(folders) for folders, _ in asked] == ([2, 1] if comm.rank == 0 else [])

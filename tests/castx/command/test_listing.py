@@ -1,15 +1,23 @@
-"""Materials as people read them in a terminal."""
+"""Materials and interfaces as people read them in a terminal."""
 
 from __future__ import annotations
 
 import pytest
 from rich.console import Console
 
-from castx.command.listing import data_text, material_list, material_table, number_text
+from castx.command.listing import (
+    data_text,
+    interface_list,
+    interface_table,
+    material_list,
+    material_table,
+    number_text,
+)
 from castx.materials.database import database_names
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
+from castx.transfer.database.entries import interface_entry, interface_names
 
 pytestmark = pytest.mark.serial
 
@@ -91,3 +99,36 @@ def test_no_source_is_made_up_for_what_is_not_given() -> None:
     alloy = {"solidus": 500, "liquidus": 600, "latent_heat": 4e5}
     text = shown(material_table("own", {"own": MaterialDescription.read(alloy)}))
     assert any("default of castx" in line for line in text)
+
+
+def test_the_list_of_interfaces_has_coefficients_closed_and_open() -> None:
+    lines = shown(interface_list())
+    rows = {line.split()[0]: line.split() for line in lines if line.strip()}
+    assert set(interface_names()) <= set(rows)
+    gas = 0.05 + 0.5 * 0.0056  # of air between faces of 600 and 300 °C
+    opened = 1.0 / (1.0 / 1135 + 1e-4 / gas)
+    assert rows["aluminium-steel-coated"][1:3] == ["1135", f"{opened:.3g}"]
+    assert all(len(line) <= 80 for line in lines[:-1])
+
+
+@pytest.mark.parametrize("name", interface_names())
+def test_all_numbers_of_an_interface_fit_a_terminal(name) -> None:
+    entry, lines = interface_entry(name), shown(interface_table(name))
+    sources = next(index for index, line in enumerate(lines) if line.startswith("[1] "))
+    assert all(len(line) <= 80 and "…" not in line for line in lines[1:sources])
+    assert lines[0] == f"{name}: {entry.summary}"
+    for number in entry.numbers:
+        assert any(line.startswith(f"{number.name} [") for line in lines)
+        assert any(line.endswith(f"] {number.source}") for line in lines[sources:])
+
+
+def test_interfaces_carry_units_ranges_and_sources() -> None:
+    lines = shown(interface_table("aluminium-steel-coating-layer"))
+    assert lines[1:3] == ["alloy: aluminium", "mould: steel die"]
+    at = lines.index("coating.thickness [3]       100 µm")
+    assert lines[at + 1] == "  20 to 500 µm"
+    at = lines.index("roughness [2]               50, 50 µm")
+    assert lines[at + 1] == "  10 to 100, 25 to 100 µm"
+    at = lines.index("gas_conductivity [5]        °C         20     100     200     300     400")
+    under = "  0.024 to 0.085            W/m/K  0.0257  0.0314   0.038  0.0441    0.05"
+    assert lines[at + 1] == under

@@ -12,14 +12,14 @@ import pytest
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.reading.read import read_case
-from castx.command.range_watch import RangeWatch, used_properties
+from castx.command.watches.range_watch import RangeWatch, used_properties
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
 
-LISTENED = "castx.command.range_watch"
+LISTENED = "castx.command.watches.range_watch"
 HEAT = {"heat_capacity", "conductivity"}
 ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 FLOW = {"yield_stress", "hardening", "kinematic_hardening"}

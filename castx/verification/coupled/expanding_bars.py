@@ -1,4 +1,4 @@
-"""V19, its exact answer: two bars that expand towards each other, with h(p) or h(g) between them.
+"""V19: two bars that expand towards each other, with h(p) or h(g) between them.
 
 Steady state, ν = 0, far ends at T1, T2 and held, sides held in their normals: one equation for the
 overlap x = expansion of both bars − initial gap,
@@ -15,16 +15,26 @@ a coating.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.process.state import State
-from tests import coupled_cases
+from castx.verification.measures.states import nodal, pair_areas, paired, places, states
+from castx.verification.measures.verification import (
+    Answer,
+    Comparison,
+    Curve,
+    Outcome,
+    Resolution,
+    Verification,
+)
 
 INTERFACE = "casting/mould"
 FIELDS = {"p": "contact_pressure", "h": "heat_transfer_coefficient", "gap": "gap"}
@@ -83,6 +93,7 @@ class Bars:
 
     @property
     def contact_resistance(self) -> float:
+        """R, given or that of roughness and coating."""
         if self.roughness is None:
             return self.resistance
         depth = 0.5 * (self.roughness[0] ** 2 + self.roughness[1] ** 2) ** 0.5
@@ -161,29 +172,102 @@ def bars_case(bars: Bars, model: str, size: float, seconds: float = 3e6) -> dict
     }  # fmt: skip
 
 
-def answers(states: Iterable[State]) -> dict[str, FloatArray]:
-    """Return the answers at all pairs, their areas, the flux and the resultant over the area."""
+def answers(run: Iterable[State]) -> dict[str, FloatArray]:
+    """Return what a run gives at its end.
+
+    Returns:
+        p, h and gap of all pairs and their areas; temperatures of both faces; the flux "q" and the
+        resultant "force" over the area; tries in vain of the last step; x and T of all nodes.
+    """
     heats, times = [], []
-    for state in states:
+    for state in run:
         heats.append(state.totals[f"{INTERFACE}.heat"])
         times.append(state.time)
-    assert state.counters.cutbacks == 0
-    comm = state.mesh.comm
-    pairs = state.pairs[INTERFACE]
-    found = {
-        key: np.concatenate(comm.allgather(state.paired(INTERFACE, name)))
-        for key, name in FIELDS.items()
-    }
-    found["areas"] = np.concatenate(comm.allgather(pairs.areas))
-    for body in ("casting", "mould"):
-        points, values = coupled_cases.places(state, body), state.nodal(body, "temperature")
-        face = np.abs(points[:, 0]) < 1e-9
-        found[body] = np.concatenate(comm.allgather(values[: len(points)][face]))
+    found = {key: paired(state, INTERFACE, name) for key, name in FIELDS.items()}
+    found["areas"] = pair_areas(state, INTERFACE)
+    x, T = [], []
+    for body in ("mould", "casting"):
+        x.append(places(state, body)[:, 0])
+        T.append(nodal(state, body, "temperature"))
+        found[body] = T[-1][np.abs(x[-1]) < 1e-9]
+    found["x"], found["T"] = np.concatenate(x), np.concatenate(T)
     area = found["areas"].sum()
     found["q"] = np.array([(heats[-1] - heats[-2]) / ((times[-1] - times[-2]) * area)])
     found["force"] = np.array([state.totals[f"{INTERFACE}.force.x"] / area])
+    found["cutbacks"] = np.array([float(state.counters.cutbacks)])
     return found
 
 
-def mean(found: dict[str, np.ndarray], key: str) -> float:
+def mean(found: Mapping[str, FloatArray], key: str) -> float:
+    """Return the mean of what pairs have over their areas."""
     return float(found["areas"] @ found[key] / found["areas"].sum())
+
+
+def answers_beside(bars: Bars, found: Mapping[str, FloatArray], what: str) -> list[Answer]:
+    """Return what a run of bars gives beside the exact numbers."""
+    exact, face = bars.exact(), {name: found[name].mean() for name in ("casting", "mould")}
+    made = [
+        Answer.relative(f"coefficient, {what}", mean(found, "h"), exact["h"], "W/m²/K", 1e-4),
+        Answer.relative(f"flux, {what}", found["q"][0], exact["q"], "W/m²", 1e-4),
+        Answer.relative(f"face of the casting, {what}", face["casting"], exact["casting"], "°C",
+                        1e-4),
+        Answer.relative(f"face of the mould, {what}", face["mould"], exact["mould"], "°C", 1e-4),
+    ]  # fmt: skip
+    if exact["gap"] > 0:
+        gap = mean(found, "gap")
+        return [Answer.relative(f"gap, {what}", gap, exact["gap"], "m", 1e-4), *made]
+    pressure = mean(found, "p")
+    return [Answer.relative(f"contact pressure, {what}", pressure, exact["p"], "Pa", 1e-4), *made]
+
+
+TIGHT = {
+    "coupling": {"tolerance": 1e-9},
+    "solver": {"linear": "direct", "mechanics_tolerance": 1e-11, "heat_tolerance": 1e-11},
+}
+"""Solver of a case whose answers are compared to many digits."""
+
+
+def steady_case(bars: Bars, model: str, size: float) -> dict[str, Any]:
+    """Return the case in large steps to the steady state."""
+    steps = {"fixed_step": 1e6, "first_step": 1.0, "heat_substeps": 1}
+    case = bars_case(bars, model, size)
+    return {**case, **TIGHT, "time": {**case["time"], **steps}}
+
+
+def compare(at: Resolution, comm: MPI.Intracomm) -> Outcome:
+    """Run closed and open bars to the steady state and compare."""
+    made: list[Answer] = []
+    curves: list[Curve] = []
+    pressures: FloatArray = np.empty(0)
+    for bars, what in ((GIVEN, "closed"), (OPEN, "open")):
+        found = answers(states(comm, steady_case(bars, "plane-strain", at.size)))
+        made += answers_beside(bars, found, what)
+        pressures = found["p"] if bars is GIVEN else pressures
+        curves.append(temperature_curve(bars, found, what))
+    return Outcome(
+        tuple(made),
+        float(np.abs(pressures / GIVEN.exact()["p"] - 1).max()),
+        Comparison("distance from the interface [m]", "temperature [°C]", tuple(curves)),
+    )
+
+
+def temperature_curve(bars: Bars, found: Mapping[str, FloatArray], what: str) -> Curve:
+    """Return the temperature along both bars; exact are the straight lines to their ends."""
+    exact, (L1, L2), (T1, T2) = bars.exact(), bars.lengths, bars.ends
+    order = np.argsort(found["x"], kind="stable")
+    x, T = np.array([-L2, 0.0, 0.0, L1]), np.array([T2, exact["mould"], exact["casting"], T1])
+    return Curve(what, found["x"][order], found["T"][order], x, T)
+
+
+VERIFICATION = Verification(
+    number="V19",
+    title="Two bars with a gap or a contact that conducts by its pressure",
+    formula="closed p = x/(L1/E1 + L2/E2), h = h0 + (1/R)(p/H_e)^b; open g = −x, h = min(h0, k/g); "
+    "q = (T1 − T2)/(L1/k1 + 1/h + L2/k2), x the expansion of both bars minus the initial gap",
+    source="law after M. Chiumenti, section 9 (Yovanovich); one equation for x, solved by "
+    "bisection",
+    run=compare,
+    levels=(Resolution(0.01), Resolution(0.005), Resolution(0.0025)),
+    quick=(Resolution(0.01), Resolution(0.005)),
+    norm="largest relative error of the pressure of a pair",
+)

@@ -1,0 +1,243 @@
+"""A folder of an experiment: digits with source and uncertainty, the case, and what is missing.
+
+`experiment.toml` says what was measured, `case.toml` is the case with its [[measurements]]. A digit
+that nobody could read is a text that begins with "missing" in either of them; an experiment with
+such texts is refused with all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, StrictStr
+
+from castx.errors import CaseError
+from castx.input.entries import Description
+from castx.input.problems import KeyPath, Problem, Refusal, among, dotted, summary
+from castx.input.toml_text import parse_toml
+
+EXPERIMENT, CASE = "experiment.toml", "case.toml"
+MISSING = "missing"
+NOT_STATED = "not stated"
+_LARGEST_FILE = 4_000_000  # bytes
+
+
+def _digit(value: Any) -> float | str:
+    if isinstance(value, str) and value.startswith(MISSING):
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    raise CaseError('a number is needed, or "missing: and why"')
+
+
+def _uncertainty(value: Any) -> float | str:
+    if value == NOT_STATED:
+        return NOT_STATED
+    if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
+        return float(value)
+    raise CaseError(f'a positive number is needed, or "{NOT_STATED}"')
+
+
+_Text = Annotated[StrictStr, Field(min_length=1)]
+_Uncertainty = Annotated[float | str, PlainValidator(_uncertainty)]
+
+
+class Digit(Description):
+    """A number of the experiment.
+
+    Attributes:
+        name: what it is.
+        value: in the unit, or a text that begins with "missing".
+        unit: of the number.
+        uncertainty: in the unit, or "not stated".
+    """
+
+    name: _Text
+    value: Annotated[float | str, PlainValidator(_digit)]
+    unit: StrictStr = ""
+    uncertainty: _Uncertainty = NOT_STATED
+
+
+class Ratio(Description):
+    """A number without dimension that needs no dimensions of the casting.
+
+    Attributes:
+        name: what it is.
+        of: name of the digit above the line.
+        over: name of that below.
+        model: what the model says of it, if it can without what is missing.
+        because: why it can, or why it cannot.
+    """
+
+    name: _Text
+    of: _Text
+    over: _Text
+    model: float | None = None
+    because: _Text
+
+
+class MeasuredCurve(Description):
+    """What is known of a measured curve of the case.
+
+    Attributes:
+        of: column of probes.csv, as in the [[measurements]] of the case.
+        uncertainty: in SI units, or "not stated".
+        source: where the curve was read.
+    """
+
+    of: _Text
+    uncertainty: _Uncertainty
+    source: _Text
+
+
+class Facts(Description):
+    """The content of experiment.toml.
+
+    Attributes:
+        title: in a line.
+        source: author, year, place, and how it was read.
+        summary: what was done.
+        digits: numbers of the experiment.
+        ratios: of these numbers.
+        curves: what is known of measured curves.
+    """
+
+    title: _Text
+    source: _Text
+    summary: _Text
+    digits: tuple[Digit, ...] = ()
+    ratios: tuple[Ratio, ...] = ()
+    curves: tuple[MeasuredCurve, ...] = ()
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield ratios of digits that are not there."""
+        names = [digit.name for digit in self.digits]
+        for index, ratio in enumerate(self.ratios):
+            for key, name in (("of", ratio.of), ("over", ratio.over)):
+                if name not in names:
+                    text = f"there is no such digit; {among(name, names, what='digits')}"
+                    yield Problem(("ratios", index, key), text)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment as its folder has it.
+
+    Attributes:
+        folder: where its files are.
+        facts: what was measured.
+        case: content of the case file.
+    """
+
+    folder: Path
+    facts: Facts
+    case: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """That of the folder."""
+        return self.folder.name
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What is missing: name of the digit or key of the case, and why."""
+        digits = [(d.name, d.value) for d in self.facts.digits if isinstance(d.value, str)]
+        keys = [(f"{CASE}: {dotted(path)}", text) for path, text in missing_texts(self.case)]
+        return tuple(
+            f"{what}: {text.removeprefix(MISSING).lstrip(': ') or 'not known'}"
+            for what, text in (*digits, *keys)
+        )
+
+    def ratio(self, ratio: Ratio) -> float | None:
+        """Return the measured value of a ratio; None if a digit of it is missing."""
+        values = {digit.name: digit.value for digit in self.facts.digits}
+        above, below = values[ratio.of], values[ratio.over]
+        if isinstance(above, str) or isinstance(below, str):
+            return None
+        return above / below
+
+    def refuse_incomplete(self) -> None:
+        """Refuse to compare a model with digits that nobody knows.
+
+        Raises:
+            CaseError: something is missing, with all of it; or nothing was measured.
+        """
+        if self.missing:
+            lines = "\n  ".join(self.missing)
+            raise CaseError(
+                f"{self.folder}: {len(self.missing)} digits are missing, and none is invented; "
+                f"write them into {EXPERIMENT} and {CASE}:\n  {lines}"
+            )
+        if not self.case.get("measurements"):
+            raise CaseError(f"{self.folder / CASE}: there are no [[measurements]] to compare with")
+
+
+def missing_texts(data: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the path and text of every value that begins with "missing".
+
+    Args:
+        data: content of a file.
+        path: that leads to it.
+    """
+    if isinstance(data, str) and data.startswith(MISSING):
+        yield path, data
+    elif isinstance(data, Mapping):
+        for key, value in data.items():
+            yield from missing_texts(value, (*path, key))
+    elif isinstance(data, Sequence) and not isinstance(data, str):
+        for index, value in enumerate(data):
+            yield from missing_texts(value, (*path, index))
+
+
+def read_experiment(folder: Path) -> Experiment:
+    """Return the experiment of a folder.
+
+    Raises:
+        CaseError: a file cannot be read or says something else; with all problems.
+    """
+    data = _read(folder / EXPERIMENT)
+    try:
+        facts = Facts.read(data)
+    except Refusal as refusal:
+        raise CaseError(summary(str(folder / EXPERIMENT), refusal.problems, data)) from None
+    return Experiment(folder, facts, _read(folder / CASE))
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_FILE)
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read: {error.strerror}") from None
+    try:
+        return parse_toml(content.decode())
+    except (CaseError, ValueError) as error:
+        raise CaseError(f"{path}: {error}") from None
+
+
+def experiments(root: Path) -> list[Experiment]:
+    """Return all experiments of a folder, by their names.
+
+    Raises:
+        CaseError: there is none.
+    """
+    found = sorted(path.parent for path in root.glob(f"*/{EXPERIMENT}"))
+    if not found:
+        text = "name the folder that holds them with --folder"
+        raise CaseError(f"{root}: there are no experiments, folders with {EXPERIMENT}; {text}")
+    return [read_experiment(folder) for folder in found]
+
+
+def chosen(root: Path, name: str) -> Experiment:
+    """Return an experiment of a folder by its name.
+
+    Raises:
+        CaseError: it is not there.
+    """
+    known = {experiment.name: experiment for experiment in experiments(root)}
+    if name not in known:
+        raise CaseError(f"{root}: there is no experiment {name!r}; {among(name, list(known))}")
+    return known[name]
