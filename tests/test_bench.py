@@ -54,6 +54,14 @@ def test_the_casting_whose_cost_is_measured_may_be_a_solid():
     assert case.materials["solid"].liquid is None
 
 
+@pytest.mark.parametrize("law", ["elastic", "flowing"])
+def test_a_casting_of_industrial_size_flows_or_is_elastic(law):
+    industrial = script("industrial")
+    case = load_case(industrial.CASE, industrial.LAWS[law])
+    assert ("viscoplastic" in case.bodies[0].law) == (law == "flowing")
+    assert (case.bodies[0].material == "solid") == (law == "elastic")
+
+
 def history(gap=1e-4, **changes):
     """Return two accepted steps of a casting of 20 N, as they are read from a history."""
     steps = {

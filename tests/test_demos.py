@@ -13,7 +13,7 @@ import pytest
 from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.materials.inelastic import FLOW_RULES
-from castx.report.report import write_report
+from castx.report.page.report import write_report
 from castx.results.files.series import read_series
 from castx.transfer.registry import gap_heat_laws
 from docs.generator.notebooks import execute

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from castx.contact.methods.registry import METHODS
 from castx.input.entries import Description
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES
 from castx.transfer.registry import gap_heat_laws
+from castx.verification.registry import VERIFICATIONS
 from docs.generator.rooms import rooms
 from docs.generator.tables import pages, with_tables
 from tests.test_architecture import ORDER
@@ -142,3 +144,14 @@ def test_links_lead_somewhere(path):
     links = [link for link in LINK.findall(path.read_text()) if "://" not in link]
     links = [link for link in links if not GENERATED.match(link)]
     assert not [link for link in links if not (path.parent / link).exists()]
+
+
+def test_the_page_of_the_verification_has_all_of_them_and_misses_none():
+    page = (DOCS / "static/verification.html").read_text()
+    shown = dict(re.findall(r'<h2 id="(\w+)">\w+ · (.+?)</h2>', page))
+    expected = {number: verification.title for number, verification in VERIFICATIONS.items()}
+    assert {number: unescape(title) for number, title in shown.items()} == expected, (
+        "run bin/with-fenicsx castx verify --output docs/static"
+    )
+    assert "missed" not in page and "quick:" not in page
+    assert len(page) < 1_500_000

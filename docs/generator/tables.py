@@ -12,8 +12,11 @@ from pathlib import Path
 from typing import Protocol
 
 from castx.contact.methods.registry import method_table
+from castx.input.sourced import UNKNOWN_SOURCE
 from castx.materials.database import database_entry, database_names
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES, RuleRow, rule_table
+from castx.report.interface_law import heat_transfer_coefficient
+from castx.transfer.database.entries import SourcedNumber, interface_entry, interface_names
 from castx.transfer.registry import law_table
 
 PROJECT = Path(__file__).parents[2]
@@ -116,6 +119,30 @@ def materials() -> str:
     return _table(("material", "class", "what it is"), rows)
 
 
+def interfaces() -> str:
+    """Return the table of the interfaces of the database."""
+    rows = []
+    for name in interface_names():
+        entry = interface_entry(name)
+        closed, opened = heat_transfer_coefficient(entry.heat, gap=[0.0, 1e-4])
+        number = next((number for number in entry.numbers if number.name == "closed"), None)
+        what = f"{entry.summary}; {entry.process}"
+        rows.append(
+            (f"`{name}`", what, entry.heat["law"], f"{closed:.0f}", _range(number), f"{opened:.0f}")
+        )
+    head = ("`from`", "what it is", "law", "closed [W/m²/K]", "range", "at 0.1 mm")
+    return _table(head, rows)
+
+
+def _range(number: SourcedNumber | None) -> str:
+    """Return the range of a number, marked where the number has a source."""
+    if number is None:
+        return "from its layers"
+    low, high = number.ranges[0]
+    mark = "" if number.source.startswith(UNKNOWN_SOURCE) else "✓ "
+    return f"{mark}{low:g} to {high:g}"
+
+
 def _keys(texts: Iterable[str]) -> str:
     """Return keys, some with units and defaults, such as "exponent = 1", as code and text."""
     return ", ".join(re.sub(r"^\w+", r"`\g<0>`", text) for text in texts if text) or "–"
@@ -144,6 +171,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "hardening rules": hardening_rules,
     "hardening rule equations": hardening_rule_equations,
     "materials": materials,
+    "interfaces": interfaces,
 }
 
 
