@@ -77,12 +77,12 @@ def test_all_numbers_fit_a_terminal(name) -> None:
 
 def test_tables_carry_units_ranges_and_sources() -> None:
     lines = shown(material_table("AlSi7Mg", {}))
-    at = lines.index("conductivity.solid [2]        °C      25  200  400  557")
+    at = lines.index("conductivity.solid [4]        °C      25  200  400  557")
     assert lines[at + 1] == "  20 to 557 °C                W/m/K  160  163  155  145"
     assert "density [1]                   2680 kg/m³" in lines
     assert any(line.startswith("young_modulus") for line in lines)
     assert "  20 to 557 °C                GPa   72   67   58   48" in lines
-    assert "[2] representative value, source not established" in lines
+    assert "[3] representative value, source not established" in lines
 
 
 def test_a_material_of_a_case_shows_what_it_changes() -> None:
