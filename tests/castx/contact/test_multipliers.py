@@ -58,9 +58,16 @@ def test_open_pairs_carry_nothing_and_closed_ones_their_multiplier(comm):
     closed = balance.active.closed
     assert {True, False} == set(closed)
     multipliers = x.array_r[contact.unknowns.bodies.size_local :]
-    assert np.all(multipliers[~closed] == 0.0) and np.all(multipliers[closed] > 0.0)
+    assert np.all(multipliers[closed] > 0.0)
+    # An open pair has a row of its own in a system that is solved by iteration together with all
+    # others. What is left of its multiplier is the rounding of BLAS, whose kernel follows the CPU:
+    # zero, or less than one rounding of those that carry.
+    rounding = np.finfo(float).eps * multipliers[closed].max()
+    assert np.all(np.abs(multipliers[~closed]) <= rounding)
     forces = balance.pair_values(x)[1]
-    np.testing.assert_allclose(forces, multipliers * contact.unknowns.scales, rtol=1e-12)
+    assert np.all(forces[~closed] == 0.0)
+    carried = (multipliers * contact.unknowns.scales)[closed]
+    np.testing.assert_allclose(forces[closed], carried, rtol=1e-12)
 
 
 def test_motions_close_the_gaps_of_closed_pairs(comm):
