@@ -16,7 +16,8 @@ pytestmark = pytest.mark.serial
 
 def dtype(array_type) -> np.dtype:
     """Return the type of the numbers of an array type."""
-    return np.dtype(get_args(get_args(array_type)[1])[0])
+    numbers = get_args(array_type)[-1]  # dtype[type]; since numpy 2.5 the type itself
+    return np.dtype(*(get_args(numbers) or (numbers,)))
 
 
 def test_types_are_those_of_dolfinx_and_petsc():

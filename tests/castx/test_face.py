@@ -36,7 +36,7 @@ def test_the_example_of_each_object_is_true(name, tmp_path, monkeypatch, capsys)
     example = examples(name)
     assert example.examples, f"castx.{name} has no example in its docstring"
     said: list[str] = []
-    doctest.DocTestRunner(optionflags=FLAGS).run(example, out=said.append)
+    doctest.DocTestRunner(verbose=False, optionflags=FLAGS).run(example, out=said.append)
     assert not said, "".join(said)
 
 

@@ -35,7 +35,8 @@ def cell(dimension: int) -> mesh.Mesh:
     kind = {2: "triangle", 3: "tetrahedron"}[dimension]
     element = basix.ufl.element("Lagrange", kind, 1, shape=(dimension,))
     corners = CORNERS[dimension]
-    return mesh.create_mesh(MPI.COMM_SELF, np.arange(len(corners))[None], corners, element)
+    cells = np.arange(len(corners))[None]
+    return mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=corners, e=element)
 
 
 @cache
@@ -50,7 +51,7 @@ def spaces(dimension: int) -> tuple[fem.FunctionSpace, np.ndarray, np.ndarray]:
     _, of_u = space.sub(0).collapse()
     points = pressures.tabulate_dof_coordinates()[:, :dimension]
     node = [int(np.linalg.norm(points - x, axis=1).argmin()) for x in CORNERS[dimension]]
-    return space, np.array(of_u).reshape(-1, dimension)[node], np.array(of_p)[node]
+    return space, np.array(of_u).reshape(-1, dimension)[node], np.ravel(of_p)[node]
 
 
 def tensor(array: np.ndarray):

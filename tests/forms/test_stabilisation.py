@@ -70,7 +70,7 @@ class Simplex:
         element = basix.ufl.element("Lagrange", shape, 1, shape=(dimension,))
         corners = CORNERS[dimension]
         cells = np.arange(dimension + 1, dtype=np.int64)[None]
-        self.domain = mesh.create_mesh(MPI.COMM_SELF, cells, corners, element)
+        self.domain = mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=corners, e=element)
         self.scalars = fem.functionspace(self.domain, ("Lagrange", 1))
         self.vectors = fem.functionspace(self.domain, ("Lagrange", 1, (dimension,)))
         points = self.scalars.tabulate_dof_coordinates()[:, :dimension]

@@ -184,6 +184,7 @@ def test_what_a_callback_raises_comes_out_as_it_is(where, raised):
     thousands of tests.
     """
     code = (
+        "from mpi4py import MPI\n"  # finds the MPI of wheels for petsc4py
         "from castx.errors import ConvergenceError\n"
         "from tests.castx.solvers.test_snes import catch_what_a_callback_raises\n"
         f"catch_what_a_callback_raises({where!r}, {raised})\n"
