@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
 from castx.case.case import Case
@@ -78,8 +80,8 @@ def _pore_fraction(history: BodySolidification, poured: Poured) -> FloatArray:
 
 
 def _clyne_davies(history: BodySolidification, poured: Poured) -> FloatArray:
-    times = (history.passing_time(fraction) for fraction in (RELAXED, VULNERABLE, BRIDGED))
-    return clyne_davies(*times)
+    relief, vulnerable = history.lasted()
+    return clyne_davies(np.zeros_like(relief), relief, relief + vulnerable)
 
 
 def _yield_strength(history: BodySolidification, poured: Poured) -> FloatArray:
@@ -141,9 +143,7 @@ def follows_fronts(name: str) -> bool:
     return known or name.startswith((PASSING, MARGINS))
 
 
-def pores_of(
-    solidification: Solidification, poured: Mapping[str, Poured], body: str
-) -> FloatArray:
+def pores_of(solidification: Solidification, poured: Mapping[str, Poured], body: str) -> FloatArray:
     """Return the pore fraction of the nodes of a body that freezes, (nodes,); collective."""
     history = solidification.of(body)
     assert history is not None
@@ -243,9 +243,8 @@ def followed_by(case: Case) -> Followed:
     fractions: list[float] = []
     if "passing_times" in case.output.fields:
         fractions += case.foundry.passing_times
-    if "clyne_davies" in case.output.fields:
-        fractions += [RELAXED, VULNERABLE, BRIDGED]
-    return Followed(case.foundry.at, tuple(fractions))
+    lasting = (RELAXED, VULNERABLE, BRIDGED) if "clyne_davies" in case.output.fields else ()
+    return Followed(case.foundry.at, tuple(fractions), lasting)
 
 
 def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:

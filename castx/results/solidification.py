@@ -26,7 +26,9 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.case.output import FrontPlace
+from castx.results.freezing.control_volumes import ControlVolumes
 from castx.results.freezing.gradients import Steepness
+from castx.results.freezing.lasting import Lasting
 from castx.results.freezing.levels import FreezingCurve, Level
 from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Step
 from castx.results.snapshot import Snapshot
@@ -51,10 +53,12 @@ class Followed:
     Attributes:
         at: the surface at whose passing gradient, cooling rate and front speed are taken.
         fractions: further solid fractions whose passing is noted.
+        lasting: rising solid fractions; it is noted how long it takes from each to the next one.
     """
 
     at: FrontPlace = USUAL_FRONT
     fractions: tuple[float, ...] = ()
+    lasting: tuple[float, ...] = ()
 
     @property
     def places(self) -> tuple[FrontPlace, ...]:
@@ -98,7 +102,9 @@ class BodySolidification:
         followed: Followed = AS_USUAL,
     ) -> None:
         self._places = followed.places
-        self._front = Front(body, curve, followed.levels(curve), axisymmetric)
+        volumes = ControlVolumes(body, axisymmetric)
+        self._front = Front(body, curve, followed.levels(curve), volumes)
+        self._lasting = Lasting(volumes, curve, followed.lasting) if followed.lasting else None
         self._steepness = Steepness(body)
         nodes = len(body.parent_vertices)
         self._times: FloatArray = np.full((len(self._places), len(PLACES), nodes), np.nan)
@@ -117,6 +123,8 @@ class BodySolidification:
         if body in snapshot.process.renewed:
             self._times[:], self._gradient[:] = np.nan, np.nan
             self._first_time = snapshot.time - snapshot.counters.step
+            if self._lasting is not None:
+                self._lasting.begin()
             self._begin(self._first_time, self._first_enthalpy)
         if np.isnan(self._time):
             self._first_time, self._first_enthalpy = time, enthalpy
@@ -133,6 +141,8 @@ class BodySolidification:
 
     def _pass(self, step: Step, start: float, end: float) -> None:
         """Note the levels passed in a step; remelting deletes those it passes; collective."""
+        if self._lasting is not None:
+            self._lasting.follow(step.start, step.end, end - start)
         parts = self._front.parts(step)
         found = self._front.passage(step, parts, self._passed)
         self._times[found.remelted] = np.nan
@@ -158,6 +168,8 @@ class BodySolidification:
             found[f"times at {place.text}"] = by_node(self._times[index])
             found[f"passed at {place.text}"] = by_node(self._passed[index])
         found[f"gradient at {self._places[FRONT].text}"] = self._gradient
+        if self._lasting is not None:
+            found["lasted"] = by_node(self._lasting.durations)
         nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
         return {"time": number(self._time), "first_time": number(self._first_time), **nodal}
 
@@ -178,6 +190,10 @@ class BodySolidification:
         gradient = f"gradient at {self._places[FRONT].text}"
         if gradient in arrays:
             self._gradient = arrays[gradient]
+        if self._lasting is not None:
+            self._lasting.begin_amid(self._enthalpy)
+            if "lasted" in arrays:
+                self._lasting.durations = arrays["lasted"].T.copy()
 
     def solidification_time(self) -> FloatArray:
         """Return the time between liquidus and solidus [s]; zero in an isothermal change."""
@@ -191,6 +207,14 @@ class BodySolidification:
         """
         level = self._places.index(FrontPlace(fraction=fraction))
         return self._passing(level) - self._first_time
+
+    def lasted(self) -> FloatArray:
+        """Return how long the control volumes were in each range, (ranges, nodes) [s]; collective.
+
+        Not a number until all of a control volume is beyond the last of them.
+        """
+        assert self._lasting is not None
+        return self._lasting.ended(self._enthalpy)
 
     def gradient(self) -> FloatArray:
         """Return |∇T| when f_s = 0.9, or what else is noted, was passed [K/m]."""

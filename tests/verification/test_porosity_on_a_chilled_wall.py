@@ -4,10 +4,10 @@ Fronts go with √t, so that t_f = x²/η_f², and at every place Ny = 2740.71, 
 times at which f_s = 0.4, 0.9, 0.99 pass. With λ2 = 4e-5 Ṫ^(-1/3), μ = 1.2e-3, Δp_c = 1.01e5 and
 β = 0.0625 the dimensionless value is Ny* = 2884.563 x^(2/3), and pores are 0.124481 and 0.0539751 %
 at 5 and 10 mm. Times of the fronts: those of solidus and liquidus, 1/η² = 17648.4 and 9102.6 s/m².
-Tolerances from 14 to 21 elements behind the wall: 3 %, for the times 2 %. The ratio of Clyne and
-Davies is found 5 % low, 4 % with a quarter of the step, 6 % with half the elements: its last two
-fronts are 0.37 elements apart, and one nearer to the solidus than an element is seen 0.02 to 0.05
-elements early, since the enthalpy of a node is a mean over the kink there.
+Tolerances from 14 to 21 elements behind the wall: 3 %, for the times 2 %. The last two fronts of
+the ratio of Clyne and Davies are 0.37 elements apart there, and it is right to 2 % in the mean;
+with half the size to 0.5 %, 1 % everywhere. Right triangles and tetrahedra carry control volumes
+of several sizes, whose nodes scatter: 4 and 1 % in the mean.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ALLOY = ChilledAlloy()
 SOLID, LIQUID = ALLOY.passing(1.0), ALLOY.passing(0.0)
 
 
-def chilled_wall():
+def chilled_wall(size=SIZE, step=STEP, fields=FIELDS, **geometry):
     alloy = {
         **ALLOY.half_space.material(),
         "solidification_shrinkage": ALLOY.shrinkage,
@@ -49,26 +49,24 @@ def chilled_wall():
             "generator": "slab",
             "model": "plane-strain",
             "length": 0.06,
-            "width": 2 * SIZE,
-            "size": SIZE,
+            "width": 2 * size,
+            "size": size,
             "cells": "quadrilaterals",
+            **geometry,
         },
         "materials": {"alloy": alloy},
         "bodies": [{"name": "casting", "material": "alloy", "temperature": 640}],
         "boundaries": [{"on": "casting/wall", "heat": {"type": "temperature", "value": 300}}],
-        "time": {"end": END, "first_step": STEP, "largest_step": STEP, "fixed_step": STEP},
+        "time": {"end": END, "first_step": step, "largest_step": step, "fixed_step": step},
         "coupling": {"scheme": "thermal"},
-        "output": {"fields": FIELDS},
+        "output": {"fields": fields},
         "foundry": {"passing_times": [0.0, 1.0], "modulus_constant": 4 * SOLID},
     }
     return read_case(content, Path("v3.toml"))
 
 
-@pytest.fixture(scope="module")
-def found():
+def followed(comm, case, names):
     """Return x and the fields of the nodes from 7 to 10.5 mm behind the wall, of all ranks."""
-    comm = MPI.COMM_WORLD
-    case = chilled_wall()
     simulation = Simulation.from_case(case, comm)
     solidification = solidification_of(case, simulation.mesh)
     fields = FoundryFields(solidification, poured_bodies(case))
@@ -76,14 +74,26 @@ def found():
         solidification.update(state)
     body = simulation.mesh.bodies["casting"]
     owned = body.nodes.dofmap.index_map.size_local
-    names = [name for name in FIELDS if name != "passing_times"]
-    names += ["passing_time_0.0", "passing_time_1.0", "niyama"]
     values = {name: fields.nodal("casting", name)[:owned] for name in names}
     values["x"] = body.points[:owned, 0]
     simulation.destroy()
     all_values = {name: np.concatenate(comm.allgather(array)) for name, array in values.items()}
     here = (all_values["x"] > 6.9e-3) & (all_values["x"] < 10.6e-3)
     return {name: array[here] for name, array in all_values.items()}
+
+
+@pytest.fixture(scope="module")
+def found():
+    names = [name for name in FIELDS if name != "passing_times"]
+    names += ["passing_time_0.0", "passing_time_1.0", "niyama"]
+    return followed(MPI.COMM_WORLD, chilled_wall(), names)
+
+
+def errors_of_the_ratio(comm, size, step, **geometry):
+    """Return mean and largest error of the ratio of Clyne and Davies; 40 mm are enough for it."""
+    case = chilled_wall(size, step, ["clyne_davies"], length=0.04, **geometry)
+    ratio = followed(comm, case, ["clyne_davies"])["clyne_davies"]
+    return mean_and_largest(ratio, ALLOY.clyne_davies)
 
 
 def mean_and_largest(values, exact):
@@ -103,9 +113,20 @@ def test_pores_are_those_of_the_similarity_solution(found):
     assert mean < 0.01 and largest < 0.03
 
 
-def test_the_ratio_of_clyne_and_davies_is_the_same_everywhere(found):
+def test_the_ratio_of_clyne_and_davies_is_the_same_everywhere(comm, found):
     mean, largest = mean_and_largest(found["clyne_davies"], ALLOY.clyne_davies)
-    assert mean < 0.06 and largest < 0.075
+    assert mean < 0.02 and largest < 0.04
+    finer, largest = errors_of_the_ratio(comm, 0.25e-3, 0.01, width=0.25e-3)
+    assert finer < 0.4 * mean and largest < 0.01
+
+
+def test_the_ratio_on_triangles_and_tetrahedra_too(comm):
+    sizes = {"cells": "simplices", "width": 1e-3}
+    coarse, _ = errors_of_the_ratio(comm, 1e-3, 0.04, **sizes)
+    fine, _ = errors_of_the_ratio(comm, 0.5e-3, 0.02, **sizes)
+    in_space, _ = errors_of_the_ratio(comm, 1e-3, 0.04, **sizes, model="3d", depth=1e-3)
+    assert coarse < 0.09 and fine < 0.05 and fine < 0.6 * coarse
+    assert in_space < 0.08
 
 
 def test_the_arms_are_those_of_the_cooling_rate(found):

@@ -1,4 +1,4 @@
 """Strain and stress of the cooling against what the metal bears: tearing of the mush, cold cracks.
 
-Public: `windows.Window`, `strains.BodyStrains`, `cold_cracks.BodyColdCracks`, `cracks.Cracks`.
+Public: `strains.BodyStrains`, `cold_cracks.BodyColdCracks`, `cracks.Cracks`.
 """

@@ -18,7 +18,7 @@ from castx.materials.material import Material
 from castx.materials.thermal_strain import shrinkage_strain
 from castx.results.cracking.cold_cracks import BodyColdCracks
 from castx.results.cracking.strains import BodyStrains, CoolingState, Shrinking
-from castx.results.cracking.windows import Window
+from castx.results.freezing.windows import Window
 from castx.stateful import Arrays, Saved, joined, part_of, saved_parts
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from dolfinx import la
 
 from castx.arrays import FloatArray
 from castx.foundry.cracking import principal_values, strain_across
-from castx.results.cracking.windows import Window
 from castx.results.freezing.gradients import midpoint_gradients
+from castx.results.freezing.windows import Window
 from castx.results.solid.stage_ends import SolidState
 from castx.solvers.counters import StepCounters
 from castx.stateful import Arrays, Saved, number

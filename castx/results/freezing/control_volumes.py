@@ -25,6 +25,7 @@ class ControlVolumes:
     """Points in the control volumes of the nodes of a body, and the volumes they stand for.
 
     Attributes:
+        nodes: number of the nodes on this rank, ghosts included.
         cell_nodes: local nodes of the owned cells, (cells, corners).
         shapes: shape functions of all corners at the points that belong to one of them, (corner to
             which they belong, points, corners).
@@ -52,7 +53,8 @@ class ControlVolumes:
         if axisymmetric:
             radii = np.einsum("cb,aqb->caq", positions[..., 0], self.shapes)
             self.volumes *= radii
-        everywhere = self.around(np.ones(len(body.points), dtype=bool))
+        self.nodes = len(body.points)
+        everywhere = self.around(np.ones(self.nodes, dtype=bool))
         own_volumes = self.volumes[everywhere].sum(axis=1)
         self._total = self.added([self.at_nodes(everywhere, own_volumes)])[0]
 

@@ -223,7 +223,7 @@ class Front:
         body: the body.
         curve: enthalpy of its material.
         levels: of solid fraction, whose passing is noted.
-        axisymmetric: whether the first coordinate is a radius.
+        volumes: control volumes of the body.
     """
 
     def __init__(
@@ -231,13 +231,13 @@ class Front:
         body: BodyMesh,
         curve: FreezingCurve,
         levels: Sequence[Level],
-        axisymmetric: bool = False,
+        volumes: ControlVolumes,
     ) -> None:
         self._curve = curve
         # Where all freezes at one temperature they are the same one, which is followed once.
         self._levels = tuple(dict.fromkeys(levels))
         self._which = [self._levels.index(level) for level in levels]
-        self._volumes = ControlVolumes(body, axisymmetric)
+        self._volumes = volumes
         self._cell_nodes = self._volumes.cell_nodes
         self._positions = body.points
         self._gradients, self._sizes = midpoint_gradients(body.nodes, body.points[self._cell_nodes])

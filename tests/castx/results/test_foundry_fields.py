@@ -32,6 +32,7 @@ from tests.castx.results.freezing.means import control_volume_means
 from tests.castx.results.test_solidification import Curve, extremes
 
 GRADIENT, SPEED, GROWTH = 2000.0, 1e-3, 0.02
+RANGES = (0.4, 0.9, 0.99)
 POURED, STEP, STEPS = 11.0, 0.2, 125
 KEYS = {
     "solidus": 560.0, "liquidus": 615.0, "melt_viscosity": 1.2e-3, "cavitation": 5e4,
@@ -69,7 +70,7 @@ def solidified(comm, followed):
 
 @pytest.fixture(scope="module")
 def usual():
-    return solidified(MPI.COMM_WORLD, Followed(fractions=(0.4, 0.99, 0.25)))
+    return solidified(MPI.COMM_WORLD, Followed(fractions=(0.4, 0.99, 0.25), lasting=RANGES))
 
 
 @pytest.fixture(scope="module")
@@ -225,7 +226,7 @@ def test_the_speed_of_the_front_is_found_once_for_all_that_ask_for_it(comm, monk
     calls = []
     found = Steepness.at_nodes
     monkeypatch.setattr(Steepness, "at_nodes", lambda *given: calls.append(1) or found(*given))
-    _, fields = solidified(comm, Followed(fractions=(0.4, 0.99)))
+    _, fields = solidified(comm, Followed(lasting=RANGES))
     for name in ("niyama", "cooling_rate", "arm_spacing", "pore_fraction", "front_speed"):
         fields.nodal("casting", name)
     assert len(calls) == 1
@@ -238,7 +239,8 @@ def test_names_stand_for_fields():
     assert names == ["passing_time_0.5"]
     assert all(is_of_foundry(name) for name in [*names, "niyama", "pore_fraction"])
     assert not is_of_foundry("temperature")
-    assert followed_by(case).fractions == (0.5, 0.4, 0.9, 0.99)
+    assert followed_by(case).fractions == (0.5,)
+    assert followed_by(case).lasting == (0.4, 0.9, 0.99)
 
 
 def test_the_constant_of_the_modulus_follows_from_the_mould():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from castx.results.cracking.strains import BodyStrains, largest_principal
-from castx.results.cracking.windows import Window
+from castx.results.freezing.windows import Window
 from castx.results.snapshot import ProcessState
 from tests.castx.fakes import FakeSnapshot, slab_mesh
 

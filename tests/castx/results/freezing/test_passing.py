@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from castx.results.freezing.control_volumes import ControlVolumes
 from castx.results.freezing.levels import Level
 from castx.results.freezing.passing import PLACES, WEIGHTS, Front, Step
 from castx.tables import Table
@@ -51,7 +52,7 @@ def enthalpies(body, time):
 def passed(comm, size, step):
     """Return the times of passing of the nodes off the ends, and their x."""
     body = slab_mesh(comm, size, 6 * size).bodies["casting"]
-    front = Front(body, Curve(), [Level.of(Curve(), 1.0)])
+    front = Front(body, Curve(), [Level.of(Curve(), 1.0)], ControlVolumes(body))
     nodes = len(body.points)
     times, before = np.full((3, nodes), np.nan), np.zeros((3, nodes), dtype=bool)
     instants = np.arange(-size / SPEED, 6 * size / SPEED, step)
@@ -81,7 +82,7 @@ def test_a_eutectic_front_passes_when_it_is_at_the_node(comm):
 def test_what_freezes_in_one_step_passes_within_it_and_remelts(comm):
     body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
     levels = [Level.of(Curve(), fraction) for fraction in (0.0, 0.9, 1.0)]
-    front = Front(body, Curve(), levels)
+    front = Front(body, Curve(), levels, ControlVolumes(body))
     x = body.points[:, 0]
     hot = Curve().enthalpy(LIQUIDUS + 20.0 + 3e3 * x)
     cold = Curve().enthalpy(300.0 + 8e3 * x)
@@ -116,7 +117,12 @@ def test_levels_at_one_temperature_are_followed_once(comm):
     step = Step(enthalpies(body, 2.2), enthalpies(body, 6.1))
     for fractions in ((1.0,), (0.9, 1.0)):
         curve = CountedCurve()
-        front = Front(body, curve, [Level.of(Curve(), fraction) for fraction in fractions])
+        front = Front(
+            body,
+            curve,
+            [Level.of(Curve(), fraction) for fraction in fractions],
+            ControlVolumes(body),
+        )
         passed = np.broadcast_to(front.passed(step.start)[:1], (len(fractions), 3, nodes))
         found.append(front.passage(step, front.parts(step), passed))
         prices.append(curve.asked)
@@ -132,7 +138,7 @@ def test_a_front_comes_with_latent_heat_and_not_with_rounding(comm):
     """The superheat of all liquid vanishes but for rounding, and then a tenth of it freezes."""
     body = slab_mesh(comm, 1e-3, 6e-3).bodies["casting"]
     level = Level.of(Curve(), 1.0)
-    front = Front(body, Curve(), [level])
+    front = Front(body, Curve(), [level], ControlVolumes(body))
     inside = body.points[:, 0] < 5.5e-3
     superheat = 1e-10 * level.hot * (1.0 + body.points[:, 0] / 1e-3)
     rest, gone = level.hot + superheat, level.hot + 0.1 * superheat - 1e-10 * level.hot

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from castx.materials.lookup import find_material
-from castx.results.cracking.windows import Window, enthalpy_at
+from castx.results.freezing.windows import Window, enthalpy_at
 from tests.castx.results.freezing.test_passing import Curve
 
 pytestmark = pytest.mark.serial
