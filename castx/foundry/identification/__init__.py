@@ -1,4 +1,5 @@
 """What measured temperatures tell of interface data: covariance, correlation, when to measure.
 
-Public: `covariance.posterior`, `covariance.correlation`, `lumped.LumpedCooling`.
+Public: `covariance.posterior`, `covariance.correlation`, `lumped.LumpedCooling`,
+`sobol.first_order_indices`.
 """

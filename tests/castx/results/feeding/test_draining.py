@@ -15,16 +15,20 @@ BETA = 0.065
 PLACES = 50
 
 
-@pytest.mark.parametrize(("width", "level"), [(0.5, 0.955945), (0.1, 0.860994), (0.01, 0.741310)])
+PLATE = [(1, 0.5, 0.955945), (1, 0.1, 0.860994), (1, 0.01, 0.741310)]
+CYLINDER = [(2, 0.5, 0.913831), (2, 0.1, 0.741310), (2, 0.01, 0.549541)]
+
+
+@pytest.mark.parametrize(("power", "width", "level"), [*PLATE, *CYLINDER])
 @pytest.mark.parametrize("steps", [1, 7])
-def test_a_plate_that_freezes_sideways_sinks_by_the_power_of_its_width(width, level, steps):
-    """h/h0 = (w/a)^β, the same in one step and in several."""
-    filled, widths = np.ones(PLACES), np.linspace(1.0, width, steps + 1)
-    for start, end in pairwise(widths):
+def test_what_freezes_sideways_sinks_by_the_power_of_its_width(power, width, level, steps):
+    """h/h0 = (w/a)^β of a plate, (r/R)^(2β) of a cylinder, the same in one step and in several."""
+    filled, areas = np.ones(PLACES), np.linspace(1.0, width, steps + 1) ** power
+    for start, end in pairwise(areas):
         freezing = filled * (start - end)
         filled *= drained(filled * start, freezing, 0.0, BETA).left
     assert filled.mean() == pytest.approx(level, abs=5e-7)
-    assert filled.mean() == pytest.approx(width**BETA, rel=1e-12)
+    assert filled.mean() == pytest.approx(width ** (power * BETA), rel=1e-12)
 
 
 def test_the_pipe_is_the_share_of_what_freezes():
