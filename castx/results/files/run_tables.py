@@ -11,6 +11,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.input.problems import among
+from castx.results.files.column_units import unit_of
 from castx.results.files.folder import RECORD
 from castx.results.files.measurements import Deviation, deviation, read_measured
 from castx.results.files.run_json import read_record
@@ -67,6 +68,15 @@ class RunTables:
             if name in self.probes
         }
         return {name: apart for name, apart in found.items() if apart is not None}
+
+    def history_unit(self, column: str) -> str:
+        """Return the unit of a column of history.csv, "1" of numbers and shares.
+
+        Raises:
+            CaseError: there is no such column; with those that exist.
+        """
+        _ = self.history[column]
+        return unit_of(column, self.model)
 
     @property
     def case(self) -> Mapping[str, Any]:

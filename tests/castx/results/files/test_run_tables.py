@@ -14,6 +14,7 @@ pytestmark = pytest.mark.serial
 def tables(tmp_path):
     record = {
         "castx": "0",
+        "model": "3d",
         "bodies": {"casting": {}},
         "interfaces": {},
         "hot_spots": [{"body": "casting", "pool": 2, "deficit": 1e-8}],
@@ -32,6 +33,12 @@ def test_hot_spots_and_ends_of_stages_are_those_of_the_record(tables):
     with pytest.raises(CaseError, match="no stage 1 has ended; stages that have: 0, 2"):
         tables.stage_end(1)
     assert tables.bodies == ("casting",) and tables.interfaces == ()
+
+
+def test_columns_of_the_history_have_units(tables):
+    assert tables.history_unit("step") == "s"
+    with pytest.raises(CaseError, match="there are: time, step"):
+        tables.history_unit("energy")
 
 
 def test_columns_name_what_exists(tables):
