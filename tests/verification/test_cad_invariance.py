@@ -27,7 +27,7 @@ from castx.process.state import State
 from tests.cad_files import rounded_block, write_cad
 from tests.coupled_cases import simulation
 
-pytestmark = pytest.mark.sampled
+pytestmark = pytest.mark.serial  # test_turned_casting places a mesh on all numbers of ranks
 
 INTERFACE = "casting/die"
 TIGHT = {
@@ -220,7 +220,6 @@ def temperatures(comm: Any, step: Path, size: float, placement: Placement) -> Fl
     return np.asarray(found)
 
 
-@pytest.mark.serial
 def test_an_assembly_turned_in_cad_differs_less_as_cells_get_smaller(comm, tmp_path):
     """By 4.3 K in the root of the mean square at 6 mm and 0.5 K at 2 mm, of 130 K lost."""
     steps = {
