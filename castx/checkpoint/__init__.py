@@ -1,5 +1,6 @@
-"""Checkpoints from which a run goes on, on any number of ranks.
+"""Checkpoints from which a run goes on, on any number of ranks, all of which write and read them.
 
 Public: `file.Checkpoint`, `writing.Checkpoints`, `writing.header_to_restart_from`,
-`archive.ArchiveWriter`, `archive.read_header`, `archive.read_array`, `gathering.Gathering`.
+`archive.arranged`, `archive.write_contents`, `archive.read_contents`, `archive.read_verified`,
+`chunks.ChunkedRows`, `checksums.shifted`, `shared_file.SharedFile`.
 """

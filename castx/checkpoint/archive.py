@@ -1,141 +1,242 @@
-"""One file with a header and named arrays, on one rank: a zip file of .npy arrays (npz).
+"""Arrangement of one file with a header and named arrays: a zip file of .npy arrays (npz).
 
 `numpy.load` opens it everywhere; each array carries a checksum (CRC-32), and what is inside stands
 at the end of the file, so that one that was cut short is recognised. It is a single file and can be
 replaced at once, which a folder cannot; and rows of submeshes, pairs and integration points need no
-mesh in it.
+mesh in it. Where each array begins follows from names, types and shapes alone: all ranks know it
+and write side by side, and the file is the same on any number of ranks.
 """
 
 from __future__ import annotations
 
+import io
 import json
-import os
+import struct
+import tokenize
 import zipfile
 import zlib
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any, BinaryIO, NamedTuple, cast
+
+from mpi4py import MPI
 
 import numpy as np
 
-from castx.errors import CaseError
-from castx.stateful import Array
+from castx.checkpoint.checksums import shifted
+from castx.checkpoint.chunks import ROWS
 
 HEADER = "header.json"
-NEW = ".new"
 FORMAT = 1
-"""Number of this arrangement of files; others are not read."""
+"""Number of this arrangement; others are not read."""
+PAGE = 2**16
+"""Bytes of a page of memory at most. Network file systems write whole pages, so that two ranks must
+not write into one."""
+PART = 2**24
+"""Bytes that are read at once to be verified."""
 
-_DAMAGES = (zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, NotImplementedError)
+_DAMAGES = (
+    zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, EOFError, SyntaxError,
+    NotImplementedError, tokenize.TokenError,
+)  # fmt: skip
 
 
-class ArchiveWriter:
-    """Writes an archive beside the one it replaces.
+@dataclass(frozen=True)
+class Entry:
+    """An array in an archive.
 
-    Leaving it makes sure that all is on disk, reads it back and only then replaces the old file;
-    after an error the old one stays.
+    Attributes:
+        name: of the array.
+        dtype: type of its values.
+        shape: its shape.
+        start: first byte of its .npy file in the archive.
+        data: first byte of its values in the archive.
+    """
+
+    name: str
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    start: int
+    data: int
+
+    @property
+    def count(self) -> int:
+        """How many rows it has."""
+        return self.shape[0] if self.shape else 1
+
+    @property
+    def width(self) -> int:
+        """Bytes of a row."""
+        return self.dtype.itemsize * int(np.prod(self.shape[1:], dtype=np.int64))
+
+    @property
+    def end(self) -> int:
+        """First byte behind the array."""
+        return self.data + self.count * self.width
+
+    def info(self, checksum: int) -> zipfile.ZipInfo:
+        """Return what a zip file has to know, with the checksum of the .npy file."""
+        info = _info(self.name, checksum, self.end - self.start)
+        info.header_offset = self.start - len(info.FileHeader(zip64=True))
+        return info
+
+    def head(self) -> bytes:
+        """Return the beginning of the .npy file, before the values."""
+        return _head(self.dtype, self.shape)
+
+
+class Contents(NamedTuple):
+    """What an archive holds.
+
+    Attributes:
+        header: values beside the arrays.
+        entries: places of the arrays by name.
+        checksums: CRC-32 of each of their .npy files.
+    """
+
+    header: dict[str, Any]
+    entries: dict[str, Entry]
+    checksums: list[int]
+
+
+def _info(name: str, checksum: int = 0, size: int = 0) -> zipfile.ZipInfo:
+    info = zipfile.ZipInfo(f"{name}.npy")
+    info.CRC = checksum
+    info.file_size = info.compress_size = size
+    return info
+
+
+def _head(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
+    descr = np.lib.format.dtype_to_descr(dtype)
+    file = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        file, {"descr": descr, "fortran_order": False, "shape": shape}
+    )
+    return file.getvalue()
+
+
+def arranged(arrays: Iterable[tuple[str, np.dtype[Any], tuple[int, ...]]]) -> list[Entry]:
+    """Return the places of arrays, given by name, type and shape, in an archive.
+
+    An array of several chunks begins and ends with a page.
+    """
+    entries: list[Entry] = []
+    end = 0
+    for name, dtype, shape in arrays:
+        several = bool(shape) and shape[0] > ROWS
+        head = len(_head(dtype, shape))
+        data = end + len(_info(name).FileHeader(zip64=True)) + head
+        data = _next_page(data) if several else data
+        entries.append(Entry(name, dtype, shape, data - head, data))
+        end = _next_page(entries[-1].end) if several else entries[-1].end
+    return entries
+
+
+def _next_page(place: int) -> int:
+    return -(-place // PAGE) * PAGE
+
+
+def write_contents(
+    file: BinaryIO, entries: Sequence[Entry], checksums: Iterable[int], header: Mapping[str, Any]
+) -> None:
+    """Make an archive of a file that has the values of its arrays.
 
     Args:
-        path: the file.
+        file: open for writing.
+        entries: places of the arrays.
+        checksums: CRC-32 of their values; in the same order.
         header: values beside the arrays, as JSON knows them.
+    """
+    names = [entry.name for entry in entries]
+    file.seek(0)
+    with zipfile.ZipFile(file, "w") as archive:
+        for entry, checksum in zip(entries, checksums, strict=True):
+            head = entry.head()
+            info = entry.info(shifted(zlib.crc32(head), entry.end - entry.data) ^ checksum)
+            file.seek(info.header_offset)
+            file.write(info.FileHeader(zip64=True) + head)
+            archive.filelist.append(info)
+            archive.start_dir = max(archive.start_dir, entry.end)
+        content = {"format": FORMAT, **header, "arrays": names}
+        archive.writestr(zipfile.ZipInfo(HEADER), json.dumps(content, indent=1))  # without a time
+
+
+def read_contents(path: Path) -> Contents:
+    """Return what an archive holds, not verified yet.
 
     Raises:
-        OSError: the disk does not take it, or does not give it back.
+        OSError, or one of `_DAMAGES`: the file cannot be read or is damaged.
     """
+    with path.open("rb") as file, zipfile.ZipFile(file) as archive:
+        header = dict(json.loads(archive.read(HEADER)))
+        if header["format"] != FORMAT:
+            raise ValueError(
+                f"it has format {header['format']}, this version of castx reads {FORMAT}"
+            )
+        missing = {f"{name}.npy" for name in header["arrays"]} - set(archive.namelist())
+        if missing:
+            raise ValueError(f"it lacks {min(missing)}")
+        found = {name: _entry(file, archive, name) for name in header["arrays"]}
+    entries = {name: entry for name, (entry, _) in found.items()}
+    return Contents(header, entries, [checksum for _, checksum in found.values()])
 
-    def __init__(self, path: Path, header: Mapping[str, Any]) -> None:
-        self._path, self._new = path, path.with_name(path.name + NEW)
-        self._header = {"format": FORMAT, **header}
-        self._names: list[str] = []
 
-    def __enter__(self) -> Self:
-        self._file = self._new.open("wb")
-        self._zip = zipfile.ZipFile(self._file, "w")
-        return self
+def _entry(file: BinaryIO, archive: zipfile.ZipFile, name: str) -> tuple[Entry, int]:
+    """Return the place and the checksum of an array."""
+    info = archive.getinfo(f"{name}.npy")
+    with archive.open(info) as member:
+        version = np.lib.format.read_magic(member)
+        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(member)
+        head = member.tell()
+    file.seek(info.header_offset + 26)  # of the lengths of the name and of what follows it
+    start = info.header_offset + 30 + sum(struct.unpack("<2H", file.read(4)))
+    entry = Entry(name, dtype, shape, start, start + head)
+    stored = info.compress_type == zipfile.ZIP_STORED and version == (1, 0) and not is_fortran
+    if not stored or entry.end - start != info.file_size:
+        raise ValueError(f"{info.filename} is not stored as castx does")
+    return entry, info.CRC
 
-    def add(self, name: str, array: Array) -> None:
-        """Write an array."""
-        self._names.append(name)
-        with self._zip.open(f"{name}.npy", "w", force_zip64=True) as member:
-            np.lib.format.write_array(member, array, allow_pickle=False)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+def read_verified(path: Path, comm: MPI.Intracomm) -> Contents:
+    """Return what an archive holds, all of whose checksums the ranks have verified; collective.
+
+    Raises:
+        ValueError: its fault; on all ranks.
+    """
+    found, fault = None, ""
+    if comm.rank == 0:
         try:
-            if error is None:
-                self._finish()
-        finally:
-            self._new.unlink(missing_ok=True)
-            with suppress(OSError, ValueError):  # after an error it tries to write again
-                self._zip.close()
-            with suppress(OSError):
-                self._file.close()
-
-    def _finish(self) -> None:
-        self._zip.writestr(HEADER, json.dumps({**self._header, "arrays": self._names}, indent=1))
-        self._zip.close()
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        fault = fault_of(self._new)
-        if fault is not None:
-            raise OSError(f"what was written does not read back: {fault}")
-        self._new.replace(self._path)
-        sync_folder(self._path.parent)
+            found = read_contents(path)
+        except (*_DAMAGES, OSError) as error:
+            fault = str(error) or type(error).__name__
+    contents, fault = cast(tuple[Contents, str], comm.bcast((found, fault)))
+    fault = fault or _wrong_checksum(path, contents, comm)
+    if fault:
+        raise ValueError(fault)
+    return contents
 
 
-def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to disk."""
-    descriptor = os.open(folder, os.O_RDONLY)
+def _wrong_checksum(path: Path, contents: Contents, comm: MPI.Intracomm) -> str:
+    """Return which checksum is wrong, empty if none is; each rank reads parts of the file."""
+    sums = np.zeros(len(contents.entries), dtype=np.int64)
+    parts = (
+        (number, entry, place)
+        for number, entry in enumerate(contents.entries.values())
+        for place in range(entry.start, entry.end, PART)
+    )
+    fault = ""
     try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def fault_of(path: Path) -> str | None:
-    """Return the fault of an archive in its header or a checksum, None if it is whole."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            header = _header(archive)
-            missing = {f"{name}.npy" for name in header["arrays"]} - set(archive.namelist())
-            if missing:
-                return f"it lacks {min(missing)}"
-            damaged = archive.testzip()
-    except (*_DAMAGES, OSError) as error:
-        return str(error) or type(error).__name__
-    return None if damaged is None else f"the checksum of {damaged} is wrong"
-
-
-def _header(archive: zipfile.ZipFile) -> dict[str, Any]:
-    header = json.loads(archive.read(HEADER))
-    if header["format"] != FORMAT:
-        raise ValueError(f"it has format {header['format']}, this version of castx reads {FORMAT}")
-    return dict(header)
-
-
-def read_header(path: Path) -> dict[str, Any]:
-    """Return the header of an archive whose checksums have all been verified.
-
-    Raises:
-        CaseError: the file cannot be read or is damaged.
-    """
-    fault = fault_of(path)
-    if fault is not None:
-        raise CaseError(
-            f"the checkpoint {path} is damaged: {fault}; put a whole copy in its place, or start "
-            "the run anew without --restart"
-        )
-    with zipfile.ZipFile(path) as archive:
-        return _header(archive)
-
-
-def read_array(path: Path, name: str) -> Array:
-    """Return an array of an archive."""
-    with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as member:
-        return np.lib.format.read_array(member, allow_pickle=False)
+        with path.open("rb") as file:
+            for number, entry, place in islice(parts, comm.rank, None, comm.size):
+                file.seek(place)
+                part = file.read(min(PART, entry.end - place))
+                sums[number] ^= shifted(zlib.crc32(part), entry.end - place - len(part))
+    except OSError as error:
+        fault = error.strerror or str(error)
+    comm.Allreduce(MPI.IN_PLACE, sums, MPI.BXOR)
+    faults = [text for text in comm.allgather(fault) if text]
+    names = zip(contents.entries, sums.tolist(), contents.checksums, strict=True)
+    faults += [f"the checksum of {name}.npy is wrong" for name, a, b in names if a != b]
+    return faults[0] if faults else ""

@@ -1,16 +1,27 @@
-"""The checkpoint file of a run, read on any number of ranks."""
+"""The checkpoint file of a run, written and read on any number of ranks."""
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from mpi4py import MPI
 
-from castx.checkpoint.archive import ArchiveWriter, read_array, read_header
-from castx.checkpoint.gathering import Gathering
-from castx.errors import StorageError
+import numpy as np
+
+from castx.checkpoint.archive import (
+    Entry,
+    arranged,
+    read_contents,
+    read_verified,
+    write_contents,
+)
+from castx.checkpoint.checksums import shifted
+from castx.checkpoint.chunks import Bytes, ChunkedRows
+from castx.checkpoint.shared_file import SharedFile
+from castx.errors import CaseError, StorageError
 from castx.ranks import on_first_rank
 from castx.results.files.folder import CHECKPOINT
 from castx.stateful import Array, Saved
@@ -40,38 +51,62 @@ class Checkpoint:
         Raises:
             StorageError: it cannot be written, and the old one is still there; on all ranks.
         """
-        arrays, failure = self._gathered(state), ""
-        if self._comm.rank == 0:
-            failure = self._write(arrays, header)
-        for _ in arrays:  # the other ranks send all, whatever became of the file
-            pass
-        failure = self._comm.bcast(failure)
-        if failure:
-            raise StorageError(
-                f"the checkpoint {self.path} cannot be written: {failure}; make room for it and "
-                "continue with --restart from the last one"
-            )
-
-    def _gathered(self, state: Mapping[str, Saved]) -> Iterator[tuple[str, Array | None]]:
-        """Yield the whole arrays on rank 0; collective at each of them."""
-        gathering = Gathering(self._comm)
-        for name, saved in state.items():
-            if saved.numbering is None:
-                yield name, saved.values
-            else:
-                yield name, gathering.to_first(saved.values, saved.numbering)
-
-    def _write(self, arrays: Iterator[tuple[str, Array | None]], header: Mapping[str, Any]) -> str:
-        """Write the file on rank 0; return the reason of a failure, empty if there is none."""
+        chunked = self._chunked(state, ghosts=False)
+        entries = arranged(
+            (name, *self._form(saved, chunked[name])) for name, saved in state.items()
+        )
         try:
-            self.path.parent.mkdir(exist_ok=True)
-            with ArchiveWriter(self.path, header) as archive:
-                for name, array in arrays:
-                    assert array is not None
-                    archive.add(name, array)
+            with SharedFile(self.path, self._comm) as file:
+                sums = np.zeros(len(entries), dtype=np.int64)
+                for number, entry in enumerate(entries):
+                    for start, chunk in self._parts(state[entry.name], chunked[entry.name]):
+                        place = entry.data + start * entry.width
+                        file.write(lambda file, at=place, rows=chunk: _write_at(file, at, rows))
+                        following = entry.end - place - chunk.nbytes
+                        sums[number] ^= shifted(zlib.crc32(chunk), following)
+                self._comm.Allreduce(MPI.IN_PLACE, sums, MPI.BXOR)
+                if self._comm.rank == 0:
+                    file.write(lambda file: write_contents(file, entries, sums.tolist(), header))
+                file.replace(verify=lambda path: read_verified(path, self._comm))
         except OSError as error:
-            return error.strerror or str(error)
-        return ""
+            raise StorageError(
+                f"the checkpoint {self.path} cannot be written: {error}; make room for it and "
+                "continue with --restart from the last one"
+            ) from error
+
+    def _chunked(
+        self, state: Mapping[str, Saved], *, ghosts: bool
+    ) -> dict[str, ChunkedRows | None]:
+        """Return how the rows of each array travel, None for one without entities; collective."""
+        of_kind: dict[str, ChunkedRows] = {}
+        found: dict[str, ChunkedRows | None] = {}
+        for name, saved in state.items():
+            kind = saved.numbering
+            if kind is not None and kind.name not in of_kind:
+                of_kind[kind.name] = ChunkedRows(self._comm, kind, ghosts=ghosts)
+            found[name] = None if kind is None else of_kind[kind.name]
+        return found
+
+    def _form(
+        self, saved: Saved, chunked: ChunkedRows | None
+    ) -> tuple[np.dtype[Any], tuple[int, ...]]:
+        """Return type and shape of the whole array; collective."""
+        values = saved.values
+        if chunked is None:
+            return self._comm.bcast((values.dtype, values.shape))
+        # A rank without rows of its own may know nothing of their shape.
+        form = (len(values) > 0, values.shape[1:], values.dtype.str)
+        _, row, dtype = self._comm.allreduce(form, MPI.MAX)
+        return np.dtype(dtype), (chunked.count, *row)
+
+    def _parts(
+        self, saved: Saved, chunked: ChunkedRows | None
+    ) -> Iterator[tuple[int, Bytes | Array]]:
+        """Yield first row and rows of what this rank writes of an array; collective."""
+        if chunked is not None:
+            yield from chunked.collected(saved.values)
+        elif self._comm.rank == 0:
+            yield 0, np.ascontiguousarray(saved.values)
 
     def read_header(self) -> dict[str, Any] | None:
         """Return the header of the file, None if there is no file; collective.
@@ -79,24 +114,56 @@ class Checkpoint:
         Raises:
             CaseError: the file is damaged; on all ranks.
         """
-        return on_first_rank(
-            self._comm, lambda: read_header(self.path) if self.path.is_file() else None
-        )
+        if not self._comm.bcast(self.path.is_file()):
+            return None
+        try:
+            return read_verified(self.path, self._comm).header
+        except ValueError as fault:
+            raise CaseError(
+                f"the checkpoint {self.path} is damaged: {fault}; put a whole copy in its place, "
+                "or start the run anew without --restart"
+            ) from fault
 
     def read(self, header: Mapping[str, Any], state: Mapping[str, Saved]) -> dict[str, Array]:
         """Return the local rows, ghosts included, of the wanted arrays that the file has.
 
         Args:
             header: of the file.
-            state: the arrays of objects as they are built, for names, types and numberings.
+            state: the arrays of objects as they are built, for names, shapes and numberings.
+
+        Raises:
+            CaseError: an array has other rows than wanted; on all ranks.
         """
-        gathering = Gathering(self._comm)
-        found: dict[str, Array] = {}
-        for name in (name for name in state if name in set(header["arrays"])):
-            saved = state[name]
-            array = read_array(self.path, name) if self._comm.rank == 0 else None
-            if saved.numbering is None:
-                found[name] = self._comm.bcast(array)
-            else:
-                found[name] = gathering.from_first(array, saved.values, saved.numbering)
-        return found
+        wanted = {name: saved for name, saved in state.items() if name in set(header["arrays"])}
+        entries = on_first_rank(self._comm, lambda: read_contents(self.path).entries)
+        chunked = self._chunked(wanted, ghosts=True)
+        with self.path.open("rb") as file:
+            return {
+                name: self._read(file, entries[name], saved, chunked[name])
+                for name, saved in wanted.items()
+            }
+
+    def _read(
+        self, file: BinaryIO, entry: Entry, saved: Saved, chunked: ChunkedRows | None
+    ) -> Array:
+        """Return the local rows of an array; collective."""
+
+        def read(start: int, count: int) -> Bytes:
+            file.seek(entry.data + start * entry.width)
+            return np.frombuffer(file.read(count * entry.width), dtype=np.uint8)
+
+        if chunked is None:
+            whole = read(0, entry.count).view(entry.dtype) if self._comm.rank == 0 else None
+            return np.array(self._comm.bcast(whole)).reshape(entry.shape)
+        if chunked.count != entry.shape[0]:
+            raise CaseError(
+                f"{self.path} has {entry.shape[0]} rows of {entry.name}, and the case "
+                f"{chunked.count}; run the case anew without --restart"
+            )
+        rows = chunked.handed_out(entry.width, read).view(entry.dtype)
+        return rows.reshape(len(rows), *saved.values.shape[1:])
+
+
+def _write_at(file: BinaryIO, place: int, values: Bytes | Array) -> None:
+    file.seek(place)
+    file.write(values)

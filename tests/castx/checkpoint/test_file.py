@@ -1,20 +1,25 @@
-"""Runs that go on from a checkpoint end like those that were not interrupted."""
+"""Checkpoints on any number of ranks: runs that go on from one, and its file."""
 
 from __future__ import annotations
 
 import gc
+import resource
 import shutil
 import sys
-import zipfile
+import tracemalloc
 from collections.abc import Mapping
 from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 import pytest
 
+from castx.checkpoint import archive, chunks
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError, StorageError
 from castx.materials.inelastic import FLOW_RULES
+from tests.castx.checkpoint.test_chunks import dealt
 from tests.contact_methods import BETWEEN_DEFORMABLE
 from tests.coupled_cases import (
     TIGHT,
@@ -246,24 +251,86 @@ def run_on_part(comm, data: Mapping[str, Any], folder):
     return steps, found
 
 
-@pytest.mark.parametrize("full", [(np.lib.format, "write_array"), (zipfile.ZipFile, "writestr")])
-def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(
-    comm, shared_tmp_path, monkeypatch, full
+@pytest.mark.parametrize("rows", [chunks.ROWS, 7])
+def test_files_and_what_is_read_do_not_depend_on_the_ranks(
+    comm, shared_tmp_path, monkeypatch, rows
 ):
+    """Also when one of them owns nothing, and for files of other numbers of ranks."""
+    monkeypatch.setattr(chunks, "ROWS", rows)
+    alone = dealt(MPI.COMM_SELF, 100)
+    single = Checkpoint(shared_tmp_path / str(comm.rank), MPI.COMM_SELF)
+    single.path.parents[1].mkdir()
+    single.write(alone, {"which": "alone"})
+    comm.Barrier()
+    checkpoint = Checkpoint(shared_tmp_path, comm)
+    for empty in (False, True):
+        state = dealt(comm, 100, empty=empty)
+        for written, header in ((state, "all"), (state, "alone")):
+            checkpoint.write(written, {"which": header})
+        assert checkpoint.path.read_bytes() == single.path.read_bytes()
+        found = checkpoint.read({"arrays": list(state)}, state)
+        for name, saved in state.items():
+            assert found[name].dtype == saved.values.dtype
+            np.testing.assert_array_equal(found[name], saved.values)
+        comm.Barrier()
+    # The ghosts of the last one are among the arrays of one rank, by their numbers.
+    found = checkpoint.read({"arrays": ["rows"]}, dealt(comm, 100))
+    order = np.sort(alone["rows"].numbering.numbers)
+    with np.load(single.path) as opened:
+        places = np.searchsorted(order, dealt(comm, 100)["rows"].numbering.numbers)
+        np.testing.assert_array_equal(found["rows"], opened["rows"][places])
+
+
+def test_no_rank_holds_a_whole_array(comm, shared_tmp_path, monkeypatch):
+    monkeypatch.setattr(chunks, "ROWS", 2**9)
+    monkeypatch.setattr(archive, "PART", 2**16)
+    state = dealt(comm, 2**15, width=30)
+    checkpoint = Checkpoint(shared_tmp_path, comm)
+    whole = 2**15 * 30 * 8
+    tracemalloc.start()
+    checkpoint.write(state, {})
+    assert tracemalloc.get_traced_memory()[1] < 0.4 * whole
+    tracemalloc.reset_peak()
+    header = checkpoint.read_header()
+    checkpoint.read(header, state)
+    assert tracemalloc.get_traced_memory()[1] < (1.0 / comm.size + 0.4) * whole
+    tracemalloc.stop()
+
+
+def test_another_number_of_rows_is_refused(comm, shared_tmp_path):
+    checkpoint = Checkpoint(shared_tmp_path, comm)
+    checkpoint.write(dealt(comm, 100), {})
+    with pytest.raises(CaseError, match=r"state\.npz has 100 rows of rows, and the case 99"):
+        checkpoint.read({"arrays": ["rows"]}, dealt(comm, 99))
+
+
+@pytest.fixture
+def small_chunks(monkeypatch):
+    """Let all ranks write, though the arrays are small."""
+    monkeypatch.setattr(chunks, "ROWS", 16)
+
+
+@pytest.mark.parametrize("limit", [5_000, 200_000])
+@pytest.mark.usefixtures("small_chunks")
+def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(
+    comm, shared_tmp_path, monkeypatch, limit
+):
+    """The file of the last rank may not grow beyond some bytes: at values and behind them all."""
     run = simulation(comm, thermal())
     checkpoint = Checkpoint(shared_tmp_path, comm)
     checkpoint.write(run.saved(), {"which": "old"})
-
-    def no_space(*_, **__):
-        raise OSError(28, "No space left on device")
-
     ignored = []
     monkeypatch.setattr(sys, "unraisablehook", ignored.append)
-    monkeypatch.setattr(*full, no_space)
-    with pytest.raises(StorageError, match=r"No space left on device.*--restart"):
-        checkpoint.write(run.saved(), {"which": "new"})
+    own, highest = resource.getrlimit(resource.RLIMIT_FSIZE)
+    padding = {"padding": "x" * 200_000}  # of the header, which rank 0 writes behind all values
+    if comm.rank == (comm.size - 1 if limit == 5_000 else 0):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, highest))
+    try:
+        with pytest.raises(StorageError, match=r"state\.npz cannot.*File too large.*--restart"):
+            checkpoint.write(run.saved(), padding)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (own, highest))
     gc.collect()
-    monkeypatch.undo()
     run.destroy()
     assert not ignored
     header = checkpoint.read_header()
@@ -273,6 +340,7 @@ def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(
 
 
 @pytest.mark.parametrize("damage", ["cut", "flip", "empty"])
+@pytest.mark.usefixtures("small_chunks")
 def test_damaged_checkpoints_are_refused(damage, comm, shared_tmp_path):
     checkpoint = Checkpoint(shared_tmp_path, comm)
     run = simulation(comm, thermal())

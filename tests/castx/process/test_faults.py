@@ -20,7 +20,7 @@ import sys, time
 from pathlib import Path
 from mpi4py import MPI
 import castx.command.cli
-from castx.checkpoint.gathering import Gathering
+from castx.checkpoint.chunks import ChunkedRows
 from castx.mechanics.constitutive import points as material_points
 from castx.heat.body import ThermalBody
 from castx.errors import ConvergenceError
@@ -30,7 +30,7 @@ PLACES = {
     "heat": (ThermalBody, "conducted_heat"),
     "law": (material_points, "respond"),
     "fields": (fields, "write_piece"),
-    "checkpoint": (Gathering, "to_first"),
+    "checkpoint": (ChunkedRows, "collected"),
 }
 FAULTS = {
     "bug": ZeroDivisionError("a fault"),
