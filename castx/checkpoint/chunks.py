@@ -150,7 +150,7 @@ def _exchanged(comm: MPI.Intracomm, rows: Array, counts: LongArray, awaited: Lon
     found = np.empty((awaited.sum(), *rows.shape[1:]), dtype=rows.dtype)
     # Counts are of rows, since those of bytes may be too many for 32 bits.
     row = MPI.BYTE.Create_contiguous(rows.dtype.itemsize * int(np.prod(rows.shape[1:]))).Commit()
-    comm.Alltoallv((np.ascontiguousarray(rows), counts, row), (found, awaited, row))
+    comm.Alltoallv([np.ascontiguousarray(rows), counts, row], [found, awaited, row])
     row.Free()
     return found
 
