@@ -44,7 +44,7 @@ _DAMAGES = (
 
 
 @dataclass(frozen=True)
-class Entry:
+class ArchivedArray:
     """An array in an archive.
 
     Attributes:
@@ -97,7 +97,7 @@ class Contents(NamedTuple):
     """
 
     header: dict[str, Any]
-    entries: dict[str, Entry]
+    entries: dict[str, ArchivedArray]
     checksums: list[int]
 
 
@@ -117,19 +117,19 @@ def _head(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
     return file.getvalue()
 
 
-def arranged(arrays: Iterable[tuple[str, np.dtype[Any], tuple[int, ...]]]) -> list[Entry]:
+def arranged(arrays: Iterable[tuple[str, np.dtype[Any], tuple[int, ...]]]) -> list[ArchivedArray]:
     """Return the places of arrays, given by name, type and shape, in an archive.
 
     An array of several chunks begins and ends with a page.
     """
-    entries: list[Entry] = []
+    entries: list[ArchivedArray] = []
     end = 0
     for name, dtype, shape in arrays:
         several = bool(shape) and shape[0] > ROWS
         head = len(_head(dtype, shape))
         data = end + len(_info(name).FileHeader(zip64=True)) + head
         data = _next_page(data) if several else data
-        entries.append(Entry(name, dtype, shape, data - head, data))
+        entries.append(ArchivedArray(name, dtype, shape, data - head, data))
         end = _next_page(entries[-1].end) if several else entries[-1].end
     return entries
 
@@ -139,7 +139,7 @@ def _next_page(place: int) -> int:
 
 
 def write_contents(
-    file: BinaryIO, entries: Sequence[Entry], checksums: Iterable[int], header: Mapping[str, Any]
+    file: BinaryIO, entries: Sequence[ArchivedArray], checksums: Iterable[int], header: Mapping[str, Any]
 ) -> None:
     """Make an archive of a file that has the values of its arrays.
 
@@ -183,7 +183,7 @@ def read_contents(path: Path) -> Contents:
     return Contents(header, entries, [checksum for _, checksum in found.values()])
 
 
-def _entry(file: BinaryIO, archive: zipfile.ZipFile, name: str) -> tuple[Entry, int]:
+def _entry(file: BinaryIO, archive: zipfile.ZipFile, name: str) -> tuple[ArchivedArray, int]:
     """Return the place and the checksum of an array."""
     info = archive.getinfo(f"{name}.npy")
     with archive.open(info) as member:
@@ -192,7 +192,7 @@ def _entry(file: BinaryIO, archive: zipfile.ZipFile, name: str) -> tuple[Entry, 
         head = member.tell()
     file.seek(info.header_offset + 26)  # of the lengths of the name and of what follows it
     start = info.header_offset + 30 + sum(struct.unpack("<2H", file.read(4)))
-    entry = Entry(name, dtype, shape, start, start + head)
+    entry = ArchivedArray(name, dtype, shape, start, start + head)
     stored = info.compress_type == zipfile.ZIP_STORED and version == (1, 0) and not is_fortran
     if not stored or entry.end - start != info.file_size:
         raise ValueError(f"{info.filename} is not stored as castx does")

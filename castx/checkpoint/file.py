@@ -12,7 +12,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.checkpoint.archive import (
-    Entry,
+    ArchivedArray,
     arranged,
     read_contents,
     read_verified,
@@ -144,7 +144,7 @@ class Checkpoint:
             }
 
     def _read(
-        self, file: BinaryIO, entry: Entry, saved: Saved, chunked: ChunkedRows | None
+        self, file: BinaryIO, entry: ArchivedArray, saved: Saved, chunked: ChunkedRows | None
     ) -> Array:
         """Return the local rows of an array; collective."""
 
