@@ -139,7 +139,10 @@ def _next_page(place: int) -> int:
 
 
 def write_contents(
-    file: BinaryIO, entries: Sequence[ArchivedArray], checksums: Iterable[int], header: Mapping[str, Any]
+    file: BinaryIO,
+    entries: Sequence[ArchivedArray],
+    checksums: Iterable[int],
+    header: Mapping[str, Any],
 ) -> None:
     """Make an archive of a file that has the values of its arrays.
 
