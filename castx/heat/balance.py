@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -237,6 +238,7 @@ class HeatBalance:
         self.time, self.step = 0.0, 1.0
         self.residual, self._balance = layout.create_vector(), layout.create_vector()
         self._column = layout.create_vector()
+        self._present: FloatArray | None = None
         self.previous = unknowns.enthalpies()
         self.dissipation: FloatArray = np.zeros(layout.size_local)
         self.exchanges = Exchanges(layout, self._balance, bodies, exchanges)
@@ -274,12 +276,28 @@ class HeatBalance:
             step: its size [s].
         """
         self.previous, self.time, self.step = previous, time, step
+        self._present = None
         return self.unknowns.first_guess(guess, time)
+
+    def _set(self, x: PETSc.Vec) -> None:
+        """Set the state of bodies and interfaces from the unknowns."""
+        self.unknowns.set(x)
+        self.exchanges.update_faces(self.unknowns.temperature, self.time)
+        self._present = x.array_r.copy()
+
+    def _return_to(self, x: PETSc.Vec) -> None:
+        """Set the state unless it is that of the last residual of this step; collective.
+
+        Newton's method asks for the Jacobian where it has just asked for the residual.
+        """
+        there = self._present is not None and np.array_equal(self._present, x.array_r)
+        if not self.layout.comm.allreduce(there, op=MPI.LAND):
+            self._set(x)
 
     def evaluate(self, x: PETSc.Vec) -> None:
         """Evaluate the balance of every node without heat of groups and prescribed temperatures."""
         unknowns = self.unknowns
-        unknowns.set(x)
+        self._set(x)
         storage = unknowns.volumes * (unknowns.enthalpy.array_r - self.previous) / self.step
         balance = self._balance.array
         balance[:] = storage
@@ -294,7 +312,6 @@ class HeatBalance:
             heat, _ = flux.evaluate(*self._span)
             balance[unknowns.start_of(flux.body) + flux.nodes] -= heat
             through += np.abs(heat).sum()
-        self.exchanges.update_faces(unknowns.temperature, self.time)
         through += self.exchanges.add_heat(self._balance)
         self._moved = np.abs(storage).sum(), through
 
@@ -316,8 +333,7 @@ class HeatBalance:
     def assemble_jacobian(self, x: PETSc.Vec) -> None:
         """Assemble the derivative of the residual into `jacobian.matrix`."""
         unknowns = self.unknowns
-        unknowns.set(x)
-        self.exchanges.update_faces(unknowns.temperature, self.time)
+        self._return_to(x)
         dT = unknowns.temperature_slope.array_r
         diagonal = unknowns.volumes * unknowns.slope.array_r / self.step
         for flux in self.fluxes:
@@ -333,8 +349,7 @@ class HeatBalance:
         feedback, unknowns = self.exchanges.feedback, self.unknowns
         if not feedback.exchanges:
             return []
-        unknowns.set(x)
-        self.exchanges.update_faces(unknowns.temperature, self.time)
+        self._return_to(x)
         columns = []
         for exchange in feedback.exchanges:
             u, v = self.residual.duplicate(), self.residual.duplicate()

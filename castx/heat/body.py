@@ -73,6 +73,7 @@ class ThermalBody:
         matrix = fem.assemble_matrix(form)
         matrix.scatter_reverse()
         self.conduction = matrix.to_scipy()
+        self._diagonal = self.conduction.diagonal()
         self.columns = matrix.index_map(1)
         self.column_nodes = self.columns.local_to_global(
             np.arange(self.columns.size_local + self.columns.num_ghosts, dtype=np.int32)
@@ -124,9 +125,11 @@ class ThermalBody:
         return np.asarray(self.conduction.data * slope.array[self.conduction.indices])
 
     def rounding(self) -> FloatArray:
-        """Return the size of the terms that cancel in `conducted_heat`, owned nodes [W]."""
-        theta = np.abs(self._potential_law(self.owned_temperature))
-        return 2.0 * self.conduction.diagonal() * theta
+        """Return the size of the terms that cancelled in the last `conducted_heat` [W].
+
+        Owned nodes, shape (owned,).
+        """
+        return np.asarray(2.0 * self._diagonal * np.abs(self._theta.array[: self.owned]))
 
     def source(self, start: float, end: float) -> float:
         """Return the mean heat source [W/m³] between two times [s]."""

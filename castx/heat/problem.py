@@ -87,6 +87,7 @@ class HeatProblem:
         self.solid_fraction = {body.name: body.solid_fraction for body in self._bodies}
         dimension = mesh.parent.topology.dim
         defaults = default_options(linear, self._layout.size_global, dimension)
+        given = dict(options or {})
         self._solver = NonlinearSolver(
             HEAT,
             PREFIX,
@@ -94,8 +95,8 @@ class HeatProblem:
             partial(jacobian, self._balance),
             vector=self._balance.residual,
             matrix=self._balance.jacobian.matrix,
-            options=defaults | dict(options or {}),
-            converged=partial(converged, self._balance, tolerance),
+            options=defaults | given,
+            converged=partial(converged, self._balance, tolerance, "ksp_rtol" not in given),
             step_rule=partial(adjust_step, self._balance),
         )
         self._counters = counters or StepCounters()
@@ -125,8 +126,8 @@ class HeatProblem:
     ) -> HeatReport:
         """Find the trial state at the end of a step that starts from the committed state.
 
-        A repeated call for the same step starts its iterations from the last result, another one
-        from what the last two sub-steps let expect.
+        A repeated call for the same step starts its iterations from the last result and what has
+        changed since then in the last two sub-steps, another one from what these let expect.
 
         Args:
             time: start of the step [s].
@@ -148,13 +149,19 @@ class HeatProblem:
         self._substates = []
         before = state = self._committed
         size = step / substeps
+        changed = changed_before = np.zeros_like(state)
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
             self._balance.exchanges.set_states(pairs, k / substeps, factors)
-            guess = known[k - 1] if k <= len(known) else 2.0 * state - before
+            again = k <= len(known)
+            guess = 2.0 * state - before
+            if again:
+                guess = known[k - 1] + 2.0 * changed - changed_before
             x = self._balance.begin(state, guess, time + k * size, size)
             report = self._solve(x)
             before, state = state, self._unknowns.enthalpies()
+            if again:
+                changed_before, changed = changed, state - known[k - 1]
             self._substates.append(state)
             self._books.book(self._balance.flows(), self._balance.sums().moved, size)
             iterations += report.iterations

@@ -79,3 +79,40 @@ def test_rows_without_a_balance_are_diagonal(comm):
         assert dict(zip(columns[values != 0.0], values[values != 0.0], strict=True)) == {
             row: pytest.approx(volume / 0.5)
         }
+
+
+def test_the_state_of_the_last_residual_serves_the_jacobian(comm, monkeypatch):
+    """Until the unknowns or the step change."""
+    mesh = cylinder(comm, size=8e-3)
+    balance = balance_under_law(mesh, SERIES)
+    x = balance.layout.create_vector()
+    calls, update = [], balance.exchanges.update_faces
+    monkeypatch.setattr(
+        balance.exchanges, "update_faces", lambda *given: (calls.append(1), update(*given))
+    )
+
+    def matrix(part: float, fresh: bool) -> tuple[float, int]:
+        """Return the norm of the Jacobian and how often the surfaces were updated for it."""
+        balance.exchanges.set_states([open_pairs(mesh)], part)
+        begun = balance.begin(balance.previous, balance.previous, 3.0, 1.0)
+        x.array[:] = begun + (0.0 if fresh else 1e3)
+        if not fresh:
+            residual_at(balance, begun)
+        residual_at(balance, x.array_r)
+        before = len(calls)
+        jacobian(balance, None, x, None, None)
+        balance.solid_columns(x)
+        return balance.jacobian.matrix.norm(), len(calls) - before
+
+    first, updates = matrix(0.3, fresh=True)
+    assert updates == 0
+    other, updates = matrix(0.9, fresh=True)
+    assert updates == 0 and other != first
+    moved, updates = matrix(0.9, fresh=False)
+    assert updates == 0 and moved != other
+    x.array[:] = balance.begin(balance.previous, balance.previous, 3.0, 1.0)
+    jacobian(balance, None, x, None, None)
+    assert balance.jacobian.matrix.norm() == pytest.approx(other, rel=1e-12)
+    x.array[:] += 1e3
+    jacobian(balance, None, x, None, None)
+    assert balance.jacobian.matrix.norm() == pytest.approx(moved, rel=1e-12)

@@ -14,7 +14,12 @@ from castx.domain.pairs.node_pairs import node_pairs
 from castx.errors import ConvergenceError
 from castx.heat.body import HeatBody
 from castx.heat.interface import HeatExchange
-from castx.heat.newton import converged, default_options, residual
+from castx.heat.newton import (
+    FINEST_LINEAR,
+    converged,
+    default_options,
+    residual,
+)
 from castx.heat.problem import HeatProblem
 from tests.castx.heat.heat_cases import (
     ALUMINIUM,
@@ -23,9 +28,15 @@ from tests.castx.heat.heat_cases import (
     advanced,
     balance_under_law,
     cylinder,
+    largest,
     material,
     problem_under_law,
 )
+
+
+def state_of(heat: HeatProblem) -> np.ndarray:
+    """Return the temperatures of all bodies on this rank, ghosts included."""
+    return np.concatenate([function.x.array for function in heat.temperature.values()])
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -89,5 +100,37 @@ def test_the_iteration_ends_by_the_heat_that_is_moved(comm):
     share = sums.residual / sums.moved
     for tolerance, expected in ((1.01 * share, reasons.CONVERGED_FNORM_ABS),
                                 (0.99 * share, reasons.ITERATING)):  # fmt: skip
-        assert converged(balance, tolerance, None, 1, (0.0, 0.0, 1.0)) == expected
-    assert converged(balance, 1.0, None, 1, (0.0, 0.0, np.nan)) == compat.not_finite()
+        assert converged(balance, tolerance, False, None, 1, (0.0, 0.0, 1.0)) == expected
+    assert converged(balance, 1.0, False, None, 1, (0.0, 0.0, np.nan)) == compat.not_finite()
+
+
+def test_linear_solves_are_only_as_exact_as_the_goal_needs(comm):
+    """A fifth of their iterations is saved, and none of Newton's is lost; a given rtol is kept."""
+    mesh = cylinder(comm, model="3d", size=5e-3)
+    exact = {"ksp_rtol": FINEST_LINEAR}
+    found = []
+    for options in (None, exact):
+        heat = problem_under_law(
+            mesh, SERIES, tolerance=1e-6, linear="iterative", options=options
+        )
+        reports = [advanced(heat, mesh, [1.0]), advanced(heat, mesh, [5.0], substeps=4)]
+        newton, linear = (
+            sum(getattr(report, name) for report in reports)
+            for name in ("iterations", "linear_iterations")
+        )
+        found.append((newton, linear, state_of(heat)))
+        assert heat.totals()["energy_error"] < 1e-6
+    (newton, linear, state), (exact_newton, exact_linear, reference) = found
+    assert newton <= exact_newton
+    assert linear < 0.85 * exact_linear
+    assert largest(comm, state - reference) < 1e-3
+
+
+def test_inexact_linear_solves_do_not_move_a_tight_answer(comm):
+    mesh = cylinder(comm, model="3d", size=8e-3)
+    states = []
+    for linear, tolerance in (("iterative", 1e-11), ("direct", 1e-13)):
+        heat = problem_under_law(mesh, SERIES, tolerance=tolerance, linear=linear)
+        advanced(heat, mesh, [1.0, 5.0], substeps=2)
+        states.append(state_of(heat))
+    assert largest(comm, states[0] - states[1]) < 1e-6

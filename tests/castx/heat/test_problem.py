@@ -137,6 +137,22 @@ def test_substeps_go_on_as_the_last_ones_did(comm):
     assert together < alone
 
 
+def test_a_repeated_step_goes_on_as_its_last_substeps_have_changed(comm):
+    """Another resistance lets sub-steps change alike; from the last result alone it takes 24."""
+    mesh = cylinder(comm, size=4e-3)
+    passes = [2000.0, 1000.0], [1000.0]
+    found = []
+    for coefficients in passes:
+        heat = problem(mesh, tolerance=1e-6)
+        run(heat, mesh, [2.0])
+        for coefficient in coefficients:
+            report = heat.advance(2.0, 5.0, resistances(mesh, coefficient), substeps=10)
+        found.append((report.iterations, state(heat, mesh)))
+    (again, repeated), (_, alone) = found
+    assert again <= 19
+    assert largest(comm, repeated - alone) < 1e-3
+
+
 def test_resistances_run_straight_over_the_substeps(comm):
     mesh = cylinder(comm)
     one, other = (problem(mesh, tolerance=1e-12) for _ in range(2))
