@@ -154,9 +154,7 @@ class HeatProblem:
         for k in range(1, substeps + 1):
             self._balance.exchanges.set_states(pairs, k / substeps, factors)
             again = k <= len(known)
-            guess = 2.0 * state - before
-            if again:
-                guess = known[k - 1] + 2.0 * changed - changed_before
+            guess = known[k - 1] + 2.0 * changed - changed_before if again else 2.0 * state - before
             x = self._balance.begin(state, guess, time + k * size, size)
             report = self._solve(x)
             before, state = state, self._unknowns.enthalpies()
