@@ -159,6 +159,7 @@ class Newton:
         self._failure, self._always_fresh, self._was_fresh = "", always_fresh, True
         active = self.balance.active
         active.begin()
+        self._changes.begin()
         self._residuals, self._augmentations, self._linear_solves = [], [], []
         try:
             report = self._solver.solve(x)
@@ -216,7 +217,8 @@ class Newton:
         stopped = self._changes.stop_at_contact(x, y)
         if self.balance.assembly.is_linear and self.balance.contact.pairs.is_linear:
             return stopped
-        return shorten_step(self._residual, x, y, snes, _vanishing(self.balance)) or stopped
+        at_once = _at_once(self.balance, self._changes.foretell(x, y) is not None)
+        return shorten_step(self._residual, x, y, snes, at_once) or stopped
 
     def _converged(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
@@ -272,8 +274,13 @@ class Newton:
         self._vector.destroy()
 
 
-def _vanishing(balance: MomentumBalance) -> BoolArray:
-    """Return the unknowns that are multipliers of open pairs: zero, whatever the bodies do."""
+def _at_once(balance: MomentumBalance, closings: bool) -> BoolArray:
+    """Return the unknowns that go all the way, whatever the bodies do.
+
+    Multipliers of open pairs do; with closings all that are constrained: beside the rows of pairs
+    that close, forces would have no say in how far to go.
+    """
     constrained = balance.operator.constrained.copy()
-    constrained[: balance.assembly.layout.size_local] = False
+    if not closings:
+        constrained[: balance.assembly.layout.size_local] = False
     return constrained

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, IntArray
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.supports.first_contact import FirstContact
 from castx.profiling import RunPart, booked_as
@@ -24,9 +26,17 @@ CERTAIN, QUITE_CERTAIN = 0.1, 1e-3
 """Residual beside the largest pull of a pair from which on pairs may open, and where they change
 one at a time."""
 
+MOST_FORETOLD = 3
+"""Openings of a pair in a solve after which it waits for forces that have settled."""
+
 
 class PairChanges:
     """Changes the state of pairs and supports at an iterate.
+
+    As long as what flows is not in equilibrium, closed pairs open by the forces that the last
+    linear system foretold (semismooth Newton; Hintermüller, Ito and Kunisch 2002): those balance,
+    where the forces of the iterate hold what its iteration left undone. So one iteration serves
+    both the law and the set, instead of several for each ring of pairs that a skin leaves.
 
     Args:
         balance: the nonlinear problem.
@@ -35,6 +45,40 @@ class PairChanges:
     def __init__(self, balance: MomentumBalance) -> None:
         self._balance = balance
         self._first_contact = FirstContact(balance.contact, balance.assembly.unknowns)
+        self._foretold: FloatArray | None = None
+        self._openings: IntArray = np.zeros(len(balance.trial_forces), dtype=np.int32)
+
+    def begin(self) -> None:
+        """Begin a solve."""
+        self._foretold = None
+        self._openings[:] = 0
+
+    def foretell(self, x: PETSc.Vec, y: PETSc.Vec) -> FloatArray | None:
+        """Keep the forces that closed pairs carry in the linear system after a step to x − y.
+
+        Friction and soft pairs open by forces of their own, and where bodies yield without regard
+        to a rate a linear system foretells little; there pairs would chatter.
+
+        Args:
+            x: the iterate, evaluated last.
+            y: the step, before a line search shortens it.
+
+        Returns:
+            The forces [N], shape (pairs,); None: it foretells none.
+        """
+        balance, pairs = self._balance, self._balance.contact.pairs
+        if pairs.follows_set or balance.contact.has_friction:
+            return None
+        if not balance.assembly.flows_by_rate:
+            return None
+        end, change = x.duplicate(), x.duplicate()
+        end.waxpy(-1.0, y, x)
+        balance.operator.free_product(y, change)
+        rows = balance.iterate.rows - change.array_r
+        self._foretold = pairs.trial_forces(replace(balance.present(end), rows=rows))
+        end.destroy()
+        change.destroy()
+        return self._foretold
 
     @booked_as(RunPart.CONTACT)
     def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
@@ -59,7 +103,9 @@ class PairChanges:
         else:
             linear = balance.is_linear and not improved
             settled = linear or self._is_settled(f, slides)
+            before = active.closed
             changed = active.update(self._forces_to_judge(settled), noise, settled)
+            self._openings += before & ~active.closed
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
             return limits.is_met(f) and self._release(x, f)
@@ -104,12 +150,16 @@ class PairChanges:
         return f.norm() <= share * pull and (slides or not balance.contact.has_friction)
 
     def _forces_to_judge(self, settled: bool) -> FloatArray:
-        """Return the trial forces by which pairs close and open [N], no pulls before it settles."""
+        """Return the forces by which pairs close and open [N], foretold pulls until they settle."""
         balance = self._balance
         if settled:
             return balance.trial_forces
-        pushed = np.maximum(balance.trial_forces, 0.0)
-        return np.where(balance.active.closed, pushed, balance.trial_forces)
+        closed = balance.active.closed
+        forces = np.where(closed, np.maximum(balance.trial_forces, 0.0), balance.trial_forces)
+        if self._foretold is not None:
+            certain = closed & (self._openings < MOST_FORETOLD)
+            forces[certain] = self._foretold[certain]
+        return forces
 
     def violates(self) -> bool:
         """Return whether a pair pulls or penetrates by more than the balance of forces allows."""

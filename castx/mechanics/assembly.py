@@ -105,6 +105,11 @@ class BodyAssembly:
         return all(body.is_linear for body in self.bodies)
 
     @property
+    def flows_by_rate(self) -> bool:
+        """Whether each body flows by a rate or has the same matrix for all unknowns of a step."""
+        return all(body.is_linear or body.material.law.flows_by_rate for body in self.bodies)
+
+    @property
     def is_elastic(self) -> bool:
         """Whether all bodies are elastic at every temperature."""
         return self.is_linear and all(body.is_compressible for body in self.bodies)

@@ -25,7 +25,7 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
-from castx.materials.flow import FlowProperties, liquid_flow, solid_flow
+from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.coherency import Coherency
@@ -86,6 +86,11 @@ class Law:
         """Whether the stress of a step is linear in its strain."""
         liquid = self.material.liquid
         return self.name == ELASTIC and (liquid is None or liquid.is_newtonian)
+
+    @property
+    def flows_by_rate(self) -> bool:
+        """Whether all that flows does so by a rate, so that its stress has no kink as it yields."""
+        return self.name == VISCOPLASTIC
 
     def largest_shear_modulus(self) -> float:
         """Return the largest shear modulus of the material [Pa], the scale of its pressures."""

@@ -8,7 +8,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.errors import ConvergenceError
 from tests.contact_methods import IN_THE_LIMIT
-from tests.coupled_cases import states
+from tests.coupled_cases import cylinder, states
 from tests.elastic_bodies import blocks, body, elastic, fixed, gaps, pressures, problem
 
 LENGTH, SQUEEZE, YOUNG = 0.02, 2e-5, {"upper": 7e9, "base": 70e9}
@@ -75,3 +75,20 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
         gap = state.totals["casting/mould.mean_gap"]
     assert opened == 2
     assert gap == pytest.approx(3.266e-6, rel=1e-3)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+def test_a_skin_leaves_the_wall_while_it_comes_into_balance(comm, method):
+    """Not one ring of pairs after the other, each once all flow has settled."""
+    data = cylinder(
+        {"bodies": [{"name": "casting", "material": "Al-pure", "temperature": 670.0,
+                     "law": "thermo-elasto-viscoplastic"},
+                    {"name": "mould", "material": "steel-H13", "temperature": 200.0}],
+         "time": {"end": 5.8}},
+        method=method, height=0.1, size=0.0025,
+    )  # fmt: skip
+    opening = [state.counters for state in states(comm, data) if state.counters.contact_changes]
+    assert sum(counters.contact_changes for counters in opening) > 20
+    assert all(counters.cutbacks == 0 for counters in opening)
+    assert max(counters.mechanics_iterations for counters in opening) <= 10

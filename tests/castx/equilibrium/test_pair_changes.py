@@ -64,6 +64,31 @@ def test_only_multipliers_that_are_no_unknowns_improve(comm, method):
     assert improved == METHODS[method].updates_multipliers
 
 
+@pytest.mark.parametrize("method", EXACT)
+def test_a_linear_system_foretells_the_forces_at_the_end_of_a_step(comm, method):
+    """They are those of the pairs there, since these bodies are linear."""
+    made = two_blocks(comm, method)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    f, end = x.duplicate(), pushed_down(made, 1e-5)
+    balance.residual(x, f)
+    y = x.copy()
+    y.axpy(-1.0, end)
+    foretold = PairChanges(balance).foretell(x, y)
+    balance.residual(end, f)
+    closed = balance.active.closed
+    there = everywhere(comm, balance.trial_forces[closed])
+    np.testing.assert_allclose(
+        everywhere(comm, foretold[closed]), there, atol=1e-9 * np.abs(there).max()
+    )
+
+
+@pytest.mark.parametrize("contact", [{"friction": 0.3}, {"method": "penalty"}], ids=str)
+def test_friction_and_soft_pairs_open_by_forces_of_their_own(comm, contact):
+    made = two_blocks(comm, **contact)
+    x = made.equilibrium.x
+    assert PairChanges(made.equilibrium.balance).foretell(x, x.copy()) is None
+
+
 @pytest.mark.serial
 @pytest.mark.parametrize(
     ("residual", "rounding", "noise"), [(1.0, 0.0, 0.05), (1e-6, 0.0, 1e-4), (1e-6, 2e-3, 2e-3)]
