@@ -103,10 +103,10 @@ def difference(one: Path, other: Path) -> float:
         for key in (key for key in a if key not in ("wall", "energy_error", "support_force")):
             largest = max(largest, relative(a[key], b[key]))
     paths = [folder / "checkpoint" / "state.npz" for folder in (one, other)]
-    with np.load(paths[0]) as a, np.load(paths[1]) as b:
-        for name in a.files:
+    with np.load(paths[0]) as state, np.load(paths[1]) as other_state:
+        for name in state.files:
             if "/heat/enthalpy/" in name or "/motion/" in name or name.endswith("/gap"):
-                largest = max(largest, relative(a[name], b[name]))
+                largest = max(largest, relative(state[name], other_state[name]))
     return largest
 
 

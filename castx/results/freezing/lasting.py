@@ -102,8 +102,8 @@ class Lasting:
         for before, after in pairwise(self._followed(enthalpy) for enthalpy in instants):
             cells = self._between(np.minimum(before, after), np.maximum(before, after))
             first, last = self._points(before, cells), self._points(after, cells)
-            for window, of_window in zip(self._windows, sums, strict=True):
-                of_window += self._volumes.shares(cells, window.share(first, last)) / PARTS
+            for place, window in enumerate(self._windows):
+                sums[place] += self._volumes.shares(cells, window.share(first, last)) / PARTS
         return self._volumes.added(list(sums))
 
     def _followed(self, enthalpy: FloatArray) -> FloatArray:
@@ -142,6 +142,6 @@ class Lasting:
         whole = self._parts(at_corners.max(axis=1) < 0.0)
         mixed = self._parts((at_corners.max(axis=1) >= 0.0) & (at_corners.min(axis=1) < 0.0))
         count = self._volumes.at_nodes(whole, np.ones(len(whole[0])))
-        some = (self._points(rise, mixed) < 0.0).any(axis=1)
-        count += self._volumes.at_nodes(mixed, some.astype(np.float64))
+        some = np.asarray((self._points(rise, mixed) < 0.0).any(axis=1), dtype=np.float64)
+        count += self._volumes.at_nodes(mixed, some)
         return np.asarray(self._volumes.added([count])[0] > 0.0)
