@@ -1,8 +1,10 @@
-"""Pairs without a row of their own: another pair of their node holds the same direction.
+"""Pairs without a row of their own: other pairs of their node hold their direction.
 
 Where a die parts at a face of the casting, the nodes there face both halves along one normal, and a
 node of the casting has room for one of the two gaps. The other half is held through the first one
-if both are tied or rigid; else it may penetrate there.
+if both are tied or rigid; else it may penetrate there. A node at a corner where more faces meet
+than it has components of displacement has no room for the last ones either, whatever they belong
+to.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.case.interfaces import Interface
 from castx.contact.kinematics.node_rows import NodeRows
 from castx.contact.kinematics.placement import GRAZING
@@ -30,7 +32,7 @@ def hidden_pair_warnings(
     rigid: Collection[str],
     comm: MPI.Intracomm,
 ) -> list[str]:
-    """Return a warning for each interface of which pairs carry no force; collective.
+    """Return warnings for each interface of which pairs carry no force; collective.
 
     Args:
         interfaces: of the case.
@@ -49,11 +51,12 @@ def hidden_pair_warnings(
             all_of = [p for p in pairs.values() if p.secondary == own.secondary]
             nodes = 1 + max(int(p.secondary_local.max(initial=-1)) for p in all_of)
             met[own.secondary] = _Met(nodes, own.points.shape[1])
-        hidden = met[own.secondary].hidden(own, together.get(own.primary, own.primary))
-        places = np.concatenate(comm.allgather(own.points[hidden]))
+        hidden, parting = met[own.secondary].hidden(own, together.get(own.primary, own.primary))
         total = comm.allreduce(len(own.areas))
-        if len(places):
-            warnings.append(_text(interface, places, total))
+        for which, reason in ((parting, _parting), (~parting, _crowded)):
+            places = np.concatenate(comm.allgather(own.points[hidden[which]]))
+            if len(places):
+                warnings.append(_text(interface, places, total) + reason(*interface.bodies))
     return warnings
 
 
@@ -80,12 +83,14 @@ class _Met:
         self._rows = NodeRows.none(nodes, dimension)
         self._groups = np.full((nodes, dimension), "", dtype=object)
 
-    def hidden(self, pairs: NodePairs, group: str) -> IntArray:
-        """Return which pairs have no room at their node; the others take it.
+    def hidden(self, pairs: NodePairs, group: str) -> tuple[IntArray, BoolArray]:
+        """Return which pairs have no room at their node, and which of these another group holds.
 
-        A pair that faces a group along a row of the same group is held by this row.
+        The others take the room. A pair that faces a group along a row of the same group is held by
+        this row.
         """
-        order, hidden = occurrence(pairs.secondary_local), []
+        order = occurrence(pairs.secondary_local)
+        hidden = [np.zeros(0, dtype=np.int32)]
         for k in range(int(order.max(initial=-1)) + 1):
             here = np.flatnonzero(order == k).astype(np.int32)
             nodes, normals = pairs.secondary_local[here], pairs.normals[here]
@@ -95,16 +100,31 @@ class _Met:
             along = np.abs(np.einsum("nki,ni->nk", self._rows.rows[nodes], normals))
             held = (along > 1.0 - GRAZING**2) & (self._groups[nodes] == group)
             hidden.append(here[~placed & ~held.any(axis=1)])
-        return np.concatenate([np.zeros(0, dtype=np.int32), *hidden])
+        found = np.concatenate(hidden)
+        others = self._groups[pairs.secondary_local[found]]
+        return found, np.asarray(((others != group) & (others != "")).any(axis=1), dtype=np.bool_)
 
 
 def _text(interface: Interface, places: FloatArray, total: int) -> str:
-    secondary, primary = interface.bodies
     order = np.lexsort(np.round(places, 9).T)
     place = ", ".join(f"{x:g}" for x in places[order[0]])
     return (
         f"interface {interface.name}: {len(places)} of {total} pairs carry no force, the first at "
-        f"({place}) m: {secondary} touches several bodies there along one normal, and they can "
+        f"({place}) m: "
+    )
+
+
+def _parting(secondary: str, primary: str) -> str:
+    return (
+        f"{secondary} touches several bodies there along one normal, and they can "
         f"move apart; name the other body first, bodies = [{primary!r}, {secondary!r}], in all "
         f"these interfaces, or tie the bodies that {secondary} touches to each other"
+    )
+
+
+def _crowded(secondary: str, primary: str) -> str:
+    return (
+        f"{secondary} touches more faces there than a node can be held by; while the others are "
+        f"closed nothing is missing, and it may enter {primary} a little once they open; take "
+        "smaller elements there, or round the edge, if that place matters"
     )
