@@ -14,7 +14,7 @@ from math import pi
 import gmsh
 import numpy as np
 
-from castx.arrays import FloatArray, LongArray
+from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.meshes.cad.cells import TRIANGLE, node_points
 from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeRule
 from castx.meshes.cad.faces import Face
@@ -47,6 +47,7 @@ class Samples:
         points: their middles, (samples, 3) [m].
         normals: out of the first body of the face, (samples, 3).
         areas: [m²].
+        edges: which edges of its face each corner lies on, (samples, 3, edges of the model).
     """
 
     faces: LongArray
@@ -54,28 +55,40 @@ class Samples:
     points: FloatArray
     normals: FloatArray
     areas: FloatArray
+    edges: BoolArray
 
 
 def samples_of(faces: Sequence[Face]) -> Samples:
     """Return the triangles of the faces in the current gmsh model."""
     points = node_points()
-    owners, corners, normals = [], [], []
+    owners, corners, normals, edges = [], [], [], []
     for index, face in enumerate(faces):
         nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, face.tag)[1].astype(np.int64)
         places = points[nodes.reshape(-1, 3)]
         owners.append(np.full(len(places), index))
         corners.append(places)
         normals.append(_outward(face, places))
+        edges.append(_on_edges(face, nodes.reshape(-1, 3)))
     places = np.concatenate(corners)
     vectors = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
-    middles = places.mean(axis=1)
     return Samples(
         np.concatenate(owners),
         places,
-        middles,
+        places.mean(axis=1),
         np.concatenate(normals),
         0.5 * np.linalg.norm(vectors, axis=1),
+        np.concatenate(edges),
     )
+
+
+def _on_edges(face: Face, nodes: LongArray) -> BoolArray:
+    """Return which edges of the model, those of a face alone, nodes lie on: (…, edges)."""
+    around = gmsh.model.getBoundary([(2, face.tag)], oriented=False)
+    on = np.zeros((*nodes.shape, len(gmsh.model.getEntities(1))), dtype=np.bool_)
+    for place, edge in enumerate(gmsh.model.getEntities(1)):
+        if edge in around:
+            on[..., place] = np.isin(nodes, gmsh.model.mesh.getNodes(*edge, True)[0])
+    return on
 
 
 def _outward(face: Face, places: FloatArray) -> FloatArray:
@@ -110,33 +123,44 @@ def wall_thickness(
     thickness = np.full(len(side), np.inf)
     count = min(MOST, int(MOST_PAIRS / max(1, len(own))) + 1)
     asked = own[np.argsort(-samples.areas[own], kind="stable")[:count]]  # fillets have small ones
+    others = samples.corners[own], normals[own], np.logical_or.reduce(samples.edges[own], axis=1)
     for first in range(0, len(asked), CHUNK):
         rows = asked[first : first + CHUNK]
         thickness[rows] = _to_other_side(
-            samples.points[rows], normals[rows], samples.corners[own], normals[own]
+            samples.points[rows], normals[rows], samples.edges[rows], *others
         )
     return thickness, -normals
 
 
 def _to_other_side(
-    points: FloatArray, normals: FloatArray, corners: FloatArray, other_normals: FloatArray
+    points: FloatArray,
+    normals: FloatArray,
+    edges: BoolArray,
+    corners: FloatArray,
+    other_normals: FloatArray,
+    other_edges: BoolArray,
 ) -> FloatArray:
     """Return how far inside the next opposite triangle is hit.
+
+    Where both sides end in one edge, a wall is as thick as at the corners off it: the middle has a
+    part of that by chance, and smaller cells at a knife edge are only flatter.
 
     Args:
         points: from which to look along the negative normals, (points, 3) [m].
         normals: outward ones.
-        corners: of the triangles, (triangles, 3, 3) [m].
-        other_normals: of the triangles.
+        edges: on which the corners of their triangles lie, (points, 3, edges).
+        corners: of triangles, (triangles, 3, 3) [m].
+        other_normals: of these.
+        other_edges: that these touch, (triangles, edges).
     """
-    first, edges = corners[:, 0], corners[:, 1:] - corners[:, :1]
+    first, sides = corners[:, 0], corners[:, 1:] - corners[:, :1]
     cosines = normals @ other_normals.T
     heights = np.einsum("ij,ij->i", first, other_normals) - points @ other_normals.T
     opposite = cosines < OPPOSITE
     depths = np.where(opposite, heights / np.where(opposite, -cosines, 1.0), np.inf)
     known = opposite & (depths > 1e-9)
     hit = np.where(known, depths, 0.0)
-    duals = np.swapaxes(np.linalg.pinv(edges), 1, 2)  # of a triangle without area: none
+    duals = np.swapaxes(np.linalg.pinv(sides), 1, 2)  # of a triangle without area: none
     shares = []
     for number in range(2):
         dual = duals[:, number]
@@ -145,7 +169,11 @@ def _to_other_side(
     shares.append(1.0 - shares[0] - shares[1])
     for share in shares:
         known &= share >= -ON_EDGE
-    return np.asarray(np.where(known, depths, np.inf).min(axis=1))
+    hits = np.where(known, depths, np.inf)
+    rows, columns = np.nonzero(known & (hits < 3.0 * hits.min(axis=1)[:, None]))
+    off = 3 - (edges[rows] & other_edges[columns][:, None]).any(axis=2).sum(axis=1)
+    hits[rows, columns] *= np.where(off < 3, 3.0 / np.maximum(off, 1), 1.0)
+    return np.asarray(hits.min(axis=1))
 
 
 @dataclass(frozen=True)

@@ -71,6 +71,26 @@ def test_coarse_triangles_of_a_bore_do_not_thin_the_wall_above_it():
     assert walls[upper].max() == pytest.approx(0.04)
 
 
+def test_a_knife_edge_is_as_thick_as_where_its_triangles_end():
+    """A corner left by a bore that touches both its sides; the middles of triangles are thinner."""
+    with gmsh_session():
+        occ = gmsh.model.occ
+        block, bore = occ.addBox(0, 0, 0, 20, 40, 20), occ.addCylinder(20, -1, 20, 0, 42, 0, 20)
+        ((_, part),), _ = occ.cut([(3, block)], [(3, bore)])
+        occ.synchronize()
+        faces = faces_of({part: "casting"})
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 15)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
+        gmsh.model.mesh.generate(2)
+        samples = samples_of(faces)
+    walls, _ = wall_thickness(samples, faces, "casting")
+    flat = np.array([abs(face.normals[0, 1]) < 1e-3 for face in faces])[samples.faces]
+    round_ = np.array([face.radius is not None for face in faces])[samples.faces]
+    heights = np.sort(samples.corners[round_][:, :, 2].ravel())
+    first = heights[heights > 1e-6][0]  # of the bore above its side, beside the edge
+    assert walls[flat | round_].min() > 0.7 * first
+
+
 def test_walls_are_as_thick_as_drawn(sampled):
     faces, samples = sampled
     flat = np.array([abs(face.normals[0, 2]) > 0.5 and len(face.bodies) == 2 for face in faces])
