@@ -16,7 +16,7 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 from mpi4py import MPI
@@ -46,6 +46,20 @@ def comm() -> MPI.Intracomm:
 def shared_tmp_path(tmp_path: Path) -> Path:
     """Return a temporary folder that is the same on all ranks."""
     return WORLD.bcast(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def written_case(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return what writes a case file into a new folder that is the same on all ranks."""
+
+    def write(text: str) -> Path:
+        file = Path(WORLD.bcast(tmp_path_factory.mktemp("case"))) / "case.toml"
+        if WORLD.rank == 0:
+            file.write_text(text)
+        WORLD.Barrier()
+        return file
+
+    return write
 
 
 @pytest.fixture(autouse=True)

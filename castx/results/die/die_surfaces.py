@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from castx.foundry.die_life import Fatigue
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.results.die.strain_cycle import StrainCycle
+from castx.results.solid.stage_ends import SolidState
 from castx.stateful import Arrays, Saved, part_of, saved_parts
 from castx.tables import Table
 
@@ -23,24 +24,6 @@ if TYPE_CHECKING:
 
 STRAIN_RANGE, LIFE = "strain_range", "life"
 """Names of the fields."""
-
-
-class StrainedState(Protocol):
-    """The part of a state after an accepted step that is needed here."""
-
-    @property
-    def process(self) -> Any:
-        """Number of the cycle."""
-
-    @property
-    def mesh(self) -> CastingMesh:
-        """The bodies that are there."""
-
-    def nodal(self, body: str, name: str, /) -> FloatArray:
-        """Return a nodal field with ghosts."""
-
-    def cellwise(self, body: str, name: str, /) -> FloatArray:
-        """Return a field constant in each cell, with ghosts."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +55,7 @@ class DieSurfaces:
             for name, corners in self._corners.items()
         }
 
-    def update(self, state: StrainedState) -> None:
+    def update(self, state: SolidState) -> None:
         """Take over the state after an accepted step."""
         for name, cycles in self._cycles.items():
             if name not in state.mesh.bodies:

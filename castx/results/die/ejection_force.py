@@ -7,7 +7,7 @@ adhesion are left out, and the change of the pressures while the bodies move.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
@@ -16,30 +16,12 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.stages import Schedule
+from castx.results.maps.first_opening import PairedState
 from castx.stateful import Arrays, Saved
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
-
-
-class PressedState(Protocol):
-    """The part of a state after an accepted step that is needed here."""
-
-    @property
-    def time(self) -> float:
-        """End of the step [s]."""
-
-    @property
-    def process(self) -> Any:
-        """Stage and cycle."""
-
-    @property
-    def pairs(self) -> Mapping[str, NodePairs]:
-        """The interfaces that are there."""
-
-    def paired(self, interface: str, name: str, /) -> FloatArray:
-        """Return a field of the owned pairs."""
 
 
 class EjectionForces:
@@ -60,7 +42,7 @@ class EjectionForces:
         # One row for each stage: cycle, time, forces; not a number before its end.
         self._ends: FloatArray = np.full((stages, 2 + len(areas)), np.nan)
 
-    def update(self, state: PressedState) -> None:
+    def update(self, state: PairedState) -> None:
         """Take over the state after an accepted step; collective."""
         if not self._areas:
             return

@@ -26,7 +26,7 @@ FIRST_OPENING = "first_opening"
 """Name of the field."""
 
 
-class TouchingState(Protocol):
+class PairedState(Protocol):
     """The part of a state after an accepted step that is needed here."""
 
     @property
@@ -35,7 +35,7 @@ class TouchingState(Protocol):
 
     @property
     def process(self) -> Any:
-        """Bodies that are new."""
+        """Stage and cycle, and bodies that are new."""
 
     @property
     def pairs(self) -> Mapping[str, NodePairs]:
@@ -117,7 +117,7 @@ class FirstOpenings:
         self._mesh, self._pairs = mesh, pairs
         self._found = {name: FirstOpening(of, mesh.comm, threshold) for name, of in pairs.items()}
 
-    def update(self, state: TouchingState) -> None:
+    def update(self, state: PairedState) -> None:
         """Take over the state after an accepted step."""
         for name, found in self._found.items():
             if state.process.renewed & {self._pairs[name].secondary, self._pairs[name].primary}:

@@ -13,12 +13,11 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.verification.contact.stacked import stacked_case
+from castx.verification.contact.stacked import over_penalties, stacked_case
 from castx.verification.measures.states import paired, states
 from castx.verification.measures.verification import (
     Answer,
     Comparison,
-    Curve,
     Outcome,
     Resolution,
     Verification,
@@ -63,9 +62,8 @@ def compare(at: Resolution, comm: MPI.Intracomm) -> Outcome:
         ]
         worst = max(worst, off)
         found.append(float(pressures.mean()))
-    line = np.logspace(np.log10(PENALTIES[0]), np.log10(PENALTIES[-1]), 200)
-    curve = Curve("contact pressure", np.log10(PENALTIES), 1e-6 * np.array(found[:5]),
-                  np.log10(line), 1e-6 * np.array([pressure(value) for value in line]))  # fmt: skip
+    soft = found[: len(PENALTIES)]
+    curve = over_penalties("contact pressure", PENALTIES, soft, pressure, 1e-6)
     compared = Comparison("log10 of the penalty [Pa/m]", "contact pressure [MPa]", (curve,))
     return Outcome(tuple(answers), worst, compared)
 

@@ -6,8 +6,12 @@ the upper block moves down.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
+
+import numpy as np
+
+from castx.verification.measures.verification import Curve
 
 Size = tuple[float, float]
 """Width and height of a block [m]."""
@@ -50,3 +54,24 @@ def stacked_case(
         "coupling": {"scheme": "mechanical"},
         "solver": {"linear": "direct", "mechanics_tolerance": 1e-12},
     }  # fmt: skip
+
+
+def over_penalties(
+    name: str,
+    penalties: Sequence[float],
+    found: Sequence[float],
+    exact: Callable[[float], float],
+    scale: float,
+) -> Curve:
+    """Return what was found under penalties [Pa/m] beside the exact line, over their logarithms.
+
+    Args:
+        name: of the curve.
+        penalties: rising, where something was found.
+        found: one for each penalty.
+        exact: answer of a penalty.
+        scale: from the answers to the units of the picture.
+    """
+    line = np.logspace(np.log10(penalties[0]), np.log10(penalties[-1]), 200)
+    return Curve(name, np.log10(penalties), scale * np.array(found), np.log10(line),
+                 scale * np.array([exact(value) for value in line]))  # fmt: skip

@@ -15,12 +15,11 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.verification.contact.stacked import stacked_case
+from castx.verification.contact.stacked import over_penalties, stacked_case
 from castx.verification.measures.states import pair_areas, paired, states
 from castx.verification.measures.verification import (
     Answer,
     Comparison,
-    Curve,
     Outcome,
     Resolution,
     Verification,
@@ -76,9 +75,7 @@ def compare(at: Resolution, comm: MPI.Intracomm) -> Outcome:
                         found_reaction(comm, at.size, WIDER, method=method), exact, "N/m", 1e-10)
         for method in ("condensed", "augmented-lagrangian")
     ]  # fmt: skip
-    line = np.logspace(np.log10(PENALTIES[0]), np.log10(PENALTIES[-1]), 200)
-    curve = Curve("equal blocks", np.log10(PENALTIES), 1e-3 * np.array(soft), np.log10(line),
-                  1e-3 * np.array([reaction(value) for value in line]))  # fmt: skip
+    curve = over_penalties("equal blocks", PENALTIES, soft, reaction, 1e-3)
     return Outcome(
         tuple(answers),
         max(answer.error for answer in answers),

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mpi4py import MPI
-
 import numpy as np
 import pytest
 
@@ -70,18 +68,13 @@ fields = ["von_mises", "strain_range", "life"]
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    comm = MPI.COMM_WORLD
-    place = Path(comm.bcast(tmp_path_factory.mktemp("die")))
-    if comm.rank == 0:
-        (place / "die.toml").write_text(CASE)
-    comm.Barrier()
-    return place
+def folder(written_case):
+    return written_case(CASE).parent
 
 
 def fields(folder, comm, name, *overrides):
     """Return strain range and life at the end of a run."""
-    run(folder / "die.toml", list(overrides), output=folder / name, comm=comm)
+    run(folder / "case.toml", list(overrides), output=folder / name, comm=comm)
     results = Results(folder / name)
     return tuple(results.field(field, "casting").values for field in (STRAIN_RANGE, LIFE))
 
@@ -100,7 +93,7 @@ def test_full_restraint(comm, folder):
 def test_extremes_so_far_go_on_after_a_break(comm, folder):
     before, _ = fields(folder, comm, "parts", "time.end=0.5")
     np.testing.assert_allclose(before, 0.5 * 5.281690e-3, rtol=1e-6)
-    run(folder / "die.toml", output=folder / "parts", comm=comm, restart=True)
+    run(folder / "case.toml", output=folder / "parts", comm=comm, restart=True)
     found = Results(folder / "parts").field(STRAIN_RANGE, "casting").values
     np.testing.assert_allclose(found, 5.281690e-3, rtol=1e-6)
 

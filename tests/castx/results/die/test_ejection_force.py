@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mpi4py import MPI
-
 import numpy as np
 import pytest
 
@@ -63,13 +61,8 @@ ejection_friction = 0.2
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    comm = MPI.COMM_WORLD
-    place = Path(comm.bcast(tmp_path_factory.mktemp("shaft")))
-    if comm.rank == 0:
-        (place / "case.toml").write_text(CASE)
-    comm.Barrier()
-    return place
+def folder(written_case):
+    return written_case(CASE).parent
 
 
 def test_the_force_of_a_shrink_fit(comm, folder):

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mpi4py import MPI
-
 import numpy as np
 import pytest
 
@@ -62,13 +60,8 @@ feeders = ["casting/far"]
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    comm = MPI.COMM_WORLD
-    place = Path(comm.bcast(tmp_path_factory.mktemp("reach")))
-    if comm.rank == 0:
-        (place / "case.toml").write_text(CASE)
-    comm.Barrier()
-    return place
+def folder(written_case):
+    return written_case(CASE).parent
 
 
 def test_pores_end_where_they_are_known_to(comm, folder):

@@ -79,13 +79,8 @@ fields = ["gap", "first_opening"]
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    comm = MPI.COMM_WORLD
-    place = Path(comm.bcast(tmp_path_factory.mktemp("openings")))
-    if comm.rank == 0:
-        (place / "case.toml").write_text(CASE)
-    comm.Barrier()
-    return place
+def folder(written_case):
+    return written_case(CASE).parent
 
 
 def opened(folder, comm, name, *overrides):
