@@ -1,5 +1,6 @@
-"""What measured temperatures tell of interface data: covariance, correlation, when to measure.
+"""What measured temperatures tell of interface data: fits, covariance, when and where to measure.
 
-Public: `covariance.posterior`, `covariance.correlation`, `lumped.LumpedCooling`,
-`sobol.first_order_indices`.
+Public: `fit.fit`, `covariance.posterior`, `covariance.correlation`,
+`smoothness.second_differences`, `whiteness.ljung_box`, `directions.unseen`, `sensors.d_optimal`,
+`sensors.a_optimal`, `lumped.LumpedCooling`, `sobol.first_order_indices`.
 """
