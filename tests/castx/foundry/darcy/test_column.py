@@ -113,3 +113,12 @@ def test_the_suction_of_a_mush_that_widens_is_constant_in_time(profile, time):
         here = [int(np.argmin(np.abs(at - node))) for node in nodes]
         errors.append(np.abs(found[here] / np.array(list(wanted.values())) - 1.0).max())
     assert errors[2] < 1e-3 and errors[0] > 3.5 * errors[1] > 12.0 * errors[2]
+
+
+def test_how_far_pressure_evens_out_in_a_step():
+    """τ_D = Δt K/μ of one second, from 5 % solid, which counts as liquid, to the cut-off."""
+    liquid = 1.0 - np.array([0.5, 0.7, 0.9, 0.98, 0.05])
+    evened = MUSH.permeability(liquid) / MUSH.melt.viscosity
+    expected = [6.944e-9, 7.653e-10, 1.715e-11, 1.157e-13, 4.763e-6]
+    np.testing.assert_allclose(evened, expected, rtol=3e-4)  # four digits
+    assert MUSH.permeability(np.array(0.001)) == MUSH.permeability(np.array(CUT))
