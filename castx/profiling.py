@@ -29,7 +29,8 @@ REST = "Main Stage"
 """PETSc's stage for all that is in no other one."""
 
 _SUMMARY = re.compile(
-    r'^Stages\["(.+)"\]\["summary"\]\[(\d+)\] = \{"time" : ([^,]+),.*"flop" : ([^}]+)\}$',
+    r'^Stages\["(.+)"\]\["summary"\]\[(\d+)\] = \{"time" : ([^,]+), "numMessages" : ([^,]+), '
+    r'"messageLength" : ([^,]+), "numReductions" : ([^,]+), "flop" : ([^}]+)\}$',
     re.MULTILINE,
 )
 
@@ -55,11 +56,17 @@ class PartCost:
         time: wall clock time of the rank with the largest one [s].
         mean_time: mean over the ranks [s].
         flops: floating-point operations of PETSc, of all ranks.
+        messages: that its vectors and matrices sent from rank to rank.
+        sent: bytes of these messages.
+        reductions: sums and the like of PETSc over all ranks.
     """
 
     time: float
     mean_time: float
     flops: float
+    messages: float
+    sent: float
+    reductions: float
 
 
 def booked_as(part: RunPart) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -102,20 +109,16 @@ class Profile:
     def costs(self) -> dict[RunPart, PartCost]:
         """Return the cost of each part so far; collective."""
         booked = self._booked() - self._start
-        times, flops = booked[:, 0], booked[:, 1]
         parts: list[RunPart] = list(RunPart)
-        return {
-            part: PartCost(float(times[k].max()), float(times[k].mean()), float(flops[k].sum()))
-            for k, part in enumerate(parts)
-        }
+        return {part: _cost(*numbers) for part, numbers in zip(parts, booked, strict=True)}
 
     def _booked(self) -> FloatArray:
-        """Return times [s] and flops, shape (parts, 2, ranks); collective."""
+        """Return the numbers of `_SUMMARY`, shape (parts, numbers, ranks); collective."""
         found = {
-            (name, int(rank)): (float(time), float(flops))
-            for name, rank, time, flops in _SUMMARY.findall(self._log())
+            (name, int(rank)): [float(number) for number in numbers]
+            for name, rank, *numbers in _SUMMARY.findall(self._log())
         }
-        none = 0.0, 0.0
+        none = [0.0] * (_SUMMARY.groups - 2)
         ranks = range(self._comm.size)
         return np.array(
             [[found.get((stage_name(part), rank), none) for rank in ranks] for part in RunPart]
@@ -131,3 +134,21 @@ class Profile:
             viewer.destroy()
             text = path.read_text() if self._comm.rank == 0 else ""
         return str(self._comm.bcast(text))
+
+
+def _cost(
+    times: FloatArray,
+    messages: FloatArray,
+    sent: FloatArray,
+    reductions: FloatArray,
+    flops: FloatArray,
+) -> PartCost:
+    """Return the cost from the numbers of each rank, where messages count at both ends."""
+    return PartCost(
+        time=float(times.max()),
+        mean_time=float(times.mean()),
+        flops=float(flops.sum()),
+        messages=0.5 * float(messages.sum()),
+        sent=0.5 * float(sent.sum()),
+        reductions=float(reductions.max()),
+    )

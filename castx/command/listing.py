@@ -237,15 +237,20 @@ def profile_table(folder: Path) -> Table:
         folder: the results of a run with a profile.
     """
     table = Table("part", box=SIMPLE_HEAD, pad_edge=False)
-    for column in ("time, s", "share, %", "mean rank, %", "Gflop/s"):
-        table.add_column(column, justify="right")
     costs = read_record(folder / RECORD).get("profile", {})
     total = sum(cost["time"] for cost in costs.values())
+    several = any(cost["messages"] for cost in costs.values())
+    columns = ("time, s", "share, %", "mean rank, %", "Gflop/s")
+    for column in (*columns, *(("messages", "MB", "sums") if several else ())):
+        table.add_column(column, justify="right")
     for part, cost in costs.items():
         time = cost["time"]
         share, mean = 100 * _over(time, total), 100 * _over(cost["mean_time"], time)
         speed = 1e-9 * _over(cost["flops"], time)
-        table.add_row(part, f"{time:.2f}", f"{share:.1f}", f"{mean:.0f}", f"{speed:.2f}")
+        sent, sums = 1e-6 * cost["sent"], cost["reductions"]
+        traffic = f"{cost['messages']:.0f}", f"{sent:.1f}", f"{sums:.0f}"
+        numbers = f"{time:.2f}", f"{share:.1f}", f"{mean:.0f}", f"{speed:.2f}"
+        table.add_row(part, *numbers, *(traffic if several else ()))
     return table
 
 

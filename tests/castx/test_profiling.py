@@ -65,3 +65,28 @@ def test_a_profile_counts_from_its_beginning(comm, vector):
     assert later.costs()[RunPart.SOLVE].flops == 0.0
     outer(vector)
     assert later.costs()[RunPart.SOLVE].flops == pytest.approx(FLOPS * comm.size, rel=ROUNDING)
+
+
+@booked_as(RunPart.CONTACT)
+def exchange(vector, scatter, received, times):
+    for _ in range(times):
+        scatter.scatter(vector, received)
+        vector.dot(vector)
+
+
+def test_messages_and_sums_between_ranks(comm, vector):
+    """Each rank takes the first entry of the next one: a message of one number."""
+    first, _ = vector.getOwnershipRange()
+    wanted = [(first + SIZE) % vector.size]
+    entry = PETSc.IS().createGeneral(wanted, comm=comm)
+    received = PETSc.Vec().createSeq(1)
+    scatter = PETSc.Scatter().create(vector, entry, received, None)
+    profile, times = Profile(comm), 7
+    exchange(vector, scatter, received, times)
+    cost = profile.costs()[RunPart.CONTACT]
+    several = comm.size > 1
+    sent = times * comm.size if several else 0
+    assert (cost.messages, cost.sent) == (sent, 8 * sent)
+    assert cost.reductions == (times if several else 0)
+    for item in (entry, received, scatter):
+        item.destroy()

@@ -92,6 +92,7 @@ def test_a_profile_says_what_the_parts_have_cost(comm, case_file, shared_tmp_pat
         assert costs[part]["time"] >= costs[part]["mean_time"] > 0 and part in text
     assert costs["heat"]["flops"] > 0 and costs["solve"]["flops"] > 0
     assert sum(cost["mean_time"] for cost in costs.values()) < passed
+    assert ("messages" in text) == (costs["heat"]["messages"] > 0) == (comm.size > 1)
 
 
 def test_set_replaces_values(comm, case_file, shared_tmp_path, said):
