@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import pty
 import pwd
 import re
 import shlex
@@ -242,6 +243,26 @@ def test_without_any_place_for_a_cache_it_is_not_started(debian, tmp_path):
     ended = launch(debian)
     assert ended.returncode == 125
     assert "castx: neither HOME nor XDG_CACHE_HOME is set" in ended.stderr
+
+
+def test_a_shell_finds_castx_after_its_own_start_up_file(tmp_path):
+    """Such a file puts the Python of pyenv or conda in front of all others."""
+    for name in ("python3", "there"):
+        (tmp_path / name).write_text("#!/bin/sh\necho strange\n")
+        (tmp_path / name).chmod(0o755)
+    (tmp_path / ".bashrc").write_text(f"PATH={tmp_path}:$PATH\nHERE=read\n")
+    cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
+    environment = {**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": cache}
+    environment.pop("CASTX_CHECKOUT", None)
+    typed, terminal = pty.openpty()
+    os.write(typed, b'python3 -c "import castx; print(castx.__name__)"; echo $HERE; there; exit\n')
+    said = subprocess.run(
+        [LAUNCHER, "bash"], stdin=terminal, stderr=terminal, stdout=subprocess.PIPE, text=True,
+        env=environment, timeout=60, check=True,
+    ).stdout  # fmt: skip
+    os.close(typed)
+    os.close(terminal)
+    assert said.split() == ["castx", "read", "strange"]
 
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root has rights to give up")

@@ -49,10 +49,11 @@ def cad_table(report: Report, interfaces: Sequence[str]) -> Table:
 def quality_text(quality: Quality) -> str:
     """Return the quality of the cells in words."""
     place = ", ".join(f"{x:.4g}" for x in quality.place)
+    poor = f"{quality.poor} cells are" if quality.poor else "none is"
     return (
         f"{quality.cells} cells with edges of {quality.shortest:.3g} to {quality.longest:.3g} m; "
         f"quality {quality.mean:.2f} in the mean, {quality.worst:.2g} in the worst, at ({place}) "
-        f"m, and below {POOR} in {quality.poor}"
+        f"m; {poor} below {POOR}"
     )
 
 

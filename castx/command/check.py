@@ -68,7 +68,8 @@ def check_case(
     pairs = case_pairs(mesh, case.interfaces)
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
-    _show_mesh(case, mesh_summary(mesh), formulations, console)
+    counts = {name: comm.allreduce(len(found.secondary_local)) for name, found in pairs.items()}
+    _show_mesh(case, mesh_summary(mesh), formulations, counts, console)
     if mesh.report is not None:
         show_cad(mesh.report, [interface.name for interface in case.interfaces], console)
     for described in case.interfaces:
@@ -89,12 +90,14 @@ def draw_case(case: Case, mesh: CastingMesh, picture: Path) -> None:
         CaseError: the picture cannot be drawn or written.
     """
     # Half a second that no check without a picture should wait for.
-    from castx.report.assembly.exploded import write_picture
+    from castx.report.assembly.exploded import Mark, write_picture
     from castx.report.assembly.shells import shells_of
 
     shells = shells_of(mesh, [interface.name for interface in case.interfaces])
     flat = case.geometry.model != "3d"
-    on_first_rank(mesh.comm, lambda: write_picture(shells, flat, picture))
+    first = {interface.name: interface.bodies[0] for interface in case.interfaces}
+    marks = [Mark(p.name, p.body or first[str(p.interface)], p.at) for p in case.probes]
+    on_first_rank(mesh.comm, lambda: write_picture(shells, flat, picture, marks))
 
 
 def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> None:
@@ -131,7 +134,11 @@ def _formulations(
 
 
 def _show_mesh(
-    case: Case, summary: MeshSummary, formulations: Sequence[str], console: Console
+    case: Case,
+    summary: MeshSummary,
+    formulations: Sequence[str],
+    pairs: Mapping[str, int],
+    console: Console,
 ) -> None:
     box = f"from {corner_text(summary.lowest)} to {corner_text(summary.highest)} m"
     console.print(f"{case.name}: {case.geometry.model}, {box}", markup=False)
@@ -139,7 +146,7 @@ def _show_mesh(
     console.print(surface_table(case, summary))
     console.print(size_text(case.geometry.model), markup=False)
     for interface in summary.interfaces:
-        console.print(interface_text(case, interface), markup=False)
+        console.print(interface_text(case, interface, pairs), markup=False)
 
 
 def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
@@ -236,11 +243,19 @@ def free_text(surface: str) -> str:
     return "insulated, free"
 
 
-def interface_text(case: Case, summary: InterfaceSummary) -> str:
-    """Return one line about two bodies that touch."""
-    sizes = f"{summary.pairs} pairs, {summary.area:.4g} m²"
+def interface_text(case: Case, summary: InterfaceSummary, pairs: Mapping[str, int]) -> str:
+    """Return one line about two bodies that touch.
+
+    Args:
+        case: the case.
+        summary: of the surface they share.
+        pairs: how many node pairs each interface of the case has; a node at an edge has one on
+            each side of it.
+    """
+    sizes = f"{summary.nodes} nodes, {summary.area:.4g} m²"
     for interface in case.interfaces:
         if set(interface.bodies) == set(summary.bodies):
+            sizes = f"{pairs[interface.name]} pairs, {summary.area:.4g} m²"
             laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
             return f"interface {interface.name}: {sizes}, {laws}"
     return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"

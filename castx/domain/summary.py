@@ -47,12 +47,12 @@ class InterfaceSummary:
 
     Args:
         bodies: their names.
-        pairs: number of node pairs.
+        nodes: on it.
         area: of the surface [m²].
     """
 
     bodies: tuple[str, str]
-    pairs: int
+    nodes: int
     area: float
 
 

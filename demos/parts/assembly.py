@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 import gmsh
 import numpy as np
 
-from demos.parts.solids import Point, within
+from demos.parts.solids import Point, quiet, within
 from demos.parts.step_names import with_names
 
 MM = 1e-3
@@ -124,7 +124,8 @@ def write_step(assembly: Assembly, file: Path) -> None:
     occ.synchronize()
     with TemporaryDirectory() as folder:
         unnamed = Path(folder) / "unnamed.step"
-        gmsh.write(str(unnamed))
+        with quiet():
+            gmsh.write(str(unnamed))
         text = unnamed.read_text(encoding="ascii")
         order = _order_of(unnamed, assembly)
     file.write_text(with_names(text, order, assembly.name), encoding="ascii")

@@ -4,6 +4,8 @@ A solid is the tag of a volume of the current gmsh model. Functions that combine
 them, unless they say otherwise.
 """
 
+import os
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import tau
@@ -26,6 +28,20 @@ def drawing(name: str) -> Iterator[None]:
         yield
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Let nothing be printed: OpenCASCADE tells of each file that it writes, past all options."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
 
 
 def box(low: Point, high: Point) -> int:

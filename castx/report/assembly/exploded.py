@@ -10,8 +10,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pyvista
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Patch
+from matplotlib.patheffects import Normal, Stroke
 
 from castx.arrays import FloatArray
 from castx.errors import CaseError
@@ -40,6 +42,21 @@ PERMANENT = [i for i in (*range(0, 20, 2), *range(1, 20, 2)) if i // 2 != 7]
 """matplotlib's colours tab20 but for its greys, the strong ones first."""
 GOLDEN = 0.618034
 """Of a circle of hues, from each further colour to the next."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A probe of the case, drawn over the surfaces.
+
+    Attributes:
+        name: beside it.
+        body: that it is moved with.
+        at: coordinates as the case gives them, two or three [m].
+    """
+
+    name: str
+    body: str
+    at: Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -95,13 +112,16 @@ def refuse_format(file: Path) -> None:
         raise CaseError(f"cannot draw {file}: the name must end in {', '.join(FORMATS)}")
 
 
-def write_picture(shells: Sequence[Shell], flat: bool, file: Path) -> None:
+def write_picture(
+    shells: Sequence[Shell], flat: bool, file: Path, marks: Sequence[Mark] = ()
+) -> None:
     """Draw bodies apart from each other, in space from two sides, and write them as a file.
 
     Args:
         shells: the bodies.
         flat: whether they lie in a plane.
         file: PNG, SVG or PDF.
+        marks: probes to show on the side of the surfaces, in front of all that hides them.
 
     Raises:
         CaseError: the file has another end or cannot be written, or pictures cannot be drawn.
@@ -109,15 +129,17 @@ def write_picture(shells: Sequence[Shell], flat: bool, file: Path) -> None:
     refuse_format(file)
     sides = paints(shells, flat)
     with display():
-        rows = [[_view(shells, paint, eye) for paint in sides] for eye in _eyes(flat)]
+        rows = [[_view(shells, paint, eye, marks) for paint in sides] for eye in _eyes(flat)]
     entries = [_columns(paint) for paint in sides]
     lines = max(-(-len(paint.colours) // n) for paint, n in zip(sides, entries, strict=True))
-    tall = sum(image.shape[0] / image.shape[1] for image, _ in rows)
+    tall = sum(left.image.shape[0] / left.image.shape[1] for left, _ in rows)
     with figure(WIDTH, 0.5 * WIDTH * tall + 0.6 + 0.22 * lines) as (canvas, _):
         axes = canvas.subplots(len(rows), 2, squeeze=False)
-        for axis, image in zip(axes.ravel(), [image for row in rows for image in row], strict=True):
-            axis.imshow(image)
+        for axis, view in zip(axes.ravel(), [view for row in rows for view in row], strict=True):
+            axis.imshow(view.image)
             axis.axis("off")
+        for axis, (_, view) in zip(axes[:, 1], rows, strict=True):
+            _show_marks(axis, marks, view.marks)
         for axis, paint, columns, place in zip(axes[0], sides, entries, ("left", "right"),
                                                strict=True):  # fmt: skip
             axis.set_title(paint.title)
@@ -131,6 +153,16 @@ def write_picture(shells: Sequence[Shell], flat: bool, file: Path) -> None:
             canvas.savefig(file, dpi=DOTS_PER_INCH)
         except OSError as error:
             raise CaseError(f"cannot write {file}: {error.strerror}") from None
+
+
+def _show_marks(axis: Axes, marks: Sequence[Mark], places: FloatArray) -> None:
+    """Draw probes with their names over a view, at places in pixels (marks, 2)."""
+    around = [Stroke(linewidth=3, foreground="white"), Normal()]
+    for mark, (x, y) in zip(marks, places.tolist(), strict=True):
+        axis.plot(x, y, "o", color="black", markersize=5, path_effects=around, scalex=False,
+                  scaley=False)  # fmt: skip
+        axis.annotate(mark.name, (x, y), (5, 4), textcoords="offset points", fontsize=8,
+                      path_effects=around, annotation_clip=False)  # fmt: skip
 
 
 def _columns(paint: Paint) -> int:
@@ -153,7 +185,17 @@ def _screen(eye: FloatArray) -> FloatArray:
     return np.stack([right, np.cross(eye, right)])
 
 
-def _view(shells: Sequence[Shell], paint: Paint, eye: FloatArray) -> Image:
+@dataclass(frozen=True)
+class _View:
+    """A picture of all bodies, and where the marks are in it, in pixels (marks, 2)."""
+
+    image: Image
+    marks: FloatArray
+
+
+def _view(
+    shells: Sequence[Shell], paint: Paint, eye: FloatArray, marks: Sequence[Mark]
+) -> _View:
     """Return the picture of all bodies from one side."""
     screen, flat = _screen(eye), abs(eye[2]) == 1.0
     axes = np.eye(3)[: 2 if flat else 3][::-1]  # upwards before sidewards
@@ -167,8 +209,27 @@ def _view(shells: Sequence[Shell], paint: Paint, eye: FloatArray) -> Image:
     plotter.renderer.enable_depth_peeling()
     plotter.enable_anti_aliasing("ssaa")
     image = plotter.screenshot(return_img=True)
+    dots = _pixels(plotter, points @ screen.T, _moved(marks, shells, moved) @ screen.T)
     plotter.close()
-    return np.asarray(image)
+    return _View(np.asarray(image), dots)
+
+
+def _moved(marks: Sequence[Mark], shells: Sequence[Shell], shifts: FloatArray) -> FloatArray:
+    """Return where marks are when their bodies are apart (marks, 3)."""
+    order = [shell.body for shell in shells]
+    found = np.zeros((len(marks), 3))
+    for place, mark in zip(found, marks, strict=True):
+        place[: len(mark.at)] = mark.at
+        place += shifts[order.index(mark.body)]
+    return found
+
+
+def _pixels(plotter: pyvista.Plotter, shown: FloatArray, places: FloatArray) -> FloatArray:
+    """Return where places on the screen are in a picture that shows just some others (n, 2)."""
+    width, height = plotter.window_size
+    scale = 0.5 * height / plotter.camera.parallel_scale
+    middle = 0.5 * (shown.min(axis=0) + shown.max(axis=0))
+    return np.array([width, height]) / 2.0 + (places - middle) * [scale, -scale]
 
 
 def _window(places: FloatArray) -> list[int]:

@@ -211,6 +211,8 @@ def fields(
 
 SMALLEST_RANGE = 1e-6
 """Range of values, in the unit shown, below which colours would show round-off."""
+ROUND_OFF = 1e-12
+"""Share of the largest value below which the least one counts as zero."""
 
 
 def shown_range(values: FloatArray, topic: Topic) -> tuple[float, float] | None:
@@ -220,7 +222,8 @@ def shown_range(values: FloatArray, topic: Topic) -> tuple[float, float] | None:
         return None
     if topic.field == "solid_fraction":
         return 0.0, 1.0
-    return float(finite.min()), float(np.quantile(finite, topic.share))
+    low, high = float(finite.min()), float(np.quantile(finite, topic.share))
+    return (0.0 if abs(low) < ROUND_OFF * abs(high) else low), high
 
 
 def colour_maps(topics: Sequence[Topic]) -> dict[str, list[list[int]]]:

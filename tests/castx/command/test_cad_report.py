@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from castx.command.cad_report import difference_text, quality_text
@@ -46,8 +48,9 @@ def test_quality_in_words():
     quality = Quality(9, 0.75, 0.0521, (0.0, 0.01, 2.0), 2, 0.001, 0.0031)
     assert quality_text(quality) == (
         "9 cells with edges of 0.001 to 0.0031 m; quality 0.75 in the mean, 0.052 in the worst, "
-        "at (0, 0.01, 2) m, and below 0.1 in 2"
+        "at (0, 0.01, 2) m; 2 cells are below 0.1"
     )
+    assert quality_text(replace(quality, poor=0)).endswith("m; none is below 0.1")
 
 
 def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said):

@@ -270,7 +270,7 @@ def test_a_rank_may_hold_nothing_of_a_body(cells, count, pairs, comm):
     summary = mesh_summary(mesh)
     assert [body.cells for body in summary.bodies] == [count, count]
     assert [body.volume for body in summary.bodies] == pytest.approx([1.0, 1.0])
-    assert summary.interfaces[0].pairs == pairs
+    assert summary.interfaces[0].nodes == pairs
 
 
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
@@ -290,7 +290,7 @@ def test_a_mesh_survives_its_file(cells, comm, shared_tmp_path):
         assert (one.name, one.cells, one.nodes) == (other.name, other.cells, other.nodes)
         assert one.volume == pytest.approx(other.volume, rel=1e-12)
         assert one.surfaces == pytest.approx(other.surfaces, rel=1e-12)
-    assert [i.pairs for i in written.interfaces] == [i.pairs for i in read.interfaces]
+    assert [i.nodes for i in written.interfaces] == [i.nodes for i in read.interfaces]
 
 
 def test_bodies_come_in_the_order_of_the_case(comm):

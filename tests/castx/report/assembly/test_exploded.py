@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 from castx.errors import CaseError
-from castx.report.assembly.exploded import colours, paints, write_picture
+from castx.report.assembly.exploded import Mark, colours, paints, write_picture
 from castx.report.assembly.shells import Shell
 
 pytestmark = pytest.mark.serial
@@ -108,6 +108,28 @@ def test_plane_bodies_are_seen_from_one_side(tmp_path):
     assert set(lines) == {"left/right", "left/outside"} and min(lines.values()) > 1e-3
     # three sides of a square beside one of each
     assert lines["left/outside"] / lines["left/right"] == pytest.approx(3 / 2, rel=0.1)
+
+
+def test_probes_are_marked_where_their_bodies_are_drawn(tmp_path):
+    """Two marks in corners of a picture that shows one square: only there it is black."""
+    square = np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]])
+    edges = np.stack([square[0], np.roll(square[0], -1, axis=0)], axis=1)
+    shells = [Shell("left", square, {"left/outside": edges})]
+    file = tmp_path / "parts.png"
+
+    def black(marks):
+        write_picture(shells, True, file, [Mark("", "left", at) for at in marks])
+        picture = imread(file)[:, :, :3]
+        half = picture.shape[1] // 2
+        places = np.argwhere(picture[60:-100, half + 40 : -40].max(axis=2) < 0.02)
+        return (places / [len(picture), half])[:, ::-1]
+
+    assert len(black([])) == 0
+    low, high = black([(0.2, 0.2)]).mean(axis=0), black([(0.7, 0.6)]).mean(axis=0)
+    away = (high - low) * [imread(file).shape[1] // 2, imread(file).shape[0]]
+    assert away[0] > 0 > away[1]
+    assert away[0] / -away[1] == pytest.approx(0.5 / 0.4, rel=0.02)
+    assert len(black([(0.2, 0.2), (0.7, 0.6)])) > 1.5 * len(black([(0.7, 0.6)]))
 
 
 def test_colours_all_differ():

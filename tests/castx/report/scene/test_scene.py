@@ -104,3 +104,5 @@ def test_round_off_has_no_colours():
     assert shown_range(np.array([0.0, 0.5]), topic) is None
     assert shown_range(np.array([np.nan]), topic) is None
     assert shown_range(np.array([1e6, np.nan, 3e6]), topic) == (1e6, 3e6)
+    assert shown_range(np.array([-1e-130, 3e6]), topic) == (0.0, 3e6)
+    assert shown_range(np.array([-1.0, 3e6]), topic) == (-1.0, 3e6)
