@@ -158,7 +158,8 @@ def write_picture(
 def _show_marks(axis: Axes, marks: Sequence[Mark], places: FloatArray) -> None:
     """Draw probes with their names over a view, at places in pixels (marks, 2)."""
     around = [Stroke(linewidth=3, foreground="white"), Normal()]
-    for mark, (x, y) in zip(marks, places.tolist(), strict=True):
+    for index, mark in enumerate(marks):
+        x, y = float(places[index, 0]), float(places[index, 1])
         axis.plot(x, y, "o", color="black", markersize=5, path_effects=around, scalex=False,
                   scaley=False)  # fmt: skip
         axis.annotate(mark.name, (x, y), (5, 4), textcoords="offset points", fontsize=8,
