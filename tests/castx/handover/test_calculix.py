@@ -114,6 +114,8 @@ def test_elements_are_divided_into_classes_of_yield_strength(tmp_path):
     of_cells = strength[state.cells].mean(axis=1)
     np.testing.assert_allclose(table["yield_strength"], of_cells, rtol=1e-12)
     np.testing.assert_allclose(table["plastic_strain"], state.values("plastic_strain"))
+    inputs = [path.read_text() for path in (tmp_path / "ccx").glob("*.inp")]
+    assert len(inputs) == 5 and not any("PLASTIC STRAIN" in text.upper() for text in inputs)
     assert handed.classes.width == pytest.approx(np.ptp(of_cells) / 20)
     text = (tmp_path / "ccx/casting-materials.inp").read_text()
     used = np.unique(table["class"]).astype(int)

@@ -10,13 +10,13 @@ from tests.castx.handover.made_results import box, made
 pytestmark = pytest.mark.serial
 
 
-def made_state(folder, unfrozen=0.0):
+def made_state(folder, unfrozen=0.0, slowest=1.0):
     points, cells = box(4)
     x = points[:, 0]
     late = np.where(x > 0.03 - unfrozen, np.nan, 5.0 + 100.0 * x)
     fields = {
         "passing_time_0.0": late, "passing_time_1.0": 2.0 * late, "gradient": 1e4 * (1.0 + x),
-        "front_speed": 1e-3 * (1.0 + x), "cooling_rate": 10.0 * (1.0 + x),
+        "front_speed": 1e-3 * (1.0 + x), "cooling_rate": 10.0 * (slowest + x),
         "arm_spacing": 2e-5 * (1.0 + x),
     }  # fmt: skip
     return made(folder / "out", "3d", points, cells, fields)
@@ -49,6 +49,14 @@ def test_what_has_not_frozen_is_left_out_and_counted(tmp_path):
     assert rows + left == 13 * 9 * 5 and left > 0
     table = np.genfromtxt(tmp_path / "exaca.csv", delimiter=",", names=True)
     assert table["x"].max() < 0.02 and np.isfinite(table["tl"]).all()
+
+
+def test_what_does_not_cool_is_left_out_and_counted(tmp_path):
+    """The cooling rate passes zero between x = 10 and 11 mm."""
+    rows, left = write_exaca(made_state(tmp_path, slowest=-0.0101), tmp_path / "exaca.csv", 2.5e-3)
+    table = np.genfromtxt(tmp_path / "exaca.csv", delimiter=",", names=True)
+    assert (table["cr"] > 0.0).all() and table["x"].min() == pytest.approx(0.0125)
+    assert len(table) == rows == 8 * 9 * 5 and left == 5 * 9 * 5
 
 
 def test_missing_fields_and_fine_grids_are_refused(tmp_path):
