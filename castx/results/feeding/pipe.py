@@ -82,6 +82,7 @@ class BodyPipe:
         self.emptied: FloatArray = np.zeros(nodes)
         self._beside: BoolArray = np.zeros((nodes, feeders), dtype=bool)
         self._levels: FloatArray = np.full(feeders, np.nan)
+        self._above: FloatArray = np.full(nodes, np.nan)
         self._unfed = 0.0
 
     def update(self, fraction: FloatArray, feeders: Mapping[str, BoolArray]) -> None:
@@ -145,12 +146,13 @@ class BodyPipe:
         levels = np.full((count, len(self._metal.feeders)), np.nan)
         beta, keys = self._metal.contraction, self._heights.keys[own]
         columns = self._heights.highest(pool, liquid, freezing, beta * totals)
+        tops = self._tops(pools, surfaces)
         for number in range(count):
             feeders, places = pools.open_to[number], Places.of(columns, number)
             rest = max(float(totals[number] - places.freezing.sum()), 0.0)
             found = drained(places.liquid, places.freezing, rest, beta)
-            level = float(np.nanmax(self._levels[feeders]))
-            levels[number, feeders] = places.level(found.left, level)
+            levels[number, feeders] = level = places.level(found.left, tops[number])
+            self._above[pools.of_node == number] = level
             here = np.flatnonzero(pool == number)
             here, place = places.among(here, keys[here])
             share[here], mean[here] = found.left[place], found.mean[place]
@@ -158,6 +160,21 @@ class BodyPipe:
         self._mark(pools, surfaces, share < 1.0)
         if count:
             self._levels = np.fmin(self._levels, _highest_of(levels))
+
+    def _tops(self, pools: Pooled, surfaces: BoolArray) -> list[float]:
+        """Return the height up to which each open pool is full [m]; collective.
+
+        Of one that has not fallen yet it is the highest place of its feeders.
+        """
+        heights = np.stack([self._above, np.where(surfaces.any(1), self._heights.values, np.nan)])
+        tops: FloatArray = np.full((2, len(pools.open_to)), -np.inf)
+        for row, values in zip(tops, heights, strict=True):
+            here = (pools.of_node >= 0) & np.isfinite(values)
+            np.maximum.at(row, pools.of_node[here], values[here])
+        self._comm.Allreduce(MPI.IN_PLACE, tops, op=MPI.MAX)
+        others = [float(np.nanmax(self._levels[feeders])) for feeders in pools.open_to]
+        known = (next(filter(np.isfinite, both), None) for both in tops.T)
+        return [o if top is None else float(top) for top, o in zip(known, others, strict=True)]
 
     def _book(
         self,
@@ -212,7 +229,7 @@ class BodyPipe:
         numbering = self._body.node_numbering
         nodal = {
             "fraction": self._fraction, "filled": self._filled, "emptied": self.emptied,
-            "beside": self._beside.astype(np.float64),
+            "beside": self._beside.astype(np.float64), "above": self._above,
         }  # fmt: skip
         found = {name: Saved(values, numbering) for name, values in nodal.items()}
         whole = {"levels": self._levels, "unfed": np.array(self._unfed)}
@@ -229,6 +246,7 @@ class BodyPipe:
         self._fraction, self._filled = arrays["fraction"].copy(), arrays["filled"].copy()
         self.emptied, self._beside = arrays["emptied"].copy(), arrays["beside"] > 0.5
         self._levels, self._unfed = np.array(arrays["levels"]), float(arrays["unfed"])
+        self._above = arrays["above"].copy()
 
 
 def _highest_of(levels: FloatArray) -> FloatArray:

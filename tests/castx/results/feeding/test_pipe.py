@@ -170,6 +170,33 @@ def test_two_feeders_of_different_heights_sink_to_one_level(comm):
     assert left[-1] < 0.034
 
 
+def test_the_level_below_one_name_is_that_of_the_highest_pool(comm):
+    """Two risers apart, the higher one freezes first: no height is of neither."""
+    mesh = plate_mesh(comm, 1e-3)
+    body = mesh.bodies["casting"]
+    x, z = body.points.T
+    tops = {"left": (x < 0.0055) & (z > HEIGHT - 1e-9), "right": (x > 0.0145) & (
+        np.abs(z - 0.03) < 1e-9)}  # fmt: skip
+    never = (x > 0.0055) & (x < 0.0145) | (x > 0.0055) & (z > 0.0301)
+    apart, together = (
+        BodyPipe(body, mesh.model, metal(0.6, names)) for names in (("left", "right"), ("free",))
+    )
+    either = {"free": tops["left"] | tops["right"]}
+    seen = []
+    first = [(0.1 * k, 0.02 * k) for k in range(6)]
+    for left, right in first + [(1.0, 0.15 + 0.05 * k) for k in range(9)]:
+        fraction = np.where(never, 1.0, np.where(x < 0.006, left, right))
+        apart.update(fraction, tops)
+        together.update(fraction, either)
+        seen.append((apart.levels["left"], apart.levels["right"], together.levels["free"]))
+    high, low, one = np.array(seen).T
+    assert high[0] == one[0] == HEIGHT and low[0] == pytest.approx(0.03)
+    np.testing.assert_allclose(one[:6], high[:6], rtol=1e-12)
+    np.testing.assert_allclose(one[7:], low[7:], rtol=1e-12)
+    assert low[-1] < low[7] < 0.03 < high[-1] < HEIGHT
+    np.testing.assert_allclose(apart.emptied, together.emptied, atol=1e-14)
+
+
 def test_remelting_lacks_nothing_twice(comm):
     mesh = cylinder_mesh(comm)
     body = mesh.bodies["casting"]
