@@ -35,7 +35,7 @@ def write_report(folder: Path) -> Path:
         record=run.record,
         model=run.model,
         ended=run.record["exit"],
-        lead=lead,
+        lead=sorted(lead, key=lambda finding: finding.name not in pictures),
         others=[finding for finding in found if finding not in lead],
         shots=pictures,
         stills=still,

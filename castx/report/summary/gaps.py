@@ -35,7 +35,7 @@ def largest_gap(run: Results, name: str) -> Finding | None:
     opened = np.flatnonzero(widths > OPEN)
     told = "Largest opening of the run"
     if opened.size:
-        told += f"; it exceeds 1 µm first at {run.history['time'][opened[0]]:.4g} s"
+        told += f"; it exceeds 1 µm first in the step to {run.history['time'][opened[0]]:.4g} s"
     written, place = gap_place(run, name, time)
     if place is not None and abs(written - time) > 1e-6 * time:
         told += f"; the place is that in the fields of {written:.4g} s"

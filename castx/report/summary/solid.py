@@ -9,6 +9,9 @@ from castx.report.summary.finding import Finding, Shown, place_text
 from castx.results.quantities import PRINCIPAL, parts
 from castx.results.reading import Results
 
+RESIDUAL = "Residual stress"
+AT_THE_END = "Stress at the end"
+
 
 def last_ends(run: Results) -> Iterator[tuple[str, float, Mapping[str, Any]]]:
     """Yield body, time [s] and record of the last end of a stage of each body, castings first."""
@@ -23,15 +26,19 @@ def last_ends(run: Results) -> Iterator[tuple[str, float, Mapping[str, Any]]]:
 
 
 def residual_stress(run: Results) -> Iterator[Finding]:
-    """Yield the largest principal stress of each body at its last end."""
+    """Yield the largest principal stress of each body at its last end.
+
+    It is residual in a casting that is cold and free; a die bears what its process asks of it.
+    """
     for body, time, found in last_ends(run):
         stress = found["stress"]
         pull, mises = stress["largest_principal"], stress["von_mises"]
         yield Finding(
-            "Residual stress", body, pull["value"], "MPa",
+            RESIDUAL if body in run.freezing else AT_THE_END, body, pull["value"], "MPa",
             f"Largest principal stress; von Mises at most {_mega(mises['value'])} at "
             f"{place_text(mises['place'], run.model)}, {_mega(stress['mean_von_mises'])} in the "
-            "mean.",
+            "mean." + (" It is residual stress once the body is cold and free."
+                       if body in run.freezing else ""),
             factor=1e-6, place=pull["place"], time=time,
             shown=Shown(PRINCIPAL[0], (body,), time),
         )  # fmt: skip

@@ -116,6 +116,12 @@ def test_each_number_of_the_summary_is_that_of_the_results(page, folder):
     assert shown["Residual stress: casting"] == stress["largest_principal"]["value"]
 
 
+def test_findings_without_a_picture_come_last(text):
+    cards = text.split('<section class="card">')[1:]
+    drawn = ["<figure>" in card.partition("</section>")[0] for card in cards]
+    assert drawn == sorted(drawn, reverse=True) and True in drawn and False in drawn
+
+
 def test_pictures_have_colours(page):
     for source in page.values("src"):
         image = base64.b64decode(source.partition(",")[2])

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.serial
 def test_the_widest_moment_counts_with_its_place():
     (gap,) = gaps(run())
     assert gap.number == "5 µm" and gap.time == 2.0 and gap.place == [0.04, 0.01]
-    assert "exceeds 1 µm first at 2 s" in gap.sentence
+    assert "exceeds 1 µm first in the step to 2 s" in gap.sentence
     assert gap.shown.moved and not gap.shown.outside
     (space,) = gaps(run(model="3d"))
     assert space.shown.field == "gap" and space.shown.outside

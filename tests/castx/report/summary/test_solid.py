@@ -35,6 +35,8 @@ def test_the_last_end_of_each_body_counts():
     found = with_ends(end(0, 10.0, 5e7), end(1, 90.0, 1.234e8))
     (stress,), (shape,) = residual_stress(found), distortion(found)
     assert stress.number == "123.4 MPa" and stress.where("axisymmetric").endswith("t = 90 s")
+    assert stress.name == "Residual stress: casting"
+    assert stress.sentence.endswith("residual stress once the body is cold and free.")
     assert "von Mises at most 90 MPa at r 0.0, z 30.0 mm, 25 MPa in the mean" in stress.sentence
     assert shape.number == "-0.6846 mm" and shape.place == [0.03, 0.06]
     assert "from -0.685 to 0.01 mm; allowance r 1.37 %, z 1.21 %" in shape.sentence
@@ -44,6 +46,7 @@ def test_castings_come_first_and_a_body_that_is_gone_keeps_its_last_end():
     found = with_ends(end(0, 10.0, 5e7, "mould", "casting"), end(1, 20.0, 6e7, "casting"))
     first, second = residual_stress(found)
     assert (first.of, first.time, second.of, second.time) == ("casting", 20.0, "mould", 10.0)
+    assert second.topic == "Stress at the end" and "residual" not in second.sentence
 
 
 def test_a_body_without_distortion_has_its_stress():
