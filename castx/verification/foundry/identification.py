@@ -8,12 +8,16 @@ spaced samples are geometric: Σ q^k, Σ k q^k, Σ k² q^k in closed form.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import FloatArray
 from castx.foundry.identification.covariance import correlation, deviations
+from castx.foundry.identification.fit import SETTLED, Unknown, fit
 from castx.foundry.identification.lumped import LumpedCooling
 from castx.verification.measures.verification import (
     MESHLESS,
@@ -61,6 +65,17 @@ def found_by_one(time: float) -> float:
     return float(deviations(BODY.covariance(np.array([time]), NOISE))[0])
 
 
+def fitted(time: FloatArray) -> float:
+    """Return h by a fit to samples without noise, from four times as much [W/m²/K]."""
+
+    def model(values: Mapping[str, float]) -> FloatArray:
+        body = replace(BODY, coefficient=values["h"])
+        return body.temperature(time)
+
+    unknown = Unknown("h", 4.0 * BODY.coefficient, 0.01, positive=True)
+    return fit(model, BODY.temperature(time), np.array(NOISE), [unknown]).values["h"]
+
+
 def compare(at: Resolution, comm: MPI.Intracomm) -> Outcome:
     """Evaluate the covariances beside their closed forms."""
     time: FloatArray = np.arange(1, SAMPLES + 1, dtype=np.float64)
@@ -77,6 +92,8 @@ def compare(at: Resolution, comm: MPI.Intracomm) -> Outcome:
         Answer.relative("best time of one sample", BODY.best_time, best, "s", 1e-12),
         Answer.relative("deviation of ln h from this sample", found_by_one(BODY.best_time),
                         float(by_one(np.array(best))), "", 1e-9),
+        Answer.relative("coefficient by a fit without noise", fitted(time), BODY.coefficient,
+                        "W/m²/K", SETTLED * alone),
     )  # fmt: skip
     times: FloatArray = np.linspace(15.0, 180.0, 34, dtype=np.float64)
     line = fine(15.0, 180.0)
