@@ -123,7 +123,7 @@ def told() -> Told:
     here = samples(mesh, logarithms)
     changed = [samples(mesh, logarithms + DIFFERENCE * knot) for knot in np.eye(len(KNOTS))]
     by_knot = np.stack([(other - here)[:, 0] / DIFFERENCE for other in changed], axis=-1)
-    return Told(by_knot, (here[:, 1] - here[:, 0]) / DEPTH)
+    return Told(np.asarray(by_knot), np.asarray((here[:, 1] - here[:, 0]) / DEPTH))
 
 
 # Sensors; deviations of h at the knots; its shift at 0, 1, 3 s if all lie 0.3 mm farther off; its

@@ -27,7 +27,7 @@ from castx.foundry.identification.fit import Unknown, fit
 pytestmark = pytest.mark.serial
 
 CONDUCTIVITY, A, B, C = 3.0, 5.0, 10.0, 15.0
-KNOTS: FloatArray = np.linspace(0.0, 1.0, 5)
+KNOTS: FloatArray = np.linspace(0.0, 1.0, 5, dtype=np.float64)
 FLUX = CONDUCTIVITY * (B * KNOTS + C)
 NOISE = np.array(0.05)
 ALONG, ACROSS = (0.05, 0.29, 0.45, 0.61, 0.77, 0.95), (0.31, 0.57, 0.73)
@@ -59,7 +59,7 @@ def at_sensors(box: mesh.Mesh, fields: list[fem.Function]) -> FloatArray:
 def box_of(divisions: int) -> Box:
     """Return a cube whose far wall is held; its sides have their exact fluxes."""
     cells = mesh.CellType.hexahedron
-    cube = mesh.create_unit_cube(MPI.COMM_SELF, *[divisions] * 3, cells)
+    cube = mesh.create_unit_cube(MPI.COMM_SELF, divisions, divisions, divisions, cells)
     space = fem.functionspace(cube, ("Lagrange", 1))
     test, potential = ufl.TestFunction(space), CONDUCTIVITY * ufl.TrialFunction(space)
     form = conduction(potential, test, 1.0, ufl.dx)

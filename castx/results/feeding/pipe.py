@@ -168,13 +168,14 @@ class BodyPipe:
         """
         heights = np.stack([self._above, np.where(surfaces.any(1), self._heights.values, np.nan)])
         tops: FloatArray = np.full((2, len(pools.open_to)), -np.inf)
-        for row, values in zip(tops, heights, strict=True):
+        for k, values in enumerate(heights):
             here = (pools.of_node >= 0) & np.isfinite(values)
-            np.maximum.at(row, pools.of_node[here], values[here])
+            np.maximum.at(tops[k], pools.of_node[here], values[here])
         self._comm.Allreduce(MPI.IN_PLACE, tops, op=MPI.MAX)
-        others = [float(np.nanmax(self._levels[feeders])) for feeders in pools.open_to]
-        known = (next(filter(np.isfinite, both), None) for both in tops.T)
-        return [o if top is None else float(top) for top, o in zip(known, others, strict=True)]
+        fallen, surface = tops
+        others = np.array([np.nanmax(self._levels[feeders]) for feeders in pools.open_to])
+        begun = np.where(np.isfinite(surface), surface, others)
+        return [float(top) for top in np.where(np.isfinite(fallen), fallen, begun)]
 
     def _book(
         self,
