@@ -19,8 +19,8 @@ than a multiple of the residual, so that exact solutions see the weight of a bod
 thermal forces."""
 
 SETTLED = 1e-3
-"""Residual beside the forces in a body from which on pairs may begin to slip or to stick, and those
-with friction may open."""
+"""Residual beside the forces in a body from which on pairs may begin to slip or to stick, those
+with friction may open, and pores of liquid that is trapped in what flows may turn."""
 
 CERTAIN, QUITE_CERTAIN = 0.1, 1e-3
 """Residual beside the largest pull of a pair from which on pairs may open, and where they change
@@ -91,12 +91,14 @@ class PairChanges:
             f: its residual, filled anew if it has changed.
         """
         balance, active, limits = self._balance, self._balance.active, self._balance.convergence
-        improved = balance.assembly.improve_pressures()
+        # The void of a pocket says nothing while the shell around it still has to yield.
+        settles = not balance.assembly.flows_by_rate or limits.is_met(f) or self._is_small(f)
+        improved = balance.assembly.improve_pressures(settles)
         if improved or not balance.is_evaluated_at(x):
             balance.residual(x, f)
         norm = f.norm()
         noise = max(min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * norm), limits.rounding)
-        slides = norm <= SETTLED * max(limits.weakest, limits.smallest)
+        slides = self._is_small(f)
         if balance.contact.slide(balance.present(x), balance.trial_forces, noise, slides):
             changed = True
             active.restart_cycle_detection()
@@ -111,6 +113,11 @@ class PairChanges:
             return limits.is_met(f) and self._release(x, f)
         balance.sum_up_again(x, f)
         return True
+
+    def _is_small(self, f: PETSc.Vec) -> bool:
+        """Return whether the residual is small beside the forces in a body."""
+        limits = self._balance.convergence
+        return bool(f.norm() <= SETTLED * max(limits.weakest, limits.smallest))
 
     def _release(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
         """Let go of bodies that closed pairs hold without force; return whether there were any.

@@ -67,7 +67,7 @@ class DisplacementFormulation:
         """Return nothing: the assembled Jacobian is complete."""
         return []
 
-    def improve_pressures(self) -> bool:
+    def improve_pressures(self, settled: bool) -> bool:
         """Return False: there are no multipliers."""
         return False
 

@@ -220,8 +220,12 @@ class Formulation(Protocol):
     def products(self) -> list[Product]:
         """Return the parts of the Jacobian that are applied without a matrix."""
 
-    def improve_pressures(self) -> bool:
-        """Take the pressures of this rank for the multipliers; return whether there are any."""
+    def improve_pressures(self, settled: bool) -> bool:
+        """Take the pressures of this rank for the multipliers; return whether there are any.
+
+        Args:
+            settled: whether forces nearly balance: pores of trapped liquid open and close then.
+        """
 
     def mean_stress(self) -> FloatArray:
         """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""

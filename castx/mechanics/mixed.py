@@ -148,9 +148,9 @@ class MixedFormulation:
         """Return the part of OSGS beyond GLS, Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
         return [projection.add_product for projection in self._projections]
 
-    def improve_pressures(self) -> bool:
+    def improve_pressures(self, settled: bool) -> bool:
         """Open and close the pores of trapped liquid; return whether any pocket has changed."""
-        changed = self._pockets.turn(self._material, self.mean_stress())
+        changed = settled and self._pockets.turn(self._material, self.mean_stress())
         if changed:  # pores end the stabilisation, of which GLS has a part in the load
             self._assemble_projections()
             self.forms.update_load()

@@ -114,7 +114,7 @@ class Q1P0Formulation:
         """Return nothing: the assembled Jacobian is complete."""
         return []
 
-    def improve_pressures(self) -> bool:
+    def improve_pressures(self, settled: bool) -> bool:
         """Take the present pressures for the multipliers, if any cell of this rank has one.
 
         The pores of trapped liquid open and close; return whether anything has changed.
@@ -122,7 +122,7 @@ class Q1P0Formulation:
         iterates, changed = self._mean.iterates, False
         if iterates:
             self._mean.improve()
-        if self._pockets.turn(self._material, self.mean_stress()):
+        if settled and self._pockets.turn(self._material, self.mean_stress()):
             self._set_volumes()
             changed = True
         return iterates or changed

@@ -11,8 +11,11 @@ from castx.stateful import Arrays, Numbering, Saved
 SLACK = 1e-9
 """Volumetric strain of the solid that counts as none when pores open or close."""
 
-MOST_TURNS = 6
-"""Changes of the state of one pocket in one solution; then it stays full."""
+MOST_TURNS = 2
+"""Changes of the state of one pocket in one step, all passes together; then it stays full."""
+
+GROWTH = 2.0
+"""Growth of the pressure of a pocket from which on pores are tried again that had no void."""
 
 UNKNOWN, FULL, POROUS = -1, 0, 1
 
@@ -35,6 +38,10 @@ class Pores:
         # UNKNOWN in cells that are not trapped.
         self._committed: IntArray = np.full(len(numbering.numbers), UNKNOWN, dtype=np.int32)
         self._state: IntArray = self._committed
+        # Both of each cell: changes in this step, and the excess at which pores were tried in vain.
+        self._turned: IntArray = np.zeros(len(numbering.numbers), dtype=np.int32)
+        self._refused: FloatArray = np.zeros(len(numbering.numbers))
+        self._tried: FloatArray = self._refused
 
     def begin(self) -> None:
         """Guess the state of the pockets of a trial step; collective.
@@ -47,13 +54,15 @@ class Pores:
         if (known == UNKNOWN).any():
             expected = self._content.expected_void_fraction() > SLACK
             self.open = np.where(known == UNKNOWN, expected, self.open)
-        self._turns = np.zeros(len(self.open), dtype=np.int32)
+        self._turns = self._content.largest(self._turned).astype(np.int32)
         self._mark()
 
     def _mark(self) -> None:
         pocket = self._content.pocket
+        trapped = pocket >= 0
         self._state = np.full_like(pocket, UNKNOWN)
-        self._state[pocket >= 0] = np.where(self.open, POROUS, FULL)[pocket[pocket >= 0]]
+        self._state[trapped] = np.where(self.open, POROUS, FULL)[pocket[trapped]]
+        self._turned[trapped] = self._turns[pocket[trapped]]
 
     @property
     def cells(self) -> BoolArray:
@@ -63,17 +72,30 @@ class Pores:
     def turn(self, excess: FloatArray, void: FloatArray) -> bool:
         """Open pores where the pressure asks for it, close those without void; say whether any did.
 
+        The void of a pocket is the counterpart of one pressure, which acts where it has pores. Full
+        liquid of coarse cells cannot flow from where it is squeezed to where it is drawn, and its
+        mean pressure may ask for pores that have no void. They are tried again as it has doubled.
+
         Args:
             excess: pressure above the one at which pores open, in strain of the solid, (pockets,).
             void: void fraction, shape (pockets,).
         """
-        turned = np.where(self.open, void < -SLACK, excess > SLACK)
-        # A pocket of a few cells may find neither state right, by an error of its mesh.
+        least = np.maximum(GROWTH * self._content.largest(self._tried), SLACK)
+        turned = np.where(self.open, void < -SLACK, excess > least)
+        # A pocket may find neither state right, by an error of its mesh.
         turned &= self.open | (self._turns < MOST_TURNS)
         self.open = self.open ^ turned
         self._turns = self._turns + turned
         self._mark()
+        self._note(np.where(turned & self.open, excess, 0.0))
         return bool(turned.any())
+
+    def _note(self, excess: FloatArray) -> None:
+        """Note the excess at which pockets open, zero: they do not; shape (pockets,)."""
+        pocket = self._content.pocket
+        trapped = pocket >= 0
+        self._tried = self._tried.copy()
+        self._tried[trapped] = np.maximum(self._tried[trapped], excess[pocket[trapped]])
 
     def news(self) -> list[tuple[BoolArray, str]]:
         """Return what an accepted step has changed: in which pockets, and in words; collective."""
@@ -87,16 +109,23 @@ class Pores:
     def commit(self) -> None:
         """Keep the state of the trial step."""
         self._committed = self._state
+        self._tried = self._refused = np.where(self._state == FULL, self._tried, 0.0)
+        self._turned[:] = 0
 
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""
-        self._state = self._committed
+        self._state, self._tried = self._committed, self._refused
+        self._turned[:] = 0
 
     def saved(self) -> dict[str, Saved]:
         """Return the state of the last accepted step."""
-        return {"state": Saved(self._committed, self._numbering)}
+        return {
+            "state": Saved(self._committed, self._numbering),
+            "refused": Saved(self._refused, self._numbering),
+        }
 
     def restore(self, arrays: Arrays) -> None:
         """Restore it."""
         self._committed = np.asarray(arrays["state"], dtype=np.int32)
+        self._refused = arrays["refused"].astype(np.float64)
         self.rewind()

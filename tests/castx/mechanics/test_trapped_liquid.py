@@ -103,6 +103,7 @@ def test_a_pocket_that_is_drawn_apart_opens_and_one_pressed_together_closes(comm
     for pressure in (1.9e5, 2.2e5):
         move(part, stretched if pressure > 2e5 else 0 * stretched, pressure)
         part.residual()
+        assert not part.improve_pressures(settled=False)  # the shell may be far from balance
         changed = part.improve_pressures()
     assert changed
     part.residual()

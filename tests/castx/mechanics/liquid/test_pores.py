@@ -51,6 +51,39 @@ def test_who_finds_neither_state_right_stays_full() -> None:
     assert turns == MOST_TURNS < 20 and not found.open.any()  # long before a solution gives up
 
 
+def test_turns_count_over_all_passes_of_a_step():
+    """Else each pass would find its pockets in both states once more."""
+    found = pores(0.0, 0.0, 0.0)
+    drawn, pressed = np.array([1e-3, 0.0, 0.0]), np.array([-1e-3, 0.0, 0.0])
+    for ending in (found.rewind, found.commit):
+        assert found.turn(drawn, NOTHING) and found.turn(NOTHING, pressed)
+        found.begin()  # another pass
+        assert not found.turn(9 * drawn, NOTHING) and not found.open.any()
+        ending()
+        found.begin()
+    assert found.turn(9 * drawn, NOTHING)
+
+
+def test_pores_without_void_are_tried_again_as_the_pressure_has_doubled():
+    """Found once, it is kept from step to step and in checkpoints, but for steps taken back."""
+    found = pores(0.0, 0.0, 0.0)
+    drawn, pressed = np.array([1e-3, 0.0, 0.0]), np.array([-1e-3, 0.0, 0.0])
+    assert found.turn(drawn, NOTHING) and found.turn(NOTHING, pressed)
+    found.rewind()
+    found.begin()
+    assert found.turn(drawn, NOTHING) and found.turn(NOTHING, pressed)
+    found.commit()
+    other = pores(0.0, 0.0, 0.0)
+    other.restore({name: saved.values for name, saved in found.saved().items()})
+    for made in (found, other):
+        made.begin()
+        assert not made.turn(1.9 * drawn, NOTHING)
+        assert made.turn(2.1 * drawn, NOTHING) and made.open.tolist() == [True, False, False]
+        made.commit()  # this time they have a void
+        made.begin()
+        assert made.turn(NOTHING, pressed) and made.turn(drawn, NOTHING)
+
+
 def test_a_step_that_is_taken_back_leaves_nothing_behind() -> None:
     found = pores(0.0, 0.0, 0.0)
     assert [which.tolist() for which, _ in found.news()] == [[True] * 3, [False] * 3, [False] * 3]
