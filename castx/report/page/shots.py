@@ -162,7 +162,8 @@ def scales_of(state: State, topic: Topic, bodies: Sequence[str]) -> Iterator[Sca
         values = np.concatenate([state[n][topic.field] for n in there
                                  if topic.field in state[n].array_names])  # fmt: skip
         limits = shown_range(np.asarray(values, dtype=np.float64), topic)
-        yield Scale(limits or (found[0], found[0] + 1.0), colours, there)
+        # What does not vary, such as the stress of rigid bodies, gets one unit of those shown.
+        yield Scale(limits or (found[0], found[0] + 1.0 / topic.factor), colours, there)
 
 
 def view_and_factor(run: ReportedRun, state: State, shown: Shown) -> tuple[View, float]:
