@@ -2,11 +2,13 @@
 
     bin/with-fenicsx mpirun -n 2 python3 bench/industrial.py TETRAHEDRA [--law elastic | flowing]
         [--end S]
+    bin/with-fenicsx python3 bench/industrial.py bracket | wheel | housing | block [--end S]
 
 Runs the quarter cylinder of demos/cylinder_3d.toml with about so many tetrahedra in all (20,000 to
-more than a million), elastic throughout or flowing from the liquid on, to a time, without output
-files. The line of the table stands below its head; CPU seconds and memory are sums over the ranks,
-memory the peak of their resident sets, errors the largest of all steps.
+more than a million), elastic throughout or flowing from the liquid on, or a part of demos/parts
+whose STEP file is drawn, to a time, without output files. The line of the table stands below its
+head; CPU seconds and memory are sums over the ranks, memory the peak of their resident sets, errors
+the largest of all steps.
 """
 
 from __future__ import annotations
@@ -19,10 +21,13 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.process.simulation import Simulation
 
-CASE = Path(__file__).parent.parent / "demos" / "cylinder_3d.toml"
+DEMOS = Path(__file__).parent.parent / "demos"
+PARTS = ("bracket", "wheel", "housing", "block")
+CYLINDER_END = 90.0
 SIZE, TETRAHEDRA = 0.0042, 24_984
 """Element size [m] that gives so many tetrahedra; their number follows its third power."""
 LAWS = {
@@ -33,7 +38,7 @@ LAWS = {
     ),
 }  # fmt: skip
 COLUMNS = (
-    "tetrahedra", "unknowns", "ranks", "law", "to s", "steps", "cuts", "Newton", "a solve",
+    "tetrahedra", "unknowns", "pairs", "ranks", "law", "to s", "steps", "cuts", "Newton", "a solve",
     "wall s", "CPU s", "memory MB", "force_error", "energy_error",
 )  # fmt: skip
 
@@ -43,18 +48,35 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("tetrahedra", type=int, help="about so many in all bodies")
-    parser.add_argument("--law", choices=tuple(LAWS), default="elastic", help="of the casting")
-    parser.add_argument("--end", type=float, default=90.0, help="end of the run [s]")
+    parser.add_argument("what", help="about so many tetrahedra in all bodies, or a part")
+    parser.add_argument("--law", choices=tuple(LAWS), default="elastic", help="of the cylinder")
+    parser.add_argument("--end", type=float, help="end of the run [s]")
     asked = parser.parse_args(arguments)
+    if asked.what not in PARTS and not asked.what.isdecimal():
+        parser.error(f"{asked.what} is no number of tetrahedra and none of {', '.join(PARTS)}")
     show(COLUMNS)
-    show(measure(asked.tetrahedra, asked.law, asked.end))
+    if asked.what in PARTS:
+        show(measure(part(asked.what, asked.end), asked.what))
+    else:
+        case = cylinder(int(asked.what), asked.law, asked.end or CYLINDER_END)
+        show(measure(case, asked.law))
 
 
-def measure(tetrahedra: int, law: str, end: float) -> tuple[str, ...]:
-    """Run the case with about so many tetrahedra; return its line."""
+def cylinder(tetrahedra: int, law: str, end: float) -> Case:
+    """Return the cylinder with about so many tetrahedra."""
     size = SIZE * (TETRAHEDRA / tetrahedra) ** (1 / 3)
-    case = load_case(CASE, [f"geometry.size={size}", f"time.end={end}", *LAWS[law]])
+    given = [f"geometry.size={size}", f"time.end={end}", *LAWS[law]]
+    return load_case(DEMOS / "cylinder_3d.toml", given)
+
+
+def part(name: str, end: float | None) -> Case:
+    """Return a part as its case file has it, up to a time if one is given [s]."""
+    given = [] if end is None else [f"time.end={end}"]
+    return load_case(DEMOS / "parts" / f"{name}.toml", given)
+
+
+def measure(case: Case, law: str) -> tuple[str, ...]:
+    """Run a case; return its line."""
     comm, begin, cpu = MPI.COMM_WORLD, time.perf_counter(), time.process_time()
     simulation = Simulation.from_case(case, comm)
     mechanics = simulation.problem.mechanics
@@ -75,11 +97,12 @@ def measure(tetrahedra: int, law: str, end: float) -> tuple[str, ...]:
     meshes = [body.mesh.topology for body in simulation.mesh.bodies.values()]
     cells = sum(mesh.index_map(mesh.dim).size_global for mesh in meshes)
     unknowns = mechanics.equilibrium.x.getSize()
+    pairs = comm.allreduce(len(mechanics.gaps.initial))
     simulation.destroy()
     return (
-        f"{cells}", f"{unknowns}", f"{comm.size}", law, f"{state.time:g}", f"{state.step}",
-        f"{cuts}", f"{newton}", f"{linear / max(newton, 1):.1f}", f"{wall:.0f}", f"{cpu:.0f}",
-        f"{memory:.0f}", f"{force_error:.1e}", f"{energy_error:.1e}",
+        f"{cells}", f"{unknowns}", f"{pairs}", f"{comm.size}", law, f"{state.time:g}",
+        f"{state.step}", f"{cuts}", f"{newton}", f"{linear / max(newton, 1):.1f}", f"{wall:.0f}",
+        f"{cpu:.0f}", f"{memory:.0f}", f"{force_error:.1e}", f"{energy_error:.1e}",
     )  # fmt: skip
 
 
