@@ -107,7 +107,10 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         if comm.bcast(picture.exists()):
             raise CaseError(f"{picture} exists; castx check {case_file} --picture FILE draws it")
         case = load_case(case_file)
-        draw_case(case, build_mesh(case.geometry, [b.name for b in case.bodies], comm), picture)
+        mesh = build_mesh(case.geometry, [b.name for b in case.bodies], comm)
+        for remark in () if mesh.report is None else mesh.report.remarks:
+            console.print(remark, markup=False, style="yellow")
+        draw_case(case, mesh, picture)
     except (CaseError, MeshError) as error:
         console.print(f"no picture: {error}", markup=False, style="yellow")
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import gmsh
+import numpy as np
 
 from castx.meshes.cad.description import MILLIMETRES
 from castx.meshes.cad.reading import Solid, centre_of, place_text, solid_list
@@ -74,16 +75,24 @@ def _refuse_hollow(solids: Sequence[Solid], tolerance: float) -> None:
         volume = gmsh.model.occ.getMass(3, solid.tag)
         if not volume > 0.0:
             raise ValueError(
-                f"the solid {solid.name!r} has no volume or is turned inside out; repair it in CAD"
+                f"the solid {solid.name!r} round {_middle_text(solid.tag)} has no volume or is "
+                "turned inside out; repair it in CAD"
             )
         faces = gmsh.model.getBoundary([(3, solid.tag)], oriented=False)
         thickness = 2.0 * volume / sum(gmsh.model.occ.getMass(*face) for face in faces)
         if thickness < tolerance * MILLIMETRES:
             raise ValueError(
-                f"the solid {solid.name!r} round {place_text(centre_of(3, solid.tag))} is "
+                f"the solid {solid.name!r} round {_middle_text(solid.tag)} is "
                 f"{thickness / MILLIMETRES:.1g} m thick in the mean, less than geometry.tolerance, "
-                f"{tolerance:g} m: a rest of what was cut away; remove it in CAD"
+                f"{tolerance:g} m: a rest of what was cut away, or faces that cross each other; "
+                "remove or repair it in CAD"
             )
+
+
+def _middle_text(tag: int) -> str:
+    """Return the middle of the box round a solid: one without volume has no centre of mass."""
+    box = np.reshape(gmsh.model.getBoundingBox(3, tag), (2, 3))
+    return place_text(box.mean(axis=0) / MILLIMETRES)
 
 
 def _refuse_overlaps(owners: dict[int, list[Solid]], tolerance: float) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 
@@ -21,6 +21,8 @@ from castx.meshes.cad.selection import named_faces
 
 COARSE = 12
 """Cells along the longest extent where no size is given."""
+USUAL = (1e-3, 10.0)
+"""Extents of parts that nobody wonders about [m]: millimetres read as metres make others."""
 
 
 def mesh_part(part: CadPart, file: str) -> Report:
@@ -53,9 +55,19 @@ def mesh_part(part: CadPart, file: str) -> Report:
     corners, qualities = cell_qualities(list(volumes))
     refuse_flat_cells(list(volumes), corners.mean(axis=1), qualities)
     quality = quality_of(corners, qualities)
-    report = report_of(volumes, drawn, faces, named, quality, remarks)
+    told = [*remarks, *unusual_size(extent)]
+    report = report_of(volumes, drawn, faces, named, quality, told)
     write(file)
     return replace(report, extent=extent, size=part.size)
+
+
+def unusual_size(extent: float) -> Iterator[str]:
+    """Yield a remark if a part is so long or so short that its unit may be mistaken [m]."""
+    if not USUAL[0] <= extent <= USUAL[1]:
+        yield (
+            f"the longest extent of the solids is {extent:.3g} m, while castings have {USUAL[0]:g} "
+            f"to {USUAL[1]:g} m: if that is wrong, export them from CAD in the right unit"
+        )
 
 
 def _named(part: CadPart, faces: Sequence[Face], bodies: Sequence[str]) -> dict[str, list[Face]]:

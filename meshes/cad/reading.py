@@ -144,7 +144,10 @@ def _refuse_other_files(path: str, kind: str) -> None:
         with open(path, "rb") as file:
             start = file.read(4096)
     except OSError as error:
-        raise ValueError(f"cannot read the CAD file {path}: {error.strerror}") from None
+        raise ValueError(
+            f"cannot read the CAD file {path}: {error.strerror}; a file of STEP, IGES or BREP is "
+            "needed there, or another path"
+        ) from None
     if not start.strip():
         raise ValueError(f"{path} is empty; export it again")
     right = {

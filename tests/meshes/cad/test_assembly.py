@@ -82,7 +82,7 @@ def test_a_skin_left_over_from_a_cut_is_refused_with_its_place():
         block = occ.addBox(30, 0, 0, 20, 20, 20)
         occ.synchronize()
         solids = [Solid(skin, "skin", ""), Solid(block, "block", "")]
-        text = r"'skin' round \(0.01, 0.01, 0.01\) m is 3e-07 m thick .*; remove it in CAD"
+        text = r"'skin' round \(0.01, 0.01, 0.01\) m is 3e-07 m thick .*; remove or repair it"
         with pytest.raises(ValueError, match=text):
             join(solids, 1e-6)
         assert list(join(solids, 1e-8).values()) == ["skin", "block"]

@@ -8,7 +8,7 @@ import pytest
 from castx.domain.gmsh_import import read_model
 from castx.domain.source import gmsh_session
 from castx.meshes.cad.description import CadFile, CadPart, Selector
-from castx.meshes.cad.part import mesh_part
+from castx.meshes.cad.part import mesh_part, unusual_size
 from tests.cad_files import bush_in_ring, write_cad
 
 pytestmark = pytest.mark.serial
@@ -40,3 +40,16 @@ def test_other_bodies_than_those_of_the_case_are_refused(tmp_path):
         mesh_part(
             CadPart((CadFile(str(path)),), 0.01, ("bush", "casting")), str(tmp_path / "a.msh")
         )
+
+
+@pytest.mark.parametrize(("side", "told"), [(2, False), (0.5, True), (9e3, False), (3e4, True)])
+def test_a_part_in_a_mistaken_unit_is_told(tmp_path, side, told):
+    """Sides in millimetres; 30 m are a part of 30 mm whose millimetres were taken for metres."""
+    path = write_cad(tmp_path / "a.step", lambda occ: [occ.addBox(0, 0, 0, side, side, side)])
+    with gmsh_session():
+        part = CadPart((CadFile(str(path)),), side * 1e-3, ("a",), across=0)
+        remarks = mesh_part(part, str(tmp_path / "a.msh")).remarks
+    assert remarks == tuple(unusual_size(side * 1e-3))
+    assert bool(remarks) == told
+    if told:
+        assert f"is {side * 1e-3:g} m" in remarks[0] and "in the right unit" in remarks[0]
