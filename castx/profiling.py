@@ -110,7 +110,7 @@ class Profile:
         """Return the cost of each part so far; collective."""
         booked = self._booked() - self._start
         parts: list[RunPart] = list(RunPart)
-        return {part: _cost(*numbers) for part, numbers in zip(parts, booked, strict=True)}
+        return {part: _cost(numbers) for part, numbers in zip(parts, booked, strict=True)}
 
     def _booked(self) -> FloatArray:
         """Return the numbers of `_SUMMARY`, shape (parts, numbers, ranks); collective."""
@@ -136,14 +136,9 @@ class Profile:
         return str(self._comm.bcast(text))
 
 
-def _cost(
-    times: FloatArray,
-    messages: FloatArray,
-    sent: FloatArray,
-    reductions: FloatArray,
-    flops: FloatArray,
-) -> PartCost:
-    """Return the cost from the numbers of each rank, where messages count at both ends."""
+def _cost(numbers: FloatArray) -> PartCost:
+    """Return the cost from the numbers of `_SUMMARY` of each rank; messages count at both ends."""
+    times, messages, sent, reductions, flops = numbers
     return PartCost(
         time=float(times.max()),
         mean_time=float(times.mean()),
