@@ -110,7 +110,7 @@ class Profile:
         """Return the cost of each part so far; collective."""
         booked = self._booked() - self._start
         parts: list[RunPart] = list(RunPart)
-        return {part: _cost(numbers) for part, numbers in zip(parts, booked, strict=True)}
+        return {part: _cost(booked[k]) for k, part in enumerate(parts)}
 
     def _booked(self) -> FloatArray:
         """Return the numbers of `_SUMMARY`, shape (parts, numbers, ranks); collective."""

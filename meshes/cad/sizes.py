@@ -83,9 +83,9 @@ def samples_of(faces: Sequence[Face]) -> Samples:
 
 def _on_edges(face: Face, nodes: LongArray) -> BoolArray:
     """Return which edges of the model, those of a face alone, nodes lie on: (…, edges)."""
-    around = gmsh.model.getBoundary([(2, face.tag)], oriented=False)
-    on = np.zeros((*nodes.shape, len(gmsh.model.getEntities(1))), dtype=np.bool_)
-    for place, edge in enumerate(gmsh.model.getEntities(1)):
+    edges, around = gmsh.model.getEntities(1), gmsh.model.getBoundary([(2, face.tag)], False, False)
+    on = np.zeros((*nodes.shape, len(edges)), dtype=np.bool_)
+    for place, edge in enumerate(edges):
         if edge in around:
             on[..., place] = np.isin(nodes, gmsh.model.mesh.getNodes(*edge, True)[0])
     return on

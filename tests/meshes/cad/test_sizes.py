@@ -52,18 +52,23 @@ def sampled():
         yield faces, samples
 
 
-def test_coarse_triangles_of_a_bore_do_not_thin_the_wall_above_it():
-    """Eight millimetres of wall are left at the crest, and no triangle reaches beyond its edges."""
+def bored(block, bore, size, curvature):
+    """Return faces and samples of a block less a cylinder, with triangles of a size at most."""
     with gmsh_session():
         occ = gmsh.model.occ
-        block, bore = occ.addBox(0, 0, 0, 100, 60, 40), occ.addCylinder(-1, 30, 20, 102, 0, 0, 12)
-        ((_, part),), _ = occ.cut([(3, block)], [(3, bore)])
+        whole, taken = occ.addBox(0, 0, 0, *block), occ.addCylinder(*bore)
+        ((_, part),), _ = occ.cut([(3, whole)], [(3, taken)])
         occ.synchronize()
         faces = faces_of({part: "casting"})
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 30)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 5)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", curvature)
         gmsh.model.mesh.generate(2)
-        samples = samples_of(faces)
+        return faces, samples_of(faces)
+
+
+def test_coarse_triangles_of_a_bore_do_not_thin_the_wall_above_it():
+    """Eight millimetres of wall are left at the crest, and no triangle reaches beyond its edges."""
+    faces, samples = bored((100, 60, 40), (-1, 30, 20, 102, 0, 0, 12), 30, 5)
     walls, _ = wall_thickness(samples, faces, "casting")
     upper = np.array([face.normals[0, 2] > 0.99 for face in faces])[samples.faces]
     above = upper & (np.abs(samples.points[:, 1] - 0.03) < 0.01)
@@ -73,16 +78,7 @@ def test_coarse_triangles_of_a_bore_do_not_thin_the_wall_above_it():
 
 def test_a_knife_edge_is_as_thick_as_where_its_triangles_end():
     """A corner left by a bore that touches both its sides; the middles of triangles are thinner."""
-    with gmsh_session():
-        occ = gmsh.model.occ
-        block, bore = occ.addBox(0, 0, 0, 20, 40, 20), occ.addCylinder(20, -1, 20, 0, 42, 0, 20)
-        ((_, part),), _ = occ.cut([(3, block)], [(3, bore)])
-        occ.synchronize()
-        faces = faces_of({part: "casting"})
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 15)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
-        gmsh.model.mesh.generate(2)
-        samples = samples_of(faces)
+    faces, samples = bored((20, 40, 20), (20, -1, 20, 0, 42, 0, 20), 15, 12)
     walls, _ = wall_thickness(samples, faces, "casting")
     flat = np.array([abs(face.normals[0, 1]) < 1e-3 for face in faces])[samples.faces]
     round_ = np.array([face.radius is not None for face in faces])[samples.faces]
