@@ -27,7 +27,6 @@ from castx.process.simulation import Simulation
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PARTS = ("bracket", "wheel", "housing", "block")
-CYLINDER_END = 90.0
 SIZE, TETRAHEDRA = 0.0042, 24_984
 """Element size [m] that gives so many tetrahedra; their number follows its third power."""
 LAWS = {
@@ -55,24 +54,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if asked.what not in PARTS and not asked.what.isdecimal():
         parser.error(f"{asked.what} is no number of tetrahedra and none of {', '.join(PARTS)}")
     show(COLUMNS)
+    until = [] if asked.end is None else [f"time.end={asked.end}"]
     if asked.what in PARTS:
-        show(measure(part(asked.what, asked.end), asked.what))
+        case = load_case(DEMOS / "parts" / f"{asked.what}.toml", until)
+        show(measure(case, asked.what))
     else:
-        case = cylinder(int(asked.what), asked.law, asked.end or CYLINDER_END)
-        show(measure(case, asked.law))
+        show(measure(cylinder(int(asked.what), asked.law, until), asked.law))
 
 
-def cylinder(tetrahedra: int, law: str, end: float) -> Case:
-    """Return the cylinder with about so many tetrahedra."""
+def cylinder(tetrahedra: int, law: str, changes: Sequence[str] = ()) -> Case:
+    """Return the cylinder with about so many tetrahedra and changes `key=value`."""
     size = SIZE * (TETRAHEDRA / tetrahedra) ** (1 / 3)
-    given = [f"geometry.size={size}", f"time.end={end}", *LAWS[law]]
-    return load_case(DEMOS / "cylinder_3d.toml", given)
-
-
-def part(name: str, end: float | None) -> Case:
-    """Return a part as its case file has it, up to a time if one is given [s]."""
-    given = [] if end is None else [f"time.end={end}"]
-    return load_case(DEMOS / "parts" / f"{name}.toml", given)
+    return load_case(
+        DEMOS / "cylinder_3d.toml", [f"geometry.size={size}", *LAWS[law], *changes]
+    )
 
 
 def measure(case: Case, law: str) -> tuple[str, ...]:

@@ -57,7 +57,7 @@ def test_the_casting_whose_cost_is_measured_may_be_a_solid():
 @pytest.mark.parametrize("law", ["elastic", "flowing"])
 def test_a_casting_of_industrial_size_flows_or_is_elastic(law):
     industrial = script("industrial")
-    case = industrial.cylinder(30_000, law, 5.0)
+    case = industrial.cylinder(30_000, law)
     assert ("viscoplastic" in case.bodies[0].law) == (law == "flowing")
     assert (case.bodies[0].material == "solid") == (law == "elastic")
 

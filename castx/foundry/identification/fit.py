@@ -107,14 +107,13 @@ class _Misfit:
         self.noise = np.broadcast_to(np.asarray(noise, dtype=np.float64), measured.shape)
         self.first = np.array([unknown.first for unknown in unknowns])
         known = np.diag([1.0 / unknown.deviation for unknown in unknowns])
-        smooth = np.zeros((0, len(known))) if smoothness is None else smoothness
-        self.constraints = np.vstack([known[np.diag(known) > 0.0], smooth])
-        self.target = np.concatenate(
-            [known[np.diag(known) > 0.0] @ self.first, np.zeros(len(smooth))]
-        )
+        known = known[np.diag(known) > 0.0]
+        smooth = np.zeros((0, len(unknowns))) if smoothness is None else smoothness
+        self.constraints = np.vstack([known, smooth])
+        self.target = np.concatenate([known @ self.first, np.zeros(len(smooth))])
         self.runs = 0
         self.last: tuple[FloatArray, FloatArray] = (self.first, self.samples(self.first))
-        self.linearised: tuple[FloatArray, FloatArray] | None = None
+        self.linearised: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     def samples(self, fitted: FloatArray) -> FloatArray:
         """Return what the model says."""
@@ -149,9 +148,9 @@ class _Misfit:
     def jacobian(self, fitted: FloatArray) -> FloatArray:
         """Return the slopes of the residuals, or end the fit where the next step is small."""
         changes = self.sensitivity(fitted)
-        self.linearised = fitted.copy(), changes
         slopes = np.vstack([weighted(changes, self.noise), self.constraints])
         covariance = posterior(slopes, np.array(1.0))
+        self.linearised = fitted.copy(), changes, covariance
         step = covariance @ (slopes.T @ self.residuals(fitted))
         if np.all(np.abs(step) < SETTLED * deviations(covariance)):
             raise _Settled
@@ -197,9 +196,7 @@ def fit(
 
 def _found(misfit: _Misfit) -> Fit:
     assert misfit.linearised is not None  # a fit settles at its slopes
-    fitted, changes = misfit.linearised
-    slopes = np.vstack([weighted(changes, misfit.noise), misfit.constraints])
-    covariance = posterior(slopes, np.array(1.0))
+    fitted, changes, covariance = misfit.linearised
     residuals = -misfit.residuals(fitted)[: len(misfit.measured)] * misfit.noise
     pairs = zip(misfit.unknowns, fitted, strict=True)
     return Fit(

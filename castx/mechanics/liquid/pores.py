@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
+import numpy.typing as npt
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.mechanics.liquid.content import Content
@@ -18,6 +21,8 @@ GROWTH = 2.0
 """Growth of the pressure of a pocket from which on pores are tried again that had no void."""
 
 UNKNOWN, FULL, POROUS = -1, 0, 1
+
+Entry = TypeVar("Entry", bound=np.generic)
 
 
 class Pores:
@@ -58,11 +63,18 @@ class Pores:
         self._mark()
 
     def _mark(self) -> None:
-        pocket = self._content.pocket
+        unknown = np.full_like(self._content.pocket, UNKNOWN)
+        self._state = self._spread(np.where(self.open, POROUS, FULL), unknown)
+        self._turned = self._spread(self._turns, self._turned)
+
+    def _spread(
+        self, values: npt.NDArray[Any], cells: npt.NDArray[Entry]
+    ) -> npt.NDArray[Entry]:
+        """Return a copy of what cells have, with values of pockets in those that are trapped."""
+        pocket, spread = self._content.pocket, cells.copy()
         trapped = pocket >= 0
-        self._state = np.full_like(pocket, UNKNOWN)
-        self._state[trapped] = np.where(self.open, POROUS, FULL)[pocket[trapped]]
-        self._turned[trapped] = self._turns[pocket[trapped]]
+        spread[trapped] = values[pocket[trapped]]
+        return spread
 
     @property
     def cells(self) -> BoolArray:
@@ -87,15 +99,9 @@ class Pores:
         self.open = self.open ^ turned
         self._turns = self._turns + turned
         self._mark()
-        self._note(np.where(turned & self.open, excess, 0.0))
+        opening = np.where(turned & self.open, excess, 0.0)
+        self._tried = np.maximum(self._tried, self._spread(opening, np.zeros_like(self._tried)))
         return bool(turned.any())
-
-    def _note(self, excess: FloatArray) -> None:
-        """Note the excess at which pockets open, zero: they do not; shape (pockets,)."""
-        pocket = self._content.pocket
-        trapped = pocket >= 0
-        self._tried = self._tried.copy()
-        self._tried[trapped] = np.maximum(self._tried[trapped], excess[pocket[trapped]])
 
     def news(self) -> list[tuple[BoolArray, str]]:
         """Return what an accepted step has changed: in which pockets, and in words; collective."""
