@@ -2,11 +2,13 @@
 
     bin/with-fenicsx mpirun -n 2 python3 bench/industrial.py TETRAHEDRA [--law elastic | flowing]
         [--end S]
-    bin/with-fenicsx python3 bench/industrial.py bracket | wheel | housing | block [--end S]
+    bin/with-fenicsx python3 bench/industrial.py bracket | wheel | housing | block
+        [--refinement R] [--end S]
 
 Runs the quarter cylinder of demos/cylinder_3d.toml with about so many tetrahedra in all (20,000 to
 more than a million), elastic throughout or flowing from the liquid on, or a part of demos/parts
-whose STEP file is drawn, to a time, without output files. The line of the table stands below its
+whose STEP file is drawn, its cells R times as fine as its case has them, to a time, without output
+files. The line of the table stands below its
 head; CPU seconds and memory are sums over the ranks, memory the peak of their resident sets, errors
 the largest of all steps.
 """
@@ -49,6 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("what", help="about so many tetrahedra in all bodies, or a part")
     parser.add_argument("--law", choices=tuple(LAWS), default="elastic", help="of the cylinder")
+    parser.add_argument("--refinement", type=float, default=1.0, help="of the cells of a part")
     parser.add_argument("--end", type=float, help="end of the run [s]")
     asked = parser.parse_args(arguments)
     if asked.what not in PARTS and not asked.what.isdecimal():
@@ -56,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     show(COLUMNS)
     until = [] if asked.end is None else [f"time.end={asked.end}"]
     if asked.what in PARTS:
-        case = load_case(DEMOS / "parts" / f"{asked.what}.toml", until)
+        finer = f"geometry.refinement={asked.refinement}"
+        case = load_case(DEMOS / "parts" / f"{asked.what}.toml", [finer, *until])
         show(measure(case, asked.what))
     else:
         show(measure(cylinder(int(asked.what), asked.law, until), asked.law))

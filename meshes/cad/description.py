@@ -179,7 +179,7 @@ class CadPart:
     selectors: tuple[Selector, ...] = ()
     rest: str = "outside"
     curvature: float = 16.0
-    across: int = 2
+    across: float = 2.0
     interface_size: float | None = None
     growth: float = 0.4
     rules: tuple[SizeRule, ...] = ()

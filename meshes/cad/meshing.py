@@ -8,9 +8,10 @@ import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.meshes.cad.cells import solid_volumes
+from castx.meshes.cad.cells import cell_qualities, solid_volumes
 from castx.meshes.cad.description import MILLIMETRES, CadPart
 from castx.meshes.cad.faces import Face
+from castx.meshes.cad.healing import WORST_CELL
 from castx.meshes.cad.reading import centre_of, place_text
 from castx.meshes.cad.sizes import (
     Samples,
@@ -109,11 +110,18 @@ def _mesh_solids() -> None:
             failure = f"{error}{_place()}"
         else:
             empty = _without_cells()
-            if not empty:
+            # now and then one leaves a flat cell where the other leaves none
+            if not empty and (algorithm == DELAUNAY or _worst_quality() >= WORST_CELL):
                 return
-            failure = f"no cells round {place_text(centre_of(3, empty[0]))}"
+            if empty:
+                failure = f"no cells round {place_text(centre_of(3, empty[0]))}"
         gmsh.model.mesh.clear(gmsh.model.getEntities(3))
     raise ValueError(f"gmsh cannot mesh the solids: {failure}; {CURE}")
+
+
+def _worst_quality() -> float:
+    volumes = [tag for _, tag in gmsh.model.getEntities(3)]
+    return float(cell_qualities(volumes)[1].min())
 
 
 CURE = (

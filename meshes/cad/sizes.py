@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import ceil, pi
 
 import gmsh
 import numpy as np
@@ -216,7 +216,7 @@ def wanted_sizes(
         walls, inward = wall_thickness(samples, faces, body)
         sizes = np.minimum(sizes, walls / part.across)
         thin = np.flatnonzero(walls < part.across * part.size)
-        for depth in np.linspace(0.0, 1.0, part.across + 1)[1:-1]:
+        for depth in np.linspace(0.0, 1.0, ceil(part.across) + 1)[1:-1]:
             moved = (depth * walls[thin])[:, None] * inward[thin]
             corners.append(samples.corners[thin] + moved[:, None])
             wanted.append(walls[thin] / part.across)

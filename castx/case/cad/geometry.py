@@ -82,6 +82,7 @@ class CadGeometry(Description):
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         sizes: at places.
+        refinement: by which all sizes are divided, those by walls and curvature too.
         most_cells: that the mesh may have.
         mould: made round the solids.
         symmetry: axis and place of planes that cut everything [m], and whether what is above stays.
@@ -102,6 +103,7 @@ class CadGeometry(Description):
     interface_size: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
     growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
     sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)
+    refinement: Annotated[float, Quantity(PURE_NUMBER, least=0.1, most=20.0)] = 1.0
     most_cells: Annotated[float, Quantity(PURE_NUMBER, least=1.0, most=1e9)] = 2e6
     mould: CadMould | None = None
     symmetry: Annotated[tuple[tuple[int, float, bool], ...], PlainValidator(symmetry_planes)] = ()
@@ -119,8 +121,9 @@ class CadGeometry(Description):
         given = [key for key in ("file", "files", "parts") if getattr(self, key)]
         if len(given) != 1:
             yield Problem((), "give one of file, files and parts")
-        if self.tolerance > self.size / 2:
-            text = f"must be at most half of size, {self.size:g} m: it would close what is meshed"
+        size = self.size / self.refinement
+        if self.tolerance > size / 2:
+            text = f"must be at most half of size, {size:g} m: it would close what is meshed"
             yield Problem(("tolerance",), text)
         if self.interface_size is not None and self.interface_size > self.size:
             yield Problem(("interface_size",), f"must not exceed size, {self.size:g} m")

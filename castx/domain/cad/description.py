@@ -27,18 +27,19 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         cad: of the case.
         body_names: names that the solids must get; None: any.
     """
+    finer, on_interface = cad.refinement, cad.interface_size
     return CadPart(
         files=tuple(CadFile(str(path), body, cad.unit) for path, body in cad.sources),
-        size=cad.size,
+        size=cad.size / finer,
         bodies=None if body_names is None else tuple(body_names),
         names=dict(cad.names),
         tolerance=cad.tolerance,
         selectors=tuple(_selector(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
-        curvature=cad.curvature,
-        across=cad.across,
-        interface_size=cad.interface_size,
-        growth=cad.growth,
-        rules=tuple(SizeRule(s.size, s.body, s.surface, s.within) for s in cad.sizes),
+        curvature=cad.curvature * finer,
+        across=cad.across * finer,
+        interface_size=None if on_interface is None else on_interface / finer,
+        growth=cad.growth / finer,
+        rules=tuple(SizeRule(s.size / finer, s.body, s.surface, s.within) for s in cad.sizes),
         most_cells=cad.most_cells,
         mould=None if cad.mould is None else _mould(cad.mould),
         symmetry=tuple(SymmetryPlane(*plane) for plane in cad.symmetry),

@@ -186,6 +186,11 @@ def test_a_plate_has_so_many_cells_across(mesh_of):
     assert np.median(far) > 2.0 * np.median(lengths(three, "casting"))
 
 
+def test_cells_across_need_be_no_whole_number(mesh_of):
+    mesh = mesh_of(across=1.5)
+    assert np.median(lengths(mesh, "casting")) == pytest.approx(0.004 / 1.5, rel=0.4)
+
+
 def test_a_box_and_a_surface_are_finer(mesh_of):
     corner = ((-0.03, -0.03, -0.03), (0.0, 0.0, 0.0))
     rules = (SizeRule(0.003, within=corner), SizeRule(0.003, surface="top"))

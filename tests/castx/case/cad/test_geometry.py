@@ -58,6 +58,8 @@ def test_ends_of_names():
         ({"model": "3d", "file": "a.brep", "size": 1, "unit": 3}, "unit: a unit of length"),
         ({"model": "3d", "file": "a.brep", "size": 1, "unit": "kg"}, "unit: "),
         ({**STEP, "tolerance": "3 mm"}, "tolerance: must be at most half of size, 0.004 m"),
+        ({**STEP, "tolerance": "1 mm", "refinement": 4}, "must be at most half of size, 0.001 m"),
+        ({**STEP, "refinement": 0}, "refinement: must be at least 0.1"),
         ({**STEP, "size": 0}, "size: must be positive"),
         ({**STEP, "curvature": 2}, "curvature: must be at least 3"),
         ({**STEP, "across": -1}, "across: a whole number from 0 to 20"),

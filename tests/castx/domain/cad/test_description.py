@@ -10,6 +10,7 @@ from castx.case.cad.geometry import CadGeometry
 from castx.domain.cad.description import part_of
 from castx.meshes.cad.description import (
     CadFile,
+    CadPart,
     Channel,
     Chill,
     Mould,
@@ -68,3 +69,13 @@ def test_every_key_reaches_the_mesher():
         SizeRule(1.0, within=((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))),
     )
     assert part_of(cad, None).bodies is None
+
+
+def test_refinement_divides_every_size():
+    given = {"file": "a.step", "size": 6, "interface_size": 4, "sizes": [{"size": 2, "body": "a"}]}
+    part = part_of(CadGeometry.read({**given, "refinement": 2}), None)
+    assert (part.size, part.interface_size, part.rules[0].size) == (3.0, 2.0, 1.0)
+    plain = CadPart(part.files, 1.0)
+    finer = part.curvature / plain.curvature, part.across / plain.across, plain.growth / part.growth
+    assert finer == (2.0, 2.0, 2.0)
+    assert part_of(CadGeometry.read({"file": "a.step", "size": 6}), None).interface_size is None
