@@ -35,8 +35,7 @@ class PointState(NamedTuple):
         out_of_plane: ε_zz of plane stress; None in all other models.
         follows: χ of plane stress, one where ε_zz follows from σ_zz = 0, zero where it is held.
         trapped: one in trapped liquid, which cannot be fed, else zero.
-        porous: one where pores have opened in it, else zero.
-        trapped_pressure: given pressure of porous liquid, reference of full one [Pa].
+        trapped_pressure: pressure with which it acts [Pa], that of its whole pocket.
     """
 
     stress: Any
@@ -48,7 +47,6 @@ class PointState(NamedTuple):
     out_of_plane: Any = None
     follows: Any = 1.0
     trapped: Any = 0.0
-    porous: Any = 0.0
     trapped_pressure: Any = 0.0
 
 
@@ -90,8 +88,8 @@ def mixed_internal_virtual_work(
 ) -> Any:
     """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ), the mixed weak form of section 2.2.
 
-    Trapped liquid has its content as e^θ and (p - p_trapped)/K in place of p/K. Where it is porous
-    it acts with p_trapped and has (p_trapped - p)/K as the last factor: its volume is free.
+    Trapped liquid acts with p_trapped and has (p_trapped - p)/K as the last factor: its cells have
+    any volume, and that of the whole pocket sets p_trapped (`castx.mechanics.trapped_liquid`).
 
     Args:
         total: strain ε(u).
@@ -103,10 +101,10 @@ def mixed_internal_virtual_work(
         dx_p: weighted measure of the terms with p or q, exact for linear p.
     """
     shear = ufl.inner(state.stress, variation) * dx
-    given = state.porous * state.trapped_pressure
-    pressure = ((1 - state.porous) * p + given) * ufl.tr(variation) * dx_p
-    dilatation = (1 - state.porous) * (ufl.tr(_total(total, state)) - state.thermal_strain)
-    relative_pressure = p - state.trapped * state.trapped_pressure
+    free, given = 1 - state.trapped, state.trapped * state.trapped_pressure
+    pressure = (free * p + given) * ufl.tr(variation) * dx_p
+    dilatation = free * (ufl.tr(_total(total, state)) - state.thermal_strain)
+    relative_pressure = p - given
     continuity = q * (dilatation - state.compressibility * relative_pressure) * dx_p
     return shear + pressure + continuity
 
@@ -133,10 +131,22 @@ def mixed_tangent(
         normal = -state.follows * (stress[2, 2] + dp) / _normal_tangent(state)
         increment = _with_normal(increment, normal)
     shear = ufl.inner(tangent_stress(increment, state), variation) * dx
-    free = 1 - state.porous
+    free = 1 - state.trapped
     pressure = free * dp * ufl.tr(variation) * dx_p
     continuity = q * (free * ufl.tr(increment) - state.compressibility * dp) * dx_p
     return shear + pressure + continuity
+
+
+def pocket_pressure_work(variation: Any, q: Any, state: PointState, dx_p: Any) -> Any:
+    """Return ∫ ∇·η + ∫ q/K over trapped liquid, the derivative of its part for a unit of p_trapped.
+
+    Args:
+        variation: strain ε(η).
+        q: variation of the pressure, or zero.
+        state: state of the integration points.
+        dx_p: weighted measure of the terms with p or q, exact for linear p.
+    """
+    return state.trapped * (ufl.tr(variation) + state.compressibility * q) * dx_p
 
 
 def mean_stress(total: Any, state: PointState) -> Any:

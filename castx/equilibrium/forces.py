@@ -69,7 +69,8 @@ class MomentumBalance:
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.signatures())
         self.skin = LiquidSkin(assembly.layout, assembly.bodies, gaps)
-        self.operator = SystemOperator(assembly.corrections())
+        self.operator = SystemOperator([*assembly.corrections(), self._of_pockets])
+        self._coupled = assembly.coupled_corrections()
         self._net = NetForces(assembly, transform, gaps)
         self.convergence = ForceConvergence(assembly, contact.layout, self._net, tolerance)
         self.frozen: BoolArray = np.zeros(contact.layout.size_local, dtype=bool)
@@ -80,6 +81,17 @@ class MomentumBalance:
         self._diagonal, self._evaluated, self.stiffness = none, none, 0.0
         self.iterate = PairIterate(assembly.unknowns, none, none, self.active.closed, 0.0)
         self.trial_forces: FloatArray = np.zeros(len(gaps.initial))
+
+    def _of_pockets(self, x: FloatArray, y: FloatArray) -> None:
+        """Add the stiffness of trapped liquid times unknowns x to rows y; collective."""
+        if not self.assembly.has_pockets:
+            return
+        count = self.assembly.layout.size_local
+        u = self.transform.displacements(x[:count])
+        forces = np.zeros(count)
+        for correction in self._coupled:
+            correction(u, forces)
+        y[:count] += self.transform.forces_on_unknowns(forces)
 
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""

@@ -144,12 +144,25 @@ class BodyAssembly:
         return rows
 
     def corrections(self) -> list[Correction]:
-        """Return the parts of the Jacobian that the matrix lacks, those of OSGS."""
+        """Return the parts of the Jacobian on pressures that the matrix lacks, those of OSGS."""
         return [
             partial(_on_part, self.layout.local_slice(b), product)
             for b, body in enumerate(self.bodies)
             for product in body.products()
         ]
+
+    def coupled_corrections(self) -> list[Correction]:
+        """Return those on displacements, of trapped liquid."""
+        return [
+            partial(_on_part, self.layout.local_slice(b), product)
+            for b, body in enumerate(self.bodies)
+            for product in body.coupled_products()
+        ]
+
+    @property
+    def has_pockets(self) -> bool:
+        """Whether any body has trapped liquid in the trial step."""
+        return any(body.has_pockets for body in self.bodies)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""

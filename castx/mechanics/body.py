@@ -169,8 +169,17 @@ class BodyMechanics:
         self.formulation.assemble_jacobian(A)
 
     def products(self) -> list[Product]:
-        """Return the parts of the Jacobian that are applied without a matrix."""
+        """Return the parts of the Jacobian on pressures that are applied without a matrix."""
         return self.formulation.products()
+
+    def coupled_products(self) -> list[Product]:
+        """Return those on displacements, that of trapped liquid."""
+        return self.formulation.coupled_products()
+
+    @property
+    def has_pockets(self) -> bool:
+        """Whether there is trapped liquid in the trial step."""
+        return self.formulation.has_pockets
 
     def improve_pressures(self, settled: bool = True) -> bool:
         """Take pressures for multipliers, turn pores where forces are `settled`; say if any did."""
@@ -264,7 +273,7 @@ def _formulation(
         if law.material.liquid is None
         else Pockets(
             unknowns.mesh, unknowns.model, given.closed, loads.potential(),
-            law.material.cavitation,
+            law.material.cavitation, unknowns.block_size,
         )
     )  # fmt: skip
     if given.formulation == "q1p0":

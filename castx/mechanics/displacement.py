@@ -67,6 +67,10 @@ class DisplacementFormulation:
         """Return nothing: the assembled Jacobian is complete."""
         return []
 
+    def coupled_products(self) -> list[Product]:
+        """Return nothing: it has no liquid."""
+        return []
+
     def improve_pressures(self, settled: bool) -> bool:
         """Return False: there are no multipliers."""
         return False

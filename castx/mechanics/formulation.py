@@ -158,17 +158,18 @@ class WeakForms:
 
     def update_load(self) -> None:
         """Assemble the loads at their present values; collective."""
-        self.load = self._assemble(self._load)
+        self.load = self.assemble(self._load)
 
     def residual(self) -> FloatArray:
         """Return internal minus external forces of the owned unknowns [N]; collective."""
-        return self._assemble(self._internal) - self.load
+        return self.assemble(self._internal) - self.load
 
     def spring_forces(self) -> FloatArray:
         """Return what springs bear at the present owned unknowns [N]; collective."""
-        return np.zeros(self._owned) if self._springs is None else self._assemble(self._springs)
+        return np.zeros(self._owned) if self._springs is None else self.assemble(self._springs)
 
-    def _assemble(self, form: fem.Form) -> FloatArray:
+    def assemble(self, form: fem.Form) -> FloatArray:
+        """Return the owned rows of a linear form on the unknowns; collective."""
         b = self._row
         b.array[:] = 0
         fem.assemble_vector(b.array, form)
@@ -218,7 +219,10 @@ class Formulation(Protocol):
         """Assemble the derivative of the residual, without `products`."""
 
     def products(self) -> list[Product]:
-        """Return the parts of the Jacobian that are applied without a matrix."""
+        """Return the parts of the Jacobian on pressures that are applied without a matrix."""
+
+    def coupled_products(self) -> list[Product]:
+        """Return those on displacements."""
 
     def improve_pressures(self, settled: bool) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any.

@@ -20,6 +20,7 @@ from petsc4py import PETSc
 
 import numpy as np
 import ufl
+from dolfinx import fem
 
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure
@@ -64,7 +65,7 @@ class MixedFormulation:
         length = stabilisation.element_length(unknowns.mesh.mesh, unknowns.dimension)
         constant = stabilisation.CONSTANTS[kind]
         # A given pressure needs no stabilisation.
-        tau = (1 - state.porous) * stabilisation.tau(material.secant_modulus, length, constant)
+        tau = (1 - state.trapped) * stabilisation.tau(material.secant_modulus, length, constant)
         self.forms = WeakForms(
             unknowns,
             self._internal(total, pressure, state, tau),
@@ -76,6 +77,11 @@ class MixedFormulation:
         points = material.points
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
         self._pressure = points.expression(pressure)
+        variation, q = self._test()
+        self._of_pockets = [
+            fem.form(momentum.pocket_pressure_work(variation, each, state, self._dx_p))
+            for each in (0.0, q)
+        ]
         self._projections = []
         if kind == "osgs":
             self._projections.append(OrthogonalProjection(unknowns, tau, planes))
@@ -121,6 +127,8 @@ class MixedFormulation:
         """Evaluate material, trapped liquid and projection for a trial step; collective."""
         self._material.begin(temperature, solid_fraction, step)
         self._pockets.begin(self._material, solid_fraction)
+        if self._pockets.exist:
+            self._pockets.stiffen(*(self.forms.assemble(form) for form in self._of_pockets))
         self._assemble_projections()
 
     def _assemble_projections(self) -> None:
@@ -135,6 +143,7 @@ class MixedFormulation:
 
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
+        self._pockets.evaluate(self._material.dilatation)
         b = self.forms.residual()
         for add_product in self.products():
             add_product(self._unknowns.solution.x.array, b)
@@ -148,18 +157,19 @@ class MixedFormulation:
         """Return the part of OSGS beyond GLS, Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
         return [projection.add_product for projection in self._projections]
 
+    def coupled_products(self) -> list[Product]:
+        """Return what full pockets of trapped liquid add to the Jacobian."""
+        return [self._pockets.stiffness.add_product]
+
     def improve_pressures(self, settled: bool) -> bool:
         """Open and close the pores of trapped liquid; return whether any pocket has changed."""
-        changed = settled and self._pockets.turn(self._material, self.mean_stress())
-        if changed:  # pores end the stabilisation, of which GLS has a part in the load
-            self._assemble_projections()
-            self.forms.update_load()
-        return changed
+        return settled and self._pockets.turn()
 
     def mean_stress(self) -> FloatArray:
-        """Return the mean of the nodal pressures of each cell [Pa], shape (cells,)."""
+        """Return means of the nodal pressures, or those of the pockets, [Pa], shape (cells,)."""
         nodes = self._unknowns.mesh.nodes.dofmap.list
-        return np.asarray(self.nodal_pressure()[nodes].mean(axis=1))
+        given = self._pockets.cell_pressures()
+        return np.where(np.isnan(given), self.nodal_pressure()[nodes].mean(axis=1), given)
 
     def nodal_pressure(self) -> FloatArray:
         """Return the pressure at the local nodes [Pa], shape (nodes,)."""
@@ -183,7 +193,7 @@ class MixedFormulation:
             False: the residual stays.
         """
         self._material.commit()
-        self._pockets.commit(self.nodal_pressure, self.mean_stress(), self._material.dilatation)
+        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
         return False
 
     def rewind(self) -> None:

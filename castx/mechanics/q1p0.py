@@ -84,15 +84,15 @@ class Q1P0Formulation:
         """Evaluate material and trapped liquid for a trial step; collective."""
         self._material.begin(temperature, solid_fraction, step)
         self._pockets.begin(self._material, solid_fraction)
-        self._set_volumes()
-
-    def _set_volumes(self) -> None:
-        material, pockets = self._material, self._pockets
-        compressibility = material.compressibility.x.array
-        free = material.thermal_strain.x.array - compressibility * pockets.reference_pressures()
+        material = self._material
         self._mean.begin(
-            compressibility, free, pockets.cell_pressures(), pockets.full_cells()
+            material.compressibility.x.array,
+            material.thermal_strain.x.array,
+            self._pockets.cell_pressures(),
         )
+        if self._pockets.exist:
+            rows = self._mean.forces_of(self._mean.given.astype(np.float64))
+            self._pockets.stiffen(rows, rows)
 
     def update(self) -> None:
         """Find stresses, tangents and pressures at the present displacement."""
@@ -101,6 +101,8 @@ class Q1P0Formulation:
 
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
+        self._pockets.evaluate(self._material.dilatation)
+        self._mean.give(self._pockets.cell_pressures())
         b = self.forms.residual()
         b += self._mean.forces()
         return b
@@ -111,20 +113,22 @@ class Q1P0Formulation:
         self._mean.add_tangent(A)
 
     def products(self) -> list[Product]:
-        """Return nothing: the assembled Jacobian is complete."""
+        """Return nothing: no pressure is an unknown."""
         return []
+
+    def coupled_products(self) -> list[Product]:
+        """Return what full pockets of trapped liquid add to the Jacobian."""
+        return [self._pockets.stiffness.add_product]
 
     def improve_pressures(self, settled: bool) -> bool:
         """Take the present pressures for the multipliers, if any cell of this rank has one.
 
         The pores of trapped liquid open and close; return whether anything has changed.
         """
-        iterates, changed = self._mean.iterates, False
+        iterates = self._mean.iterates
         if iterates:
             self._mean.improve()
-        if settled and self._pockets.turn(self._material, self.mean_stress()):
-            self._set_volumes()
-            changed = True
+        changed = settled and self._pockets.turn()
         return iterates or changed
 
     def mean_stress(self) -> FloatArray:
@@ -154,7 +158,7 @@ class Q1P0Formulation:
         """
         self._material.commit()
         self._mean.commit()
-        self._pockets.commit(self.nodal_pressure, self.mean_stress(), self._material.dilatation)
+        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
         return True
 
     def rewind(self) -> None:
@@ -205,8 +209,7 @@ class MeanDilatation:
         self._committed = np.zeros(count)
         self._compressibility = np.ones(count)
         self._free = np.zeros(count)
-        self._given = np.full(count, np.nan)
-        self._penalised: BoolArray = np.zeros(count, dtype=bool)
+        self.given: BoolArray = np.zeros(count, dtype=bool)
         self.pressure: FloatArray = np.zeros(count)
         self._cell_values = self._matrix.createVecLeft()
         self._forces = self._matrix.createVecRight()
@@ -222,30 +225,33 @@ class MeanDilatation:
         compressibility: FloatArray,
         free: FloatArray,
         given: FloatArray,
-        penalised: BoolArray,
     ) -> None:
         """Set the volumes of a trial step; collective.
 
         Args:
             compressibility: c of the cells [1/Pa], shape (cells,).
             free: volumetric strain without pressure, shape (cells,).
-            given: pressures of porous liquid [Pa], nan elsewhere, shape (cells,).
-            penalised: cells that have no multiplier, however small c is, shape (cells,).
+            given: pressures of trapped liquid [Pa], nan elsewhere, shape (cells,).
         """
-        self._compressibility, self._free = compressibility.copy(), free
-        self._given, self._penalised = given, penalised
+        self.given = ~np.isnan(given)
+        # Nor has a given pressure a multiplier.
+        self._compressibility = np.where(self.given, self._smallest, compressibility)
+        self._free = free.copy()
         if self._varies:
             self._assemble()
 
     def update(self, dilatation: FloatArray) -> None:
         """Find the pressures for volumetric strains of the cells, shape (cells,)."""
         c, least = self._compressibility, self._least()
-        self.pressure = (dilatation - self._free + (least - c) * self._multiplier) / least
-        self.pressure = np.where(np.isnan(self._given), self.pressure, self._given)
+        found = (dilatation - self._free + (least - c) * self._multiplier) / least
+        self.pressure = np.where(self.given, self.pressure, found)
+
+    def give(self, pressures: FloatArray) -> None:
+        """Take the pressures of trapped liquid [Pa], nan elsewhere, shape (cells,)."""
+        self.pressure = np.where(self.given, pressures, self.pressure)
 
     def _least(self) -> FloatArray:
-        c = self._compressibility
-        return np.where(self._penalised, c, np.maximum(c, self._smallest))
+        return np.maximum(self._compressibility, self._smallest)
 
     def improve(self) -> None:
         """Take the present pressures for the multipliers."""
@@ -258,14 +264,18 @@ class MeanDilatation:
 
     def forces(self) -> FloatArray:
         """Return ∫ p ∇·η of the owned unknowns [N]."""
-        self._cell_values.array[:] = self.pressure[: self._owned]
+        return self.forces_of(self.pressure)
+
+    def forces_of(self, pressure: FloatArray) -> FloatArray:
+        """Return the same of other pressures of the cells [Pa], shape (cells,); collective."""
+        self._cell_values.array[:] = pressure[: self._owned]
         self._matrix.multTranspose(self._cell_values, self._forces)
-        return np.asarray(self._forces.array_r)
+        return self._forces.array_r.copy()
 
     def add_tangent(self, A: PETSc.Mat) -> None:
         """Add the derivative of `forces` to a matrix that has its entries."""
         scaled = self._matrix.copy()
-        free = np.isnan(self._given[: self._owned])
+        free = ~self.given[: self._owned]
         self._cell_values.array[:] = free / (self._volumes * self._least()[: self._owned])
         scaled.diagonalScale(self._cell_values, None)
         product = self._matrix.transposeMatMult(scaled)

@@ -1,16 +1,17 @@
 """Trapped liquid, which no free surface feeds: its pressure, and the pores that open in it.
 
 A pocket is incompressible, and its pressure follows from its walls; below the cavity pressure pores
-open. With p the mean stress (tension positive), φ the void fraction of the pocket and p_c the
-depression at which pores open at its highest point (`cavitation`; −b·x adds the weight of what
-stands above):
+open. Its liquid flows freely, so that one pressure acts in all of it, beside the weight of what
+stands above (−b·x). With p that pressure (tension positive), φ the void fraction of the pocket and
+p_c the depression at which pores open at its highest point (`cavitation`):
 
     φ ≥ 0,   p ≤ p_c,   φ (p − p_c) = 0,   φ = mean(∇·u) − mean(e),
 
-with e the content of its cells (`castx.mechanics.liquid.content`). One state holds for all of a
-pocket, since its liquid flows freely; it changes between iterations only, when the pressure of a
-full pocket rises above p_c, or the void of a porous one falls below zero. A pore that closes has to
-be filled before the pocket resists.
+with e the content of its cells (`castx.mechanics.liquid.content`). A full pocket has
+p = p_0 + κ φ, with p_0 the pressure at which it closed and κ so large that φ is next to nothing.
+The state of a pocket changes between iterations only, when the pressure of a full one rises above
+p_c, or the void of a porous one falls below zero. A pore that closes has to be filled before the
+pocket resists.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection
 
+from mpi4py import MPI
+
 import numpy as np
 import ufl
 from dolfinx import fem
 
-from castx.arrays import BoolArray, FloatArray, IntArray
-from castx.domain.measures import cell_measure
+from castx.arrays import FloatArray, IntArray
+from castx.domain.measures import cell_measure, nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
 from castx.materials.thermal_strain import liquid_shrinkage
@@ -32,16 +35,18 @@ from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
 from castx.mechanics.liquid.pores import Pores
 from castx.mechanics.liquid.pressures import PocketPressures
+from castx.mechanics.liquid.stiffness import PocketStiffness
 from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
 
-POROUS_SHARE = 1e-6
-"""Weight of the equation p = p_c inside porous liquid, in units of the solid's 1/K."""
+NODAL_SHARE = 1e-6
+"""Weight of the equation of the nodal pressure inside trapped liquid, in units of the solid's 1/K:
+so little that the pressures of the shell stay their own."""
 
 FULL_SHARE = 1e-3
-"""Compressibility of full trapped liquid beside the solid's, far below that of any shell: a mould
-filled with nothing else has a pressure by it."""
+"""Compressibility 1/κ of full trapped liquid beside the solid's, far below that of any shell: a
+mould filled with nothing else has a pressure by it."""
 
 
 class Pockets:
@@ -54,12 +59,13 @@ class Pockets:
         potential: x·b of the body force b at the local nodes [Pa], shape (nodes,), or one value;
             a pocket that is closed from the start carries it by a hydrostatic pressure.
         cavitation: p_c, the depression at which pores open [Pa].
+        block_size: unknowns of a node.
 
     Attributes:
         trapped: one in the trapped cells of the trial step, else zero.
-        porous: one in those of porous pockets, else zero.
-        pressure: given pressure of porous liquid, reference of that of full one, at the nodes [Pa].
+        pressure: that of the pockets at their nodes [Pa].
         content: what the cells hold, and the balance of feeding.
+        stiffness: what full pockets add to the Jacobian.
         mean_pressure: mean of p over the trapped liquid after the last step [Pa], 0: there is none.
     """
 
@@ -70,10 +76,10 @@ class Pockets:
         closed: Collection[str],
         potential: FloatArray | float = 0.0,
         cavitation: float = 0.0,
+        block_size: int = 1,
     ) -> None:
         space = fem.functionspace(body.mesh, ("DG", 0))
-        self.trapped, self.porous = fem.Function(space), fem.Function(space)
-        self.pressure = fem.Function(body.nodes)
+        self.trapped, self.pressure = fem.Function(space), fem.Function(body.nodes)
         self._body = body
         self._paths = FeedingPaths(body, model, closed)
         self._cell_nodes: IntArray = body.nodes.dofmap.list
@@ -81,15 +87,18 @@ class Pockets:
             fem.form(ufl.TestFunction(space) * cell_measure(body, model, 2))
         ).array[: space.dofmap.index_map.size_local]
         self.content = Content(body.mesh.comm, body.cell_numbering, volumes)
+        self.stiffness = PocketStiffness(body.mesh.comm, block_size)
         self.mean_pressure = 0.0
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
-        self._scale: FloatArray = np.zeros(0)
+        none: FloatArray = np.zeros(0)
+        self._stiffness, self._void, self._excess = none, none, none
+        self._is_trial = False
         self._accepted = [f.x.array.copy() for f in self._functions]
 
     @property
     def _functions(self) -> tuple[fem.Function, ...]:
-        return self.trapped, self.porous, self.pressure
+        return self.trapped, self.pressure
 
     @property
     def exist(self) -> bool:
@@ -98,9 +107,7 @@ class Pockets:
 
     def state(self, points: PointState) -> PointState:
         """Return the state of the integration points, with that of trapped liquid."""
-        return points._replace(
-            trapped=self.trapped, porous=self.porous, trapped_pressure=self.pressure
-        )
+        return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
 
     def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
         """Find the pockets of a trial step, their content and their state; collective.
@@ -113,78 +120,80 @@ class Pockets:
         fraction = solid_fraction[self._cell_nodes].mean(axis=1)
         # What was solid when it was free of strain has not shrunk since.
         skeleton = law.stress_free_state.shrinkage(law.material, fraction, self._cell_nodes)
-        self.update(liquid, liquid_shrinkage(law.material, fraction), skeleton)
-        self._scale = np.zeros(0)
+        content = self.content
+        content.begin(
+            self._paths.pockets(liquid), liquid, liquid_shrinkage(law.material, fraction), skeleton
+        )
+        self._pressures.begin(content)
+        self._pores.begin()
+        self._is_trial = True
+        trapped, solid = content.pocket >= 0, material.conditions.solid_compressibility
+        self._stiffness = np.zeros(0)
         if self.exist:
-            self._scale = self.content.mean(material.conditions.solid_compressibility)
-        self.apply(material)
+            self._stiffness = 1.0 / (FULL_SHARE * content.mean(solid))
+        self._void = self._excess = np.zeros(len(self._stiffness))
+        self.trapped.x.array[:] = trapped
+        self.pressure.x.array[:] = self._pressures.acting(self._excess)
+        material.compressibility.x.array[trapped] = NODAL_SHARE * solid[trapped]
+        material.set_free_volume(np.where(trapped, 0.0, content.free_volume))
 
-    def update(self, liquid: BoolArray, shrunk: FloatArray, skeleton: FloatArray) -> None:
-        """Find the pockets of a trial step, their pressures and a first guess of their state.
+    def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
+        """Prepare what full pockets add to the Jacobian; collective.
 
         Args:
-            liquid: whether a cell is a liquid, shape (cells,).
-            shrunk: s min(f_s, f_c) of the cells, shape (cells,).
-            skeleton: strain by −s (f_s − f_c) beyond coherency since the body was free of strain,
-                shape (cells,); collective.
+            rows: derivative of the volumes of the pockets, shape (owned unknowns,) [m²].
+            columns: derivative of the residual by their pressures, likewise.
         """
-        self.content.begin(self._paths.pockets(liquid), liquid, shrunk, skeleton)
-        self._pressures.begin(self.content)
-        self._pores.begin()
+        pocket = self.content.pocket[: self._body.cell_numbering.owned]
+        corners = self._cell_nodes[: len(pocket)]
+        inside, here = pocket >= 0, np.zeros((2, len(self.pressure.x.array)))
+        np.add.at(here[0], corners[inside].ravel(), 1.0)
+        numbers = np.repeat(pocket[inside], corners.shape[1]).astype(np.float64)
+        np.add.at(here[1], corners[inside].ravel(), numbers)
+        count, total = (nodal_sum(self._body, values) for values in here)
+        owned = self._body.nodes.dofmap.index_map.size_local
+        found = np.where(count > 0, np.round(total / np.maximum(count, 1.0)), -1.0)
+        self.stiffness.begin(found[:owned].astype(np.int32), rows, columns)
+        self._turn_stiffness()
 
-    def apply(self, material: MaterialPoints) -> None:
-        """Give the state of the pockets to the material and to the forms."""
-        trapped, porous = self.content.pocket >= 0, self._pores.cells
-        self.trapped.x.array[:], self.porous.x.array[:] = trapped, porous
-        self.pressure.x.array[:] = self._pressures.acting(porous)
-        solid = material.conditions.solid_compressibility
-        # So little that the pressures of the shell stay their own.
-        share = np.where(porous, POROUS_SHARE, FULL_SHARE)
-        material.compressibility.x.array[trapped] = (share * solid)[trapped]
-        material.set_free_volume(np.where(porous, 0.0, self.content.free_volume))
+    def _turn_stiffness(self) -> None:
+        full = ~self._pores.open
+        self.stiffness.stiffness = np.where(full, self._stiffness / self.content.pockets, 0.0)
 
-    def full_cells(self) -> BoolArray:
-        """Return whether the cells are full trapped liquid, shape (cells,)."""
-        return (self.content.pocket >= 0) & ~self._pores.cells
+    def evaluate(self, dilatation: FloatArray) -> None:
+        """Find the pressures of the pockets; collective.
+
+        Args:
+            dilatation: volumetric strain of the cells, shape (cells,).
+        """
+        if not self._is_trial or not self.exist:
+            return
+        self._void = self.content.void_fraction(dilatation)
+        full = self._pressures.at_closing + self._stiffness * self._void
+        self._excess = np.where(self._pores.open, 0.0, full)
+        self.pressure.x.array[:] = self._pressures.acting(self._excess)
 
     def cell_pressures(self) -> FloatArray:
-        """Return the given pressures of the porous cells [Pa], nan elsewhere, shape (cells,)."""
-        porous = self.porous.x.array.astype(bool)
-        return np.where(porous, self._pressures.of_cells(self.pressure.x.array), np.nan)
+        """Return the pressures of the trapped cells [Pa], nan elsewhere, shape (cells,)."""
+        trapped = self.trapped.x.array.astype(bool)
+        return np.where(trapped, self._pressures.of_cells(self.pressure.x.array), np.nan)
 
-    def reference_pressures(self) -> FloatArray:
-        """Return p at which a full trapped cell has its volume, zero elsewhere [Pa], (cells,)."""
-        pressures = self._pressures
-        return np.where(self.content.pocket >= 0, pressures.of_cells(pressures.reference), 0.0)
+    def turn(self) -> bool:
+        """Open and close pores at the iterate evaluated last; return whether any did; collective.
 
-    def _limits(self) -> FloatArray:
-        return self._pressures.of_cells(self._pressures.limit)
-
-    def turn(self, material: MaterialPoints, pressure: FloatArray) -> bool:
-        """Open and close pores at an iterate; return whether any pocket has changed; collective.
-
-        Args:
-            material: of the body, with the volumetric strains there.
-            pressure: mean stress of the cells there [Pa], shape (cells,).
+        All ranks have the same answer.
         """
-        if not self.exist:
+        strain = self._excess / (FULL_SHARE * self._stiffness)  # of the solid
+        if not self._pores.turn(strain, self._void):
             return False
-        content = self.content
-        excess = self._scale * content.mean(pressure - self._limits())
-        void = content.void_fraction(material.dilatation)
-        turned = self._pores.turn(excess, void)
-        if turned:
-            self.apply(material)
-        return turned
+        self._turn_stiffness()
+        return True
 
-    def commit(
-        self, pressure: Callable[[], FloatArray], cells: FloatArray, dilatation: FloatArray
-    ) -> None:
+    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book an accepted step; collective.
 
         Args:
             pressure: returns that at the local nodes [Pa], shape (nodes,).
-            cells: pressures of the cells [Pa], shape (cells,).
             dilatation: volumetric strain of the cells, shape (cells,).
         """
         volumes = self.content.pockets
@@ -193,9 +202,8 @@ class Pockets:
             for pockets, what in self._pores.news():
                 if pockets.any():
                     logger.info("%s: %.3g m³ %s", self._body.name, volumes[pockets].sum(), what)
-            porous = self.porous.x.array.astype(bool)
-            means = self.content.mean(np.where(porous, self._limits(), cells))
-            self.mean_pressure = float(means @ volumes / volumes.sum())
+            acting = self._pressures.of_cells(self.pressure.x.array)
+            self.mean_pressure = float(self.content.mean(acting) @ volumes / volumes.sum())
         self.content.commit(dilatation, self._pores.open)
         self._pressures.commit(pressure())
         self._pores.commit()
@@ -203,6 +211,7 @@ class Pockets:
 
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""
+        self._is_trial = False
         self._pores.rewind()
         for function, values in zip(self._functions, self._accepted, strict=True):
             function.x.array[:] = values
@@ -223,10 +232,9 @@ class Pockets:
     def saved(self) -> dict[str, Saved]:
         """Return the committed state of the pockets and their pressures."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
-        trapped, porous, pressure = self._accepted
+        trapped, pressure = self._accepted
         return {
             "trapped": Saved(trapped, cells),
-            "porous": Saved(porous, cells),
             "given_pressure": Saved(pressure, nodes),
             "mean_pressure": number(self.mean_pressure, bodies=(self._body.name,)),
             **self._pressures.saved(),
@@ -237,7 +245,7 @@ class Pockets:
         """Restore a committed state."""
         self._pores.restore(arrays)
         self._accepted = [
-            arrays[name].astype(np.float64) for name in ("trapped", "porous", "given_pressure")
+            arrays[name].astype(np.float64) for name in ("trapped", "given_pressure")
         ]
         self._pressures.restore(arrays)
         self.mean_pressure = float(arrays["mean_pressure"])
@@ -255,6 +263,7 @@ class NoPockets:
 
     def __init__(self, cells: int) -> None:
         self._cells = cells
+        self.stiffness = PocketStiffness(MPI.COMM_SELF, 1)
 
     def state(self, points: PointState) -> PointState:
         """Return the state of the integration points as it is."""
@@ -263,25 +272,21 @@ class NoPockets:
     def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
         """Leave the material of a trial step as it is."""
 
-    def full_cells(self) -> BoolArray:
-        """Return False, shape (cells,)."""
-        return np.zeros(self._cells, dtype=bool)
+    def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
+        """Prepare nothing."""
+
+    def evaluate(self, dilatation: FloatArray) -> None:
+        """Find nothing."""
 
     def cell_pressures(self) -> FloatArray:
         """Return nan, shape (cells,)."""
         return np.full(self._cells, np.nan)
 
-    def reference_pressures(self) -> FloatArray:
-        """Return zero, shape (cells,)."""
-        return np.zeros(self._cells)
-
-    def turn(self, material: MaterialPoints, pressure: FloatArray) -> bool:
+    def turn(self) -> bool:
         """Return that nothing has changed."""
         return False
 
-    def commit(
-        self, pressure: Callable[[], FloatArray], cells: FloatArray, dilatation: FloatArray
-    ) -> None:
+    def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book nothing."""
 
     def rewind(self) -> None:

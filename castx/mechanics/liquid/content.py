@@ -140,6 +140,9 @@ class Content:
     def commit(self, dilatation: FloatArray, porous: BoolArray) -> None:
         """Book an accepted step; collective.
 
+        Liquid flows to where a pocket has room: its cells are full at the volumes that they have,
+        but for the void, or for the compression, of the whole pocket.
+
         Args:
             dilatation: volumetric strain of the cells, shape (cells,).
             porous: whether each pocket has pores, shape (pockets,).
@@ -152,7 +155,7 @@ class Content:
         cells[trapped] = porous[self.pocket[trapped]]
         self._full, self._pores = self._trial_full.copy(), self._trial_pores.copy()
         self._pores[cells] = fraction[self.pocket[cells]]
-        self._full[cells] = dilatation[cells] - self._pores[cells]
+        self._full[trapped] = dilatation[trapped] - fraction[self.pocket[trapped]]
         self._shrunk, self._last_pocket = self._trial_shrunk, self.pocket
         self._last_count = len(self.pockets)
         demand, fed_now, self.void = self._totals(change, fed, self._pores)

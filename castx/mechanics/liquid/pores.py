@@ -17,9 +17,6 @@ SLACK = 1e-9
 MOST_TURNS = 2
 """Changes of the state of one pocket in one step, all passes together; then it stays full."""
 
-GROWTH = 2.0
-"""Growth of the pressure of a pocket from which on pores are tried again that had no void."""
-
 UNKNOWN, FULL, POROUS = -1, 0, 1
 
 Entry = TypeVar("Entry", bound=np.generic)
@@ -43,10 +40,8 @@ class Pores:
         # UNKNOWN in cells that are not trapped.
         self._committed: IntArray = np.full(len(numbering.numbers), UNKNOWN, dtype=np.int32)
         self._state: IntArray = self._committed
-        # Both of each cell: changes in this step, and the excess at which pores were tried in vain.
+        # Changes in this step, of each cell.
         self._turned: IntArray = np.zeros(len(numbering.numbers), dtype=np.int32)
-        self._refused: FloatArray = np.zeros(len(numbering.numbers))
-        self._tried: FloatArray = self._refused
 
     def begin(self) -> None:
         """Guess the state of the pockets of a trial step; collective.
@@ -84,23 +79,16 @@ class Pores:
     def turn(self, excess: FloatArray, void: FloatArray) -> bool:
         """Open pores where the pressure asks for it, close those without void; say whether any did.
 
-        The void of a pocket is the counterpart of one pressure, which acts where it has pores. Full
-        liquid of coarse cells cannot flow from where it is squeezed to where it is drawn, and its
-        mean pressure may ask for pores that have no void. They are tried again as it has doubled.
-
         Args:
             excess: pressure above the one at which pores open, in strain of the solid, (pockets,).
             void: void fraction, shape (pockets,).
         """
-        least = np.maximum(GROWTH * self._content.largest(self._tried), SLACK)
-        turned = np.where(self.open, void < -SLACK, excess > least)
-        # A pocket may find neither state right, by an error of its mesh.
+        turned = np.where(self.open, void < -SLACK, excess > SLACK)
+        # What yields may find neither state right on its way to balance.
         turned &= self.open | (self._turns < MOST_TURNS)
         self.open = self.open ^ turned
         self._turns = self._turns + turned
         self._mark()
-        opening = np.where(turned & self.open, excess, 0.0)
-        self._tried = np.maximum(self._tried, self._spread(opening, np.zeros_like(self._tried)))
         return bool(turned.any())
 
     def news(self) -> list[tuple[BoolArray, str]]:
@@ -115,23 +103,18 @@ class Pores:
     def commit(self) -> None:
         """Keep the state of the trial step."""
         self._committed = self._state
-        self._tried = self._refused = np.where(self._state == FULL, self._tried, 0.0)
         self._turned[:] = 0
 
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""
-        self._state, self._tried = self._committed, self._refused
+        self._state = self._committed
         self._turned[:] = 0
 
     def saved(self) -> dict[str, Saved]:
         """Return the state of the last accepted step."""
-        return {
-            "state": Saved(self._committed, self._numbering),
-            "refused": Saved(self._refused, self._numbering),
-        }
+        return {"state": Saved(self._committed, self._numbering)}
 
     def restore(self, arrays: Arrays) -> None:
         """Restore it."""
         self._committed = np.asarray(arrays["state"], dtype=np.int32)
-        self._refused = arrays["refused"].astype(np.float64)
         self.rewind()

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.arrays import FloatArray, IntArray
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.content import Content
 from castx.stateful import Arrays, Saved
@@ -27,6 +27,7 @@ class PocketPressures:
     Attributes:
         limit: pressure at which pores open, at the nodes in a pocket [Pa], shape (nodes,).
         reference: pressure at which a pocket closed, at the nodes in it [Pa], shape (nodes,).
+        at_closing: mean of the reference over the limit in each pocket [Pa], shape (pockets,).
     """
 
     def __init__(
@@ -40,6 +41,9 @@ class PocketPressures:
         # Liquid that is trapped from the start is at rest, with no pressure at the highest node.
         self._last: FloatArray = self._head - highest
         self._committed = self.reference = self.limit = self._last
+        self.at_closing: FloatArray = np.zeros(0)
+        self._trapped: IntArray = np.zeros((0, self._cell_nodes.shape[1]), dtype=np.int32)
+        self._pocket: IntArray = np.zeros(0, dtype=np.int32)
 
     def begin(self, content: Content) -> None:
         """Find the pressures of a trial step whose pockets are known; collective."""
@@ -54,11 +58,18 @@ class PocketPressures:
         nodes = corners[trapped]
         self.limit[nodes] += self._head[nodes] - top[pocket[trapped]][:, None]
 
-    def acting(self, porous: BoolArray) -> FloatArray:
-        """Return the limit at the nodes of porous cells, else the reference [Pa], (nodes,)."""
-        at_limit = np.zeros(len(self.limit), dtype=bool)
-        at_limit[self._cell_nodes[porous].ravel()] = True
-        return np.where(at_limit, self.limit, self.reference)
+        self.at_closing = content.mean(self.of_cells(self.reference - self.limit))
+        self._trapped, self._pocket = nodes, pocket[trapped]
+
+    def acting(self, excess: FloatArray) -> FloatArray:
+        """Return the pressures at the nodes in pockets, elsewhere the references [Pa], (nodes,).
+
+        Args:
+            excess: of each pocket over its limit [Pa], shape (pockets,).
+        """
+        acting = self.reference.copy()
+        acting[self._trapped] = self.limit[self._trapped] + excess[self._pocket][:, None]
+        return acting
 
     def of_cells(self, nodal: FloatArray) -> FloatArray:
         """Return the means of nodal pressures in the cells [Pa], shape (cells,)."""
