@@ -147,22 +147,22 @@ def matrix(form) -> np.ndarray:
     return fem.assemble_matrix(fem.form(form)).to_dense()
 
 
-liquids = pytest.mark.parametrize(("trapped", "porous"), [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)])
+liquids = pytest.mark.parametrize("trapped", [0.0, 1.0])
 
 
 @dimensions
 @liquids
-def test_the_mixed_residual_of_a_cell(dimension, trapped, porous):
-    """R_u = V s:B + ∫p tr B, R_q = ∫ N (tr ε - e^θ - p/K), full and porous liquid included."""
+def test_the_mixed_residual_of_a_cell(dimension, trapped):
+    """R_u = V s:B + ∫p tr B, R_q = ∫ N (tr ε - e^θ - p/K), trapped liquid included."""
     dense, (function, u, p) = Dense(CORNERS[dimension]), values(dimension)
     given = 4.5
-    point = state(dimension, trapped=trapped, porous=porous, trapped_pressure=given)
+    point = state(dimension, trapped=trapped, trapped_pressure=given)
     found = vector(residual(dimension, point, function))
     _, of_u, of_p = spaces(dimension)
-    pressure = dense.volume * ((1 - porous) * p.mean() + porous * given)
+    pressure = dense.volume * ((1 - trapped) * p.mean() + trapped * given)
     forces = dense.volume * np.einsum("ij,aij->a", STRESS, dense.strains) + pressure * dense.traces
     np.testing.assert_allclose(found[of_u].ravel(), forces, rtol=1e-12)
-    dilatation = (1 - porous) * (dense.traces @ u - THERMAL)
+    dilatation = (1 - trapped) * (dense.traces @ u - THERMAL)
     volumes = dilatation * dense.weights
     volumes -= COMPRESSIBILITY * (dense.mass @ p - trapped * given * dense.weights)
     np.testing.assert_allclose(found[of_p], volumes, rtol=1e-12, atol=1e-13)
@@ -171,14 +171,14 @@ def test_the_mixed_residual_of_a_cell(dimension, trapped, porous):
 @dimensions
 @liquids
 @pytest.mark.parametrize("radial", [RADIAL, None])
-def test_the_mixed_tangent_of_a_cell(dimension, trapped, porous, radial):
+def test_the_mixed_tangent_of_a_cell(dimension, trapped, radial):
     dense = Dense(CORNERS[dimension])
-    point = state(dimension, trapped=trapped, porous=porous, radial=radial)
+    point = state(dimension, trapped=trapped, radial=radial)
     found = matrix(tangent(dimension, point))
     _, of_u, of_p = spaces(dimension)
     u = of_u.ravel()
     stiffness = dense.stiffness(SHEAR, radial or 0.0)
-    coupling = (1 - porous) * np.outer(dense.traces, dense.weights)
+    coupling = (1 - trapped) * np.outer(dense.traces, dense.weights)
     np.testing.assert_allclose(found[np.ix_(u, u)], stiffness, rtol=1e-11, atol=1e-13)
     np.testing.assert_allclose(found[np.ix_(u, of_p)], coupling, rtol=1e-12, atol=1e-14)
     np.testing.assert_allclose(found[np.ix_(of_p, u)], coupling.T, rtol=1e-12, atol=1e-14)
@@ -194,12 +194,36 @@ def hardening_stress(total):
 
 @dimensions
 @liquids
-def test_the_mixed_tangent_is_the_derivative_of_the_residual(dimension, trapped, porous):
+def test_the_mixed_tangent_is_the_derivative_of_the_residual(dimension, trapped):
     function = values(dimension)[0]
     total = strain(dimension, ufl.split(function)[0])
-    point = state(dimension, stress=hardening_stress(total), trapped=trapped, porous=porous)
+    point = state(dimension, stress=hardening_stress(total), trapped=trapped)
     expected = matrix(ufl.derivative(residual(dimension, point, function), function))
     np.testing.assert_allclose(matrix(tangent(dimension, point)), expected, atol=1e-12)
+
+
+@dimensions
+@liquids
+def test_the_work_of_the_pressure_of_a_pocket_is_the_derivative_by_it(dimension, trapped):
+    """∂R/∂p_trapped: V tr B, and the weights of the nodes over K."""
+    space, of_u, of_p = spaces(dimension)
+    function = values(dimension)[0]
+    pressure = fem.Function(fem.functionspace(cell(dimension), ("DG", 0)))
+    pressure.x.array[:] = 4.5
+    marker = fem.Constant(cell(dimension), trapped)
+    point = state(dimension, trapped=marker, trapped_pressure=pressure)
+    (v, q), dx = ufl.TestFunctions(space), measure(dimension)
+    found = vector(momentum.pocket_pressure_work(strain(dimension, v), q, point, dx))
+    derivative = matrix(ufl.derivative(residual(dimension, point, function), pressure))
+    np.testing.assert_allclose(found, derivative[:, 0], rtol=1e-12, atol=1e-14)
+    dense = Dense(CORNERS[dimension])
+    expected = trapped * dense.volume * dense.traces
+    np.testing.assert_allclose(found[of_u].ravel(), expected, rtol=1e-12, atol=1e-14)
+    expected = trapped * COMPRESSIBILITY * dense.weights
+    np.testing.assert_allclose(found[of_p], expected, rtol=1e-12)
+    rows = vector(momentum.pocket_pressure_work(strain(dimension, v), 0.0, point, dx))
+    np.testing.assert_array_equal(rows[of_u], found[of_u])
+    assert not rows[of_p].any()
 
 
 def plane_stress(total, normal):

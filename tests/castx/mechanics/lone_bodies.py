@@ -23,6 +23,8 @@ MELTING = {
     "latent_heat": 4e5,
     "liquid": {"viscosity": 2e6, "coherency": 0.7},
 }
+SHUT = ("wall", "far", "bottom", "top")
+"""Surfaces of the slab in the plane: closed, no liquid can follow."""
 
 
 def slab_mesh(
@@ -58,14 +60,22 @@ def random_field(part: BodyMechanics, seed: float) -> FloatArray:
     return np.sin(seed * (phase[:, None] + 4.3 * np.arange(part.block_size)) ** 1.3).ravel()
 
 
-def begin(part: BodyMechanics, temperature: float, solid_fraction: float = 1.0) -> None:
+def begin(
+    part: BodyMechanics, temperature: float, solid_fraction: float | FloatArray = 1.0
+) -> None:
     """Start a step of 1 s at one temperature."""
     nodes = len(part.mesh.parent_vertices)
     part.update_state(np.full(nodes, temperature), np.full(nodes, solid_fraction), 1.0)
     part.set_time(0.0)
 
 
-def begin_anywhere(part: BodyMechanics, solid_fraction: float = 1.0) -> None:
+def molten_ends(part: BodyMechanics) -> FloatArray:
+    """Return solid fractions of the local nodes that leave two pockets, at both ends of a slab."""
+    x = part.mesh.points[:, 0]
+    return np.where((x < 0.1 * LENGTH) | (x > 0.9 * LENGTH), 0.0, 1.0)
+
+
+def begin_anywhere(part: BodyMechanics, solid_fraction: float | FloatArray = 1.0) -> None:
     """Start a step of 1 s at temperatures that differ from place to place."""
     nodes = len(part.mesh.parent_vertices)
     temperature = 20 + 300 * np.abs(random_field(part, 0.3)[:nodes])
@@ -92,7 +102,7 @@ def jacobian_times(part: BodyMechanics, direction: FloatArray) -> FloatArray:
     x.array[:] = direction[: x.getLocalSize()]
     A.mult(x, y)
     product = y.array_r.copy()
-    for add_product in part.products():
+    for add_product in (*part.products(), *part.coupled_products()):
         add_product(x.array_r, product)
     for item in (A, x, y):
         item.destroy()

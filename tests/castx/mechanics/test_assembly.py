@@ -14,11 +14,13 @@ from castx.tables import Table
 from tests.castx.mechanics.lone_bodies import (
     MELTING,
     POISSON,
+    SHUT,
     YOUNG,
     alone,
     begin,
     begin_anywhere,
     jacobian_times,
+    molten_ends,
     random_field,
 )
 from tests.elastic_bodies import blocks, body, elastic, pushed
@@ -100,6 +102,30 @@ def test_corrections_are_those_of_the_body_with_osgs(comm, bodies):
     made.destroy()
 
 
+def test_trapped_liquid_couples_the_displacements_of_its_body_alone(comm, bodies):
+    """Two pockets of a body, between a body of displacements and a solid of the same layout."""
+    liquid = alone(comm, properties=MELTING, closed=SHUT, starts_liquid=True)
+    begin_anywhere(liquid, molten_ends(liquid))
+    parts = [bodies[1], liquid, bodies[0]]
+    made, fields = assembled(comm, parts)
+    made.residual()
+    assert made.has_pockets and not made.is_linear
+    x = joined(parts, fields)
+    y = np.zeros_like(x)
+    for correction in made.coupled_corrections():
+        correction(x, y)
+    first, own = bodies[1].unknowns.owned, liquid.unknowns.owned
+    expected = np.zeros(own)
+    (add_product,) = liquid.coupled_products()
+    add_product(x[first : first + own].copy(), expected)
+    assert comm.allreduce(int(np.count_nonzero(expected))) > 0
+    np.testing.assert_array_equal(y[first : first + own], expected)
+    assert not y[:first].any() and not y[first + own :].any()
+    begin_anywhere(liquid, 1.0)
+    assert not made.has_pockets
+    made.destroy()
+
+
 def test_displacements_are_told_from_pressures(comm, bodies):
     """Displacements and the axial strain count, the pressure of the mixed body does not."""
     made, _ = assembled(comm, bodies)
@@ -138,7 +164,7 @@ def test_a_failure_on_one_rank_is_raised_on_all(comm, bodies, monkeypatch):
 
 def test_laws_of_all_bodies_decide_what_is_linear(comm, bodies):
     made, _ = assembled(comm, bodies)
-    assert made.is_linear and made.is_elastic
+    assert made.is_linear and made.is_elastic and not made.has_pockets
     mesh, metal = blocks(comm), elastic(YOUNG, POISSON, 2e-5, **MELTING)
     liquid = BodyMechanics(mesh.bodies["upper"], "plane-strain", body(metal))
     other, _ = assembled(comm, [liquid])

@@ -72,6 +72,9 @@ def test_forms_of_a_spring_bed_are_assembled(comm):
 
     np.testing.assert_allclose(total(forms.residual()), [10.0, 20.0], rtol=1e-12)
     forms.update_load()
+    np.testing.assert_array_equal(
+        forms.assemble(fem.form(ufl.inner(load, test) * ufl.dx)), forms.load
+    )
     np.testing.assert_allclose(total(forms.load), [3.0, -1.0], rtol=1e-12)
     np.testing.assert_allclose(total(forms.residual()), [7.0, 21.0], rtol=1e-12)
     A = forms.create_jacobian()

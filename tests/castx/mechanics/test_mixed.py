@@ -12,13 +12,16 @@ from tests.castx.mechanics.lone_bodies import (
     MELTING,
     MODELS,
     POISSON,
+    SHUT,
     YOUNG,
     alone,
     begin,
     begin_anywhere,
     check_derivative,
     inside,
+    molten_ends,
     move,
+    random_field,
 )
 from tests.elastic_bodies import STRESS_FREE, pulled, pushed
 
@@ -48,12 +51,48 @@ def test_jacobian_of_a_body_that_melts(comm, stabilisation, fraction):
     check_derivative(comm, part, 1.0)
 
 
-def test_jacobian_of_trapped_liquid(comm):
-    shut = ("wall", "far", "bottom", "top")
-    part = alone(comm, properties=MELTING, closed=shut, starts_liquid=True)
-    begin_anywhere(part, 0.2)
-    assert part.liquid_totals() is not None and not part.is_linear
+@stabilised
+@pytest.mark.parametrize("ends", [False, True], ids=["all", "ends"])
+@pytest.mark.parametrize("model", ["plane-strain", "generalised-plane-strain", "axisymmetric"])
+def test_jacobian_of_trapped_liquid(comm, model, ends, stabilisation):
+    """Full, in one pocket or in two with a shell between them."""
+    part = alone(
+        comm, model, properties=MELTING, closed=SHUT, starts_liquid=True,
+        stabilisation=stabilisation,
+    )  # fmt: skip
+    begin_anywhere(part, molten_ends(part) if ends else 0.2)
+    assert part.has_pockets and not part.is_linear
     check_derivative(comm, part, 1.0)
+
+
+@stabilised
+def test_jacobian_of_porous_liquid(comm, stabilisation):
+    """Its pressure stays, whatever its volume is."""
+    part = alone(
+        comm, properties=MELTING, closed=SHUT, starts_liquid=True, stabilisation=stabilisation
+    )
+    begin_anywhere(part, molten_ends(part))
+    move(part, GRADIENT)
+    part.residual()
+    assert part.improve_pressures()  # pores open
+    (add_product,) = part.coupled_products()
+    nothing = np.zeros(part.unknowns.owned)
+    add_product(random_field(part, 1.9)[: len(nothing)], nothing)
+    assert part.has_pockets and not nothing.any()
+    check_derivative(comm, part, 1.0)
+
+
+def test_cells_of_trapped_liquid_have_the_pressure_of_their_pocket(comm):
+    """All others have the mean of their nodal pressures."""
+    part = alone(comm, properties={**MELTING, "cavitation": 3e5}, closed=SHUT, starts_liquid=True)
+    begin(part, 640.0, molten_ends(part))
+    move(part, GRADIENT, 7e5)
+    part.residual()
+    assert part.improve_pressures()
+    part.residual()
+    found, liquid = part.formulation.mean_stress(), ~part.coherent
+    assert comm.allreduce(int(liquid.sum())) and comm.allreduce(int((~liquid).sum()))
+    np.testing.assert_allclose(found, np.where(liquid, 3e5, 7e5), rtol=1e-12)
 
 
 @stabilised

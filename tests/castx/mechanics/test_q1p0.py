@@ -15,6 +15,7 @@ from tests.castx.mechanics.lone_bodies import (
     LENGTH,
     MELTING,
     POISSON,
+    SHUT,
     WIDTH,
     YOUNG,
     alone,
@@ -22,6 +23,7 @@ from tests.castx.mechanics.lone_bodies import (
     begin_anywhere,
     check_derivative,
     inside,
+    molten_ends,
     move,
     random_field,
 )
@@ -41,13 +43,17 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, model):
     check_derivative(comm, part, 1.0)
 
 
-@pytest.mark.parametrize("closed", [(), ("wall", "far", "bottom", "top")], ids=["fed", "trapped"])
-def test_jacobian_of_a_liquid(comm, closed):
+@pytest.mark.parametrize("model", ["plane-strain", "generalised-plane-strain", "axisymmetric"])
+@pytest.mark.parametrize("ends", [False, True], ids=["all", "ends"])
+@pytest.mark.parametrize("closed", [(), SHUT], ids=["fed", "trapped"])
+def test_jacobian_of_a_liquid(comm, closed, ends, model):
+    """Where it is trapped, in one full pocket or in two with a shell between them."""
     part = alone(
-        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
+        comm, model, "quadrilaterals", properties=MELTING, formulation="q1p0",
         closed=closed, starts_liquid=True,
     )  # fmt: skip
-    begin_anywhere(part, 0.2)
+    begin_anywhere(part, molten_ends(part) if ends else 0.2)
+    assert part.has_pockets == bool(closed)
     check_derivative(comm, part, 1.0)
 
 
@@ -81,15 +87,13 @@ class Cells:
         self.mean = MeanDilatation(
             self.part.mesh, cells, unknowns.space, increment, dx, SHEAR
         )
-        self.nothing_given = np.full(self.count, np.nan)
+        self.every_other = np.where(np.arange(self.count) % 2 == 0, -7e5, np.nan)
 
-    def begin(
-        self, compressibility: float, free: float = 0.0, given=None, penalised=False
-    ) -> None:
+    def begin(self, compressibility: float, free: float = 0.0, given=None) -> None:
         every = np.full(self.count, compressibility)
         strain = np.full(self.count, free)
-        given = self.nothing_given if given is None else given
-        self.mean.begin(every, strain, given, np.full(self.count, penalised))
+        given = np.full(self.count, np.nan) if given is None else given
+        self.mean.begin(every, strain, given)
 
 
 def test_pressure_of_a_compressible_cell(comm):
@@ -117,27 +121,28 @@ def test_pressure_of_an_incompressible_cell_grows_until_its_volume_is_right(comm
     np.testing.assert_allclose(cells.mean.pressure, 4e-6 / least, rtol=1e-12)
 
 
-def test_a_penalised_cell_has_its_pressure_at_once(comm):
-    cells, small = Cells(comm), 1e-2 * SMALLEST_COMPRESSIBILITY / SHEAR
-    cells.begin(small, 1e-6, penalised=True)
-    cells.mean.update(np.full(cells.count, 3e-6))
-    np.testing.assert_allclose(cells.mean.pressure, 2e-6 / small, rtol=1e-12)
-    assert not cells.mean.iterates
-
-
-def test_porous_cells_have_the_pressure_that_is_given(comm):
+@pytest.mark.parametrize("compressibility", [1e-11, 0.0])
+def test_trapped_cells_have_the_pressures_that_are_given_last(comm, compressibility):
+    """Whatever their volumes are; they have no multiplier, and the others keep theirs."""
     cells = Cells(comm)
-    given = np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan)
-    cells.begin(1e-11, given=given)
-    cells.mean.update(np.full(cells.count, 1e-3))
-    np.testing.assert_allclose(cells.mean.pressure[::2], -7e5)
-    np.testing.assert_allclose(cells.mean.pressure[1::2], 1e8)
+    cells.begin(compressibility, given=cells.every_other)
+    np.testing.assert_array_equal(cells.mean.given, ~np.isnan(cells.every_other))
+    least = max(compressibility, SMALLEST_COMPRESSIBILITY / SHEAR)
+    for given, dilatation in ((-7e5, 1e-3), (3e5, -1e-3), (3e5, 2e-3)):
+        cells.mean.give(np.where(cells.mean.given, given, np.nan))
+        cells.mean.update(np.full(cells.count, dilatation))
+        np.testing.assert_allclose(cells.mean.pressure[::2], given, rtol=1e-14)
+        np.testing.assert_allclose(cells.mean.pressure[1::2], dilatation / least, rtol=1e-12)
+    assert cells.mean.iterates == (compressibility == 0.0 and cells.count > 1)
+    cells.begin(compressibility, given=np.full(cells.count, 3e5))
+    assert not cells.mean.iterates
 
 
 def test_tangent_is_the_derivative_of_the_forces_where_pressures_are_given_too(comm):
     """Under a uniform strain all cells dilate equally; those whose pressure is given stay put."""
     cells = Cells(comm)
-    cells.begin(1e-11, given=np.where(np.arange(cells.count) % 2 == 0, -7e5, np.nan))
+    cells.begin(1e-11, given=cells.every_other)
+    cells.mean.give(cells.every_other)
     forces = []
     for dilatation in (0.0, float(np.trace(GRADIENT[:2, :2]))):
         cells.mean.update(np.full(cells.count, dilatation))
@@ -167,6 +172,10 @@ def test_work_of_the_pressures_is_that_on_the_change_of_volume(comm):
     work = comm.allreduce(forces @ cells.part.solution.x.array[: len(forces)])
     expected = 2e8 * np.trace(GRADIENT[:2, :2]) * LENGTH * WIDTH
     assert work == pytest.approx(expected, rel=1e-12)
+    volumes = cells.mean.forces_of(np.ones(cells.count))
+    change = comm.allreduce(volumes @ cells.part.solution.x.array[: len(forces)])
+    assert change == pytest.approx(expected / 2e8, rel=1e-12)
+    np.testing.assert_array_equal(cells.mean.forces(), forces)
 
 
 def test_state_of_the_pressures_comes_back(comm):

@@ -84,6 +84,29 @@ def test_walls_that_give_way_take_from_the_void_which_is_filled_before_they_resi
     np.testing.assert_allclose(cells.free_volume, -0.03, rtol=1e-13)
 
 
+@pytest.mark.parametrize("porous", [ONE, ~ONE], ids=["porous", "full"])
+def test_liquid_flows_to_where_its_pocket_has_room(porous) -> None:
+    """The cells of a pocket are full at their own volumes, but for the void of all of it."""
+    cells = content()
+    begin(cells, [0.0] * 5, [0, 0, 0, 1, -1])
+    begin(cells, [0.3] * 5, [0, 0, 0, 1, -1])
+    dilatation = np.array([0.04, -0.02, 0.01, 0.05, 0.007])
+    void = cells.void_fraction(dilatation)
+    mean = VOLUMES[:3] @ dilatation[:3] / 6.0
+    np.testing.assert_allclose(void, [mean + 0.03, 0.05 + 0.03], rtol=1e-13)
+    cells.commit(dilatation, np.concatenate([porous, ~porous]))
+    full, pores = (cells.saved()[name].values for name in ("content", "pores"))
+    np.testing.assert_allclose(full[:3], dilatation[:3] - void[0], rtol=1e-13)
+    np.testing.assert_allclose(full[3:], [0.05 - void[1], 0.0], rtol=1e-13)
+    assert VOLUMES[:3] @ full[:3] == pytest.approx(-0.03 * 6.0, rel=1e-13)  # the same metal
+    expected = np.where([*[porous[0]] * 3, ~porous[0], False], [*[void[0]] * 3, void[1], 0.0], 0.0)
+    np.testing.assert_allclose(pores, expected, rtol=1e-13)
+    # Which of its cells is how large is no change of the pocket, and nothing is booked.
+    begin(cells, [0.3] * 5, [0, 0, 0, 1, -1])
+    np.testing.assert_allclose(cells.void_fraction(dilatation), void, rtol=1e-13)
+    np.testing.assert_allclose(cells.void_fraction(np.full(5, mean)), [void[0], mean + 0.03])
+
+
 def test_a_cell_that_freezes_keeps_its_share_and_draws_what_it_lacks_from_the_pocket() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [0] * 5)

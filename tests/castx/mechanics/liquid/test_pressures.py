@@ -61,13 +61,36 @@ def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(c
     pressures.commit(np.full(nodes, -3e5))
     pressures.begin(pockets_of(casting, everything))
     np.testing.assert_array_equal(pressures.reference, -3e5)
-    none = np.zeros(len(everything), dtype=bool)
-    np.testing.assert_array_equal(pressures.acting(none), -3e5)
-    np.testing.assert_allclose(pressures.acting(everything), -WEIGHT * depth, atol=1e-9)
+    # The pressure of a pocket acts with that of depth, of which it takes over the mean alone.
+    for excess in (0.0, 7e5):
+        acting = pressures.acting(np.array([excess]))
+        np.testing.assert_allclose(acting, excess - WEIGHT * depth, rtol=1e-12, atol=1e-6)
+    volume = np.ones(len(everything))[: casting.cell_numbering.owned]
+    over = (-3e5 + WEIGHT * depth)[casting.nodes.dofmap.list].mean(axis=1)[: len(volume)]
+    mean = casting.mesh.comm.allreduce(over.sum()) / casting.mesh.comm.allreduce(volume.sum())
+    np.testing.assert_allclose(pressures.at_closing, [mean], rtol=1e-12)
     other = PocketPressures(casting, -WEIGHT * casting.points[:, 1], 0.0)
     other.restore({name: saved.values for name, saved in pressures.saved().items()})
     other.begin(pockets_of(casting, everything))
     np.testing.assert_array_equal(other.reference, -3e5)
+
+
+def test_each_pocket_has_its_own_pressure_and_other_nodes_their_references(casting) -> None:
+    corners = casting.nodes.dofmap.list
+    z = casting.points[corners].mean(axis=1)[:, 1]
+    low, high = z < 0.4 * HEIGHT, z > 0.6 * HEIGHT
+    pressures = PocketPressures(casting, 0.0, 2e5)
+    pressures.commit(np.full(len(casting.points), -1e4))
+    pressures.begin(pockets_of(casting, low, high))
+    np.testing.assert_allclose(pressures.at_closing, -2.1e5, rtol=1e-14)
+    acting = pressures.acting(np.array([-3e5, 1e5]))
+    expected = pressures.reference.copy()
+    expected[corners[low]], expected[corners[high]] = -1e5, 3e5
+    np.testing.assert_allclose(acting, expected, rtol=1e-12)
+    between = np.setdiff1d(np.arange(len(acting)), corners[low | high])
+    total = casting.mesh.comm.allreduce(len(between))
+    assert total > 0 and (acting[between] == pressures.reference[between]).all()
+    np.testing.assert_array_equal(pressures.of_cells(acting)[low], -1e5)
 
 
 def test_without_a_potential_there_is_no_depth(casting) -> None:
