@@ -19,6 +19,7 @@ from castx.contact.system import ContactSystem
 from castx.equilibrium.accuracy.convergence import ForceConvergence
 from castx.equilibrium.accuracy.net_forces import NetForces
 from castx.equilibrium.linear_system import SystemOperator
+from castx.equilibrium.pocket_block import PocketBlock
 from castx.equilibrium.supports.acting import Supports
 from castx.mechanics.assembly import BodyAssembly
 from castx.profiling import RunPart, booked_as
@@ -69,29 +70,17 @@ class MomentumBalance:
         self._comm = assembly.layout.comm
         self.active = ActiveSet(self._comm, gaps.initial, gaps.free, gaps.signatures())
         self.skin = LiquidSkin(assembly.layout, assembly.bodies, gaps)
-        self.operator = SystemOperator([*assembly.corrections(), self._of_pockets])
-        self._coupled = assembly.coupled_corrections()
+        self.operator = SystemOperator([*assembly.corrections(), PocketBlock(assembly, transform)])
         self._net = NetForces(assembly, transform, gaps)
         self.convergence = ForceConvergence(assembly, contact.layout, self._net, tolerance)
         self.frozen: BoolArray = np.zeros(contact.layout.size_local, dtype=bool)
         # Those of pressures are far larger in liquids, since τ is.
         self._displacement_rows = contact.unknowns.extended(assembly.displacement_rows()) > 0
-        self._time = self.committed_time = 0.0
         none: FloatArray = np.zeros(0)
-        self._diagonal, self._evaluated, self.stiffness = none, none, 0.0
+        self._diagonal, self._evaluated = none, none
+        self._time = self.committed_time = self.stiffness = 0.0
         self.iterate = PairIterate(assembly.unknowns, none, none, self.active.closed, 0.0)
         self.trial_forces: FloatArray = np.zeros(len(gaps.initial))
-
-    def _of_pockets(self, x: FloatArray, y: FloatArray) -> None:
-        """Add the stiffness of trapped liquid times unknowns x to rows y; collective."""
-        if not self.assembly.has_pockets:
-            return
-        count = self.assembly.layout.size_local
-        u = self.transform.displacements(x[:count])
-        forces = np.zeros(count)
-        for correction in self._coupled:
-            correction(u, forces)
-        y[:count] += self.transform.forces_on_unknowns(forces)
 
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""

@@ -156,13 +156,13 @@ class BodyAssembly:
         return [
             partial(_on_part, self.layout.local_slice(b), product)
             for b, body in enumerate(self.bodies)
-            for product in body.coupled_products()
+            for product in body.formulation.coupled_products()
         ]
 
     @property
     def has_pockets(self) -> bool:
         """Whether any body has trapped liquid in the trial step."""
-        return any(body.has_pockets for body in self.bodies)
+        return any(body.formulation.has_pockets for body in self.bodies)
 
     def destroy(self) -> None:
         """Free matrices and vectors."""

@@ -172,15 +172,6 @@ class BodyMechanics:
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
         return self.formulation.products()
 
-    def coupled_products(self) -> list[Product]:
-        """Return those on displacements, that of trapped liquid."""
-        return self.formulation.coupled_products()
-
-    @property
-    def has_pockets(self) -> bool:
-        """Whether there is trapped liquid in the trial step."""
-        return self.formulation.has_pockets
-
     def improve_pressures(self, settled: bool = True) -> bool:
         """Take pressures for multipliers, turn pores where forces are `settled`; say if any did."""
         improved = self.formulation.improve_pressures(settled)

@@ -26,7 +26,7 @@ import ufl
 from dolfinx import fem
 
 from castx.arrays import FloatArray, IntArray
-from castx.domain.measures import cell_measure, nodal_sum
+from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
 from castx.materials.thermal_strain import liquid_shrinkage
@@ -35,7 +35,7 @@ from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
 from castx.mechanics.liquid.pores import Pores
 from castx.mechanics.liquid.pressures import PocketPressures
-from castx.mechanics.liquid.stiffness import PocketStiffness
+from castx.mechanics.liquid.stiffness import PocketStiffness, pockets_of_nodes
 from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
@@ -130,7 +130,7 @@ class Pockets:
         trapped, solid = content.pocket >= 0, material.conditions.solid_compressibility
         self._stiffness = np.zeros(0)
         if self.exist:
-            self._stiffness = 1.0 / (FULL_SHARE * content.mean(solid))
+            self._stiffness = (1.0 / (FULL_SHARE * content.mean(solid))).astype(np.float64)
         self._void = self._excess = np.zeros(len(self._stiffness))
         self.trapped.x.array[:] = trapped
         self.pressure.x.array[:] = self._pressures.acting(self._excess)
@@ -144,16 +144,7 @@ class Pockets:
             rows: derivative of the volumes of the pockets, shape (owned unknowns,) [m²].
             columns: derivative of the residual by their pressures, likewise.
         """
-        pocket = self.content.pocket[: self._body.cell_numbering.owned]
-        corners = self._cell_nodes[: len(pocket)]
-        inside, here = pocket >= 0, np.zeros((2, len(self.pressure.x.array)))
-        np.add.at(here[0], corners[inside].ravel(), 1.0)
-        numbers = np.repeat(pocket[inside], corners.shape[1]).astype(np.float64)
-        np.add.at(here[1], corners[inside].ravel(), numbers)
-        count, total = (nodal_sum(self._body, values) for values in here)
-        owned = self._body.nodes.dofmap.index_map.size_local
-        found = np.where(count > 0, np.round(total / np.maximum(count, 1.0)), -1.0)
-        self.stiffness.begin(found[:owned].astype(np.int32), rows, columns)
+        self.stiffness.begin(pockets_of_nodes(self._body, self.content.pocket), rows, columns)
         self._turn_stiffness()
 
     def _turn_stiffness(self) -> None:

@@ -15,6 +15,8 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray
+from castx.domain.measures import nodal_sum
+from castx.domain.mesh import BodyMesh
 
 
 class PocketStiffness:
@@ -31,7 +33,7 @@ class PocketStiffness:
         self._columns: FloatArray = self._rows
         self._nodes: IntArray = np.zeros(0, dtype=np.int32)
         self._pocket: IntArray = self._nodes
-        self.stiffness: FloatArray = np.zeros(0)
+        self.stiffness: FloatArray = np.zeros(0)  # κ/V of each pocket, zero where it has pores
 
     def begin(self, pocket: IntArray, rows: FloatArray, columns: FloatArray) -> None:
         """Take over the pockets of a trial step.
@@ -65,3 +67,21 @@ class PocketStiffness:
         y[:count].reshape(-1, self._size)[self._nodes] += (
             change[self._pocket][:, None] * self._columns
         )
+
+
+def pockets_of_nodes(body: BodyMesh, pocket: IntArray) -> IntArray:
+    """Return the number of the pocket of each owned node, −1: none, (owned nodes,); collective.
+
+    Args:
+        body: mesh of the body.
+        pocket: that of each cell, shape (cells,); pockets have no node in common.
+    """
+    owned = pocket[: body.cell_numbering.owned]
+    inside = owned >= 0
+    nodes = body.nodes.dofmap.list[: len(owned)][inside]
+    here = np.zeros((2, len(body.parent_vertices)))
+    np.add.at(here, (0, nodes), 1.0)
+    np.add.at(here, (1, nodes), owned[inside][:, None])
+    count, total = (nodal_sum(body, values) for values in here)
+    found = np.where(count > 0, np.round(total / np.maximum(count, 1.0)), -1.0)
+    return found[: body.nodes.dofmap.index_map.size_local].astype(np.int32)

@@ -17,7 +17,7 @@ LENGTH, WIDTH = 0.02, 0.01
 YOUNG, POISSON = 70e9, 0.33
 PLANE_MODELS = ("plane-strain", "generalised-plane-strain", "plane-stress", "axisymmetric")
 MODELS = (*PLANE_MODELS, "3d")
-MELTING = {
+MELTING: dict[str, Any] = {
     "solidus": 600.0,
     "liquidus": 600.0,
     "latent_heat": 4e5,
@@ -102,7 +102,7 @@ def jacobian_times(part: BodyMechanics, direction: FloatArray) -> FloatArray:
     x.array[:] = direction[: x.getLocalSize()]
     A.mult(x, y)
     product = y.array_r.copy()
-    for add_product in (*part.products(), *part.coupled_products()):
+    for add_product in (*part.products(), *part.formulation.coupled_products()):
         add_product(x.array_r, product)
     for item in (A, x, y):
         item.destroy()

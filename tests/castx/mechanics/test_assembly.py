@@ -116,7 +116,7 @@ def test_trapped_liquid_couples_the_displacements_of_its_body_alone(comm, bodies
         correction(x, y)
     first, own = bodies[1].unknowns.owned, liquid.unknowns.owned
     expected = np.zeros(own)
-    (add_product,) = liquid.coupled_products()
+    (add_product,) = liquid.formulation.coupled_products()
     add_product(x[first : first + own].copy(), expected)
     assert comm.allreduce(int(np.count_nonzero(expected))) > 0
     np.testing.assert_array_equal(y[first : first + own], expected)

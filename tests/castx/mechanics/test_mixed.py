@@ -61,7 +61,7 @@ def test_jacobian_of_trapped_liquid(comm, model, ends, stabilisation):
         stabilisation=stabilisation,
     )  # fmt: skip
     begin_anywhere(part, molten_ends(part) if ends else 0.2)
-    assert part.has_pockets and not part.is_linear
+    assert part.formulation.has_pockets and not part.is_linear
     check_derivative(comm, part, 1.0)
 
 
@@ -75,10 +75,10 @@ def test_jacobian_of_porous_liquid(comm, stabilisation):
     move(part, GRADIENT)
     part.residual()
     assert part.improve_pressures()  # pores open
-    (add_product,) = part.coupled_products()
+    (add_product,) = part.formulation.coupled_products()
     nothing = np.zeros(part.unknowns.owned)
     add_product(random_field(part, 1.9)[: len(nothing)], nothing)
-    assert part.has_pockets and not nothing.any()
+    assert part.formulation.has_pockets and not nothing.any()
     check_derivative(comm, part, 1.0)
 
 

@@ -53,7 +53,7 @@ def test_jacobian_of_a_liquid(comm, closed, ends, model):
         closed=closed, starts_liquid=True,
     )  # fmt: skip
     begin_anywhere(part, molten_ends(part) if ends else 0.2)
-    assert part.has_pockets == bool(closed)
+    assert part.formulation.has_pockets == bool(closed)
     check_derivative(comm, part, 1.0)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.mechanics.liquid.stiffness import PocketStiffness
+from castx.mechanics.liquid.stiffness import PocketStiffness, pockets_of_nodes
+from tests.castx.mechanics.lone_bodies import LENGTH, slab
 from tests.elastic_bodies import everywhere
 
 SIZE = 3
@@ -79,3 +80,16 @@ def test_what_a_next_step_gives_takes_the_place_of_the_last(nodes):
     nodes.rows, nodes.columns = 2 * nodes.rows, 3 * nodes.columns
     nodes.made.begin(nodes.pocket, nodes.rows, nodes.columns)
     np.testing.assert_allclose(nodes.product(), 6 * before, rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_nodes_are_in_the_pocket_of_a_cell_of_any_rank(comm, cells):
+    """Two pockets of one column of cells at the ends of a slab."""
+    body = slab(comm, cells=cells)
+    x = body.points[:, 0] / LENGTH
+    centre = x[body.nodes.dofmap.list].mean(axis=1)
+    found = pockets_of_nodes(body, np.select([centre < 0.25, centre > 0.75], [1, 0], -1))
+    owned = body.nodes.dofmap.index_map.size_local
+    expected = np.select([x < 0.26, x > 0.74], [1, 0], -1)[:owned]
+    np.testing.assert_array_equal(found, expected)
+    assert found.dtype == np.int32 and comm.allreduce(len(np.flatnonzero(found < 0))) > 0
