@@ -19,7 +19,7 @@ class PocketBlock:
 
     def __init__(self, assembly: BodyAssembly, transform: ConstraintTransform) -> None:
         self._assembly, self._transform = assembly, transform
-        self._corrections = assembly.pocket_blocks()
+        self._corrections = assembly.coupled_corrections()
 
     def __call__(self, x: FloatArray, y: FloatArray) -> None:
         """Add it times owned unknowns x to rows y, the first of which are v; collective."""
