@@ -41,6 +41,7 @@ class Interfaces:
         states: trial states of their pairs.
         resistances: trial resistances R = 1/h of their pairs without radiation [m² K/W], shape
             (pairs,) each.
+        areas: of all pairs, one interface after the other [m²].
         committed_step: size of the last accepted step [s]; 1 s before the first one.
 
     Args:
@@ -52,6 +53,9 @@ class Interfaces:
         self.described, self._scheme = list(described), scheme
         self.states = [initial_state(interface) for interface in described]
         self.resistances: list[FloatArray] = [np.ones(len(s.gap)) for s in self.states]
+        self.areas: FloatArray = np.concatenate(
+            [np.zeros(0), *(np.asarray(interface.pairs.areas) for interface in described)]
+        )
         self._initial = [state.clipped() for state in self.states]
         self._gap_rates: list[FloatArray] = [np.zeros(len(s.gap)) for s in self.states]
         self.committed_step = 1.0

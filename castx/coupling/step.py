@@ -17,6 +17,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.coupling.agreement import disagreement
 from castx.coupling.change import StepChange, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
@@ -49,7 +50,7 @@ class CoupledProblem:
         interfaces: all interfaces of the heat problem, in its order.
         volumes: of the owned nodes of each body [m³].
         scheme: "thermal", "mechanical", "one-way", "staggered" or "iterated".
-        tolerance: relative change of every resistance between the last two passes.
+        tolerance: relative change of the resistances between the last two passes, see `agreement`.
         most_passes: passes after which the step has failed.
         counters: of the step, to which heat and mechanics add as well.
     """
@@ -112,7 +113,7 @@ class CoupledProblem:
             thermal = self.interfaces.thermal()
             found = self.interfaces.resistances = self._resistances(thermal)
             tried = _concatenated(self._resistances(guess, factors))
-            change = _largest_change(self.comm, _concatenated(found), tried)
+            change = disagreement(self.comm, _concatenated(found), tried, self.interfaces.areas)
             change = max(change, self._change.share(step * self._dissipation.update()))
             if self._scheme != "iterated" or change <= self._tolerance:
                 self._require_finite()
@@ -122,8 +123,8 @@ class CoupledProblem:
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
-            f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): the "
-            f"resistance of some pair still changes by {change:.2g} of its value",
+            f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): their "
+            f"resistances still change by {change:.2g} of their values",
             COUPLING,
         )
 
@@ -215,14 +216,6 @@ class CoupledProblem:
         self.heat.destroy()
         if self.mechanics is not None:
             self.mechanics.destroy()
-
-
-def _largest_change(comm: MPI.Intracomm, found: FloatArray, tried: FloatArray) -> float:
-    compared = np.isfinite(found) & np.isfinite(tried) & (found > 0)
-    change = np.abs(found[compared] - tried[compared]) / found[compared]
-    if (np.isfinite(found) != np.isfinite(tried)).any():
-        change = np.array([np.inf])
-    return float(comm.allreduce(float(change.max(initial=0.0)), op=MPI.MAX))
 
 
 def _concatenated(parts: Sequence[FloatArray]) -> FloatArray:

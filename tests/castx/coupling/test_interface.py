@@ -16,11 +16,12 @@ pytestmark = pytest.mark.serial
 SCHEMES = ("thermal", "mechanical", "one-way", "staggered", "iterated")
 FEEDBACK = ("staggered", "iterated")
 START = np.array([0.0, 1e-4, -2e-5])
+AREAS = np.array([1e-6, 2e-6, 4e-6])
 
 
 def described(name: str, contact: int | None) -> CoupledInterface:
     numbering = Numbering(f"pairs of {name}", np.arange(3), 3, tuple(name.split("/")))
-    pairs = SimpleNamespace(area_vectors=np.ones((3, 2)), numbering=numbering)
+    pairs = SimpleNamespace(area_vectors=np.ones((3, 2)), areas=AREAS, numbering=numbering)
     return CoupledInterface(name, pairs, START, contact)  # type: ignore[arg-type]
 
 
@@ -30,6 +31,11 @@ def interfaces(scheme: str) -> Interfaces:
     found = Interfaces(parts, scheme)
     found.begin([np.full(3, 1e-3), np.full(3, 2e-3)])
     return found
+
+
+def test_areas_follow_the_order_of_the_interfaces():
+    np.testing.assert_array_equal(interfaces("iterated").areas, [*AREAS, *AREAS])
+    assert len(Interfaces([], "iterated").areas) == 0
 
 
 def moved(gap):
