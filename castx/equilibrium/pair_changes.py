@@ -13,7 +13,7 @@ from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.supports.first_contact import FirstContact
 from castx.profiling import RunPart, booked_as
 
-NOISE_SHARE, NOISE_FACTOR = 1e-2, 100.0
+NOISE_SHARE, NOISE_FACTOR = 0.1, 100.0
 """Forces that are too small to open or close a pair: at most a part of what balances, and no more
 than a multiple of the residual, so that exact solutions see the weight of a body beside far larger
 thermal forces."""
