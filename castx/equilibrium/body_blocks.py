@@ -46,7 +46,7 @@ def body_blocks(
     parts: Sequence[BodyMechanics],
     groups: Sequence[Group],
     transform: ConstraintTransform,
-    options: Mapping[str, object],
+    options: Sequence[Mapping[str, object]],
 ) -> list[Block]:
     """Return a block for each group of bodies, with their joint rigid motions.
 
@@ -55,9 +55,12 @@ def body_blocks(
         parts: the bodies.
         groups: numbers of bodies, those of a group with unknowns of one kind.
         transform: change of unknowns.
-        options: of the solver of each block.
+        options: of the solver of each group.
     """
-    return [_block(layout, parts, group, transform, options) for group in groups]
+    return [
+        _block(layout, parts, group, transform, of_group)
+        for group, of_group in zip(groups, options, strict=True)
+    ]
 
 
 def _block(

@@ -51,6 +51,10 @@ LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 LARGEST_DIRECT_Q1P0 = 12_000
 """The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
+LARGEST_FLOWING = 50_000
+"""Unknowns of a body that flows up to which it has factors beside the multigrid of the others: what
+freezes and yields has another matrix in each iteration, whose factors cost less than a set-up of
+multigrid and save it iterations by the hundred."""
 
 
 @dataclass(frozen=True)
@@ -181,20 +185,28 @@ def _procedure(
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)
-    inner = _inner_solver(bodies, contacts, balance, direct)
+    inner = _inner_solver(bodies, contacts, balance, direct, settings.linear == "automatic")
     return Newton(balance, [(None, inner)], settings.options, bodies.counters)
 
 
 def _inner_solver(
-    bodies: DeformableBodies, contacts: Sequence[Contact], balance: MomentumBalance, direct: bool
+    bodies: DeformableBodies,
+    contacts: Sequence[Contact],
+    balance: MomentumBalance,
+    direct: bool,
+    by_body: bool,
 ) -> InnerSolver:
+    """Return the solver of all bodies: factors, multigrid, or `by_body` what each is best with."""
     comm, pairs = bodies.layout.comm, balance.contact.pairs
+    multipliers = isinstance(pairs, MultiplierContact)
     if direct:
-        multipliers = isinstance(pairs, MultiplierContact)
         return DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)
-    blocks = body_blocks(
-        bodies.layout, bodies.parts, _tied_together(bodies, contacts), balance.transform, MULTIGRID
-    )
+    groups = _tied_together(bodies, contacts)
+    options = [
+        FACTORS if by_body and not multipliers and _wants_factors(bodies, group) else MULTIGRID
+        for group in groups
+    ]
+    blocks = body_blocks(bodies.layout, bodies.parts, groups, balance.transform, options)
     if isinstance(pairs, MultiplierContact):
         return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
     # Where set-ups are frequent their price is more than the iterations that it saves.
@@ -211,9 +223,9 @@ def _by_blocks(
 ) -> Procedure:
     """Return the iteration over blocks, or Newton's method with one sweep as preconditioner."""
     comm = bodies.layout.comm
-    solver_options = FACTORS if direct else MULTIGRID
+    groups, solver_options = _alone(bodies), FACTORS if direct else MULTIGRID
     bodies_in_turn = blocks = body_blocks(
-        bodies.layout, bodies.parts, _alone(bodies), balance.transform, solver_options
+        bodies.layout, bodies.parts, groups, balance.transform, [solver_options] * len(groups)
     )
     if chosen.setting("blocks") == "interface":
         blocks = arrow_blocks(blocks, balance.transform)
@@ -242,6 +254,13 @@ def _mask(layout: Layout, block: Block) -> BoolArray:
 def _alone(bodies: DeformableBodies) -> list[list[int]]:
     """Return the bodies as groups of one."""
     return [[b] for b in range(len(bodies.parts))]
+
+
+def _wants_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
+    """Return whether one of a group of bodies flows, and all of them are few unknowns."""
+    parts = [bodies.parts[b] for b in group]
+    unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))
+    return unknowns <= LARGEST_FLOWING and any(part.material.law.flows_by_rate for part in parts)
 
 
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:

@@ -163,7 +163,7 @@ class MixedFormulation:
 
     def improve_pressures(self, settled: bool) -> bool:
         """Open and close the pores of trapped liquid; return whether any pocket has changed."""
-        return settled and self._pockets.turn()
+        return self._pockets.turn(settled)
 
     def mean_stress(self) -> FloatArray:
         """Return means of the nodal pressures, or those of the pockets, [Pa], shape (cells,)."""

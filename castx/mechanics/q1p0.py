@@ -128,7 +128,7 @@ class Q1P0Formulation:
         iterates = self._mean.iterates
         if iterates:
             self._mean.improve()
-        changed = settled and self._pockets.turn()
+        changed = self._pockets.turn(settled)
         return iterates or changed
 
     def mean_stress(self) -> FloatArray:

@@ -169,13 +169,16 @@ class Pockets:
         trapped = self.trapped.x.array.astype(bool)
         return np.where(trapped, self._pressures.of_cells(self.pressure.x.array), np.nan)
 
-    def turn(self) -> bool:
+    def turn(self, settled: bool = True) -> bool:
         """Open and close pores at the iterate evaluated last; return whether any did; collective.
 
         All ranks have the same answer.
+
+        Args:
+            settled: whether forces nearly balance; else those that were guessed alone.
         """
         strain = self._excess / (FULL_SHARE * self._stiffness)  # of the solid
-        if not self._pores.turn(strain, self._void):
+        if not self._pores.turn(strain, self._void, settled):
             return False
         self._turn_stiffness()
         return True
@@ -273,7 +276,7 @@ class NoPockets:
         """Return nan, shape (cells,)."""
         return np.full(self._cells, np.nan)
 
-    def turn(self) -> bool:
+    def turn(self, settled: bool = True) -> bool:
         """Return that nothing has changed."""
         return False
 

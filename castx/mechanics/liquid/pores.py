@@ -37,6 +37,7 @@ class Pores:
         self._content, self._numbering = content, numbering
         self.open: BoolArray = np.zeros(0, dtype=bool)
         self._turns: IntArray = np.zeros(0, dtype=np.int32)
+        self._guessed: BoolArray = np.zeros(0, dtype=bool)
         # UNKNOWN in cells that are not trapped.
         self._committed: IntArray = np.full(len(numbering.numbers), UNKNOWN, dtype=np.int32)
         self._state: IntArray = self._committed
@@ -47,13 +48,13 @@ class Pores:
         """Guess the state of the pockets of a trial step; collective.
 
         It is that of the last iterate or, in a pocket that was none then, with pores if there would
-        be a void without any motion.
+        be a void without any motion; the first iterate corrects that.
         """
         known = self._content.largest(self._state)
-        self.open = known == POROUS
-        if (known == UNKNOWN).any():
+        self.open, self._guessed = known == POROUS, known == UNKNOWN
+        if self._guessed.any():
             expected = self._content.expected_void_fraction() > SLACK
-            self.open = np.where(known == UNKNOWN, expected, self.open)
+            self.open = np.where(self._guessed, expected, self.open)
         self._turns = self._content.largest(self._turned).astype(np.int32)
         self._mark()
 
@@ -76,18 +77,24 @@ class Pores:
         """Whether the cells have pores, shape (cells,)."""
         return self._state == POROUS
 
-    def turn(self, excess: FloatArray, void: FloatArray) -> bool:
+    def turn(self, excess: FloatArray, void: FloatArray, settled: bool = True) -> bool:
         """Open pores where the pressure asks for it, close those without void; say whether any did.
+
+        What a shell that has yet to yield says of void and pressure holds for a guess alone: the
+        sign of either is that of the first linear system.
 
         Args:
             excess: pressure above the one at which pores open, in strain of the solid, (pockets,).
             void: void fraction, shape (pockets,).
+            settled: whether forces nearly balance.
         """
+        guessed, self._guessed = self._guessed, np.zeros_like(self._guessed)
         turned = np.where(self.open, void < -SLACK, excess > SLACK)
         # What yields may find neither state right on its way to balance.
         turned &= self.open | (self._turns < MOST_TURNS)
+        turned &= settled | guessed
         self.open = self.open ^ turned
-        self._turns = self._turns + turned
+        self._turns = self._turns + (turned & settled)
         self._mark()
         return bool(turned.any())
 

@@ -54,6 +54,7 @@ class BlockSweep:
         self.defaults: Mapping[str, object] = sweep_options(blocks) | factors
         self.is_exact = False
         self._stiff = StiffPart(comm, f"{prefix}stiff_", _by_multigrid(blocks))
+        self._by_factors = [block.options is FACTORS for block in blocks]
         self._blocks = Blocks(comm, blocks)
         self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
         self._work: list[PETSc.Vec] = []
@@ -75,7 +76,8 @@ class BlockSweep:
         assembled = self._blocks.update(matrix, constrained, anew)
         if not first:
             for b in self._blocks.renew_modes(constrained):
-                self._solver_of(b).reset()
+                if not self._by_factors[b]:  # those are new ones of any new matrix
+                    self._solver_of(b).reset()
         self._ksp.setOperators(assembled)
         if first:
             self._work = [matrix.createVecRight() for _ in range(4)]

@@ -11,7 +11,9 @@ from castx.contact.methods.registry import names
 from castx.equilibrium import building
 from castx.equilibrium.equilibrium import Equilibrium
 from castx.equilibrium.fallback import FallbackMethods
+from castx.mechanics.constitutive.law import Law
 from castx.mechanics.q1p0 import Q1P0Formulation
+from castx.solvers.inner.options import FACTORS
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem, pushed
 from tests.small_contact import SOFT, STIFF
@@ -55,6 +57,27 @@ def test_open_pairs_are_taken_apart_where_set_ups_are_rare(comm, monkeypatch):
     monkeypatch.setattr(building.BodyAssembly, "is_elastic", False)
     pressed(comm, Contact("upper", "base"), linear="automatic")
     assert given[0] is not None and given[1] is None
+
+
+def test_a_body_that_flows_has_factors_beside_the_multigrid_of_the_others(comm, monkeypatch):
+    """Where the choice is free, up to a size, and not beside multipliers, which leave it adrift."""
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
+    given, made = [], building.body_blocks
+    monkeypatch.setattr(
+        building, "body_blocks", lambda *parts: given.append(parts[4]) or made(*parts)
+    )
+
+    def chosen(method="condensed", linear="automatic"):
+        pressed(comm, Contact("upper", "base", method), linear=linear)
+        return [options is FACTORS for options in given[-1]]
+
+    assert chosen() == [False, False]
+    soft = property(lambda law: law.largest_shear_modulus() < 5e9)
+    monkeypatch.setattr(Law, "flows_by_rate", soft)
+    assert chosen() == [True, False]
+    assert chosen(linear="iterative") == chosen("multipliers") == [False, False]
+    monkeypatch.setattr(building, "LARGEST_FLOWING", 10)
+    assert chosen() == [False, False]
 
 
 def test_in_space_factors_pay_for_small_problems_and_for_q1p0():

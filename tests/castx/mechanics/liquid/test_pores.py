@@ -44,6 +44,22 @@ def test_pressure_opens_and_a_negative_void_closes() -> None:
     assert not found.turn(np.array([1e-6, -1e-6, 0.0]), np.array([0.0, -1.0, 0.01]))
 
 
+def test_the_first_iterate_corrects_a_guess_although_nothing_has_settled() -> None:
+    """Once, and beside the turns that a step may take."""
+    found = pores(0.01, 0.0, 0.0)
+    excess, void = np.array([0.0, 1e-3, 0.0]), np.array([-1e-3, 0.0, 0.0])
+    assert found.turn(excess, void, settled=False)
+    assert found.open.tolist() == [False, True, False]
+    assert not found.turn(excess[[1, 0, 2]], void[[1, 0, 2]], settled=False)
+    found.commit()
+    found.begin()  # what a step has settled is no guess
+    assert not found.turn(excess[[1, 0, 2]], void[[1, 0, 2]], settled=False)
+    turns = 0
+    while found.turn(np.full(3, 1e-3), np.full(3, -1e-3)):
+        turns += 1
+    assert turns >= MOST_TURNS
+
+
 def test_who_finds_neither_state_right_stays_full() -> None:
     found = pores(0.0, 0.0, 0.0)
     turns = 0
