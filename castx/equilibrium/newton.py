@@ -255,6 +255,9 @@ class Newton:
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
         """
         balance, limits = self.balance, self.balance.convergence
+        if len(self._residuals) == 1 and norm > 0 and balance.assembly.has_pockets:
+            # The first step brings full pockets to their volumes, by which they are stiff.
+            return float(np.clip(LINEAR_SHARE * limits.smallest / norm, 1e-12, 1e-2))
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
         share = wanted / norm if norm > 0 else 1e-2

@@ -19,8 +19,8 @@ than a multiple of the residual, so that exact solutions see the weight of a bod
 thermal forces."""
 
 SETTLED = 1e-3
-"""Residual beside the forces in a body from which on pairs may begin to slip or to stick, those
-with friction may open, and pores of liquid that is trapped in what flows may turn."""
+"""Residual beside the forces in a body from which on pairs may begin to slip or to stick, and those
+with friction may open."""
 
 CERTAIN, QUITE_CERTAIN = 0.1, 1e-3
 """Residual beside the largest pull of a pair from which on pairs may open, and where they change
@@ -91,9 +91,7 @@ class PairChanges:
             f: its residual, filled anew if it has changed.
         """
         balance, active, limits = self._balance, self._balance.active, self._balance.convergence
-        # The void of a pocket says nothing while the shell around it still has to yield.
-        settles = not balance.assembly.flows_by_rate or limits.is_met(f) or self._is_small(f)
-        improved = balance.assembly.improve_pressures(settles)
+        improved = balance.assembly.improve_pressures()
         if improved or not balance.is_evaluated_at(x):
             balance.residual(x, f)
         norm = f.norm()

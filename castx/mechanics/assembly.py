@@ -124,13 +124,9 @@ class BodyAssembly:
         total = self.layout.comm.allreduce(squares, op=MPI.SUM)
         return np.asarray(np.sqrt(total.max(axis=1)))
 
-    def improve_pressures(self, settled: bool = True) -> bool:
-        """Take the pressures of Q1/P0 cells for their multipliers; return whether any has one.
-
-        Args:
-            settled: whether forces nearly balance: pores of trapped liquid open and close then.
-        """
-        improved = [body.improve_pressures(settled) for body in self.bodies]
+    def improve_pressures(self) -> bool:
+        """Take the pressures of Q1/P0 cells for their multipliers; return whether any has one."""
+        improved = [body.improve_pressures() for body in self.bodies]
         return bool(self.layout.comm.allreduce(any(improved), op=MPI.LOR))
 
     def displacement_rows(self) -> FloatArray:

@@ -172,9 +172,9 @@ class BodyMechanics:
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
         return self.formulation.products()
 
-    def improve_pressures(self, settled: bool = True) -> bool:
-        """Take pressures for multipliers, turn pores where forces are `settled`; say if any did."""
-        improved = self.formulation.improve_pressures(settled)
+    def improve_pressures(self) -> bool:
+        """Take the pressures of this rank for the multipliers; return whether there are any."""
+        improved = self.formulation.improve_pressures()
         if improved:
             self._evaluated_at = NOWHERE
         return improved

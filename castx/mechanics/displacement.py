@@ -71,7 +71,7 @@ class DisplacementFormulation:
         """Return nothing: it has no liquid."""
         return []
 
-    def improve_pressures(self, settled: bool) -> bool:
+    def improve_pressures(self) -> bool:
         """Return False: there are no multipliers."""
         return False
 

@@ -224,12 +224,8 @@ class Formulation(Protocol):
     def coupled_products(self) -> list[Product]:
         """Return those on displacements."""
 
-    def improve_pressures(self, settled: bool) -> bool:
-        """Take the pressures of this rank for the multipliers; return whether there are any.
-
-        Args:
-            settled: whether forces nearly balance: pores of trapped liquid open and close then.
-        """
+    def improve_pressures(self) -> bool:
+        """Take the pressures of this rank for the multipliers; return whether there are any."""
 
     def mean_stress(self) -> FloatArray:
         """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""

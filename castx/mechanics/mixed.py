@@ -161,9 +161,9 @@ class MixedFormulation:
         """Return what full pockets of trapped liquid add to the Jacobian."""
         return [self._pockets.stiffness.add_product]
 
-    def improve_pressures(self, settled: bool) -> bool:
-        """Open and close the pores of trapped liquid; return whether any pocket has changed."""
-        return self._pockets.turn(settled)
+    def improve_pressures(self) -> bool:
+        """Return False: pressures are unknowns."""
+        return False
 
     def mean_stress(self) -> FloatArray:
         """Return means of the nodal pressures, or those of the pockets, [Pa], shape (cells,)."""

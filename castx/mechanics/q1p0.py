@@ -120,16 +120,11 @@ class Q1P0Formulation:
         """Return what full pockets of trapped liquid add to the Jacobian."""
         return [self._pockets.stiffness.add_product]
 
-    def improve_pressures(self, settled: bool) -> bool:
-        """Take the present pressures for the multipliers, if any cell of this rank has one.
-
-        The pores of trapped liquid open and close; return whether anything has changed.
-        """
-        iterates = self._mean.iterates
-        if iterates:
+    def improve_pressures(self) -> bool:
+        """Take the present pressures for the multipliers; return whether any cell has one."""
+        if self._mean.iterates:
             self._mean.improve()
-        changed = self._pockets.turn(settled)
-        return iterates or changed
+        return self._mean.iterates
 
     def mean_stress(self) -> FloatArray:
         """Return the pressures of the cells [Pa], shape (cells,)."""

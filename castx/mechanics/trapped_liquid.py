@@ -7,11 +7,13 @@ p_c the depression at which pores open at its highest point (`cavitation`):
 
     φ ≥ 0,   p ≤ p_c,   φ (p − p_c) = 0,   φ = mean(∇·u) − mean(e),
 
-with e the content of its cells (`castx.mechanics.liquid.content`). A full pocket has
-p = p_0 + κ φ, with p_0 the pressure at which it closed and κ so large that φ is next to nothing.
-The state of a pocket changes between iterations only, when the pressure of a full one rises above
-p_c, or the void of a porous one falls below zero. A pore that closes has to be filled before the
-pocket resists.
+with e the content of its cells (`castx.mechanics.liquid.content`). At each iterate
+
+    p = min(p_c, p_0 + κ φ),
+
+with p_0 the pressure at which the pocket closed and κ so large that φ is next to nothing in a full
+one. That is the gradient of a convex energy, so that Newton's method with a line search finds the
+state. A pore that closes has to be filled before the pocket resists.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ from castx.materials.thermal_strain import liquid_shrinkage
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
-from castx.mechanics.liquid.pores import Pores
+from castx.mechanics.liquid.pores import SLACK, Pores
 from castx.mechanics.liquid.pressures import PocketPressures
 from castx.mechanics.liquid.stiffness import PocketStiffness, pockets_of_nodes
 from castx.stateful import Arrays, Saved, Stateful, number
@@ -91,8 +93,7 @@ class Pockets:
         self.mean_pressure = 0.0
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
-        none: FloatArray = np.zeros(0)
-        self._stiffness, self._void, self._excess = none, none, none
+        self._stiffness: FloatArray = np.zeros(0)
         self._is_trial = False
         self._accepted = [f.x.array.copy() for f in self._functions]
 
@@ -131,9 +132,8 @@ class Pockets:
         self._stiffness = np.zeros(0)
         if self.exist:
             self._stiffness = (1.0 / (FULL_SHARE * content.mean(solid))).astype(np.float64)
-        self._void = self._excess = np.zeros(len(self._stiffness))
         self.trapped.x.array[:] = trapped
-        self.pressure.x.array[:] = self._pressures.acting(self._excess)
+        self.pressure.x.array[:] = self._pressures.acting(np.zeros(len(self._stiffness)))
         material.compressibility.x.array[trapped] = NODAL_SHARE * solid[trapped]
         material.set_free_volume(np.where(trapped, 0.0, content.free_volume))
 
@@ -145,11 +145,6 @@ class Pockets:
             columns: derivative of the residual by their pressures, likewise.
         """
         self.stiffness.begin(pockets_of_nodes(self._body, self.content.pocket), rows, columns)
-        self._turn_stiffness()
-
-    def _turn_stiffness(self) -> None:
-        full = ~self._pores.open
-        self.stiffness.stiffness = np.where(full, self._stiffness / self.content.pockets, 0.0)
 
     def evaluate(self, dilatation: FloatArray) -> None:
         """Find the pressures of the pockets; collective.
@@ -159,29 +154,17 @@ class Pockets:
         """
         if not self._is_trial or not self.exist:
             return
-        self._void = self.content.void_fraction(dilatation)
-        full = self._pressures.at_closing + self._stiffness * self._void
-        self._excess = np.where(self._pores.open, 0.0, full)
-        self.pressure.x.array[:] = self._pressures.acting(self._excess)
+        void = self.content.void_fraction(dilatation)
+        excess = self._pressures.at_closing + self._stiffness * void
+        self._pores.open = (excess > 0.0) & (void > SLACK)
+        self.pressure.x.array[:] = self._pressures.acting(np.minimum(excess, 0.0))
+        volumes = self.content.pockets
+        self.stiffness.stiffness = np.where(excess <= 0.0, self._stiffness / volumes, 0.0)
 
     def cell_pressures(self) -> FloatArray:
         """Return the pressures of the trapped cells [Pa], nan elsewhere, shape (cells,)."""
         trapped = self.trapped.x.array.astype(bool)
         return np.where(trapped, self._pressures.of_cells(self.pressure.x.array), np.nan)
-
-    def turn(self, settled: bool = True) -> bool:
-        """Open and close pores at the iterate evaluated last; return whether any did; collective.
-
-        All ranks have the same answer.
-
-        Args:
-            settled: whether forces nearly balance; else those that were guessed alone.
-        """
-        strain = self._excess / (FULL_SHARE * self._stiffness)  # of the solid
-        if not self._pores.turn(strain, self._void, settled):
-            return False
-        self._turn_stiffness()
-        return True
 
     def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book an accepted step; collective.
@@ -206,7 +189,6 @@ class Pockets:
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""
         self._is_trial = False
-        self._pores.rewind()
         for function, values in zip(self._functions, self._accepted, strict=True):
             function.x.array[:] = values
 
@@ -275,10 +257,6 @@ class NoPockets:
     def cell_pressures(self) -> FloatArray:
         """Return nan, shape (cells,)."""
         return np.full(self._cells, np.nan)
-
-    def turn(self, settled: bool = True) -> bool:
-        """Return that nothing has changed."""
-        return False
 
     def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book nothing."""

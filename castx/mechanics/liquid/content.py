@@ -133,10 +133,6 @@ class Content:
         """
         return self.mean(dilatation - self._trial_full)
 
-    def expected_void_fraction(self) -> FloatArray:
-        """Return the same if nothing moves in the step; collective."""
-        return self.mean(self._full + self._pores - self._trial_full)
-
     def commit(self, dilatation: FloatArray, porous: BoolArray) -> None:
         """Book an accepted step; collective.
 

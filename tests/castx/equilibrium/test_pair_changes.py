@@ -108,7 +108,7 @@ def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual,
     balance: Any = SimpleNamespace(
         active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool)),
         assembly=SimpleNamespace(
-            improve_pressures=lambda settled: False, unknowns=None, flows_by_rate=True
+            improve_pressures=lambda: False, unknowns=None, flows_by_rate=True
         ),
         contact=SimpleNamespace(slide=slide, has_friction=False),
         convergence=SimpleNamespace(
@@ -121,35 +121,6 @@ def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual,
     x: Any = None
     assert not PairChanges(balance).change_set(x, f)
     assert thresholds == pytest.approx([noise, noise], rel=1e-12)
-
-
-@pytest.mark.serial
-@pytest.mark.parametrize(
-    ("residual", "flows", "settled"), [(1.1, True, False), (0.9, True, True), (1e3, False, True)]
-)
-def test_pores_turn_where_what_flows_nearly_balances(residual, flows, settled):
-    """A residual of a thousandth of the forces in a body; without flow at any one."""
-    told = []
-
-    def improve(settled):
-        told.append(settled)
-        return False
-
-    limits = SimpleNamespace(smallest=0.1, weakest=1e3, rounding=0.0, is_met=lambda f: False)
-    balance: Any = SimpleNamespace(
-        active=SimpleNamespace(
-            update=lambda *_: False, closed=np.zeros(2, dtype=bool), one_by_one=False,
-            largest_pull=lambda forces: 0.0,
-        ),
-        assembly=SimpleNamespace(improve_pressures=improve, flows_by_rate=flows, unknowns=None),
-        contact=SimpleNamespace(slide=lambda *_: False, has_friction=False),
-        convergence=limits, supports=SimpleNamespace(change=lambda *_: False), is_linear=False,
-        is_evaluated_at=lambda x: True, present=lambda x: x, trial_forces=np.zeros(2),
-    )  # fmt: skip
-    f: Any = SimpleNamespace(norm=lambda: residual)
-    x: Any = None
-    assert not PairChanges(balance).change_set(x, f)
-    assert told == [settled]
 
 
 @pytest.mark.parametrize("method", EXACT)
