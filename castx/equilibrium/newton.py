@@ -244,8 +244,7 @@ class Newton:
         if iteration >= snes.getTolerances()[3]:
             return reasons.DIVERGED_MAX_IT
         if not self._linear_tolerance_given:
-            tolerance = self._linear_tolerance(self._residuals[-1])
-            snes.ksp.setTolerances(rtol=tolerance, atol=0.0)
+            snes.ksp.setTolerances(rtol=self._linear_tolerance(self._residuals[-1]), atol=0.0)
         return reasons.CONVERGED_ITERATING
 
     def _linear_tolerance(self, norm: float) -> float:
@@ -255,13 +254,11 @@ class Newton:
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
         """
         balance, limits = self.balance, self.balance.convergence
-        if len(self._residuals) == 1 and norm > 0 and balance.assembly.has_pockets:
-            # The first step brings full pockets to their volumes, by which they are stiff.
-            return float(np.clip(LINEAR_SHARE * limits.smallest / norm, 1e-12, 1e-2))
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
         share = wanted / norm if norm > 0 else 1e-2
-        if not balance.is_linear and limits.weakest > 0:
+        fills = len(self._residuals) == 1 and balance.assembly.has_pockets  # which are stiff
+        if not (balance.is_linear or fills) and limits.weakest > 0:
             share = max(share, min(norm / limits.weakest, LOOSEST))
         return float(np.clip(share, 1e-12, 1e-2))
 

@@ -91,9 +91,9 @@ def test_friction_and_soft_pairs_open_by_forces_of_their_own(comm, contact):
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    ("residual", "rounding", "noise"), [(1.0, 0.0, 0.05), (1e-6, 0.0, 1e-4), (1e-6, 2e-3, 2e-3)]
+    ("residual", "rounding", "noise"), [(1.0, 0.0, 0.5), (1e-6, 0.0, 1e-4), (1e-6, 2e-3, 2e-3)]
 )
-def test_noise_is_a_hundredth_of_what_balances_and_a_hundred_residuals(residual, rounding, noise):
+def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rounding, noise):
     """The smaller of both, so that exact solutions see far smaller forces, but not rounding."""
     thresholds = []
 

@@ -15,7 +15,6 @@ import pytest
 from castx.case.geometry import Geometry
 from castx.domain.mesh import BodyMesh, build_mesh
 from castx.mechanics.constitutive.law import Law
-from castx.mechanics.liquid.pores import SLACK
 from castx.mechanics.trapped_liquid import FULL_SHARE, NODAL_SHARE, NoPockets, Pockets
 from tests.castx.mechanics.lone_bodies import (
     LENGTH,
@@ -159,7 +158,7 @@ def bulge(part) -> np.ndarray:
 @kinds
 def test_all_of_a_full_pocket_has_one_pressure_by_its_volume(comm, cells):
     """p_0 + κ φ, and that of depth; how the volume is spread over the cells does not matter."""
-    part = shut_slab(comm, MELTING, cells, starts_liquid=True)
+    part = shut_slab(comm, {**MELTING, "cavitation": 1e7}, cells, starts_liquid=True)
     begin(part, 640.0, 0.0)
     depth = WIDTH - part.mesh.points[part.cell_nodes].mean(axis=1)[:, 1]
     for strain in (0.0, 1e-8, -1e-3):
@@ -210,6 +209,19 @@ def test_pores_open_where_the_pressure_rises_above_the_cavity_pressure(comm, cel
         expected = 2e5 + min(excess, 0.0) - 26.5e3 * depth
         np.testing.assert_allclose(pockets.cell_pressures(), expected, rtol=1e-9)
         assert pockets.stiffness.exists == (excess < 0.0) and part.formulation.has_pockets
+
+
+@kinds
+def test_a_void_that_rounding_may_leave_is_no_pore(comm, cells, caplog):
+    for void, told in ((0.5e-9, False), (2e-9, True)):
+        part = shut_slab(comm, MELTING, cells, starts_liquid=True)
+        begin(part, 640.0, 0.0)
+        move(part, void * UNIFORM)
+        part.residual()
+        caplog.clear()
+        with caplog.at_level(logging.INFO, logger="castx"):
+            part.commit()
+        assert ("pores open" in caplog.text) == told
 
 
 @kinds
