@@ -28,7 +28,7 @@ def pores() -> Pores:
 
 
 def told(found: Pores) -> list[list[bool]]:
-    return [which.tolist() for which, _ in found.news()]
+    return [[bool(each) for each in which] for which, _ in found.news()]
 
 
 def test_a_trial_step_begins_full() -> None:
