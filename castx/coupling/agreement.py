@@ -18,8 +18,8 @@ def disagreement(
 ) -> float:
     """Return the relative change of the resistances of all pairs; collective.
 
-    It is the root of the mean square over the areas of the pairs, or the `LONE`th part of the
-    largest change if that is more.
+    It is the root of the mean square over the areas of the pairs, or the largest change over `LONE`
+    if that is more.
 
     Args:
         comm: ranks that share the pairs.
