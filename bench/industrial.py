@@ -8,9 +8,8 @@
 Runs the quarter cylinder of demos/cylinder_3d.toml with about so many tetrahedra in all (20,000 to
 more than a million), elastic throughout or flowing from the liquid on, or a part of demos/parts
 whose STEP file is drawn, its cells R times as fine as its case has them, to a time, without output
-files. The line of the table stands below its
-head; CPU seconds and memory are sums over the ranks, memory the peak of their resident sets, errors
-the largest of all steps.
+files. The line of the table stands below its head; CPU seconds and memory are sums over the ranks,
+memory the peak of their resident sets, errors the largest of all steps.
 """
 
 from __future__ import annotations

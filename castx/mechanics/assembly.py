@@ -141,18 +141,18 @@ class BodyAssembly:
 
     def corrections(self) -> list[Correction]:
         """Return the parts of the Jacobian on pressures that the matrix lacks, those of OSGS."""
-        return [
-            partial(_on_part, self.layout.local_slice(b), product)
-            for b, body in enumerate(self.bodies)
-            for product in body.products()
-        ]
+        return self._on_parts([body.products() for body in self.bodies])
 
     def coupled_corrections(self) -> list[Correction]:
         """Return those on displacements, of trapped liquid."""
+        return self._on_parts([body.formulation.coupled_products() for body in self.bodies])
+
+    def _on_parts(self, products: Sequence[Sequence[Product]]) -> list[Correction]:
+        """Return products of each body as corrections of the unknowns of all."""
         return [
             partial(_on_part, self.layout.local_slice(b), product)
-            for b, body in enumerate(self.bodies)
-            for product in body.formulation.coupled_products()
+            for b, of_body in enumerate(products)
+            for product in of_body
         ]
 
     @property
