@@ -46,15 +46,14 @@ from castx.solvers.inner.options import FACTORS, MULTIGRID, solves_directly
 from castx.solvers.inner.sweep import BlockSweep
 from castx.solvers.layout import Layout
 
-BLOCKS_PREFIX = f"{PREFIX}bodies_"
+BLOCKS_PREFIX, FACTORS_PREFIX = f"{PREFIX}bodies_", f"{PREFIX}factors_"
 LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 LARGEST_DIRECT_Q1P0 = 12_000
 """The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
-LARGEST_FLOWING = 50_000
-"""Unknowns of a body that flows up to which it has factors beside the multigrid of the others: what
-freezes and yields has another matrix in each iteration, whose factors cost less than a set-up of
-multigrid and save it iterations by the hundred."""
+LARGEST_FLOWING = 200_000
+"""Unknowns of a body that flows up to which it gets factors beside the multigrid of the others,
+once multigrid is slow: shells that freeze and yield cost it iterations by the hundred."""
 
 
 @dataclass(frozen=True)
@@ -185,33 +184,41 @@ def _procedure(
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)
-    inner = _inner_solver(bodies, contacts, balance, direct, settings.linear == "automatic")
+    inner = _inner_solvers(bodies, contacts, balance, direct, settings.linear == "automatic")
     return Newton(balance, [(None, inner)], settings.options, bodies.counters)
 
 
-def _inner_solver(
+def _inner_solvers(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
     balance: MomentumBalance,
     direct: bool,
     by_body: bool,
-) -> InnerSolver:
-    """Return the solver of all bodies: factors, multigrid, or `by_body` what each is best with."""
+) -> list[InnerSolver]:
+    """Return the solvers of all bodies: factors, or multigrid.
+
+    With `by_body` follow, for where multigrid is slow, factors for the bodies that flow.
+    """
     comm, pairs = bodies.layout.comm, balance.contact.pairs
     multipliers = isinstance(pairs, MultiplierContact)
     if direct:
-        return DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)
+        return [DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)]
     groups = _tied_together(bodies, contacts)
-    options = [
-        FACTORS if by_body and not multipliers and _wants_factors(bodies, group) else MULTIGRID
-        for group in groups
-    ]
-    blocks = body_blocks(bodies.layout, bodies.parts, groups, balance.transform, options)
+
+    def blocks(with_factors: Sequence[bool]) -> list[Block]:
+        options = [FACTORS if factors else MULTIGRID for factors in with_factors]
+        return body_blocks(bodies.layout, bodies.parts, groups, balance.transform, options)
+
+    by_multigrid = blocks([False] * len(groups))
     if isinstance(pairs, MultiplierContact):
-        return ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())
+        return [ArrowSchur(comm, BLOCKS_PREFIX, by_multigrid, pairs.schur_weights())]
     # Where set-ups are frequent their price is more than the iterations that it saves.
     coupling = balance.transform.coupling if bodies.assembly.is_elastic else None
-    return BlockSweep(comm, BLOCKS_PREFIX, blocks, coupling)
+    solvers: list[InnerSolver] = [BlockSweep(comm, BLOCKS_PREFIX, by_multigrid, coupling)]
+    with_factors = [by_body and _may_have_factors(bodies, group) for group in groups]
+    if any(with_factors):
+        solvers.append(BlockSweep(comm, FACTORS_PREFIX, blocks(with_factors), coupling))
+    return solvers
 
 
 def _by_blocks(
@@ -232,12 +239,12 @@ def _by_blocks(
 
     def preconditioned(swept: Sequence[Block]) -> Newton:
         sweep = BlockSweep(comm, BLOCKS_PREFIX, swept)
-        return Newton(balance, [(None, sweep)], options, bodies.counters)
+        return Newton(balance, [(None, [sweep])], options, bodies.counters)
 
     if chosen.setting("block_solver") == "preconditioner":
         return preconditioned(blocks)
     solvers = [
-        (_mask(bodies.layout, block), BlockSolver(comm, f"{BLOCKS_PREFIX}{b}_", block))
+        (_mask(bodies.layout, block), [BlockSolver(comm, f"{BLOCKS_PREFIX}{b}_", block)])
         for b, block in enumerate(blocks)
     ]
     most = int(chosen.setting("block_iterations"))
@@ -256,7 +263,7 @@ def _alone(bodies: DeformableBodies) -> list[list[int]]:
     return [[b] for b in range(len(bodies.parts))]
 
 
-def _wants_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
+def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
     """Return whether one of a group of bodies flows, and all of them are few unknowns."""
     parts = [bodies.parts[b] for b in group]
     unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))

@@ -30,6 +30,10 @@ STIFFENED = 1.5
 yields between two iterations costs more than one otherwise."""
 
 
+SLOW = 30
+"""Iterations of a linear solve, with a set-up of its own, after which another solver takes over."""
+
+
 class InnerSolver(Protocol):
     """Approximate or exact inverse of an assembled matrix.
 
@@ -117,15 +121,19 @@ class SystemPreconditioner:
 
     The inner solver is set up anew only when the matrix has become too different: when many more
     unknowns are constrained or free, or the last solve took many more iterations than the first.
+    Where it is slow even so, the next one takes its place for good.
 
     Args:
         operator: the operator to precondition.
-        inner: solver of the assembled rest.
+        solvers: of the assembled rest, the one that costs least first.
         comm: ranks.
     """
 
-    def __init__(self, operator: SystemOperator, inner: InnerSolver, comm: MPI.Intracomm) -> None:
-        self._operator, self._inner, self._comm = operator, inner, comm
+    def __init__(
+        self, operator: SystemOperator, solvers: Sequence[InnerSolver], comm: MPI.Intracomm
+    ) -> None:
+        self._operator, self._comm = operator, comm
+        self._inner, *self._others = solvers
         self._work: list[PETSc.Vec] = []
         self._set_up_for: BoolArray | None = None
         self._masked: PETSc.Mat | None = None
@@ -149,6 +157,10 @@ class SystemPreconditioner:
         state = np.concatenate((constrained, operator.closed))
         if self.is_fresh:
             self._first_iterations = iterations
+            if iterations > SLOW and self._others:
+                self._inner.destroy()
+                self._inner = self._others.pop(0)
+                self.discard()
         self.is_fresh = self._is_outdated(state, iterations)
         if self.is_fresh:
             if self._masked is not None:
@@ -215,7 +227,8 @@ class SystemPreconditioner:
         for item in (self._masked, *self._work):
             if item is not None:
                 item.destroy()
-        self._inner.destroy()
+        for solver in (self._inner, *self._others):
+            solver.destroy()
 
 
 class SelectedPreconditioner:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from petsc4py import PETSc
@@ -78,7 +79,7 @@ class Newton:
     Args:
         balance: the nonlinear problem.
         inner: solvers of the assembled linear system, by the unknowns that move; of all if the
-            unknowns are None.
+            unknowns are None. Of several the next one takes over where one is slow.
         options: PETSc options under `castx_mechanics_`.
         counters: of the step, to which iterations and changes of pairs are added.
     """
@@ -86,7 +87,7 @@ class Newton:
     def __init__(
         self,
         balance: MomentumBalance,
-        inner: Sequence[tuple[BoolArray | None, InnerSolver]],
+        inner: Sequence[tuple[BoolArray | None, Sequence[InnerSolver]]],
         options: Mapping[str, Any],
         counters: StepCounters,
     ) -> None:
@@ -95,7 +96,7 @@ class Newton:
         layout = balance.contact.layout
         self._free = [free for free, _ in inner]
         self._preconditioner = SelectedPreconditioner(
-            [SystemPreconditioner(balance.operator, solver, layout.comm) for _, solver in inner]
+            [SystemPreconditioner(balance.operator, solvers, layout.comm) for _, solvers in inner]
         )
         self._vector = layout.create_vector()
         self._matrix = operator_matrix(layout, balance.operator)
@@ -103,7 +104,7 @@ class Newton:
             "ksp_type": "fgmres", "ksp_max_it": 100, "snes_linesearch_type": "basic",
             "snes_max_it": 60, "ksp_gmres_restart": 60, "snes_max_linear_solve_fail": 5,
         }  # fmt: skip
-        for _, solver in inner:
+        for solver in chain.from_iterable(solvers for _, solvers in inner):
             name = solver.prefix.removeprefix(PREFIX)
             defaults |= {f"{name}{key}": value for key, value in solver.defaults.items()}
         self._solver = NonlinearSolver(

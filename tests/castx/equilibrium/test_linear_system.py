@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.equilibrium.linear_system import masked
+from castx.equilibrium.linear_system import SLOW, SystemPreconditioner, masked
 from castx.equilibrium.problem import MechanicalProblem
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import (
@@ -180,3 +182,35 @@ def problem_with_one_iteration(comm) -> None:
         [Contact("upper", "base")], options={"snes_max_it": 1},
     )  # fmt: skip
     made.equilibrium.solve(0.0)
+
+
+class Inner:
+    """Notes what is asked of an inner solver."""
+
+    prefix, is_exact, most_changed = "", False, 0
+    defaults: Mapping[str, object] = {}
+
+    def __init__(self, name: str, said: list[str]) -> None:
+        self.name, self.said = name, said
+
+    def set_up(self, matrix, constrained, anew=False) -> None:
+        self.said.append(f"{self.name} {'anew' if anew else 'as it is'}")
+
+    def destroy(self) -> None:
+        self.said.append(f"{self.name} ends")
+
+
+def test_another_solver_takes_over_where_one_is_slow_with_a_set_up_of_its_own(comm):
+    """Not where a set-up has grown old, and not behind the last one."""
+    made, said = floating_block(comm), []
+    operator = made.equilibrium.balance.operator
+    solvers = [Inner("first", said), Inner("second", said)]
+    preconditioner = SystemPreconditioner(operator, solvers, comm)
+    for iterations in (0, SLOW, SLOW + 1, 2 * SLOW, 2 * SLOW, 2 * SLOW + 1):
+        preconditioner.refresh(iterations)
+        said.append(str(iterations))
+    preconditioner.destroy()
+    assert said == [
+        "first as it is", "0", str(SLOW), str(SLOW + 1), "first anew", str(2 * SLOW),
+        "first ends", "second anew", str(2 * SLOW), str(2 * SLOW + 1), "second ends",
+    ]  # fmt: skip
