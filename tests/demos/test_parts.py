@@ -54,6 +54,7 @@ class Measured(NamedTuple):
     read: list[tuple[str, float]]
     meshed: dict[str, float]
     least_quality: float
+    probes: dict[str, bool]
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +79,7 @@ def measure_part(name, folder):
         assembly = joined(assembly)
         touching = contacts(assembly)
         free = free_areas(assembly)
+        probes = {probe.name: is_inside(probe, assembly) for probe in case_of(name).probes}
         fill_mesh(assembly, size)
         meshed = {n: mesh_volume(tag) for n, tag in assembly.solids.items()}
         _, least, _ = mesh_quality()
@@ -86,7 +88,18 @@ def measure_part(name, folder):
     with drawing("read"):
         gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
         read = [(label(tag), gmsh.model.occ.getMass(3, tag)) for tag in imported(folder)]
-    return Measured(of_solids, skins, touching, free, text, read, meshed, least)
+    return Measured(of_solids, skins, touching, free, text, read, meshed, least, probes)
+
+
+def case_of(name):
+    """Return the case of a part."""
+    return load_case(Path(block.__file__).parent / f"{name}.toml")
+
+
+def is_inside(probe, assembly):
+    """Return whether a probe lies in its body as it is drawn."""
+    place = [1e3 * coordinate for coordinate in probe.at]
+    return gmsh.model.isInside(3, assembly.solids[probe.body], place) == 1
 
 
 def imported(folder):
@@ -254,14 +267,20 @@ def test_meshes_have_the_volumes_of_the_solids(measured, name):
 @pytest.mark.parametrize("name", PARTS)
 def test_cases_name_the_bodies_and_the_contacts_of_the_part(measured, name):
     """The case file of a part is valid, and says of every contact what crosses it."""
-    case = load_case(Path(block.__file__).parent / f"{name}.toml")
-    part = measured(name)
+    case, part = case_of(name), measured(name)
     assert case.output.folder.name == name
     assert {body.name for body in case.bodies} == set(part.volumes)
     described = {frozenset(interface.bodies) for interface in case.interfaces}
     assert described == {frozenset(bodies) for bodies in part.contacts}
     assert case.geometry.model == "3d"
     assert set(case.geometry.cad.surfaces) >= set(part.free["casting"]) - {"outside"}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_probes_lie_in_the_body_as_it_is_drawn(measured, name):
+    """On coarse cells one beside it is moved to the nearest node, on fine ones it is refused."""
+    probes = measured(name).probes
+    assert probes and all(probes.values())
 
 
 def test_parameters_that_do_not_fit_are_refused():
