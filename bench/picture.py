@@ -1,7 +1,7 @@
 """A picture of one body of a run: its skin with a field at one of the written moments.
 
     bin/with-fenicsx python3 bench/picture.py results/wheel wheel.png [--body casting]
-        [--field temperature] [--time S] [--from X Y Z]
+        [--field temperature] [--time S] [--from X Y Z] [--zoom 1.3]
 
 Shows the cells of the skin, and the colours between the lowest and the highest value there.
 """
@@ -30,17 +30,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--field", default="temperature")
     parser.add_argument("--time", type=float, help="a written moment [s], the last one by default")
     parser.add_argument("--from", dest="eye", type=float, nargs=3, default=(1.0, -1.6, 0.9))
+    parser.add_argument("--zoom", type=float, default=1.0, help="of a body that is wide or deep")
     asked = parser.parse_args(arguments)
     run = Results(asked.run)
     unit = run.units(asked.body, asked.time).get(asked.field, "")
     title = f"{asked.field.replace('_', ' ')}, {unit}" if unit else asked.field.replace("_", " ")
     skin = run.grids(asked.time)[asked.body].extract_surface()
     with display():
-        draw(skin, asked.field, title, asked.eye, asked.file)
+        draw(skin, asked.field, title, asked.eye, asked.zoom, asked.file)
 
 
 def draw(
-    skin: pyvista.PolyData, field: str, title: str, eye: Sequence[float], file: Path
+    skin: pyvista.PolyData,
+    field: str,
+    title: str,
+    eye: Sequence[float],
+    zoom: float,
+    file: Path,
 ) -> None:
     """Draw a field on a skin, seen from a direction."""
     plotter = pyvista.Plotter(off_screen=True, window_size=[1000, 680])
@@ -55,7 +61,7 @@ def draw(
     middle = np.array(skin.center)
     plotter.camera_position = [middle + np.array(eye), middle, (0.0, 0.0, 1.0)]
     plotter.reset_camera()  # type: ignore[call-arg]
-    plotter.camera.zoom(1.3)
+    plotter.camera.zoom(zoom)
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(file)
     plotter.close()
