@@ -16,6 +16,7 @@ import numpy as np
 import pyvista
 
 from castx.report.display import display
+from castx.report.pictures import outer_faces
 from castx.results.reading import Results
 
 
@@ -34,8 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     run = Results(asked.run)
     unit = run.units(asked.body, asked.time).get(asked.field, "")
-    title = f"{asked.field.replace('_', ' ')}, {unit}" if unit else asked.field.replace("_", " ")
-    skin = run.grids(asked.time)[asked.body].extract_surface()
+    title = ", ".join(filter(None, (asked.field.replace("_", " "), unit)))
+    skin = outer_faces(run.grids(asked.time)[asked.body])
     with display():
         draw(skin, asked.field, title, asked.eye, asked.zoom, asked.file)
 

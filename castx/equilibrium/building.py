@@ -204,20 +204,21 @@ def _inner_solvers(
     if direct:
         return [DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)]
     groups = _tied_together(bodies, contacts)
-
-    def blocks(with_factors: Sequence[bool]) -> list[Block]:
-        options = [FACTORS if factors else MULTIGRID for factors in with_factors]
-        return body_blocks(bodies.layout, bodies.parts, groups, balance.transform, options)
-
-    by_multigrid = blocks([False] * len(groups))
+    blocks = body_blocks(
+        bodies.layout, bodies.parts, groups, balance.transform, [MULTIGRID] * len(groups)
+    )
     if isinstance(pairs, MultiplierContact):
-        return [ArrowSchur(comm, BLOCKS_PREFIX, by_multigrid, pairs.schur_weights())]
+        return [ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())]
     # Where set-ups are frequent their price is more than the iterations that it saves.
     coupling = balance.transform.coupling if bodies.assembly.is_elastic else None
-    solvers: list[InnerSolver] = [BlockSweep(comm, BLOCKS_PREFIX, by_multigrid, coupling)]
-    with_factors = [by_body and _may_have_factors(bodies, group) for group in groups]
-    if any(with_factors):
-        solvers.append(BlockSweep(comm, FACTORS_PREFIX, blocks(with_factors), coupling))
+    solvers: list[InnerSolver] = [BlockSweep(comm, BLOCKS_PREFIX, blocks, coupling)]
+    may = [by_body and _may_have_factors(bodies, group) for group in groups]
+    if any(may):
+        with_factors = [
+            block._replace(options=FACTORS) if factors else block
+            for block, factors in zip(blocks, may, strict=True)
+        ]
+        solvers.append(BlockSweep(comm, FACTORS_PREFIX, with_factors, coupling))
     return solvers
 
 
