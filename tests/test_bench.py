@@ -154,6 +154,28 @@ def test_faults_are_planted_where_python_finds_them(tmp_path):
     assert (copy / "castx" / "forms").resolve() == copy / "forms"
 
 
+def test_histories_differ_by_shares_of_their_quantities():
+    """Rounding of a force that vanishes is one of the forces; efforts and errors are no answer."""
+    differences = script("histories").differences
+    before = history() | {"casting/mould.force.x": np.full(3, 1e-15)}
+    after = before | {
+        "casting/mould.force.x": np.full(3, -1e-15), "casting/mould.mean_gap": np.full(3, 4e-5),
+        "casting.force_error": np.zeros(3), "cutbacks": np.ones(3),
+    }  # fmt: skip
+    found = differences(before, after)
+    assert found["casting/mould.force.x"] < 1e-15
+    assert found["casting/mould.mean_gap"] == pytest.approx(0.1)
+    assert not {"cutbacks", "time", "casting.force_error"} & set(found)
+    missing = after | {"casting/mould.max_gap": np.array([1e-4, np.nan, 1e-4])}
+    assert differences(before, missing)["casting/mould.max_gap"] == np.inf
+
+
+def test_histories_of_different_steps_are_refused():
+    later = history() | {"time": np.array([0.0, 1.0, 2.1])}
+    with pytest.raises(SystemExit, match="different steps"):
+        script("histories").differences(history(), later)
+
+
 def test_random_assemblies_are_drawn_meshed_and_judged(tmp_path):
     """A small one is meshed; what it is not told it calls wrong."""
     bench = script("random_assemblies")
