@@ -11,7 +11,6 @@ What is zero but for rounding, errors of balances and the effort of a step are l
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,15 +19,15 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.results.files.run_tables import TIME, RunTables
-from castx.solvers.counters import StepCounters
+from castx.results.history import COUNTERS
 
-LEFT_OUT = {"energy_error", "force_error", *(f.name for f in dataclasses.fields(StepCounters))}
+LEFT_OUT = {"energy_error", "force_error", *COUNTERS}
 SHOWN = 12
 """Columns that are printed."""
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the columns that differ most; end with 1 where they do by more than is asked."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the columns that differ most; return 1 where they do by more than is asked."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -43,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for name, difference in ordered[:SHOWN]:
         print(f"{difference:.1e}  {name}")
     print(f"{len(found)} columns, {len(runs[0].history[TIME])} moments")
-    sys.exit(int(ordered[0][1] > asked.most))
+    return int(ordered[0][1] > asked.most)
 
 
 def differences(
@@ -91,4 +90,4 @@ def _quantity(name: str) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
