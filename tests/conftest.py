@@ -7,6 +7,7 @@ failed while others still wait for it inside a collective call ends the run afte
 with its traceback.
 
 Several runs on one rank can share the tests: each claims a file of them before its first test.
+`--all` runs what is marked `slow`, and all parameters of what is marked `sampled`.
 """
 
 from __future__ import annotations
@@ -24,11 +25,13 @@ from mpi4py import MPI
 import hypothesis
 import pytest
 
-from tests import communicators, selection
+from tests import communicators, compiled_forms, selection
 
 # Examples that differ between ranks would end in different collective calls.
-hypothesis.settings.register_profile("ranks", derandomize=True, database=None, deadline=None)
-hypothesis.settings.load_profile("ranks")
+for profile, examples in (("quick", 25), ("all", 100)):
+    hypothesis.settings.register_profile(
+        profile, derandomize=True, database=None, deadline=None, max_examples=examples
+    )
 
 GRACE_SECONDS = 30.0
 WORLD = MPI.COMM_WORLD
@@ -82,9 +85,21 @@ def restore_logging() -> Iterator[None]:
     logger.propagate, logger.level, logger.handlers = before
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Offer to run everything."""
+    parser.addoption("--all", action="store_true", help="slow tests and all parameters too")
+
+
+def runs_everything(config: pytest.Config) -> bool:
+    """Return whether slow tests run too, and all parameters of sampled ones."""
+    return config.getoption("--all") or selection.named_by_hand(config.args)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     """Leave printing and result files to rank 0."""
+    hypothesis.settings.load_profile("all" if runs_everything(config) else "quick")
+    compiled_forms.keep()
     if WORLD.rank > 0:
         sys.stdout = open(os.devnull, "w")  # the reporter keeps what it finds here
         config.option.xmlpath = None
@@ -94,7 +109,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what the markers say of this number of ranks."""
-    left_out = selection.left_out(items, WORLD.size)
+    if WORLD.size > 1 and selection.named_by_hand(config.args):
+        return
+    left_out = selection.left_out(items, WORLD.size, everything=runs_everything(config))
     if left_out:
         items[:] = [item for item in items if item not in left_out]
         config.hook.pytest_deselected(items=list(left_out))

@@ -1,4 +1,4 @@
-"""Which tests a run leaves to others: to one rank, and to the run that has claimed their file."""
+"""Which tests a run leaves to `bin/test --all`, to one rank, or to the run that has their file."""
 
 from __future__ import annotations
 
@@ -9,22 +9,39 @@ from pathlib import Path
 import pytest
 
 
-def left_out(items: Iterable[pytest.Item], ranks: int) -> set[pytest.Item]:
+def left_out(items: Iterable[pytest.Item], ranks: int, *, everything: bool) -> set[pytest.Item]:
     """Return the tests that do not run on this number of ranks.
 
-    On several ranks these are the tests marked `serial`; on more than two also those marked
-    `sampled`, except for the first set of parameters of each function.
+    On several ranks only the rank contract runs, the tests marked `ranks`, each function with the
+    first of its parameters. On one rank all tests run.
+
+    Args:
+        items: all tests that were found.
+        ranks: number of ranks of this run.
+        everything: whether tests marked `slow` run, and all parameters of those marked `sampled`.
     """
     found, seen = set(), set()
     for item in items:
         function = item.nodeid.partition("[")[0]
-        if ranks > 1 and item.get_closest_marker("serial"):
-            found.add(item)
-        elif ranks > 2 and item.get_closest_marker("sampled") and function in seen:
+        if not _chosen(item, ranks, everything=everything, repeated=function in seen):
             found.add(item)
         else:
             seen.add(function)
     return found
+
+
+def named_by_hand(arguments: Iterable[str]) -> bool:
+    """Return whether the command line names single tests, which then run whatever their marks."""
+    return any("::" in argument for argument in arguments)
+
+
+def _chosen(item: pytest.Item, ranks: int, *, everything: bool, repeated: bool) -> bool:
+    marked = item.get_closest_marker
+    if marked("slow") and not everything:
+        return False
+    if ranks > 1:
+        return bool(marked("ranks")) and not marked("serial") and not repeated
+    return everything or not marked("sampled") or not repeated
 
 
 def is_own(item: pytest.Item, folder: Path) -> bool:

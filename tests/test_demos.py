@@ -29,6 +29,7 @@ def test_case_files_are_valid(name):
     assert case.name and case.probes
 
 
+@pytest.mark.slow
 def test_the_driver_runs_on_two_ranks(tmp_path):
     foreign = ("PMIX", "PRTE", "PMI_", "OMPI_COMM", "OMPI_UNIVERSE")
     environment = {key: value for key, value in os.environ.items() if not key.startswith(foreign)}
@@ -69,6 +70,7 @@ def end_of_freezing(probes, name):
     return float(np.interp(0.99, probes[f"{name}.solid_fraction"], probes["time"]))
 
 
+@pytest.mark.slow
 def test_six_bodies_steer_the_heat(feeder):
     """Chill, channel, core, sleeve and cover are ordinary bodies; the feeder freezes last."""
     history, probes = run_feeder(feeder, "given")
@@ -95,6 +97,7 @@ def test_six_bodies_steer_the_heat(feeder):
     assert gained == pytest.approx(received, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_cover_that_does_not_burn_feeds_less(feeder):
     thermal = "coupling.scheme=thermal"
     fields = 'output.fields=["temperature", "solid_fraction"]'
@@ -113,6 +116,7 @@ def executed(name):
     return text, pictures
 
 
+@pytest.mark.slow
 def test_the_notebook_shows_that_the_gap_delays_solidification():
     text, pictures = executed("cylinder_notebook.py")
     found = re.search(r"delay: ([\d.]+)", text)
@@ -120,6 +124,7 @@ def test_the_notebook_shows_that_the_gap_delays_solidification():
     assert pictures == 2
 
 
+@pytest.mark.slow
 def test_the_notebook_compares_the_laws_of_an_interface():
     text, pictures = executed("interface_notebook.py")
     hidden = [law for law in gap_heat_laws() if not re.search(rf"^{law} +\S", text, re.M)]
@@ -135,6 +140,7 @@ def test_the_notebook_compares_the_laws_of_an_interface():
     assert pictures == 3
 
 
+@pytest.mark.slow
 def test_the_notebook_explains_residual_stress():
     text, pictures = executed("residual_stress_notebook.py")
 
@@ -167,6 +173,7 @@ def test_the_notebook_explains_residual_stress():
     assert pictures == 5
 
 
+@pytest.mark.slow
 def test_the_ring_holds_its_core_and_keeps_residual_stress(tmp_path):
     folder = run(DEMOS / "stages.toml", output=tmp_path)
     record = json.loads((folder / "run.json").read_text())
@@ -183,6 +190,7 @@ def test_the_ring_holds_its_core_and_keeps_residual_stress(tmp_path):
     assert "force to draw core" in write_report(folder).read_text()
 
 
+@pytest.mark.slow
 def test_the_die_becomes_periodic(tmp_path):
     folder = run(DEMOS / "die_cycles.toml", output=tmp_path)
     ends = [e for e in json.loads((folder / "run.json").read_text())["process"] if "change" in e]
@@ -194,6 +202,7 @@ def test_the_die_becomes_periodic(tmp_path):
     assert "periodic since cycle" in write_report(folder).read_text()
 
 
+@pytest.mark.slow
 def test_the_notebook_compares_the_contact_methods():
     text, pictures = executed("contact_notebook.py")
 

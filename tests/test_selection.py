@@ -1,4 +1,4 @@
-"""Markers decide on how many ranks a test runs, and runs that share the tests miss none."""
+"""Marks decide where a test runs, and runs that share the tests miss none."""
 
 from __future__ import annotations
 
@@ -36,19 +36,38 @@ def names(items) -> set[str]:
     return {item.nodeid for item in items}
 
 
-def test_serial_tests_run_on_one_rank_only():
-    items = [Item(name, *(["serial"] if name.startswith("b") else [])) for name in NAMES]
-    assert not selection.left_out(items, 1)
+def test_on_several_ranks_runs_the_contract_with_the_first_parameters():
+    items = [Item(name, *(["ranks"] if name.startswith("b") else [])) for name in NAMES]
     for ranks in (2, 3):
-        assert names(selection.left_out(items, ranks)) == set(NAMES[3:])
+        for everything in (False, True):
+            left = names(selection.left_out(items, ranks, everything=everything))
+            assert left == set(NAMES) - {NAMES[3]}
+    assert not selection.left_out(items, 1, everything=False)
 
 
-def test_of_sampled_tests_the_first_that_is_not_serial_runs_on_more_than_two_ranks():
-    items = [Item(name, "sampled") for name in NAMES[:4]]
-    items += [Item(NAMES[4], "sampled", "serial"), Item(NAMES[5], "sampled")]
-    items[3].markers = ("sampled", "serial")
-    assert names(selection.left_out(items, 2)) == set(NAMES[3:5])
-    assert names(selection.left_out(items, 3)) == {NAMES[1], NAMES[3], NAMES[4]}
+def test_a_serial_test_is_never_in_the_contract():
+    items = [Item(NAMES[0], "ranks", "serial"), Item(NAMES[1], "ranks")]
+    assert names(selection.left_out(items, 2, everything=True)) == {NAMES[0]}
+
+
+def test_slow_tests_run_with_everything_only():
+    items = [Item(NAMES[0], "slow"), Item(NAMES[2], "slow", "ranks"), Item(NAMES[3], "ranks")]
+    assert names(selection.left_out(items, 1, everything=False)) == {NAMES[0], NAMES[2]}
+    assert not selection.left_out(items, 1, everything=True)
+    assert names(selection.left_out(items, 2, everything=False)) == {NAMES[0], NAMES[2]}
+    assert names(selection.left_out(items, 2, everything=True)) == {NAMES[0]}
+
+
+def test_of_sampled_tests_the_first_runs_unless_everything_does():
+    items = [Item(name, "sampled") for name in NAMES]
+    left = names(selection.left_out(items, 1, everything=False))
+    assert left == {NAMES[1], NAMES[4], NAMES[5]}
+    assert not selection.left_out(items, 1, everything=True)
+
+
+def test_what_is_named_by_hand_runs_whatever_its_marks():
+    assert selection.named_by_hand(["-q", "tests/a.py::one"])
+    assert not selection.named_by_hand(["-q", "tests/a.py"])
 
 
 def test_each_file_is_run_by_the_one_that_claims_it_first(tmp_path, monkeypatch):

@@ -14,6 +14,7 @@ from tests.castx.mechanics.lone_bodies import slab
 ADDED = 3.0
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("size", [1, 2, 3, 4])
 def test_block_rows_have_the_bits_of_petsc(comm, cells, size):

@@ -43,6 +43,7 @@ def vector(comm):
     made.destroy()
 
 
+@pytest.mark.ranks
 def test_each_part_has_its_own_time_without_what_begins_inside(comm, vector):
     profile, begin = Profile(comm), time.perf_counter()
     assert outer(vector) == "done"
@@ -59,6 +60,7 @@ def test_each_part_has_its_own_time_without_what_begins_inside(comm, vector):
     assert costs[RunPart.HEAT].time == costs[RunPart.HEAT].flops == 0.0
 
 
+@pytest.mark.ranks
 def test_a_profile_counts_from_its_beginning(comm, vector):
     Profile(comm)
     outer(vector)
@@ -75,6 +77,7 @@ def exchange(vector, scatter, received, times):
         vector.dot(vector)
 
 
+@pytest.mark.ranks
 def test_messages_and_sums_between_ranks(comm, vector):
     """Each rank takes the first entries of the next one: one message."""
     first, _ = vector.getOwnershipRange()

@@ -6,6 +6,7 @@ from castx import ranks
 from castx.errors import CaseError, MeshError
 
 
+@pytest.mark.ranks
 def test_all_ranks_end_with_the_largest_code(comm):
     verdicts = comm.Dup()
     assert ranks.common_code(verdicts, comm.rank) == comm.size - 1
@@ -13,6 +14,7 @@ def test_all_ranks_end_with_the_largest_code(comm):
     verdicts.Free()
 
 
+@pytest.mark.ranks
 def test_ranks_that_have_all_failed_go_on_together(comm, capsys):
     verdicts = comm.Dup()
     ranks.end_unless_all_failed(verdicts, "no convergence")
@@ -70,6 +72,7 @@ def test_a_rank_that_has_not_failed_waits_for_as_long_as_it_takes(impatient):
     assert ranks.common_code(Lonely(50), 0) == 3
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("kind", [CaseError, MeshError])
 def test_what_the_first_rank_refuses_is_raised_on_all(comm, kind):
     calls = []
@@ -83,11 +86,13 @@ def test_what_the_first_rank_refuses_is_raised_on_all(comm, kind):
     assert comm.allgather(calls) == [[0], *[[]] * (comm.size - 1)]
 
 
+@pytest.mark.ranks
 def test_what_the_first_rank_does_is_done_once(comm):
     calls = []
     ranks.on_first_rank(comm, lambda: calls.append(comm.rank))
     assert comm.allreduce(len(calls)) == 1
 
 
+@pytest.mark.ranks
 def test_what_the_first_rank_finds_is_known_to_all(comm):
     assert ranks.on_first_rank(comm, lambda: [comm.rank, comm.size]) == [0, comm.size]

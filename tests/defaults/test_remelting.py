@@ -7,6 +7,7 @@ shear, and at the walls the pressure ρ g h of the depth, whatever it has borne 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from castx.materials.flow import VISCOPLASTIC
 from castx.materials.lookup import find_material
@@ -50,6 +51,7 @@ def largest_stress(comm, state: State) -> float:
     return float(everywhere(comm, state.cellwise("casting", "von_mises")).max())
 
 
+@pytest.mark.slow
 def test_what_melts_again_rests_as_a_liquid(comm):
     frozen, opened, borne = 0.0, 0.0, 0.0
     for state in by_default(comm, remelted()):

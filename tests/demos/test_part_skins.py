@@ -79,6 +79,7 @@ def is_polygon(face):
     return straight and gmsh.model.getType(2, face) == "Plane"
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", PARTS)
 def test_interfaces_and_volumes_are_those_of_cad(name, tmp_path):
     sides = PARTS[name][1]

@@ -142,6 +142,7 @@ def mesh_volume(solid):
     return float(each.sum())
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", PARTS)
 def test_each_face_of_a_body_is_free_or_touches_one_other(measured, name):
     """Areas of a body's free faces and contacts add up to those of the solid as it was drawn."""

@@ -168,6 +168,7 @@ def test_the_mixed_residual_of_a_cell(dimension, trapped):
     np.testing.assert_allclose(found[of_p], volumes, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.sampled
 @dimensions
 @liquids
 @pytest.mark.parametrize("radial", [RADIAL, None])

@@ -31,6 +31,7 @@ OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066
 """Characters that terminals obey."""
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", sorted(set(ENTRIES) - HEAVY))
 def test_refused(comm, name, tmp_path, capfd):
     arguments, pattern = ENTRIES[name](tmp_path)
@@ -45,6 +46,7 @@ def test_refused(comm, name, tmp_path, capfd):
     raise AssertionError(f"took {took:.1f} s, more than {LONGEST:g} s")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", sorted(HEAVY))
 def test_refused_by_a_process_of_its_own(name, tmp_path):
     usual, usual_time = cost_of_a_good_case(tmp_path)
@@ -55,6 +57,7 @@ def test_refused_by_a_process_of_its_own(name, tmp_path):
     assert took - usual_time < LONGEST
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ["xdmf_that_meshio_exits_for", "vtu_negative_point"])
 def test_two_ranks_refuse_together(name, tmp_path):
     arguments, pattern = ENTRIES[name](tmp_path)

@@ -158,6 +158,7 @@ def ran(comm: Any, folder: Path, placement: Placement) -> list[dict[str, FloatAr
     return found
 
 
+@pytest.mark.slow
 def test_a_meshed_assembly_gives_one_result_wherever_it_lies(comm, shared_tmp_path):
     if comm.rank == 0:
         write_mesh(shared_tmp_path)
@@ -220,6 +221,7 @@ def temperatures(comm: Any, step: Path, size: float, placement: Placement) -> Fl
     return np.asarray(found)
 
 
+@pytest.mark.slow
 def test_an_assembly_turned_in_cad_differs_less_as_cells_get_smaller(comm, tmp_path):
     """By 4.3 K in the root of the mean square at 6 mm and 0.5 K at 2 mm, of 130 K lost."""
     steps = {

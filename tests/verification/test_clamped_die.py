@@ -131,6 +131,7 @@ def clamp_of(press: Press) -> dict[str, float]:
     return {"force": PRESSURE * press.area, "stiffness": press.stiffness}
 
 
+@pytest.mark.ranks
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "press",
@@ -178,6 +179,7 @@ WHOLE = ("upper/top.clamp_force", "upper/base.force.z")
 """Totals of which a quarter has a fourth."""
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize("kind", ["displacement", "mixed"])
 def test_a_quarter_takes_a_quarter_of_the_clamp(comm, kind):

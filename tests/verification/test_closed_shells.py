@@ -99,6 +99,7 @@ def test_shrinkage_first_unloads_the_core_and_then_leaves_a_void(
     assert outer_motion(comm, made) == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 @shells
 @pytest.mark.parametrize("kind", ["osgs", "q1p0"])
 @pytest.mark.parametrize("viscosity", [0.0, 1e9], ids=["plastic", "viscous"])

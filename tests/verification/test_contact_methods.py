@@ -63,6 +63,7 @@ def test_a_penalty_is_a_spring_in_series(comm, penalty):
     assert 1 - found / exact == pytest.approx(both / (both + penalty), rel=1e-5)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("penalty", [1e11, 1e12, 1e13])
 def test_a_sweep_over_the_bodies_leaves_what_the_penalty_does_not_hand_over(comm, penalty):
     _, report = pressed(

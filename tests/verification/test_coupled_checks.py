@@ -256,6 +256,7 @@ def on_one_rank(name: str) -> dict[str, np.ndarray]:
     return coupled_cases.fields(final_state(MPI.COMM_SELF, TIGHT_CASES[name]))
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", TIGHT_CASES)
 def test_any_number_of_ranks(comm, name):
     """Check 4: the same numbers on these ranks and on one alone."""
@@ -266,6 +267,7 @@ def test_any_number_of_ranks(comm, name):
     assert difference < 1e-8, where
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", ["laws", "multipliers", "quarter"])
 def test_a_rank_without_cells(comm, monkeypatch, name):
     """Small bodies leave ranks without cells or nodes of their own."""

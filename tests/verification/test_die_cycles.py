@@ -29,6 +29,7 @@ def die(scheme: str) -> dict[str, Any]:
     return data
 
 
+@pytest.mark.slow
 @pytest.mark.serial  # many steps; other ranks are tested with single stages
 @pytest.mark.parametrize("scheme", ["thermal", "iterated"])
 def test_a_die_becomes_periodic(comm, scheme):

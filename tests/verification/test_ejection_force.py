@@ -73,6 +73,7 @@ def test_the_estimate_converges(comm):
     assert min(np.log2(errors[0] / errors[1]), np.log2(errors[1] / errors[2])) > 1.7
 
 
+@pytest.mark.ranks
 def test_the_ring_springs_back(comm):
     """Without the core nothing is left but the thermal contraction."""
     after = final_state(comm, case(6))

@@ -85,6 +85,7 @@ def balance(comm, state) -> tuple[float, float]:
     return largest / scale, mean
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "case",
     [

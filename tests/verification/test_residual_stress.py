@@ -67,6 +67,7 @@ def stress_means(comm, state) -> tuple[np.ndarray, float]:
     return total[:2], float(total[2])
 
 
+@pytest.mark.slow
 @pytest.mark.serial  # long; ranks are compared on a slab in V12
 @pytest.mark.parametrize("law", ["thermo-elasto-viscoplastic", "thermo-elasto-plastic"])
 def test_a_cylinder_out_of_its_mould_is_in_balance_with_itself(comm, law):

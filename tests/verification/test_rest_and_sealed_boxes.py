@@ -78,6 +78,7 @@ def feeding(comm, data) -> dict[str, float]:
     return {name: totals[f"casting.{name}"] for name in ("fed_volume", "unfed_volume")}
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("lid", [True, False])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 @pytest.mark.parametrize("stabilisation", ["osgs", "gls"])

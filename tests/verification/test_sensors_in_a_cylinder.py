@@ -152,6 +152,7 @@ def with_depths(told: Told, names: list[str]) -> FloatArray:
     return posterior(rows, np.array(1.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("names", "known", "moved", "free"), TABLE)
 def test_deviations_of_the_coefficient(told, names, known, moved, free):
     found = 100.0 * deviations(posterior(told.together(names)[0], np.array(1.0)))

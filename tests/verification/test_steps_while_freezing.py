@@ -24,6 +24,7 @@ def freezing(comm: Any, **time: float) -> tuple[float, float]:
     return totals["casting.solid_fraction"], totals["casting/mould.mean_gap"]
 
 
+@pytest.mark.slow
 def test_smaller_changes_of_the_solid_fraction_come_closer(comm):
     exact = freezing(comm, solid_fraction_change=0.005)
     errors = [

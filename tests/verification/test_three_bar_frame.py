@@ -44,6 +44,7 @@ def frame(formulation: str, cells: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     ("formulation", "cells"), [("displacement", "simplices"), ("q1p0", "quadrilaterals")]
 )

@@ -25,6 +25,7 @@ def history(comm, data) -> dict[str, np.ndarray]:
     return {name: np.array(values) for name, values in found.items()} | last
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("contact", ["none", "condensed", "by faces"])
 def test_a_body_that_nothing_touches_is_fed(comm, contact) -> None:
     """Heat closes no surface, contact does, however its nodes are paired."""

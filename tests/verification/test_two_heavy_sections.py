@@ -141,6 +141,7 @@ def test_the_lower_section_is_cut_off_when_the_neck_freezes(alone):
     assert all(spot["deficit"] < 0.3 * worst["deficit"] for spot in spots[1:])
 
 
+@pytest.mark.ranks
 def test_the_same_on_any_number_of_ranks_and_after_a_break(comm, folder, alone):
     """The part breaks between isolation and end of the lower section."""
     case, output = folder / "case.toml", folder / "together"

@@ -40,6 +40,7 @@ def test_given_numbers(comm):
     assert np.abs(GIVEN.reference(TIMES) - exact).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_error_falls_with_the_step(comm):
     exact = COLDER.reference(TIMES)
@@ -48,6 +49,7 @@ def test_error_falls_with_the_step(comm):
     assert errors[0] / errors[1] > 1.6
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize("change", [{"emissivities": (0.35, 0.5)}, {"emissivities": (0.25, 0.85)}])
 def test_each_emissivity_acts(comm, change):

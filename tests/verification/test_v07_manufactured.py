@@ -30,6 +30,7 @@ RATES = (2.0, 1.0, 1.5)
 """Of u in L2, of u in H1, of p in L2."""
 
 
+@pytest.mark.sampled
 @pytest.mark.serial  # a matter of the mesh; ranks agree in the other tests
 @pytest.mark.parametrize("poisson", [0.3, 0.4999, 0.5])
 @pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
@@ -45,6 +46,7 @@ def test_convergence(comm, dimension, stabilisation, poisson):
     assert np.all(errors[-1] < LARGEST_ERRORS[dimension]), errors[-1]
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_hydrostatic_container(comm, dimension, stabilisation):

@@ -104,11 +104,13 @@ def panel(comm, shared_tmp_path, known) -> Callable[[str, int], Panel]:
     return load
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["osgs", "gls"])
 def test_tip_at_collapse(panel, kind):
     assert panel(kind, 64).tips[-1] == pytest.approx(REFERENCE, rel=0.04)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("kind", "error"), [("osgs", -0.096), ("gls", -0.096), ("q1p0", -0.15)])
 def test_linear_displacements_are_too_stiff_at_half_the_elements(panel, kind, error):
     """As those of an independent program: 4 % is out of reach there."""
@@ -152,6 +154,7 @@ def test_no_pressure_checkerboard_at_collapse(panel, kind):
         assert amplitudes.max() < 0.03 * np.ptp(p)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("kind", ["osgs", "gls"])
 def test_the_secant_modulus_smooths_the_pressure_of_deep_flow(
     comm, shared_tmp_path, monkeypatch, kind

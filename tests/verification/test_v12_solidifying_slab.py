@@ -34,6 +34,7 @@ def case(
     return merged(stepped(made, step), {"output": {"every": 1.0}})
 
 
+@pytest.mark.slow
 @pytest.mark.serial  # long; a coarse run compares ranks
 @pytest.mark.parametrize("kind", FORMULATIONS)
 def test_stress_and_strain(comm, kind):
@@ -42,12 +43,14 @@ def test_stress_and_strain(comm, kind):
     check(run(comm, data, STEEL), solve(STEEL), 60, (1.0, 10.0))
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_another_slab(comm):
     data = case(OTHER, *FORMULATIONS["triangles"], resolution=60, step=0.05, end=4.0)
     check(run(comm, data, OTHER), solve(OTHER), 60, (1.0, 4.0))
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("kind", ["triangles", "hexahedra"])
 def test_ranks_agree(comm, kind):
     data = case(OTHER, *FORMULATIONS[kind], resolution=8, step=0.5, end=3.0)
@@ -61,6 +64,7 @@ def test_ranks_agree(comm, kind):
     assert found[0].strain == pytest.approx(found[1].strain, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_the_error_falls_with_mesh_and_step(comm):
     exact = solve(STEEL)

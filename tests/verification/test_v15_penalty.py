@@ -35,6 +35,7 @@ def test_penalty(comm, model, penalty):
     np.testing.assert_allclose(gaps(comm, made), -expected / penalty, rtol=1e-8)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("augmentation", ["iteration", "loop"])
 @pytest.mark.parametrize("updates", [0, 1, 4])
 def test_each_augmentation_shrinks_the_penetration(comm, augmentation, updates):
@@ -51,6 +52,7 @@ def test_each_augmentation_shrinks_the_penetration(comm, augmentation, updates):
     assert len(report.augmentations) == updates
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("augmentation", ["iteration", "loop"])
 def test_augmentations_end_without_penetration(comm, augmentation):
     made, report = bars(

@@ -65,6 +65,7 @@ def test_penalty_tends_to_the_exact_reaction_from_below(comm, base_width):
         assert 0 < fine < 0.13 * coarse
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("penalty", ["auto", 1e12])
 def test_augmented_lagrangian_reaches_the_exact_reaction(comm, penalty):
     exact = reaction(comm, "condensed", 0.04)[0]

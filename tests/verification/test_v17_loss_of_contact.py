@@ -38,6 +38,7 @@ def test_the_weight_stays_on_the_floor(comm, contact, rigid):
     check(final_state(comm, case(rigid, **contact)))
 
 
+@pytest.mark.ranks
 def test_an_iterative_solution_has_to_be_tighter_than_the_thermal_forces(comm):
     """Those are 1e5 times the weight; a Krylov method stops at a part of them."""
     data = case(rigid=True, method="block-iterative", block_solver="preconditioner")
@@ -49,6 +50,7 @@ def test_the_method_of_rigid_moulds(comm):
     check(final_state(comm, case(rigid=True, method="rigid")))
 
 
+@pytest.mark.ranks
 def test_in_one_step(comm):
     state = final_state(comm, case(rigid=True, steps=1))
     check(state)

@@ -51,6 +51,7 @@ def solve(
     return found
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "bars, options",
     [

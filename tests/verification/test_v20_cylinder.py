@@ -85,6 +85,7 @@ def check_agreement(found, reference, temperature: float, gap: float, smallest: 
     assert excess.max() < 0
 
 
+@pytest.mark.ranks
 def test_section_and_quarter_agree(comm):
     """At the same element size 2 K, and 3 % or 1 µm of the gap, over the circle of the interface.
 
@@ -133,6 +134,7 @@ LONG = merged(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 @pytest.mark.parametrize("liquid", [{}, VISCOUS], ids=["elastic", "viscous"])
 def test_methods_agree_over_the_whole_run(comm, liquid):
@@ -186,6 +188,7 @@ def small_steps():
     return history(MPI.COMM_SELF, cylinder({"time": {"end": 60.0, "fixed_step": 0.1}}, **SLICE))
 
 
+@pytest.mark.slow
 @pytest.mark.serial  # long, and of one rank's concern
 @pytest.mark.parametrize("steps", [{"fixed_step": 5.0}, {"largest_step": 5.0}])
 def test_large_steps(comm, small_steps, steps):

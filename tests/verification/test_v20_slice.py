@@ -13,6 +13,7 @@ from castx.verification.coupled.cylinder import CLOSED, GAS, reference, row, sli
 from tests.coupled_cases import states
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_slice_follows_the_radial_solution(comm) -> None:
     rows = [row(state) for state in states(comm, slice_case()) if state.step > 0]

@@ -100,6 +100,7 @@ def test_a_field_is_free_of_strain_as_it_starts(metal, comm, shared_tmp_path):
     assert moved() > 1e-5
 
 
+@pytest.mark.ranks
 def test_the_stress_free_field_of_a_file_outlives_the_file(comm, shared_tmp_path):
     """A checkpoint keeps it: what starts from another field has the old strain again."""
     changes = {"coupling": {"scheme": "iterated"}, "time": {"end": 1e-6}}
@@ -156,6 +157,7 @@ def test_field_of_another_program(comm, shared_tmp_path):
         simulation(comm, missing, shared_tmp_path)
 
 
+@pytest.mark.ranks
 def test_our_own_results_hand_over(comm, shared_tmp_path):
     """The last state of a run is the start of another: to single rounding on the same mesh."""
     data = with_temperatures(670.0, ALONG_Z, output={"folder": str(shared_tmp_path / "first")})

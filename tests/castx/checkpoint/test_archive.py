@@ -100,6 +100,7 @@ def flipped(content: bytes, place: int) -> bytes:
     return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("part", [archive.PART, 1000])
 def test_every_flipped_bit_of_an_array_is_found(comm, shared_tmp_path, monkeypatch, part):
     """The checksum names the array, whichever rank has read the place."""
@@ -136,6 +137,7 @@ def test_no_flipped_byte_changes_what_is_read(tmp_path):
     assert refused > len(content) // 2
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("left", [0.0, 0.3, 0.99])
 def test_a_file_that_was_cut_short_is_refused(comm, shared_tmp_path, left):
     path = shared_tmp_path / "state.npz"

@@ -58,6 +58,7 @@ def values_of(numbers: np.ndarray, kind: str) -> np.ndarray:
             return np.zeros((len(numbers), 0))
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("rows", [chunks.ROWS, 1, 4])
 @pytest.mark.parametrize("empty", [False, True])
 @pytest.mark.parametrize("kind", ["scalar", "tensor", "flag", "nothing"])
@@ -83,6 +84,7 @@ def test_rows_go_to_chunks_by_number_and_back_with_ghosts(comm, monkeypatch, kin
     assert len(back) == len(local) and back.tobytes() == local.tobytes()
 
 
+@pytest.mark.ranks
 def test_nothing_at_all_travels_as_well(comm):
     none = Numbering("pairs", np.empty(0, dtype=np.int64), 0, ("casting",))
     moving = ChunkedRows(comm, none, ghosts=False)

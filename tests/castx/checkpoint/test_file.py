@@ -251,6 +251,7 @@ def run_on_part(comm, data: Mapping[str, Any], folder):
     return steps, found
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("rows", [chunks.ROWS, 7])
 def test_files_and_what_is_read_do_not_depend_on_the_ranks(
     comm, shared_tmp_path, monkeypatch, rows
@@ -281,6 +282,7 @@ def test_files_and_what_is_read_do_not_depend_on_the_ranks(
         np.testing.assert_array_equal(found["rows"], opened["rows"][places])
 
 
+@pytest.mark.ranks
 def test_no_rank_holds_a_whole_array(comm, shared_tmp_path, monkeypatch):
     monkeypatch.setattr(chunks, "ROWS", 2**9)
     monkeypatch.setattr(archive, "PART", 2**16)
@@ -339,6 +341,7 @@ def test_a_checkpoint_that_cannot_be_written_leaves_the_old_one(
     assert [path.name for path in (shared_tmp_path / "checkpoint").iterdir()] == ["state.npz"]
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("damage", ["cut", "flip", "empty"])
 @pytest.mark.usefixtures("small_chunks")
 def test_damaged_checkpoints_are_refused(damage, comm, shared_tmp_path):

@@ -159,6 +159,7 @@ def lose_mesh(folder, case_file):
     case_file.with_name("part.msh").unlink()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "spoil, text",
     [
@@ -197,6 +198,7 @@ def test_what_cannot_go_on_is_refused_and_nothing_is_touched(
     assert content(folder) == before
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_runs_killed_at_random_moments_are_not_lost(case_file, tmp_path):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
@@ -224,6 +226,7 @@ def lines(folder: Path) -> int:
     return len(path.read_bytes().splitlines()) - 1 if path.exists() else 0
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_a_full_disk_ends_a_run_that_goes_on_when_there_is_room(case_file, tmp_path, comm):
     """Files may not grow beyond a limit, which the history does at last."""
@@ -263,6 +266,7 @@ sys.exit(execute(["run", "case.toml"], MPI.COMM_WORLD))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 def test_a_refusal_on_one_rank_ends_all_of_them_soon(tmp_path):
     script = tmp_path / "alone.py"
@@ -323,6 +327,7 @@ def spoil(comm, path, change):
     comm.Barrier()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -365,6 +370,7 @@ def test_a_table_that_was_removed_goes_on_behind_its_loss(comm, halfway, capsys)
     assert times[0].tolist() == times[1][rows:].tolist() and times[0][-1] == 0.5
 
 
+@pytest.mark.ranks
 def test_a_record_with_wrong_types_is_refused(comm, halfway, capsys):
     arguments, folder = halfway
     right, wrong = b'"time_reached": 0.2', b'"time_reached": []'

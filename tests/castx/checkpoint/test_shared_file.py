@@ -31,6 +31,7 @@ def write(comm, path, text: str, verify=lambda path: None) -> None:
         file.replace(verify)
 
 
+@pytest.mark.ranks
 def test_ranks_write_side_by_side_and_replace_the_old_file(comm, shared_tmp_path):
     path = shared_tmp_path / "made" / "file"
     for text in ("abc", "xyz"):
@@ -44,6 +45,7 @@ def refuse(path: Path) -> None:
     raise ValueError("a hole")
 
 
+@pytest.mark.ranks
 def test_what_does_not_read_back_leaves_the_old_file(comm, shared_tmp_path):
     path = shared_tmp_path / "file"
     write(comm, path, "old")
@@ -53,6 +55,7 @@ def test_what_does_not_read_back_leaves_the_old_file(comm, shared_tmp_path):
     assert path.read_text() == "old"[: comm.size] and names(shared_tmp_path) == ["file"]
 
 
+@pytest.mark.ranks
 def test_a_failure_of_one_rank_is_that_of_all(comm, shared_tmp_path):
     path = shared_tmp_path / "file"
     write(comm, path, "old")
@@ -68,6 +71,7 @@ def test_a_failure_of_one_rank_is_that_of_all(comm, shared_tmp_path):
     assert path.read_text() == "old"[: comm.size] and names(shared_tmp_path) == ["file"]
 
 
+@pytest.mark.ranks
 def test_a_bug_leaves_the_old_file(comm, shared_tmp_path):
     path = shared_tmp_path / "file"
     write(comm, path, "old")

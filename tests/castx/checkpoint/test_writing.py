@@ -83,6 +83,7 @@ def test_the_initial_state_and_each_multiple_of_the_interval_are_written(comm, s
     assert found == [0.0, 0.0, 0.0, 1.0, 1.0, 2.3, 4.1, 4.1]
 
 
+@pytest.mark.ranks
 def test_by_default_the_wall_clock_decides(comm, shared_tmp_path, monkeypatch):
     """After a minute, and never so often that writing takes more than a twentieth of the time."""
     now = {"clock": 0.0}
@@ -95,6 +96,7 @@ def test_by_default_the_wall_clock_decides(comm, shared_tmp_path, monkeypatch):
         assert written_at(file) == expected
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "ending, is_written",
     [
@@ -114,6 +116,7 @@ def test_the_end_is_written_when_all_ranks_have_come_to_it(
     assert results.pending == results.synced == int(is_written)
 
 
+@pytest.mark.ranks
 def test_a_run_goes_on_with_what_was_saved(comm, shared_tmp_path):
     writing, simulation, _, _ = checkpoints(comm, shared_tmp_path)
     simulation.time, simulation.value = 2.5, 7.0

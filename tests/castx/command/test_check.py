@@ -21,6 +21,7 @@ from castx.command.check import (
 from castx.command.cli import execute
 
 
+@pytest.mark.ranks
 def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
     assert execute(["check", str(case_file)], comm) == 0
     text = said()
@@ -30,6 +31,7 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
     assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
 
 
+@pytest.mark.ranks
 def test_check_looks_at_patches_and_temperature_fields(comm, case_file, said):
     radiation = "interfaces.0.heat.radiation={ emissivities = [0.3, 0.8] }"
     patch = "interfaces.0.heat.patches=[{ within = { z = [%s, 1] }, closed = 500 }]"

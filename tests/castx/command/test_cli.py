@@ -39,12 +39,14 @@ def test_newton_iterations_are_shown_on_request(comm, case_file, shared_tmp_path
     assert re.search("'everything' is not .*'newton'", said())
 
 
+@pytest.mark.ranks
 def test_the_version_is_told_by_the_first_rank(comm, capsys):
     assert execute(["--version"], comm) == 0
     told = ["castx", castx.__version__] if comm.rank == 0 else []
     assert capsys.readouterr().out.split() == told
 
 
+@pytest.mark.ranks
 def test_wrong_arguments_are_refused(comm, said):
     assert execute(["solve"], comm) == 2
     assert "No such command 'solve'" in said()
@@ -89,6 +91,7 @@ def test_mesh_writes_files_for_other_programs(comm, case_file, shared_tmp_path, 
     assert "cannot write part.doc: formats: " in said()
 
 
+@pytest.mark.ranks
 def test_export_names_what_is_missing_and_what_it_writes(comm, case_file, shared_tmp_path, said):
     folder = shared_tmp_path / "out"
     assert execute(["run", str(case_file), "--output", str(folder)], comm) == 0
@@ -99,6 +102,7 @@ def test_export_names_what_is_missing_and_what_it_writes(comm, case_file, shared
     assert execute([*given, "--to", "word"], comm) == 2
 
 
+@pytest.mark.slow
 def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
     part, case = shared_tmp_path / "bar.step", shared_tmp_path / "bar.toml"
     if comm.rank == 0:
@@ -113,6 +117,7 @@ def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
     assert "bar.toml exists" in said().replace("\n", "")
 
 
+@pytest.mark.ranks
 def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
     part, photo = shared_tmp_path / "bar.step", shared_tmp_path / "bar.png"
     if comm.rank == 0:
@@ -125,6 +130,7 @@ def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
     assert photo.read_text() == "mine" and part.with_suffix(".toml").is_file()
 
 
+@pytest.mark.ranks
 def test_check_draws_what_it_has_found(comm, case_file, shared_tmp_path, said):
     picture = shared_tmp_path / "case.png"
     assert execute(["check", str(case_file), "--picture", str(picture)], comm) == 0
@@ -134,6 +140,7 @@ def test_check_draws_what_it_has_found(comm, case_file, shared_tmp_path, said):
     assert "case.doc: the name must end in .png, .svg, .pdf" in " ".join(said().split())
 
 
+@pytest.mark.ranks
 def test_materials_are_listed_with_those_of_a_case(comm, case_file, said):
     assert execute(["materials"], comm) == 0
     text = said()
@@ -152,6 +159,7 @@ def test_materials_are_listed_with_those_of_a_case(comm, case_file, said):
     assert "unknown material 'chill'" in said()
 
 
+@pytest.mark.ranks
 def test_numbers_and_curves_of_a_material(comm, shared_tmp_path, said):
     assert execute(["materials", "Al-pure"], comm) == 0
     text = said()
@@ -172,6 +180,7 @@ def test_numbers_and_curves_of_a_material(comm, shared_tmp_path, said):
         assert text in said()
 
 
+@pytest.mark.ranks
 def test_interfaces_are_listed_shown_and_drawn(comm, shared_tmp_path, said):
     assert execute(["interfaces"], comm) == 0
     text = said()
@@ -196,6 +205,7 @@ def test_info(comm, said):
     assert "fenics-dolfinx" in said()
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize("failure", ["ZeroDivisionError('on one rank')", "SystemExit('no file')"])
 def test_a_bug_on_one_rank_ends_all_of_them(tmp_path, failure):
@@ -226,6 +236,7 @@ def test_a_library_that_wants_to_exit_has_failed(comm, monkeypatch, capsys):
     assert "SystemExit: no file" in capsys.readouterr().err
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize(
     "arguments",
@@ -257,6 +268,7 @@ def test_the_command_itself_loads_neither_units_nor_solvers():
     assert not {"pint", "pydantic", "numpy", "dolfinx"} & set(eval(found.stdout))
 
 
+@pytest.mark.ranks
 def test_several_results_folders_are_compared(comm, shared_tmp_path, said, monkeypatch):
     asked = []
 

@@ -10,6 +10,7 @@ from castx.command.interruption import Interruption
 from castx.errors import Interrupted
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
 def test_a_signal_on_one_rank_stops_all(comm, number):
     noted = []
@@ -37,6 +38,7 @@ def test_asked_again_later_it_stops_at_once(comm, monkeypatch):
         raise AssertionError("the third signal did not stop anything")
 
 
+@pytest.mark.ranks
 def test_the_time_limit_leaves_room_for_one_more_try(comm, monkeypatch):
     """Preparations of 9 s and tries of 1, 3 and 1 s: after 14 s another of 3 s passes 16.5 s."""
     clock = iter([10.0, 19.0, 20.0, 23.0, 24.0])
@@ -50,6 +52,7 @@ def test_the_time_limit_leaves_room_for_one_more_try(comm, monkeypatch):
             interruption.after_try()
 
 
+@pytest.mark.ranks
 def test_one_try_is_made_however_short_the_limit(comm):
     with Interruption(comm, time_limit=1e-6) as interruption:
         interruption.check()

@@ -29,6 +29,7 @@ def show(comm, terminal):
     return stream.getvalue()
 
 
+@pytest.mark.ranks
 def test_plain_lines(comm):
     lines = show(comm, False).splitlines()
     if comm.rank > 0:
@@ -49,6 +50,7 @@ def test_a_bar_on_a_terminal(comm):
     assert "solid 50.0 %" in text and "left 0:00:36" in text
 
 
+@pytest.mark.ranks
 def test_the_solid_fraction_is_shown_after_a_restart(comm):
     stream = io.StringIO()
     console = Console(file=stream, force_terminal=False, width=200, quiet=comm.rank != 0)

@@ -38,6 +38,7 @@ def test_a_relative_folder_is_that_of_the_present_one(case_file, monkeypatch):
     assert case.digest == load_case(case_file).digest
 
 
+@pytest.mark.ranks
 def test_a_time_limit_interrupts_and_a_restart_goes_on(comm, case_file, shared_tmp_path):
     folder = shared_tmp_path / "out"
     with pytest.raises(KeyboardInterrupt, match="time limit of 1e-06 s"):
@@ -95,6 +96,7 @@ def test_a_profile_says_what_the_parts_have_cost(comm, case_file, shared_tmp_pat
     assert ("messages" in text) == (costs["heat"]["messages"] > 0) == (comm.size > 1)
 
 
+@pytest.mark.ranks
 def test_set_replaces_values(comm, case_file, shared_tmp_path, said):
     folder = shared_tmp_path / "out"
     arguments = ["run", str(case_file), "--output", str(folder), "--set", "time.end=0.05"]
@@ -107,6 +109,7 @@ def test_an_output_that_cannot_be_written_is_refused(comm, case_file, said):
     assert "is a file" in said()
 
 
+@pytest.mark.ranks
 def test_a_run_that_does_not_converge_leaves_its_last_state(
     comm, case_file, shared_tmp_path, said
 ):
@@ -120,6 +123,7 @@ def test_a_run_that_does_not_converge_leaves_its_last_state(
     assert "casting_00000_0.vtu" in (folder / "fields" / "castx.pvd").read_text()
 
 
+@pytest.mark.ranks
 def test_a_run_names_a_material_that_leaves_its_range_once(comm, case_file, tmp_path, said):
     arguments = ["run", str(case_file), "--set", "bodies.1.temperature=620"]
     folder = comm.bcast(str(tmp_path / "hot"))
@@ -129,6 +133,7 @@ def test_a_run_names_a_material_that_leaves_its_range_once(comm, case_file, tmp_
     assert "at t = 0 s steel-H13 (mould) is at 620 to 620 °C" in text
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_a_run_after_its_step_with_its_files(case_file, tmp_path, number):
@@ -149,6 +154,7 @@ def test_a_signal_ends_a_run_after_its_step_with_its_files(case_file, tmp_path, 
     assert (folder / "fields" / "castx.pvd").read_text().count("casting_00001_0.vtu") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.serial
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
 def test_a_run_goes_on_when_its_reader_leaves(case_file, tmp_path, stream):

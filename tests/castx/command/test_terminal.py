@@ -9,6 +9,7 @@ from castx.command.terminal import EnduringConsole, console_of
 from castx.errors import StorageError
 
 
+@pytest.mark.ranks
 def test_only_the_first_rank_writes(comm, capsys):
     console_of(comm).print("hello")
     assert capsys.readouterr().out == ("hello\n" if comm.rank == 0 else "")
@@ -23,6 +24,7 @@ def test_nothing_is_a_terminal_under_mpirun(comm, monkeypatch):
     assert console_of(comm).is_terminal
 
 
+@pytest.mark.ranks
 def test_what_a_terminal_would_obey_is_written_out(comm, capsys):
     console_of(comm).print("a\x1b[31mb\u202ec\nd", markup=False)
     assert capsys.readouterr().out == ("a\\x1b[31mb\\u202ec\nd\n" if comm.rank == 0 else "")

@@ -12,6 +12,7 @@ from tests.elastic_bodies import everywhere, generated
 WEIGHT = 2.0
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_two_pools_have_their_own_level(comm, model):
     """A wall of solid parts a box: left of it liquid stands up to 20 mm, right of it to 10 mm."""
@@ -35,6 +36,7 @@ def test_two_pools_have_their_own_level(comm, model):
     assert everywhere(comm, found[own]).max() == pytest.approx(WEIGHT * 0.02)
 
 
+@pytest.mark.ranks
 def test_no_liquid_has_no_pressure(comm):
     mesh = generated(comm, "plane-strain", "slab", ["casting"], length=0.01, width=0.01, size=0.005)
     body = mesh.bodies["casting"]

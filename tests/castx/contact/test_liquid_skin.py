@@ -153,6 +153,7 @@ def test_both_sides_have_to_be_coherent(comm):
         assert step(made, 1.0, upper, base).closed.all() == closed
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_cells_at_a_pair_decide(comm, order, model):
@@ -215,6 +216,7 @@ def test_a_liquid_rubs_at_no_wall(comm, method):
     assert friction["solid"] > 1.0
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("formulation", ["mixed", "q1p0"])
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_pressure_is_at_least_that_of_the_column(comm, order, formulation):

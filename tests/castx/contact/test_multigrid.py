@@ -52,6 +52,7 @@ def shrunk_cylinder(comm, mould: str, linear: str) -> MechanicalProblem:
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mould", ["elastic", "rigid"])
 def test_pairs_that_come_off_get_a_coarse_space(comm, mould):
     """Without the motion of open gaps, the last solves take more iterations than the first."""

@@ -34,6 +34,7 @@ def test_the_softer_side_decides(comm):
     assert np.all(stiffness.penalties(A) == pytest.approx(10 * SOFT[0] / 0.01, rel=0.3))
 
 
+@pytest.mark.ranks
 def test_no_body_counts_as_softer_than_its_solid_as_a_whole(comm):
     """The second is stiffer than the first anyway, which counts as soon as it has the larger."""
     made = two_blocks(comm, "penalty")
@@ -46,6 +47,7 @@ def test_no_body_counts_as_softer_than_its_solid_as_a_whole(comm):
     np.testing.assert_allclose(stiffer, 1.1 * soft, rtol=1e-12)
 
 
+@pytest.mark.ranks
 def test_given_penalties_are_kept(comm):
     made = two_blocks(comm, "penalty")
     given = np.full(len(made.gaps.local), np.nan)

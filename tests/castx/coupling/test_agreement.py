@@ -10,6 +10,7 @@ from castx.coupling.agreement import LONE, disagreement
 FOUND = np.array([1.0, 2.0, 4.0])
 
 
+@pytest.mark.ranks
 def test_the_mean_is_taken_over_the_areas(comm):
     """Of each rank the same three pairs, so that ranks change nothing."""
     tried, areas = FOUND * np.array([1.03, 1.0, 0.96]), np.array([1.0, 6.0, 2.0])
@@ -17,6 +18,7 @@ def test_the_mean_is_taken_over_the_areas(comm):
     assert disagreement(comm, FOUND, tried, areas) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_a_lone_pair_counts_on_whatever_rank(comm):
     """Beside a thousand that agree it counts for a hundredth of what all together would."""
     count, found = 100_000, np.ones(100_000)
@@ -27,6 +29,7 @@ def test_a_lone_pair_counts_on_whatever_rank(comm):
     assert alone == pytest.approx(0.5 / LONE, rel=1e-12) and 0.5 / LONE > 0.5 / np.sqrt(count)
 
 
+@pytest.mark.ranks
 def test_pairs_that_conduct_nothing_or_perfectly_agree(comm):
     found = np.array([np.inf, 0.0, 1.0])
     assert disagreement(comm, found, found.copy(), np.ones(3)) == 0.0

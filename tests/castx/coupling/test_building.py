@@ -138,6 +138,7 @@ def original() -> dict[str, Any]:
     return {}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path, value", CHANGES)
 def test_each_key_changes_the_answer(comm, original, path, value):
     if not original:

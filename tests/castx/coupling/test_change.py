@@ -59,6 +59,7 @@ def test_a_billionth_of_the_stored_heat_is_a_change(comm):
     assert change.share(0.1 * moved) == pytest.approx(0.1, rel=1e-6)
 
 
+@pytest.mark.ranks
 def test_the_fastest_node_of_all_ranks_decides(comm):
     heat, change = problem(comm)
     heat.solid_fraction["casting"].x.array[1] = 0.1 * (comm.rank + 1)
@@ -67,6 +68,7 @@ def test_the_fastest_node_of_all_ranks_decides(comm):
     assert change.largest_of_solid_fraction() == 0.0
 
 
+@pytest.mark.ranks
 def test_a_body_freezes_by_volume(comm):
     """Nodes of 1 and 2 m³ freeze to 0.3 and 0.6; ghosts do not count."""
     heat, change = problem(comm)
@@ -77,6 +79,7 @@ def test_a_body_freezes_by_volume(comm):
     assert change.largest_of_mean_solid_fraction() == 0.0
 
 
+@pytest.mark.ranks
 def test_without_the_heat_equation_nothing_moves(comm):
     heat = SimpleNamespace(enthalpy={}, solid_fraction=fields({"casting": [0.0]}))
     assert ThermalChange(comm, heat, {"casting": np.ones(1)}).share(0.0) == 0.0

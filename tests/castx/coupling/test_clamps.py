@@ -39,6 +39,7 @@ def clamped(on: str, clamp=CLAMP, **conditions):
     return {**data, "boundaries": list(given.values())}
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "data, text",
     [
@@ -78,6 +79,7 @@ def test_accepted(comm, data):
     simulation(comm, data).destroy()
 
 
+@pytest.mark.ranks
 def test_a_stage_may_not_hold_what_is_clamped(comm):
     """Nor clamp what an earlier stage holds: the conditions of a stage are those of all before."""
     data = clamped("casting/top")

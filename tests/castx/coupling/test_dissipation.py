@@ -47,6 +47,7 @@ def plastic_work(before: float = 0.0) -> float:
     return YIELD * (STRAIN - YIELD / 70e9 - before)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("fraction", [0.9, 0.4])
 @pytest.mark.parametrize("scheme", ["iterated", "staggered"])
 def test_the_bar_heats_by_its_plastic_work(comm, scheme, fraction):
@@ -64,6 +65,7 @@ def test_the_bar_heats_by_its_plastic_work(comm, scheme, fraction):
     assert state.totals["energy_error"] < 1e-6
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "change",
     [

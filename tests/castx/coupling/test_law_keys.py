@@ -106,6 +106,7 @@ def known() -> dict[str, dict[str, np.ndarray]]:
     return {}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "name, path, value", [(name, *change) for name in CHANGES for change in CHANGES[name]]
 )

@@ -21,6 +21,7 @@ def test_first_iterate_is_plain(comm):
     assert Relaxation(comm).next(np.array([1.0]), np.array([1.2])) == pytest.approx([1.2])
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("slope", [-0.2, -0.9, -1.0, -1.5, 0.3])
 def test_one_unknown_with_a_linear_map_takes_three_passes(comm, slope):
     """Aitken's factor is the secant: exact for a linear map, also where the plain one diverges."""
@@ -53,6 +54,7 @@ def test_iterates_stay_positive(comm):
         found = np.array([1e-6 / tried[0], 0.9])
 
 
+@pytest.mark.ranks
 def test_infinite_resistances_pass_through(comm):
     relaxation = Relaxation(comm)
     for found in ([np.inf, 2.0], [np.inf, 1.8], [3.0, 1.9]):
@@ -61,11 +63,13 @@ def test_infinite_resistances_pass_through(comm):
         assert np.isfinite(given[1])
 
 
+@pytest.mark.ranks
 def test_equal_iterates_are_harmless(comm):
     iterates = iterate(comm, lambda x: x, np.array([1.0, 2.0]), 4)
     assert iterates[-1] == pytest.approx([1.0, 2.0])
 
 
+@pytest.mark.ranks
 def test_factor_is_one_for_all_ranks(comm):
     """Each rank holds other pairs: the product runs over all, so the iterates are those of one."""
     rng = np.random.default_rng(1)

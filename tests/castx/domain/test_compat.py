@@ -50,6 +50,7 @@ def row(request, comm):
     return compat.create_linear_mesh(comm, points, cells, request.param, partitioner)
 
 
+@pytest.mark.ranks
 def test_cells_go_where_they_are_sent(row, comm):
     per_rank = 2 if row.topology.cell_name() == "quadrilateral" else 4
     assert row.topology.index_map(2).size_local == per_rank
@@ -117,6 +118,7 @@ def test_other_versions_are_warned_of_with_those_that_are_tested(version):
     assert "0.9 to 0.11" in warning
 
 
+@pytest.mark.ranks
 def test_an_untested_version_is_warned_of_once(comm, monkeypatch, caplog):
     monkeypatch.setattr(compat.dolfinx, "__version__", "0.99.0")
     compat._warn_of_untested_version.cache_clear()

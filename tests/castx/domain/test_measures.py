@@ -71,6 +71,7 @@ def test_measures_of_cells_and_surfaces(model, cells, comm):
         assert comm.allreduce(area) == pytest.approx(MANTLE[model], rel=1e-12)
 
 
+@pytest.mark.ranks
 @models
 @both
 def test_volumes_of_the_nodes_add_up(model, cells, comm):
@@ -107,6 +108,7 @@ def test_unknown_surfaces_are_refused(comm):
             measured(body, "plane-strain", "side")
 
 
+@pytest.mark.ranks
 def test_a_nodal_sum_counts_every_rank_that_has_the_node(comm):
     body, _ = casting(comm, "plane-strain")
     sums = nodal_sum(body, np.ones(len(body.points)))
@@ -115,6 +117,7 @@ def test_a_nodal_sum_counts_every_rank_that_has_the_node(comm):
     np.testing.assert_array_equal(sums, counts[body.original_nodes])
 
 
+@pytest.mark.ranks
 @both
 def test_nodal_means_are_those_of_the_cells_of_all_ranks(cells, comm):
     body, _ = casting(comm, "plane-strain", cells)
@@ -128,6 +131,7 @@ def test_nodal_means_are_those_of_the_cells_of_all_ranks(cells, comm):
     np.testing.assert_allclose(nodal_mean(body, values), expected, rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.ranks
 def test_boxes_enclose_the_points_of_all_ranks(comm):
     points = np.array([[comm.rank, -2.0 * comm.rank]])
     if comm.rank == 1:

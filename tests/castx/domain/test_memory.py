@@ -48,6 +48,7 @@ def test_what_is_free_decides(comm, monkeypatch):
         refuse_too_large(described, NAMES, comm, solved=False)
 
 
+@pytest.mark.ranks
 def test_a_file_is_judged_by_its_length(comm, shared_tmp_path, monkeypatch):
     path = shared_tmp_path / "part.msh"
     if comm.rank == 0:
@@ -65,6 +66,7 @@ def test_the_computer_tells_what_is_free():
     assert 1e7 < available_memory() < 1e14
 
 
+@pytest.mark.ranks
 def test_a_run_is_refused_soon(comm, shared_tmp_path, capsys):
     """Some 10⁸ tetrahedra: hundreds of gigabytes."""
     path = shared_tmp_path / "case.toml"

@@ -255,6 +255,7 @@ def test_the_same_mesh_is_made_every_time(quarter, comm):
         assert np.array_equal(body.parent_vertices, other.parent_vertices)
 
 
+@pytest.mark.ranks
 def test_every_body_is_spread_over_the_ranks(quarter, comm):
     for body in quarter.bodies.values():
         cells = body.mesh.topology.index_map(3).size_local
@@ -262,6 +263,7 @@ def test_every_body_is_spread_over_the_ranks(quarter, comm):
         assert largest < 1.25 * comm.allreduce(cells) / comm.size
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells, count, pairs", [("simplices", 4, 3), ("quadrilaterals", 1, 2)])
 def test_a_rank_may_hold_nothing_of_a_body(cells, count, pairs, comm):
     description = {"generator": "two_slabs", "model": "plane-strain", "size": 1.0}
@@ -293,6 +295,7 @@ def test_a_mesh_survives_its_file(cells, comm, shared_tmp_path):
     assert [i.nodes for i in written.interfaces] == [i.nodes for i in read.interfaces]
 
 
+@pytest.mark.ranks
 def test_bodies_come_in_the_order_of_the_case(comm):
     geometry = Geometry.model_validate(CYLINDER | {"model": "axisymmetric", "size": 0.01})
     mesh = build_mesh(geometry, ["mould", "casting"], comm)
@@ -308,6 +311,7 @@ def test_unknown_surface_names_the_nearest(quarter):
         body.surface_nodes("outsid")
 
 
+@pytest.mark.ranks
 def test_a_generator_that_fails_is_reported_on_all_ranks(comm):
     geometry = Geometry.model_construct(
         generator="slab", model="3d", file=None, arguments={"length": 1.0, "width": 1.0, "size": 1}

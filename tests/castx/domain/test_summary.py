@@ -23,6 +23,7 @@ def cylinder(comm, model="3d", **arguments):
     )  # fmt: skip
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_extent_and_interfaces(cells, comm):
     summary = mesh_summary(cylinder(comm, cells=cells))
@@ -36,6 +37,7 @@ def test_extent_and_interfaces(cells, comm):
     assert interface.area == pytest.approx(alone.area, rel=1e-12)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_sizes_of_an_axisymmetric_body_are_those_of_the_full_turn(cells, comm):
     casting, mould = mesh_summary(cylinder(comm, "axisymmetric", cells=cells)).bodies
@@ -58,6 +60,7 @@ def draw_square() -> None:
     gmsh.model.mesh.generate(2)
 
 
+@pytest.mark.ranks
 def test_faces_without_a_name_are_counted(comm, shared_tmp_path):
     mesh = drawn(comm, "plane-strain", ["plate"], shared_tmp_path / "plate.msh", draw_square)
     summary = mesh_summary(mesh)

@@ -60,6 +60,7 @@ def test_normals_are_unit_vectors_out_of_the_body(mesh):
     np.testing.assert_allclose(facets.normals[order], -back.normals[other], atol=1e-12)
 
 
+@pytest.mark.ranks
 def test_normals_of_facets_along_an_axis_do_not_lean(comm):
     """By no rounding either: restarts go on with the same bits."""
     mesh = cylinder_mesh(comm, "axisymmetric", 3e-3)
@@ -68,6 +69,7 @@ def test_normals_of_facets_along_an_axis_do_not_lean(comm):
         assert (np.count_nonzero(vectors, axis=1) == 1).all()
 
 
+@pytest.mark.ranks
 def test_all_ranks_have_all_facets_once(mesh, comm):
     facets = surface_facets(mesh, mesh.bodies["casting"], "mould")
     assert facets.kind.corners == facets.nodes.shape[1]

@@ -101,6 +101,7 @@ def test_an_early_stop_leaves_a_state_to_go_on_from(comm, form):
     assert following.residuals[-1] < before
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("form", ["bodies", "interface"])
 def test_a_block_without_an_equilibrium_leaves_the_start_to_all_together(comm, form, monkeypatch):
     """Bodies beside others at rest may have none; the solution of the penalty method is found."""
@@ -123,6 +124,7 @@ def test_a_block_without_an_equilibrium_leaves_the_start_to_all_together(comm, f
     np.testing.assert_allclose(pressures(comm, made), p, atol=1e-6 * p.max())
 
 
+@pytest.mark.ranks
 def test_each_block_ends_quadratically(comm):
     """Within a block Newton's method is exact for elastic bodies once its pairs are known."""
     _, report = pressed(comm, penalty=1e12, tolerance=1e-8, block_iterations=3)

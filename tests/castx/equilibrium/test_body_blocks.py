@@ -80,6 +80,7 @@ def test_tied_bodies_are_solved_for_together(comm, mesh, monkeypatch):
     assert alone > 3 * iterations
 
 
+@pytest.mark.ranks
 def test_bodies_of_one_kind_of_unknowns_are_solved_for_together(comm, mesh, monkeypatch):
     """And those of a body with pressures by itself, although it is tied to the others."""
     given, made = [], building.body_blocks

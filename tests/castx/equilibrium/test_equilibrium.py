@@ -43,6 +43,7 @@ def test_a_block_tilts_and_opens_at_one_side(comm, method):
     assert 0 < np.count_nonzero(forces) < len(forces)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("second", AT_ONCE)
 def test_a_method_starts_from_the_solution_of_another(comm, second):
     first, other = two_blocks(comm), two_blocks(comm, second, solved=False)

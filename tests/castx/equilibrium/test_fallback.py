@@ -74,6 +74,7 @@ def test_the_next_method_takes_over_for_one_step(comm, monkeypatch, first, secon
     np.testing.assert_allclose(pressures(comm, made), p, atol=1e-9 * p.max())
 
 
+@pytest.mark.ranks
 def test_a_step_fails_when_all_methods_do(comm, monkeypatch):
     made = tilted(comm, "condensed", ("penalty",))
     made.equilibrium.solve(0.0)

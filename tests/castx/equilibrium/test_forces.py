@@ -15,6 +15,7 @@ from tests.small_contact import SOFT, STIFF, two_blocks, waves
 pytestmark = pytest.mark.sampled
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", TWO_BODIES)
 def test_jacobian_against_differences_of_the_residual(comm, method):
     """OSGS, held rows, closed pairs, springs and multipliers included."""
@@ -59,6 +60,7 @@ def test_rows_of_constrained_unknowns_are_their_distances(comm, method):
     assert np.all(balance.operator.constrained[local])
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_frozen_unknowns_have_no_residual(comm, method):
     made = two_blocks(comm, method)

@@ -79,6 +79,7 @@ def test_springs_and_held_unknowns_are_eliminated_exactly(comm, method):
     )
 
 
+@pytest.mark.ranks
 def test_only_a_set_up_that_failed_or_fell_behind_is_done_anew(comm):
     equilibrium = floating_block(comm).equilibrium
     preconditioner = equilibrium._procedure._preconditioner.chosen
@@ -151,6 +152,7 @@ def hot_cup(comm, method: str, linear: str, formulation: str) -> MechanicalProbl
     return made
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("formulation", ["mixed", "displacement"])
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_direct_and_iterative_solvers_agree(comm, method, formulation):
@@ -200,6 +202,7 @@ class Inner:
         self.said.append(f"{self.name} ends")
 
 
+@pytest.mark.ranks
 def test_another_solver_takes_over_where_one_is_slow_with_a_set_up_of_its_own(comm):
     """Not where a set-up has grown old, and not behind the last one."""
     made, said = floating_block(comm), []

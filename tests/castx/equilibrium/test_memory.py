@@ -16,6 +16,7 @@ def arrays_of(made):
     return {name: saved.values for name, saved in made.memory.saved().items()}
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_a_restored_problem_has_the_same_state(comm, method):
     made = two_blocks(comm, method)
@@ -35,6 +36,7 @@ def test_a_restored_problem_has_the_same_state(comm, method):
         np.testing.assert_allclose(after, before, atol=1e-9 * np.abs(before).max(initial=1e-9))
 
 
+@pytest.mark.ranks
 def test_names_of_the_arrays(comm):
     """They stand in checkpoints: other names would make old ones useless."""
     found = two_blocks(comm, "multipliers").memory.saved()
@@ -44,6 +46,7 @@ def test_names_of_the_arrays(comm):
     assert {"time", "motion/upper", "motion/base", "anchor/upper", "anchor/base"} <= set(found)
 
 
+@pytest.mark.ranks
 def test_a_new_stage_puts_springs_where_bodies_are(comm):
     made = two_blocks(comm)
     made.equilibrium.commit()

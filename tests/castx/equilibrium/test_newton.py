@@ -45,6 +45,7 @@ def test_a_failure_says_where_the_residual_is_largest(comm):
         made.equilibrium.solve(0.0)
 
 
+@pytest.mark.ranks
 @pytest.mark.sampled
 @pytest.mark.parametrize("method", ["condensed", "multipliers"])
 def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(comm, method):
@@ -77,6 +78,7 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
     assert gap == pytest.approx(3.266e-6, rel=1e-3)
 
 
+@pytest.mark.ranks
 @pytest.mark.sampled
 @pytest.mark.parametrize("method", ["condensed", "multipliers"])
 def test_a_skin_leaves_the_wall_while_it_comes_into_balance(comm, method):

@@ -26,6 +26,7 @@ def pushed_down(made, by):
     return x
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_a_solution_keeps_its_pairs(comm, method):
     made = two_blocks(comm, method)
@@ -82,6 +83,7 @@ def test_a_linear_system_foretells_the_forces_at_the_end_of_a_step(comm, method)
     )
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("contact", [{"friction": 0.3}, {"method": "penalty"}], ids=str)
 def test_friction_and_soft_pairs_open_by_forces_of_their_own(comm, contact):
     made = two_blocks(comm, **contact)

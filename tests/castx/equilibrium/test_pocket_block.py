@@ -14,6 +14,7 @@ from tests.small_contact import SOFT, STIFF, waves
 pytestmark = pytest.mark.sampled
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 @pytest.mark.parametrize("molten", ["all", "foot"])
 def test_jacobian_where_a_full_pocket_lies_at_the_interface(comm, method, molten):

@@ -56,6 +56,7 @@ def folder_of(tmp_path, model="3d", cells="simplices", law="thermo-elasto-viscop
     return run(tmp_path / "bar.toml", output=tmp_path / "out")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("model", "cells"),
     [("3d", "simplices"), ("3d", "quadrilaterals"), ("plane-strain", "simplices")],

@@ -47,6 +47,7 @@ def test_the_residuals_add_up_to_stored_minus_received_heat(comm):
     assert own == pytest.approx(part - source - dissipation - flows[6] + through, rel=1e-9)
 
 
+@pytest.mark.ranks
 def test_sums_are_those_of_the_absolute_values(comm):
     balance, x = begun(cylinder(comm, size=8e-3))
     balance.residual.array[:] = residual_at(balance, x)
@@ -75,6 +76,7 @@ def test_joined_nodes_solve_the_sum_of_their_balances(comm):
     assert len(fed) == 0 and len(through) == 1
 
 
+@pytest.mark.ranks
 def test_prescribed_nodes_have_their_temperature_and_no_residual(comm):
     conditions = [surface_heat("mould/outside", "temperature", value=[[0.0, 80.0], [4.0, 120.0]]),
                   surface_heat("mould/top", "temperature", value=300.0)]  # fmt: skip

@@ -52,6 +52,7 @@ def test_conduction_and_volumes_are_those_of_linear_triangles(comm):
     np.testing.assert_allclose(body.conducted_heat(), matrix @ theta, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.ranks
 def test_slope_of_the_conducted_heat_by_differences(comm):
     body = slab(comm)
     T = 565.0 + 900.0 * body.mesh.points[: body.owned, 0]
@@ -70,6 +71,7 @@ def test_slope_of_the_conducted_heat_by_differences(comm):
     np.testing.assert_allclose(slope @ columns, rise, rtol=1e-5, atol=1e-4)
 
 
+@pytest.mark.ranks
 def test_states_stored_heat_and_source(comm):
     body = slab(comm)
     volume = comm.allreduce(body.volumes.sum())

@@ -83,6 +83,7 @@ def coefficients(mesh, found) -> tuple[np.ndarray, np.ndarray]:
     return found.pairs.points[:, 1], found.law(state, faces).coefficient.value
 
 
+@pytest.mark.ranks
 def test_faces_between_bodies_keep_the_name_of_the_mesh(mesh):
     assert list(mesh.marked) == ["coated"]  # far is an outer surface
     assert mesh.marked["coated"][:, 1].min() == 0.5
@@ -92,6 +93,7 @@ def test_faces_between_bodies_keep_the_name_of_the_mesh(mesh):
     assert found.radiation == pytest.approx(1 / 3)
 
 
+@pytest.mark.ranks
 def test_name_and_bounds_together_and_the_first_patch_counts(mesh):
     bare = {"law": "constant", "closed": 50.0, "radiation": {"emissivities": [1, 1]}}
     found = exchange(
@@ -118,6 +120,7 @@ def test_refused(mesh, patch, text):
         exchange(mesh, {**patch, "closed": 5.0})
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", gap_heat_laws())
 def test_a_run_under_every_law_keeps_the_heat_on_any_number_of_ranks(comm, name):
     """With the keys a law needs and radiation where it may have it; none and perfect too."""
@@ -175,6 +178,7 @@ def test_accounts_of_a_run_are_those_of_its_stages_each_once():
     assert len(alone.entries) == len(accounts.entries) - 1
 
 
+@pytest.mark.ranks
 def test_initial_temperatures_of_the_owned_nodes(comm):
     mesh = cylinder(comm, size=8e-3)
     along = {"along": "z", "table": [[0.0, 100.0], [0.06, 160.0]]}

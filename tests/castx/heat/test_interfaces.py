@@ -127,6 +127,7 @@ def test_parts_of_an_interface_have_their_own_laws(comm):
     assert found[upper] == pytest.approx(closed)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
 def test_linear_solvers_agree_where_a_whole_body_acts_on_every_pair(comm, linear):
     mesh = cylinder(comm)
@@ -137,6 +138,7 @@ def test_linear_solvers_agree_where_a_whole_body_acts_on_every_pair(comm, linear
     assert heats[0] == pytest.approx(heats[1], rel=1e-7)
 
 
+@pytest.mark.ranks
 def test_mean_solid_fraction_and_its_derivative(comm):
     """Against the sum over all nodes, and differences of it along one direction."""
     balance = balance_under_law(cylinder(comm, size=8e-3), SOLID)

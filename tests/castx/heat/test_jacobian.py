@@ -55,6 +55,7 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, name):
     assert_derivative(balance, columns=int(name == "solid-fraction"))
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("kind", ["perfect", "none"])
 def test_prescribed_and_joined_nodes_have_their_derivatives(comm, kind):
     chilled = surface_heat("mould/outside", "temperature", value=90.0)
@@ -64,6 +65,7 @@ def test_prescribed_and_joined_nodes_have_their_derivatives(comm, kind):
     assert comm.allreduce(len(balance.unknowns.fixed)) > 0
 
 
+@pytest.mark.ranks
 def test_rows_without_a_balance_are_diagonal(comm):
     """Fixed unknowns have one entry of the size of a storage term, and keep the pattern."""
     chilled = surface_heat("mould/outside", "temperature", value=90.0)

@@ -47,6 +47,7 @@ def test_newton_stays_fast_at_large_steps(comm, name):
     assert heat.totals()["energy_error"] < 1e-9
 
 
+@pytest.mark.ranks
 def test_without_the_columns_the_solid_fraction_slows_newton(comm, monkeypatch):
     """What the correction of the step is for."""
     mesh = cylinder(comm)
@@ -56,6 +57,7 @@ def test_without_the_columns_the_solid_fraction_slows_newton(comm, monkeypatch):
     assert advanced(plain, mesh, [20.0]).iterations > full + 2
 
 
+@pytest.mark.ranks
 def test_full_newton_steps_alone_can_run_in_a_cycle(comm, monkeypatch):
     """A melt in contact with sand at α Δt/h² = 4200: see `castx.heat.newton`."""
     sizes = {"length": 0.02, "mould_length": 0.02, "width": 5e-4, "size": 5e-4}

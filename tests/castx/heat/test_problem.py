@@ -253,6 +253,7 @@ def test_equilibrium_stays_without_iterations(comm):
     assert largest(comm, state(heat, mesh) - 137.3) < 1e-9
 
 
+@pytest.mark.ranks
 def test_long_run_ends_at_the_temperature_of_the_surroundings(comm):
     mesh = cylinder(comm)
     heat = problem(mesh)
@@ -283,6 +284,7 @@ def test_linear_solvers_agree(comm, linear):
     assert heat.totals()["energy_error"] < 1e-9
 
 
+@pytest.mark.ranks
 def test_petsc_options_override_the_defaults(comm):
     mesh = cylinder(comm)
     heat = problem(mesh, options={"ksp_type": "bcgs", "pc_type": "bjacobi"})
@@ -348,6 +350,7 @@ def test_other_units_take_the_same_iterations(comm):
     assert largest(comm, runs[1.0][2] - runs[1e3][2]) < 1e-7
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("kind", ["law", "perfect"])
 def test_results_do_not_depend_on_the_number_of_ranks(comm, kind, cells):

@@ -15,6 +15,7 @@ pytestmark = pytest.mark.serial
 ALLOYS = [name for name in database_names() if find_material(name, {}).melts]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ALLOYS)
 def test_a_ring_of_the_alloy_freezes_and_bears_its_stress_of_flow(comm, name) -> None:
     material = find_material(name, {})

@@ -151,6 +151,7 @@ def test_force_scales_are_the_larger_of_internal_forces_and_loads(comm, bodies):
     made.destroy()
 
 
+@pytest.mark.ranks
 def test_a_failure_on_one_rank_is_raised_on_all(comm, bodies, monkeypatch):
     def fail():
         raise ConvergenceError("no stress at a point")
@@ -243,6 +244,7 @@ def test_a_residual_is_that_of_the_present_state(comm, bodies, change):
     made.destroy()
 
 
+@pytest.mark.ranks
 def test_a_linear_body_is_assembled_once_for_each_state_of_its_material(comm, bodies, monkeypatch):
     made, _ = assembled(comm, bodies)
     made.residual()

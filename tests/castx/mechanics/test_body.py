@@ -133,6 +133,7 @@ def size_of_forces(part) -> float:
     return part.mesh.mesh.comm.allreduce(part.force_scale()[0]) ** 0.5
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_the_size_of_forces_is_that_of_the_stress_in_any_axes(comm, model):
     """Stretched along an axis and pressed along another is sheared at 45°."""
@@ -145,6 +146,7 @@ def test_the_size_of_forces_is_that_of_the_stress_in_any_axes(comm, model):
     assert stretched > 0.0
 
 
+@pytest.mark.ranks
 def test_free_expansion_counts_little_beside_the_stress_it_would_be(comm):
     """By 1e-4 of 2 G tr(e): round-off of it is no force, and a stress of 1e-3 outweighs it."""
     part = alone(comm, "3d", formulation="displacement")

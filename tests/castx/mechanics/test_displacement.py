@@ -34,6 +34,7 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, model, cells):
     check_derivative(comm, part, 1.0)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("model", ["plane-strain", "plane-stress", "3d"])
 def test_uniform_strain_has_hookes_stress(comm, model, cells):

@@ -46,6 +46,7 @@ def test_a_condition_on_a_symmetry_plane_takes_its_place(comm):
     assert names == ["upper/symmetry-y normal", "upper/symmetry-x z"]
 
 
+@pytest.mark.ranks
 def test_axis_has_no_radial_motion(comm):
     mesh = blocks(comm, "axisymmetric", symmetry=True)
     found = fixed_directions(mesh.bodies["base"], "axisymmetric", [fixed("bottom", "z")])
@@ -56,6 +57,7 @@ def test_axis_has_no_radial_motion(comm):
     np.testing.assert_array_equal(directions, [[1.0, 0.0]] * 5)
 
 
+@pytest.mark.ranks
 def test_refuses_a_direction_that_the_model_lacks(comm):
     body = blocks(comm, "axisymmetric").bodies["base"]
     with pytest.raises(CaseError, match=r"'y' on base/bottom: the model .* r, z, normal"):

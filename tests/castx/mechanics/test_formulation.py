@@ -15,6 +15,7 @@ from tests.castx.mechanics.lone_bodies import LENGTH, WIDTH, slab
 SHEAR = 26e9
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("with_pressure", [False, True])
 @pytest.mark.parametrize("model", ["plane-strain", "generalised-plane-strain", "3d"])
 def test_unknowns_of_a_node(comm, model, with_pressure):
@@ -53,6 +54,7 @@ def test_fields_are_read_from_the_unknowns(comm):
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-18)
 
 
+@pytest.mark.ranks
 def test_forms_of_a_spring_bed_are_assembled(comm):
     """∫ k u·η - ∫ b·η: residual and Jacobian agree, and the load acts once it is updated."""
     made = BodyUnknowns(slab(comm), "plane-strain", False, SHEAR)

@@ -51,6 +51,7 @@ def test_jacobian_of_a_body_that_melts(comm, stabilisation, fraction):
     check_derivative(comm, part, 1.0)
 
 
+@pytest.mark.ranks
 @stabilised
 @pytest.mark.parametrize("ends", [False, True], ids=["all", "ends"])
 @pytest.mark.parametrize("model", ["plane-strain", "generalised-plane-strain", "axisymmetric"])
@@ -65,6 +66,7 @@ def test_jacobian_of_trapped_liquid(comm, model, ends, stabilisation):
     check_derivative(comm, part, 1.0)
 
 
+@pytest.mark.ranks
 @stabilised
 def test_jacobian_of_porous_liquid(comm, stabilisation):
     """Its pressure stays, whatever its volume is."""

@@ -83,6 +83,7 @@ def test_symmetry_planes_have_no_normal_component(comm):
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
 def test_what_gls_takes_from_a_linear_pressure_comes_back(comm, model):
     """Π = ∇p wherever p is linear, however τ jumps: nothing is left of the stabilisation."""
@@ -101,6 +102,7 @@ def test_what_gls_takes_from_a_linear_pressure_comes_back(comm, model):
     assert scale > 0
 
 
+@pytest.mark.ranks
 def test_without_weight_nothing_is_projected(comm):
     """Inside trapped liquid τ is zero at all cells of a node."""
     body = slab(comm)

@@ -121,6 +121,7 @@ def test_pressure_of_an_incompressible_cell_grows_until_its_volume_is_right(comm
     np.testing.assert_allclose(cells.mean.pressure, 4e-6 / least, rtol=1e-12)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("compressibility", [1e-11, 0.0])
 def test_trapped_cells_have_the_pressures_that_are_given_last(comm, compressibility):
     """Whatever their volumes are; they have no multiplier, and the others keep theirs."""
@@ -138,6 +139,7 @@ def test_trapped_cells_have_the_pressures_that_are_given_last(comm, compressibil
     assert not cells.mean.iterates
 
 
+@pytest.mark.ranks
 def test_tangent_is_the_derivative_of_the_forces_where_pressures_are_given_too(comm):
     """Under a uniform strain all cells dilate equally; those whose pressure is given stay put."""
     cells = Cells(comm)
@@ -162,6 +164,7 @@ def test_tangent_is_the_derivative_of_the_forces_where_pressures_are_given_too(c
         item.destroy()
 
 
+@pytest.mark.ranks
 def test_work_of_the_pressures_is_that_on_the_change_of_volume(comm):
     """For u = A x and one pressure p the work is p tr(A) V."""
     cells = Cells(comm)

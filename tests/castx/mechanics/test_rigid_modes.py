@@ -63,6 +63,7 @@ def test_rigid_motions_are_in_the_null_space_of_the_jacobian(comm, model, formul
     assert np.linalg.cond(gram / np.sqrt(np.outer(gram.diagonal(), gram.diagonal()))) < 10
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("formulation", ["mixed", "displacement"])
 @pytest.mark.parametrize("model", MODELS)
 def test_multigrid_gets_radial_translation_and_pressure_too(comm, model, formulation):
@@ -77,6 +78,7 @@ def test_multigrid_gets_radial_translation_and_pressure_too(comm, model, formula
         np.testing.assert_array_equal(mode, np.eye(part.block_size)[[component] * len(mode)])
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_bodies_that_move_together_turn_about_one_middle(comm, model):
     """In a box twice as large as the body its corner turns about a point outside."""

@@ -89,6 +89,7 @@ def test_the_pressure_of_a_pocket_begins_where_it_closed(casting) -> None:
         assert pockets.mean_pressure == pytest.approx(-5e4, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_a_pocket_that_has_not_moved_keeps_its_pressure(casting) -> None:
     """From step to step, however its liquid has been spread over its cells."""
     core, cells = core_of(casting), len(casting.nodes.dofmap.list)
@@ -105,6 +106,7 @@ def test_a_pocket_that_has_not_moved_keeps_its_pressure(casting) -> None:
     assert cells > len(found[0])
 
 
+@pytest.mark.ranks
 def test_a_pocket_that_is_closed_from_the_start_carries_its_weight(casting) -> None:
     """Liquid that fills a closed box is at rest, with the pressure of its depth."""
     everywhere = np.ones(len(casting.nodes.dofmap.list), dtype=bool)

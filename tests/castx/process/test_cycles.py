@@ -23,6 +23,7 @@ def after_cycle(ends, mesh, **values) -> float | None:
     return ends.change()
 
 
+@pytest.mark.ranks
 def test_the_largest_change_of_a_node_on_any_rank_counts(comm):
     mesh = cylinder_mesh(comm)
     ends = CycleEnds(mesh, ["casting", "mould"])
@@ -33,6 +34,7 @@ def test_the_largest_change_of_a_node_on_any_rank_counts(comm):
     assert after_cycle(ends, mesh, **later) == pytest.approx(100.0 * 0.04, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_a_body_that_has_left_counts_with_its_last_temperature(comm):
     mesh = cylinder_mesh(comm)
     ends = CycleEnds(mesh, ["mould"])
@@ -42,6 +44,7 @@ def test_a_body_that_has_left_counts_with_its_last_temperature(comm):
         assert ends.change() == expected
 
 
+@pytest.mark.ranks
 def test_ends_of_cycles_are_saved(comm):
     mesh = cylinder_mesh(comm)
     ends, other = (CycleEnds(mesh, ["mould"]) for _ in range(2))

@@ -24,6 +24,7 @@ def problem(comm):
     )
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     "body, megapascals", [("casting", 3.0), ("core", 6.0), ("mould", 5.0), ("lid", 0.0)]
 )
@@ -32,6 +33,7 @@ def test_all_pairs_of_a_body_on_all_ranks_press(comm, body, megapascals):
     assert normal_force(problem(comm), body) == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.ranks
 def test_each_body_has_its_own_friction(comm):
     found = ejection_forces(problem(comm), {"core": 0.2, "mould": 0.5})
     assert list(found) == ["core", "mould"]

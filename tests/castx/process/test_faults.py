@@ -54,6 +54,7 @@ castx.command.cli.main()
 """
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "ranks, place, fault, text",
     [

@@ -20,6 +20,7 @@ def resident_megabytes() -> float:
     return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE / 1e6
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("method", "linear"),
     [("condensed", "direct"), ("condensed", "iterative"), ("multipliers", "iterative")],

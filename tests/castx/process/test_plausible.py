@@ -16,6 +16,7 @@ def refuse(comm, **changes):
     refuse_absurd_displacements(case, cylinder_mesh(comm))
 
 
+@pytest.mark.ranks
 def test_the_size_is_the_largest_extent_on_all_ranks(comm):
     mesh = cylinder_mesh(comm)
     points = [comm.allgather(body.points) for body in mesh.bodies.values()]
@@ -43,6 +44,7 @@ def test_a_displacement_larger_than_the_body_is_refused(comm, value):
         refuse(comm, boundaries=lifted(value))
 
 
+@pytest.mark.ranks
 def test_an_interference_larger_than_a_body_is_refused(comm):
     with pytest.raises(CaseError, match=r"initial_gap: an interference: 0\.5 m, and 'casting'"):
         refuse(comm, interfaces__0__contact={"initial_gap": "-0.5 m"})

@@ -193,6 +193,7 @@ def test_steps_land_on_output_times(comm):
         assert min(abs(np.array(times) - output)) < 1e-9
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "cause", [{"coupling": {"passes": 2}}, {"solver": {"heat": {"snes_max_it": 2}}}]
 )

@@ -51,6 +51,7 @@ def thermal(*stages, **changes) -> dict:
     return short(*stages, coupling={"scheme": "thermal"}, **changes)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "method",
     ["condensed", *(pytest.param(m, marks=pytest.mark.serial) for m in AT_ONCE[1:])],
@@ -99,6 +100,7 @@ def test_a_stage_that_changes_nothing_changes_nothing(comm):
         assert staged.totals[name] == pytest.approx(plain.totals[name], rel=1e-9), name
 
 
+@pytest.mark.sampled
 @pytest.mark.serial
 @pytest.mark.parametrize("coefficient", [100.0, 3000.0])
 def test_a_spray_cools_as_convection_does(comm, coefficient):
@@ -165,6 +167,7 @@ def test_what_is_renewed_begins_again(comm):
     )
 
 
+@pytest.mark.ranks
 def test_a_new_casting_fits_into_the_mould_as_it_is(comm):
     """The mould keeps temperature and displacement; the gaps of the new casting begin at zero."""
     data = cycling({"at": 3.0, "remove": ["casting"]}, {**CYCLES, "repeat": 2})
@@ -185,6 +188,7 @@ def test_a_new_casting_fits_into_the_mould_as_it_is(comm):
     assert nodal(state, "casting", "temperature").min() > 600.0
 
 
+@pytest.mark.ranks
 def test_a_mould_that_comes_back_is_as_it_left(comm):
     for state in states(comm, cycling(OPENING, {**CYCLES, "repeat": 2})):
         if state.time == 3.0:
@@ -250,6 +254,7 @@ LAWS = {
 ON_ALL_RANKS = ("away", "freezing")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "name",
     [n if n in ON_ALL_RANKS else pytest.param(n, marks=pytest.mark.serial) for n in LAWS],

@@ -51,6 +51,7 @@ def test_fields_fit_each_other(run):
     assert pytest.approx(2700.0 * 1080.0 * T[cold], rel=1e-9) == H
 
 
+@pytest.mark.ranks
 def test_pressure_of_a_displacement_body_is_the_mean_stress(run):
     stress = run.cellwise("core", "stress")[:, :3].mean(axis=1)
     pressure = run.nodal("core", "pressure")
@@ -71,6 +72,7 @@ def test_paired_fields(run):
     assert run.paired(INTERFACE, "heat_transfer_coefficient") == pytest.approx(h, rel=1e-9)
 
 
+@pytest.mark.ranks
 def test_totals_are_sums_over_all_ranks(run):
     comm, totals, pairs = run.mesh.comm, run.totals, run.pairs[INTERFACE]
     for body in run.mesh.bodies:
@@ -106,6 +108,7 @@ def test_unknown_names_are_refused(run):
         run.paired(INTERFACE, "colour")
 
 
+@pytest.mark.ranks
 def test_mechanics_is_missing_in_thermal_runs(comm):
     data = merged(cylinder(SHORT), {"coupling": {"scheme": "thermal"}})
     state = final_state(comm, data)

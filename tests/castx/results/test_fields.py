@@ -66,6 +66,7 @@ def test_pyvista_reads_every_owned_cell_once(comm, shared_tmp_path, model, cells
     assert size == pytest.approx(exact, rel=0.05)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 @pytest.mark.parametrize("model", ["axisymmetric", "3d"])
 def test_pieces_of_all_ranks_share_their_points(comm, shared_tmp_path, model, cells):
@@ -172,6 +173,7 @@ def test_the_collection_is_whole_after_every_output(comm, shared_tmp_path):
         comm.Barrier()
 
 
+@pytest.mark.ranks
 def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
     """Later pieces go; a body may have had pieces of other ranks."""
     mesh = write(comm, shared_tmp_path, [0.0, 1.0, 2.0, 3.0], 1.0)

@@ -117,6 +117,7 @@ def test_the_ratio_of_clyne_and_davies(comm, usual):
     agree(comm, x, fields.nodal("casting", "clyne_davies"), exact, 2e-2)
 
 
+@pytest.mark.ranks
 def test_a_body_without_data_has_none(comm):
     mesh = slab_mesh(comm, 1e-3, 3e-3)
     fields = FoundryFields(Solidification(mesh, {"casting": Curve()}), {})
@@ -222,6 +223,7 @@ def test_the_last_state_of_a_stage_knows_nothing_of_what_passes_later(comm, shar
     assert next_step.any() and np.isnan(first[next_step]).all()
 
 
+@pytest.mark.ranks
 def test_the_speed_of_the_front_is_found_once_for_all_that_ask_for_it(comm, monkeypatch):
     calls = []
     found = Steepness.at_nodes

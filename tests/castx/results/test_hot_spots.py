@@ -106,6 +106,7 @@ def test_a_renewed_body_begins_again(mesh):
     assert spot.pool.number == 1 and spot.pool.isolation.time == 1.0
 
 
+@pytest.mark.ranks
 def test_the_table_lists_them_by_rank(mesh):
     def two(x):
         return np.minimum(ball(x, 0.006, 0.008), ball(x, 0.009, 0.028))

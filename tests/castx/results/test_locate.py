@@ -50,6 +50,7 @@ def test_a_point_inside_is_its_own_place(comm, cells, point):
     assert value_at(comm, body, place) == pytest.approx(linear(np.array(point)), abs=1e-10)
 
 
+@pytest.mark.ranks
 def test_a_point_outside_has_the_nearest_place_on_the_surface(comm):
     body = cylinder_mesh(comm).bodies["casting"]
     place = place_in_body(body, (0.023, 0.0131))
@@ -57,6 +58,7 @@ def test_a_point_outside_has_the_nearest_place_on_the_surface(comm):
     assert value_at(comm, body, place) == pytest.approx(linear(np.array([0.02, 0.0131])), abs=1e-9)
 
 
+@pytest.mark.ranks
 def test_a_place_on_a_surface_is_on_that_surface(comm):
     """The axis is nearer to the point than the wall, but not part of the surface."""
     body = cylinder_mesh(comm).bodies["casting"]

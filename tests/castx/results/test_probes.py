@@ -32,6 +32,7 @@ def record(comm, folder, probes, steps=1, model="axisymmetric", cells="simplices
     return read_series(folder / "probes.csv")
 
 
+@pytest.mark.ranks
 def test_linear_fields_are_exact_at_any_point(comm, shared_tmp_path):
     point = (0.0071, 0.0133)
     probe = fake_probe("p", point, "temperature", "displacement", body="casting")
@@ -128,6 +129,7 @@ def test_interface_quantities_are_interpolated_on_the_facet(comm, shared_tmp_pat
     assert series["g.contact_pressure"] == pytest.approx([1e6 * 0.01311], rel=1e-10)
 
 
+@pytest.mark.ranks
 def test_a_point_off_the_interface_is_refused(comm, shared_tmp_path):
     probe = fake_probe("g", (0.0, 0.02), "gap", interface="casting/mould")
     with pytest.raises(CaseError, match="outside interface 'casting/mould'"):
@@ -164,6 +166,7 @@ def test_a_probe_is_as_deep_below_its_surface_as_the_case_says(comm, shared_tmp_
     assert series["t.temperature"] == exact(0.0071, 0.037)
 
 
+@pytest.mark.ranks
 def test_depth_goes_along_the_normal_of_a_round_surface(comm, shared_tmp_path):
     """From a node of the interface too, where facets meet: the mean of their normals is radial."""
     mesh = cylinder_mesh(comm, "3d", cells="quadrilaterals")

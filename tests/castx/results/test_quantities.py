@@ -28,6 +28,7 @@ def test_parts_of_vectors_and_tensors_follow_the_model(quantity, model, expected
     assert parts(quantity, model) == expected
 
 
+@pytest.mark.ranks
 def test_pairs_show_on_their_nodes_and_nothing_shows_elsewhere(comm):
     """Ghosts have the values of their owners."""
     mesh = cylinder_mesh(comm)

@@ -75,6 +75,7 @@ def test_fields_come_back_at_their_points(comm, shared_tmp_path, model):
     np.testing.assert_allclose(stress.values, FORMULAS["stress"](centres))
 
 
+@pytest.mark.ranks
 def test_pieces_of_all_ranks_are_one_body(comm, results):
     mesh = cylinder_mesh(comm, "axisymmetric", 5e-3)
     for name, body in mesh.bodies.items():
@@ -83,6 +84,7 @@ def test_pieces_of_all_ranks_are_one_body(comm, results):
         assert grid.n_cells == body.mesh.topology.index_map(2).size_global
 
 
+@pytest.mark.ranks
 def test_an_interface_has_the_nodes_that_touch(results):
     found = results.interface("casting/mould")
     np.testing.assert_allclose(found.points[:, 0], 0.02, atol=1e-12)
@@ -138,6 +140,7 @@ def test_fields_over_time_have_all_moments(results):
         results.over_time("temperature", "core")
 
 
+@pytest.mark.ranks
 def test_gaps_of_an_interface_are_followed_over_time(results):
     found = results.interface_over_time("casting/mould", "gap")
     assert found.values.shape == (2, len(found.points))
@@ -190,6 +193,7 @@ def test_a_body_that_is_removed_is_missed_at_its_time_only(comm, shared_tmp_path
     assert len(found.points) == results.record["interfaces"][f"casting/{removed}"]["pairs"]
 
 
+@pytest.mark.ranks
 def test_an_interface_of_meshes_with_a_gap_has_the_nearest_nodes():
     left = pyvista.ImageData(dimensions=(4, 6, 1)).cast_to_unstructured_grid()
     right = pyvista.ImageData(dimensions=(4, 4, 1), origin=(5.0, 0.0, 0.0), spacing=(1, 5 / 3, 1))

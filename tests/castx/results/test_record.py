@@ -88,6 +88,7 @@ def test_json_has_no_number_that_it_does_not_know():
     assert [number(value) for value in (1.5, math.nan, math.inf, -math.inf)] == [1.5, *[None] * 3]
 
 
+@pytest.mark.ranks
 def test_memory_is_that_of_the_largest_rank_and_of_all(comm):
     found = peak_memory(comm)
     assert 1e7 < found["largest_rank"] <= found["all_ranks"] <= comm.size * found["largest_rank"]

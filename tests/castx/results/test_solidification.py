@@ -109,6 +109,7 @@ def test_what_has_not_passed_is_not_a_number_and_remelting_wipes(comm):
     assert np.isnan(solidification.gradient()).all()
 
 
+@pytest.mark.ranks
 def test_a_body_that_does_not_melt_has_none(comm):
     mesh = cylinder_mesh(comm, size=5e-3)
     solidification = Solidification(mesh, {"casting": Curve()})

@@ -121,6 +121,7 @@ def test_planes_of_symmetry_are_recorded(comm, shared_tmp_path):
     assert [plane["offset"] for plane in planes] == pytest.approx([0.0, 0.0], abs=1e-15)
 
 
+@pytest.mark.ranks
 def test_a_bug_is_recorded_too(comm, shared_tmp_path):
     with pytest.raises(ZeroDivisionError):
         run(comm, shared_tmp_path, ZeroDivisionError("division by zero"))
@@ -128,6 +129,7 @@ def test_a_bug_is_recorded_too(comm, shared_tmp_path):
     assert record(shared_tmp_path)["exit"]["reason"] == "failed"
 
 
+@pytest.mark.ranks
 def test_a_signal_while_the_disk_is_full_raises_nothing(comm, shared_tmp_path, monkeypatch):
     content = {**CONTENT, "output": {"folder": str(shared_tmp_path)}}
     case = read_case(content, Path("case.toml"))

@@ -8,6 +8,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
+import pytest
 
 from castx.solvers.communicator import keep_duplicate
 from castx.solvers.layout import Layout
@@ -39,6 +40,7 @@ def leave_behind(comm: MPI.Intracomm) -> None:
     del vector
 
 
+@pytest.mark.ranks
 def test_a_duplicate_that_is_kept_outlives_what_only_some_ranks_destroy(comm):
     kept = comm.Dup()
     have = duplicates(kept)
@@ -53,6 +55,7 @@ def test_a_duplicate_that_is_kept_outlives_what_only_some_ranks_destroy(comm):
     norm.destroy()
 
 
+@pytest.mark.ranks
 def test_without_it_ranks_differ(comm):
     """What the module is for: on this communicator a collective call of PETSc would hang."""
     own = comm.Dup()

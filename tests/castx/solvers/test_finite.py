@@ -11,6 +11,7 @@ from castx.solvers.finite import require_finite
 from tests.castx.fakes import cylinder_mesh
 
 
+@pytest.mark.ranks
 def test_a_state_that_is_not_a_number_is_named_on_all_ranks(comm):
     mesh = cylinder_mesh(comm)
     fields = {name: fem.Function(body.nodes) for name, body in mesh.bodies.items()}

@@ -90,6 +90,7 @@ def test_dofs_of_any_owner_point_at_the_right_value(bodies, layout):
     vector.destroy()
 
 
+@pytest.mark.ranks
 def test_functions_come_back_with_their_ghosts(bodies, layout):
     originals, copies = numbered(bodies), numbered(bodies)
     vector = filled(layout, originals)
@@ -101,6 +102,7 @@ def test_functions_come_back_with_their_ghosts(bodies, layout):
     vector.destroy()
 
 
+@pytest.mark.ranks
 def test_index_sets_are_those_of_a_nest(bodies, layout, comm):
     sets = layout.index_sets()
     assert [part.getBlockSize() for part in sets] == list(BLOCK_SIZES)

@@ -89,6 +89,7 @@ def stiff_start(comm):
     return solver, x, y
 
 
+@pytest.mark.ranks
 def test_forces_do_no_work_on_a_shortened_step(comm):
     """All components of y point at the minimum, ten times as far away as they should."""
     solver, x, y = stiff_start(comm)
@@ -113,6 +114,7 @@ def test_the_first_step_is_taken_in_full(comm):
     solver.destroy()
 
 
+@pytest.mark.ranks
 def test_what_goes_at_once_has_no_say_in_how_far_the_rest_goes(comm):
     """The force of a pair that opened falls to zero, though the others overshoot tenfold."""
     solver, x, y = stiff_start(comm)

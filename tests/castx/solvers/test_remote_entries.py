@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from castx.solvers.remote_entries import RemoteEntries
 from tests.castx.solvers.distributed import gathered, vector
@@ -10,6 +11,7 @@ from tests.castx.solvers.distributed import gathered, vector
 LOCAL = 4
 
 
+@pytest.mark.ranks
 def test_entries_of_any_rank_are_read(comm):
     values = np.arange(LOCAL * comm.size) ** 1.5
     numbers = np.array([len(values) - 1, 0, 2, 0], dtype=np.int32)
@@ -34,6 +36,7 @@ def test_entries_are_written_where_their_owner_is(comm):
     entries.destroy()
 
 
+@pytest.mark.ranks
 def test_what_all_ranks_add_adds_up(comm):
     size = LOCAL * comm.size
     made = vector(comm, np.ones(size))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from castx.solvers.worst_place import Part, worst_place
 
 
+@pytest.mark.ranks
 def test_the_worst_place_is_the_same_on_all_ranks(comm):
     values = np.array([1.0, 2.0 + comm.rank])
     points = np.array([[0.0, 0.0], [1.0, float(comm.rank)]])
@@ -19,6 +21,7 @@ def test_the_worst_place_is_the_same_on_all_ranks(comm):
     assert worst_place(comm, [], "W") == ""
 
 
+@pytest.mark.ranks
 def test_the_largest_component_of_any_part_is_found(comm):
     """Parts without places, as on ranks without pairs, count for nothing."""
     points = np.array([[0.0, 0.0], [0.5, 0.25]])

@@ -12,6 +12,7 @@ from castx.verification import registry
 from castx.verification.registry import VERIFICATIONS
 
 
+@pytest.mark.ranks
 def test_a_verification_is_run_and_shown(comm, shared_tmp_path, capsys):
     code = execute(["verify", "V9", "--quick", "--output", str(shared_tmp_path / "page")], comm)
     assert code == Exit.DONE
@@ -23,6 +24,7 @@ def test_a_verification_is_run_and_shown(comm, shared_tmp_path, capsys):
         assert f"{comm.size} rank" in text
 
 
+@pytest.mark.ranks
 def test_messages_are_as_before_behind_the_verifications(comm, shared_tmp_path):
     """Each logger that a verification silences speaks again in the same process."""
     names = ("castx.process.building", "castx.domain")

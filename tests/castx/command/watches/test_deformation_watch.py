@@ -40,6 +40,7 @@ def test_small_displacements_are_not_worth_a_word(comm, heard):
     assert heard == []
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("gradient", [[[0.0, 0.2], [0.0, 0.0]], [[0.0, 0.15], [-0.15, 0.0]]])
 def test_strains_and_turns_of_solids_are_told_once_for_each_body(comm, heard, gradient):
     """A rotation too: linear strains take it for a strain."""
@@ -60,6 +61,7 @@ def test_liquid_may_flow_and_a_body_may_not_leave(comm, heard):
     assert len(heard) == (2 if comm.rank == 0 else 0)
 
 
+@pytest.mark.ranks
 def test_what_flowed_as_a_liquid_is_no_strain_of_the_solid(comm, heard):
     """Cells of a casting had turned by more than 100 % when they froze, and the run ended."""
     flowed, strained = [[0.12, 0.0], [0.0, 0.0]], [[0.32, 0.0], [0.0, 0.0]]
@@ -70,6 +72,7 @@ def test_what_flowed_as_a_liquid_is_no_strain_of_the_solid(comm, heard):
     assert all("strained and turned by up to 20 % at" in text for text in heard)
 
 
+@pytest.mark.ranks
 def test_what_sank_as_a_liquid_is_no_displacement_of_the_solid(comm, heard):
     """The pipe of a feeder was half as deep as its casting, and the run ended."""
     still = np.zeros((2, 2))
@@ -80,6 +83,7 @@ def test_what_sank_as_a_liquid_is_no_displacement_of_the_solid(comm, heard):
     assert len(heard) == (2 if comm.rank == 0 else 0)
 
 
+@pytest.mark.ranks
 def test_absurd_displacements_end_a_run_on_all_ranks(comm, heard):
     with pytest.raises(ConvergenceError, match=r"casting .* by up to 150 % .* beyond 50 % a run"):
         check(comm, moved([[1.5, 0.0], [0.0, 0.0]]))
@@ -115,6 +119,7 @@ def test_nonsense_is_refused_before_anything_is_solved(
     assert text in found and "displacements and strains are taken as small" in found
 
 
+@pytest.mark.ranks
 def test_a_run_ends_when_its_part_is_torn(comm, case_file, shared_tmp_path, said):
     """The base is lifted by 19.9 mm, less than half the part, and the top is held."""
     folder = shared_tmp_path / "out"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from castx.case.reading.read import read_case
 from castx.command.watches.force_watch import ForceWatch
 from tests.castx.case_data import cylinder
@@ -22,6 +24,7 @@ def watch(comm, *errors: dict[str, float], tolerance: float = 1e-3) -> None:
             forces.check(FakeSnapshot(time=float(step), step=step, mesh=mesh, totals=totals))
 
 
+@pytest.mark.ranks
 def test_forces_that_do_not_balance_are_said_once_and_at_the_end(comm, heard):
     small, large = {"casting": 9e-4, "mould": 0.0}, {"casting": 2e-3, "mould": 0.5}
     watch(comm, large, small, {"casting": 2e-3, "mould": 1e-3}, large, small)
@@ -34,6 +37,7 @@ def test_forces_that_do_not_balance_are_said_once_and_at_the_end(comm, heard):
     assert last.endswith("worst: 0.5 of the forces on mould at t = 3 s")
 
 
+@pytest.mark.ranks
 def test_what_was_asked_decides(comm, heard):
     watch(comm, {}, {"casting": 2e-3}, tolerance=1e-2)
     watch(comm, {}, {}, {})

@@ -42,6 +42,7 @@ def rising(low: float, high: float, x: FloatArray) -> FloatArray:
     return np.asarray(low + (high - low) * x[:, 1] / 0.04)
 
 
+@pytest.mark.ranks
 def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
     watch = RangeWatch(case_of(), comm)
     for snapshot in snapshots(comm, (200, 590), (200, 605), (200, 650), (15, 900)):
@@ -58,6 +59,7 @@ def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
     assert "heat_capacity.solid" in casting and "yield_stress" not in casting
 
 
+@pytest.mark.ranks
 def test_bodies_of_one_material_share_their_warning(comm, heard):
     changes = {"bodies__0__material": "steel-H13", "coupling__scheme": "thermal"}
     watch = RangeWatch(case_of(**changes), comm)

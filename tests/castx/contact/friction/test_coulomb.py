@@ -61,6 +61,7 @@ def sliding_forces(made):
     return np.linalg.norm(made.contact_states()[0].force - normal, axis=1)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("rigid", [False, True])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 @pytest.mark.parametrize("method", WITH_FRICTION)
@@ -213,6 +214,7 @@ def test_without_friction_it_slides_freely(comm, method):
     assert np.abs(axial) < 1e-9 * normal
 
 
+@pytest.mark.ranks
 def test_methods_agree_as_the_penalty_grows(comm):
     """Friction by a penalty tends to that of the condensed method, sticking included."""
     exact = shaft(comm, "condensed", 0.15, (2e-6,))
@@ -232,6 +234,7 @@ def test_a_rewind_forgets_what_has_slipped(comm, method):
     np.testing.assert_allclose(force(comm, made), before, atol=1e-8 * np.abs(before).max())
 
 
+@pytest.mark.ranks
 def test_a_led_punch_drags_a_block_along(comm):
     """The rigid base moves sideways: a block that sticks follows it."""
     mesh = blocks(comm, base=(0.04, 0.02), symmetry=False, size=0.01)

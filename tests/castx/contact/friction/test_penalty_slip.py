@@ -16,6 +16,7 @@ from castx.contact.friction.penalty_slip import PenaltySlip, force_derivatives, 
 from tests.small_contact import dense, two_blocks
 
 
+@pytest.mark.ranks
 def test_motions_along_the_surface(comm):
     """The upper block moves by (3, 5), the base by (1, -2): by 2 against each other along x."""
     made = two_blocks(comm, "penalty", friction=0.3, solved=False)

@@ -59,6 +59,7 @@ def test_finds_the_closed_pairs(comm, start):
     assert problem.active.changes > 0
 
 
+@pytest.mark.ranks
 def test_ends_where_the_plain_iteration_goes_round(comm):
     """I. Ben Gharbia and J. C. Gilbert (2012), Math. Program. 134: a P-matrix with a cycle of 3."""
     t = 2.0
@@ -103,6 +104,7 @@ def test_rewind_returns_to_the_committed_set(comm):
     np.testing.assert_array_equal(active.closed, [False, True])
 
 
+@pytest.mark.ranks
 def test_a_pair_that_opens_on_one_rank_is_a_change_on_all(comm):
     last = comm.rank == comm.size - 1
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
@@ -111,6 +113,7 @@ def test_a_pair_that_opens_on_one_rank_is_a_change_on_all(comm):
     assert active.closed[0] == (not last)
 
 
+@pytest.mark.ranks
 def test_a_pair_without_force_that_chatters_is_frozen_where_it_violates_less(comm):
     """Noise pulls a pair that alone holds a body: opened, the body falls and others close."""
     here = slice(0, 2 if comm.rank == comm.size - 1 else 0)
@@ -143,6 +146,7 @@ def test_a_set_that_returns_before_the_forces_settle_is_no_cycle(comm):
     assert not active.cycles and active.frozen_pairs() == 0
 
 
+@pytest.mark.ranks
 def test_nothing_changes_before_the_forces_settle_once_a_set_has_returned(comm):
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.3 + comm.rank]))
     assert active.update(np.array([-1.0]))

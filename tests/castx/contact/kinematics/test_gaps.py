@@ -31,6 +31,7 @@ def test_gap_matrix_of_planes(comm):
     np.testing.assert_allclose(made.gaps.values(vector), 1e-3 + x + 1.0 + 8.0 * x, atol=1e-14)
 
 
+@pytest.mark.ranks
 def test_a_rigid_body_that_rises_closes_gaps(comm):
     rising = SurfaceDisplacement("bottom", "y", Table.from_points([(0.0, 0.0), (2.0, 4e-4)]))
     made = problem(
@@ -63,6 +64,7 @@ def test_signatures_tell_rows_apart(comm):
     assert len(np.unique(found)) == len(found) > 2
 
 
+@pytest.mark.ranks
 def test_tied_pairs_have_no_gap_to_close(comm):
     mesh = blocks(comm, symmetry=False)
     made = problem(

@@ -76,12 +76,14 @@ def test_a_mould_that_is_tied_or_rigid_holds_what_its_parts_touch(mesh):
     assert warnings(mesh, interfaces(CASTING_FIRST), BODIES[1:]) == []
 
 
+@pytest.mark.ranks
 def test_bodies_tied_to_another_one_still_part(mesh):
     tied = (("chill", "lower"),)
     told = " ".join(warnings(mesh, interfaces(CASTING_FIRST, tied)))
     assert "casting/upper" in told
 
 
+@pytest.mark.ranks
 def test_a_node_that_meets_too_many_faces_of_one_die_cannot_be_helped_by_tying(mesh):
     """The bodies of the die cannot part, so the advice for those that can would mislead."""
     described = interfaces(CASTING_FIRST[:4])

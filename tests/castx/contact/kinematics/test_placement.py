@@ -55,6 +55,7 @@ def test_prescribed_rows_come_first_and_symmetric_ones_turn_the_normal(comm):
     np.testing.assert_allclose(normals, np.tile([0.0, 1.0], (3, 1)), atol=1e-15)
 
 
+@pytest.mark.ranks
 def test_surfaces_that_move_equally_are_kept_for_the_transform(comm):
     found = placed(comm, {"upper": [SurfaceDisplacement("top", "normal", None)]})
     [(b, nodes, slots)] = found.equal_motions
@@ -62,6 +63,7 @@ def test_surfaces_that_move_equally_are_kept_for_the_transform(comm):
     assert np.all(everywhere(comm, slots) == 0) and found.prescribed == []
 
 
+@pytest.mark.ranks
 def test_refuses_a_uniform_surface_with_a_prescribed_direction(comm):
     uniform = SurfaceDisplacement("top", "normal", None)
     with pytest.raises(CaseError, match="upper/top normal is uniform, but another condition"):

@@ -153,6 +153,7 @@ def test_transformations_are_inverse(made):
     assert other.norm(PETSc.NormType.NORM_INFINITY) < 1e-12
 
 
+@pytest.mark.ranks
 def test_free_pairs_have_their_gap_as_coordinate(made, comm):
     u = random_displacement(made.layout)
     v = product_with_vector(made.transform.R, u)
@@ -197,6 +198,7 @@ def test_pressures_are_untouched(made):
             np.testing.assert_array_equal(v[part][k::size], u[part][k::size])
 
 
+@pytest.mark.ranks
 def test_tied_nodes_move_equally_and_share_one_free_number(comm):
     mesh = cup(comm, "3d")
     made = transformed(mesh, {"casting": UNIFORM}, [])

@@ -79,6 +79,7 @@ def sheet(occ):
     return []
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "solids, text",
     [

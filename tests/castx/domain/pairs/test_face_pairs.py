@@ -103,6 +103,7 @@ def test_weights_gap_and_areas(comm, shared_tmp_path):
                                                               weights.argmax(axis=1)])
 
 
+@pytest.mark.ranks
 def test_nodes_beside_the_other_surface_face_nothing(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 8, 6, base_width=0.6 * WIDTH)
     pairs = pairs_by(FACES, mesh, "upper", "base")
@@ -147,12 +148,14 @@ def test_evenly_divided_facets_pass_the_patch_test(comm, shared_tmp_path, method
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
 
 
+@pytest.mark.ranks
 def test_an_ignored_gap_of_the_meshes_is_none(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 7, 4, gap=1e-3)
     pairs = pairs_by(replace(FACES, meshed_gap=False), mesh, "upper", "base")
     assert np.all(pairs.gap == 0.0)
 
 
+@pytest.mark.ranks
 def test_methods_agree(comm, shared_tmp_path):
     mesh = separate(comm, shared_tmp_path, 12, 8)
     condensed, multipliers = (squeezed(comm, mesh, method) for method in EXACT)
@@ -258,6 +261,7 @@ def case(folder: Path, **interface):
     }  # fmt: skip
 
 
+@pytest.mark.ranks
 def test_the_keys_of_a_case(comm, shared_tmp_path):
     separate(comm, shared_tmp_path, 6, 4)
     state = final_state(comm, case(shared_tmp_path))

@@ -1,12 +1,14 @@
 """Points beside a surface, or turned to the same side, face nothing."""
 
 import numpy as np
+import pytest
 
 from castx.domain.pairs.facing import SurfacePoints, faced, facet_sizes
 from castx.domain.surface_facets import surface_facets
 from tests.elastic_bodies import blocks
 
 
+@pytest.mark.ranks
 def test_distance_and_side(comm):
     mesh = blocks(comm)
     facets = surface_facets(mesh, mesh.bodies["base"], "upper")

@@ -96,6 +96,7 @@ def test_every_shared_node_is_paired_once_on_the_owner(name, interface, comm):
     assert len(np.unique(primary)) == len(primary)
 
 
+@pytest.mark.ranks
 @both("slabs")
 def test_areas_and_normals_of_a_plane_interface(name, interface, comm):
     _, pairs = interface(name)
@@ -105,6 +106,7 @@ def test_areas_and_normals_of_a_plane_interface(name, interface, comm):
     assert np.allclose(pairs.areas, np.where(ends, 0.0015, 0.003))
 
 
+@pytest.mark.ranks
 def test_exchanged_bodies_have_the_opposite_normal(interface):
     pairs = node_pairs(interface("slabs")[0], "mould", "casting")
     assert (pairs.secondary, pairs.primary) == ("mould", "casting")
@@ -153,6 +155,7 @@ def test_normals_of_the_mould_point_into_the_cylinder(name, interface, comm):
     assert shadow[2] == pytest.approx(pi * R**2 / 4, rel=0.02)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", DESCRIPTIONS)
 def test_sums_do_not_depend_on_the_ranks(name, interface, comm):
     def moments(pairs, communicator):
@@ -166,6 +169,7 @@ def test_sums_do_not_depend_on_the_ranks(name, interface, comm):
     assert values == pytest.approx(serial, rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", ["quarter", "axisymmetric", "quarter quads"])
 def test_few_pairs_are_split_between_ranks(name, interface, comm):
     mesh, pairs = interface(name)

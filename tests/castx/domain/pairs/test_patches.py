@@ -19,6 +19,7 @@ from tests.elastic_bodies import body, elastic, everywhere, heat, problem
 SHARP = math.radians(40)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", MESHES)
 def test_patches_of_a_node_add_up(comm, name):
     mesh = MESHES[name](comm)
@@ -54,6 +55,7 @@ def test_edges_have_two_and_corners_three(comm, cells):
         assert np.allclose(np.abs(vectors).max(axis=1), 1.0)
 
 
+@pytest.mark.ranks
 def test_a_curved_side_is_one_patch(comm):
     """Its facets enclose 20° in the coarse quarter; floor and side meet at 90°."""
     mesh = cup(comm, "3d", sector="quarter")

@@ -60,6 +60,7 @@ def total(comm, found):
     return comm.allreduce(sum(pairs.areas.sum() for pairs in found))
 
 
+@pytest.mark.ranks
 def test_areas_of_all_pairs_add_up_to_the_skin_once(comm, mesh):
     alone = [pairs_by(RULE, mesh, "upper", base) for base in ("one", "two")]
     assert total(comm, alone) == pytest.approx(8 / 7 * WIDTH)  # the node in both counts twice
@@ -71,6 +72,7 @@ def test_areas_of_all_pairs_add_up_to_the_skin_once(comm, mesh):
     assert two.primary_area == pytest.approx((1 - SPLIT) * WIDTH, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_a_node_that_stands_in_two_interfaces_shares_its_area(comm, mesh):
     """The same primary surface twice: every part is equally close to both."""
     interface = face_interface(mesh, "upper", "one", RULE)
@@ -100,6 +102,7 @@ def test_by_default_a_node_reaches_as_far_as_the_coarser_facet(comm, mesh):
         assert np.all(np.isinf(found.distance[reached:]))
 
 
+@pytest.mark.ranks
 def test_areas_of_both_sides_are_compared(comm, mesh):
     one, _ = shared(mesh)
     exact = replace(one, primary_area=total(comm, [one]))

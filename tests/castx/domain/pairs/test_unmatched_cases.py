@@ -188,6 +188,7 @@ quantities = ["gap", "heat_transfer_coefficient"]
 """
 
 
+@pytest.mark.ranks
 def test_the_command_line_runs_it(comm, mesh_file, shared_tmp_path, capsys):
     path = shared_tmp_path / "case.toml"
     if comm.rank == 0:

@@ -123,6 +123,7 @@ def test_forces_have_a_floor_of_meaning(comm):
     assert limits.rounding == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_the_worst_row_has_a_body_and_a_place(comm):
     made = two_blocks(comm)
     balance = made.equilibrium.balance
@@ -135,6 +136,7 @@ def test_the_worst_row_has_a_body_and_a_place(comm):
     assert len(set(comm.allgather(text))) == 1
 
 
+@pytest.mark.ranks
 def test_rows_of_multipliers_belong_to_their_interface(comm):
     made = two_blocks(comm, "multipliers")
     balance = made.equilibrium.balance

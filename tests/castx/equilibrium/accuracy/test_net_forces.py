@@ -21,6 +21,7 @@ def net_of(made) -> NetForces:
     return NetForces(balance.assembly, balance.transform, balance.gaps)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", EXACT)
 def test_what_acts_is_the_load_or_else_the_contact(comm, method):
     made = two_blocks(comm, method)
@@ -33,6 +34,7 @@ def test_what_acts_is_the_load_or_else_the_contact(comm, method):
     assert net_of(made).acting(0.0 * forces)[1] == 0.0
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", EXACT)
 def test_what_is_missing_is_the_resultant_on_the_nodes(comm, method):
     """Of a force in the condensed unknowns, a part acts on the facing body."""

@@ -21,6 +21,7 @@ def hanging(comm, **settings):
     return made
 
 
+@pytest.mark.ranks
 def test_springs_bear_the_load_of_a_body_that_nothing_holds(comm):
     made = hanging(comm)
     supports = made.equilibrium.supports()
@@ -30,6 +31,7 @@ def test_springs_bear_the_load_of_a_body_that_nothing_holds(comm):
     assert supports["upper"].moment[0] == pytest.approx(PULL * 0.02 * 0.015, rel=1e-6)
 
 
+@pytest.mark.ranks
 def test_springs_are_without_force_at_their_origin(comm):
     made = hanging(comm)
     acting, x = made.equilibrium.balance.supports, made.equilibrium.x

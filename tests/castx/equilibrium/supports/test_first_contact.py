@@ -62,6 +62,7 @@ def test_a_block_rocks_from_node_to_node_until_it_stands(comm, method):
     assert state.counters.contact_changes <= 12
 
 
+@pytest.mark.ranks
 def test_the_first_of_all_ranks_ends_the_fall(comm):
     """Gaps of 2 fall to −2 on rank 0; on others the pair needs half as far, or may not close."""
     start, end = np.array([2.0, 2.0, 2.0]), np.array([-2.0, -6.0, 1.0])
@@ -75,6 +76,7 @@ def test_the_first_of_all_ranks_ends_the_fall(comm):
     assert share_until_contact(comm, start - 2.0, end - 2.0, may_close, nowhere) == 0.0
 
 
+@pytest.mark.ranks
 def test_ranks_without_pairs_fall_with_the_others(comm):
     none = np.zeros(0)
     assert share_until_contact(comm, none, none, none.astype(bool), none) == 1.0
@@ -103,6 +105,7 @@ class OneGap:
         return -iterate.stiffness * iterate.gaps
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("fall", [1e-3, 2.0, 30.0])
 def test_a_pair_ends_behind_the_contact_however_long_the_fall(comm, fall):
     """The depth of 1e-20 m that its force asks for is far below the rounding of metres."""

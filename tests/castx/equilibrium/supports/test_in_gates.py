@@ -81,6 +81,7 @@ def test_a_gate_holds_what_touches_nothing_and_bears_its_load(comm, method):
     assert made.equilibrium.support_force() == pytest.approx(np.linalg.norm(force), rel=1e-9)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_it_lets_go_when_contact_comes_back(comm, method):
     expected = open_box(comm, method, in_gate=())
@@ -109,6 +110,7 @@ def test_refuses_a_gate_without_free_nodes(comm):
         open_box(comm, in_gate=("mould",))
 
 
+@pytest.mark.ranks
 def test_a_body_that_touches_is_not_held(comm):
     """The gate changes nothing while the floor carries the weight."""
     data = case(rigid=True)
@@ -119,6 +121,7 @@ def test_a_body_that_touches_is_not_held(comm):
         assert held.totals[name] == pytest.approx(plain.totals[name], rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.ranks
 def test_history_names_force_and_moment(comm):
     """Without a lid and with gravity upwards, the box would rise for ever."""
     data = case(rigid=True)

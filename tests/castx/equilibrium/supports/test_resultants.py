@@ -10,6 +10,7 @@ from tests.elastic_bodies import blocks, body, elastic, places, problem
 from tests.small_contact import SOFT
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "3d", "axisymmetric"])
 def test_a_force_at_every_node(comm, model):
     """Forces f(x) of the nodes, given on the unknowns v as Pᵀf."""

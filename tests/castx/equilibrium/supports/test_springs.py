@@ -168,6 +168,7 @@ def test_a_machine_holds_what_strains_its_springs(comm, model, stiffness, motion
     assert len(found(made).motions) == motions
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_a_machine_holds_a_die_that_has_left_its_mould(comm, method):
     """The fluid that has blown it off is borne by the machine, none of it by supports."""
@@ -186,6 +187,7 @@ def test_a_machine_holds_a_die_that_has_left_its_mould(comm, method):
     assert totals["upper/top.clamp_displacement"] == pytest.approx(1e-5, rel=1e-6)
 
 
+@pytest.mark.ranks
 def test_springs_carry_a_resultant_of_any_motion(comm):
     """The spring on the mean motion of volume V has the stiffness k V."""
     springs = Springs(comm)

@@ -48,6 +48,7 @@ def along(model: str) -> int:
     return 1 if model == "axisymmetric" else 0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("model, formulation, cells", EVERYWHERE)
 def test_jacobian_is_the_derivative_of_the_residual(comm, model, formulation, cells):
     part = clamped(comm, model, formulation, cells)
@@ -56,6 +57,7 @@ def test_jacobian_is_the_derivative_of_the_residual(comm, model, formulation, ce
     check_derivative(comm, part, 1.0)
 
 
+@pytest.mark.ranks
 @formulations
 @pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
 def test_force_and_stiffness_are_totals(comm, model, formulation, cells):
@@ -87,6 +89,7 @@ def test_force_and_stiffness_are_totals(comm, model, formulation, cells):
         assert sums[axis] == pytest.approx(STIFFNESS * moved, abs=1e-9 * STIFFNESS * 2e-3)
 
 
+@pytest.mark.ranks
 @formulations
 def test_springs_work_by_the_motion_of_the_surface(comm, formulation, cells):
     """A strain ε_xx moves the end by ε L; Jacobian and residual take k (ε L) there."""

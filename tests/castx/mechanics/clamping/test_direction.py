@@ -25,6 +25,7 @@ def test_against_the_normal_of_a_flat_surface(comm, model):
     np.testing.assert_allclose(direction, np.eye(len(direction))[1], atol=1e-12)
 
 
+@pytest.mark.ranks
 def test_radial_normals_cancel_over_the_turn(comm):
     """The end of a rod is flat, its mantle faces no direction at all."""
     body = slab(comm, "axisymmetric")
@@ -49,6 +50,7 @@ def test_a_curved_surface_needs_an_axis(comm):
         press_direction(mould, "3d", "outside", 2)
 
 
+@pytest.mark.ranks
 def test_an_unknown_surface(comm):
     with pytest.raises(MeshError, match="no surface 'behind'"):
         press_direction(slab(comm), "plane-strain", "behind")

@@ -80,6 +80,7 @@ def test_means_and_values_of_cells(comm, cells):
     np.testing.assert_array_equal(points.by_cell(spread), np.tile(numbers, (points.per_cell, 1)).T)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", CELLS)
 @pytest.mark.parametrize("model", MODELS)
 def test_integrals_at_nodes_sum_to_the_integral(comm, model, cells):

@@ -173,6 +173,7 @@ PATHS: dict[str, Callable[[float], Tensor]] = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("path", PATHS)
 @pytest.mark.parametrize("law", LAWS)
 @settings(max_examples=6)

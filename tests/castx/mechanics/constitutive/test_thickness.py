@@ -84,6 +84,7 @@ def accept(made: MechanicalProblem, time: float, solid: Any) -> None:
     made.equilibrium.commit()
 
 
+@pytest.mark.ranks
 @every_kind
 def test_a_pool_keeps_its_level(comm, kind):
     """Between walls a melt carries its weight by p = -ρ g (H - y) and moves nowhere."""
@@ -98,6 +99,7 @@ def test_a_pool_keeps_its_level(comm, kind):
     np.testing.assert_allclose(pressure, -WEIGHT * depth[: len(pressure)], rtol=1e-6)
 
 
+@pytest.mark.ranks
 @every_kind
 def test_a_melt_on_a_solid_keeps_its_thickness(comm, kind):
     """The lower half freezes and shrinks by ε, the wall follows; the melt above it rises by ε."""
@@ -108,6 +110,7 @@ def test_a_melt_on_a_solid_keeps_its_thickness(comm, kind):
     assert np.abs(stresses(comm, made, "casting")).max() < 1e-6 * YOUNG * FREE
 
 
+@pytest.mark.ranks
 @every_kind
 def test_solid_shrinks_out_of_the_plane_from_its_freezing_on(comm, kind):
     """Frozen, shrunk by ε, molten with its thickness and its first volume, frozen and shrunk."""

@@ -39,6 +39,7 @@ def test_liquid_in_the_middle_is_trapped(casting) -> None:
     assert np.array_equal(trapped, core)
 
 
+@pytest.mark.ranks
 def test_liquid_that_reaches_the_top_is_fed_on_any_number_of_ranks(casting) -> None:
     r, z = midpoints(casting).T
     column = (r < RADIUS / 3) & (z > HEIGHT / 4)
@@ -58,11 +59,13 @@ def test_the_surfaces_decide(casting) -> None:
     assert not none.any()
 
 
+@pytest.mark.ranks
 def test_no_liquid_is_no_pocket(casting) -> None:
     nothing = np.zeros(len(midpoints(casting)), dtype=bool)
     assert np.all(FeedingPaths(casting, "axisymmetric", ["mould"]).pockets(nothing) == -1)
 
 
+@pytest.mark.ranks
 def test_pockets_are_numbered_alike_on_all_ranks(casting) -> None:
     """Two pockets that stretch over the whole height, and so over ranks, and a fed column."""
     r, z = midpoints(casting).T

@@ -75,6 +75,7 @@ def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(c
     np.testing.assert_array_equal(other.reference, -3e5)
 
 
+@pytest.mark.ranks
 def test_each_pocket_has_its_own_pressure_and_other_nodes_their_references(casting) -> None:
     corners = casting.nodes.dofmap.list
     z = casting.points[corners].mean(axis=1)[:, 1]
@@ -93,6 +94,7 @@ def test_each_pocket_has_its_own_pressure_and_other_nodes_their_references(casti
     np.testing.assert_array_equal(pressures.of_cells(acting)[low], -1e5)
 
 
+@pytest.mark.ranks
 def test_without_a_potential_there_is_no_depth(casting) -> None:
     pressures = PocketPressures(casting, 0.0, 1e4)
     pressures.begin(pockets_of(casting, np.ones(len(casting.nodes.dofmap.list), dtype=bool)))

@@ -38,6 +38,7 @@ def test_parts_that_do_not_touch_have_their_own_numbers_everywhere(slab):
     assert numbers(slab, region, ~(left | right | band)) <= {-1}
 
 
+@pytest.mark.ranks
 def test_a_band_joins_them(slab):
     x, y = midpoints(slab)
     ends, band = (x < 0.01) | (x > 0.03), y < 0.005
@@ -55,6 +56,7 @@ def test_one_common_node_joins(slab):
     assert CellRegions(slab).find(lower | apart)[0] == 2
 
 
+@pytest.mark.ranks
 def test_nothing_chosen_has_no_region(slab):
     count, region = CellRegions(slab).find(np.zeros(len(midpoints(slab)[0]), dtype=bool))
     assert count == 0

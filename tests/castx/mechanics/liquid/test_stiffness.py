@@ -51,6 +51,7 @@ def nodes(comm, request):
     return Nodes(comm, pocket)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("stiffness", [(3.0, 0.7), (3.0, 0.0), (0.0, 0.7)])
 def test_the_product_is_that_of_the_dense_matrix(nodes, stiffness):
     """A pocket that has pores has no stiffness, and nodes in no pocket have no rows."""
@@ -74,6 +75,7 @@ def test_without_pockets_there_is_nothing_to_add(comm):
     assert not made.exists and (y == 1.0).all()
 
 
+@pytest.mark.ranks
 def test_what_a_next_step_gives_takes_the_place_of_the_last(nodes):
     nodes.made.stiffness = np.array([3.0, 0.7])
     before = nodes.product()
@@ -82,6 +84,7 @@ def test_what_a_next_step_gives_takes_the_place_of_the_last(nodes):
     np.testing.assert_allclose(nodes.product(), 6 * before, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_nodes_are_in_the_pocket_of_a_cell_of_any_rank(comm, cells):
     """Two pockets of one column of cells at the ends of a slab."""

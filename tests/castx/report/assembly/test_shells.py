@@ -22,6 +22,7 @@ def area(facets):
     return float(np.linalg.norm(total, axis=1).sum() / 2)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_areas_in_space_are_those_of_the_mesh(comm, cells):
     mesh = cylinder_mesh(comm, "3d", 8e-3, cells)
@@ -41,6 +42,7 @@ def test_areas_in_space_are_those_of_the_mesh(comm, cells):
         assert area(shell.filled) == pytest.approx(sum(wanted.values()), rel=1e-3)
 
 
+@pytest.mark.ranks
 def test_plane_bodies_are_filled_with_their_cells(comm):
     shells = shells_of(cylinder_mesh(comm, "axisymmetric", 8e-3, "quadrilaterals"), [])
     for shell, filled in zip(shells, (8e-4, 4e-4), strict=False):
@@ -48,6 +50,7 @@ def test_plane_bodies_are_filled_with_their_cells(comm):
         assert area(shell.skins["casting/mould"]) == pytest.approx(0.04)
 
 
+@pytest.mark.ranks
 def test_named_parts_of_an_interface_have_names_of_their_own(comm):
     mesh = cylinder_mesh(comm, "axisymmetric", 8e-3, "quadrilaterals")
     points = mesh.bodies["casting"].points

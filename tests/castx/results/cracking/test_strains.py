@@ -66,6 +66,7 @@ def body(comm):
 STEPS = range(int((LENGTH / SPEED + 0.5) / STEP))
 
 
+@pytest.mark.ranks
 def test_strain_across_the_gradient_while_the_front_passes(body):
     strains = BodyStrains(body.bodies["casting"], Followed())
     follow(body, strains, STEPS)
@@ -78,6 +79,7 @@ def test_strain_across_the_gradient_while_the_front_passes(body):
         np.testing.assert_allclose(found, skeleton, rtol=1e-9)
 
 
+@pytest.mark.ranks
 def test_no_node_has_strain_before_it_has_passed(body):
     strains = BodyStrains(body.bodies["casting"], Followed())
     follow(body, strains, STEPS[: len(STEPS) // 2])
@@ -86,6 +88,7 @@ def test_no_node_has_strain_before_it_has_passed(body):
     np.testing.assert_array_equal(np.isfinite(strains.largest(0.99)), cold)
 
 
+@pytest.mark.ranks
 def test_liquid_has_no_skeleton_that_could_be_strained(body):
     strains = BodyStrains(body.bodies["casting"], Followed())
     follow(body, strains, STEPS, solid=0.0)

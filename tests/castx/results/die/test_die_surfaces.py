@@ -90,6 +90,7 @@ def test_full_restraint(comm, folder):
     assert results.field("von_mises", "casting").values.max() < 1.0
 
 
+@pytest.mark.ranks
 def test_extremes_so_far_go_on_after_a_break(comm, folder):
     before, _ = fields(folder, comm, "parts", "time.end=0.5")
     np.testing.assert_allclose(before, 0.5 * 5.281690e-3, rtol=1e-6)
@@ -98,6 +99,7 @@ def test_extremes_so_far_go_on_after_a_break(comm, folder):
     np.testing.assert_allclose(found, 5.281690e-3, rtol=1e-6)
 
 
+@pytest.mark.ranks
 def test_stress_of_each_moment_counts_with_its_own_stiffness(comm, folder):
     """E falls by half until it is hot; the range stays that of the strain."""
     weak = [[20.0, YOUNG], [20.0 + RISE, 0.5 * YOUNG]]
@@ -107,6 +109,7 @@ def test_stress_of_each_moment_counts_with_its_own_stiffness(comm, folder):
     np.testing.assert_allclose(life, usual, rtol=1e-5)
 
 
+@pytest.mark.ranks
 def test_each_coefficient_changes_the_life(comm, folder):
     usual = CURVE.cycles(np.array([5.28169014e-3]), YOUNG)
     fatigue = {"strength": 1800e6, "ductility": 0.5}

@@ -65,6 +65,7 @@ def folder(written_case):
     return written_case(CASE).parent
 
 
+@pytest.mark.ranks
 def test_the_force_of_a_shrink_fit(comm, folder):
     """A quarter is meshed; the hub expands in the second step, in the third the shaft is gone."""
     run(folder / "case.toml", output=folder / "whole", comm=comm)
@@ -77,6 +78,7 @@ def test_the_force_of_a_shrink_fit(comm, folder):
     assert last == {"stage": 1, "cycle": 1, "time": 3.0, "forces": {"casting/core": 0.0}}
 
 
+@pytest.mark.ranks
 def test_the_ends_of_stages_are_kept_through_a_break(comm, folder):
     run(folder / "case.toml", ["time.end=2.5"], output=folder / "parts", comm=comm)
     first, _ = Results(folder / "parts").record["ejection"]
@@ -85,6 +87,7 @@ def test_the_ends_of_stages_are_kept_through_a_break(comm, folder):
     assert whole[0] == first and whole[1]["time"] == 3.0
 
 
+@pytest.mark.ranks
 def test_it_is_proportional_to_the_friction(comm, folder):
     friction = "foundry.ejection_friction=0.4"
     run(folder / "case.toml", ["time.end=2", "stages=[]"], output=folder / "once", comm=comm)

@@ -79,6 +79,7 @@ def alone(folder):
     return Results(folder / "alone")
 
 
+@pytest.mark.ranks
 def test_a_whole_run_leaves_the_pipe_of_its_metal(alone):
     volume = np.pi * 0.02**2 * HEIGHT
     assert alone.history["casting.solid_fraction"][-1] > 1.0 - 1e-6
@@ -98,6 +99,7 @@ def test_the_field_shows_the_pipe_and_nothing_else(alone):
     assert found.values[found.points[:, 1] < 0.4 * HEIGHT].max() < 1e-3
 
 
+@pytest.mark.ranks
 def test_the_same_on_any_ranks_and_after_a_break(comm, folder, alone):
     case, output = folder / "case.toml", folder / "together"
     run(case, ["time.end=14"], output=output, comm=comm)
@@ -129,6 +131,7 @@ def pipe_of(case, comm):
     return feeders.totals()
 
 
+@pytest.mark.ranks
 def test_each_input_changes_the_pipe(comm):
     usual = pipe_of(case_with(), comm)
     assert set(usual) == {"casting.pipe_volume", "casting.feeder_level.top"}
@@ -161,6 +164,7 @@ def test_the_field_is_refused_without_gravity():
         case_with(materials__metal=bare)
 
 
+@pytest.mark.ranks
 def test_new_metal_fills_the_body_again(comm):
     case = case_with()
     mesh = build_mesh(case.geometry, ["casting", "mould"], comm)

@@ -64,6 +64,7 @@ def folder(written_case):
     return written_case(CASE).parent
 
 
+@pytest.mark.ranks
 def test_pores_end_where_they_are_known_to(comm, folder):
     run(folder / "case.toml", output=folder / "wall", comm=comm)
     results = Results(folder / "wall")
@@ -73,6 +74,7 @@ def test_pores_end_where_they_are_known_to(comm, folder):
     np.testing.assert_allclose(path.values, LENGTH - path.points[:, 0], atol=1e-9)
 
 
+@pytest.mark.ranks
 def test_the_distance_follows_the_limit_between_nodes(comm):
     """Pores that fall linearly along the axis."""
     mesh = cylinder_mesh(comm, cells="quadrilaterals")

@@ -11,6 +11,7 @@ from tests.castx.fakes import cylinder_mesh
 SIZE = 4e-3
 
 
+@pytest.mark.ranks
 def test_places_are_rows_of_nodes_from_the_top(comm):
     """The two uppermost of eleven rows hold what the pool lacks; one more is there at least."""
     body = cylinder_mesh(comm, size=SIZE, cells="quadrilaterals").bodies["casting"]

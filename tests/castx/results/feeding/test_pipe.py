@@ -122,6 +122,7 @@ def test_what_freezes_above_the_limit_lacks(comm):
     assert volumes[0.8] > 1.5 * volumes[0.4]
 
 
+@pytest.mark.ranks
 def test_under_a_skin_nothing_sinks(comm):
     mesh = cylinder_mesh(comm)
     body = mesh.bodies["casting"]
@@ -197,6 +198,7 @@ def test_the_level_below_one_name_is_that_of_the_highest_pool(comm):
     np.testing.assert_allclose(apart.emptied, together.emptied, atol=1e-14)
 
 
+@pytest.mark.ranks
 def test_remelting_lacks_nothing_twice(comm):
     mesh = cylinder_mesh(comm)
     body = mesh.bodies["casting"]
@@ -209,6 +211,7 @@ def test_remelting_lacks_nothing_twice(comm):
     assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_the_contraction_and_the_way_up_count(comm):
     mesh = cylinder_mesh(comm)
     body = mesh.bodies["casting"]

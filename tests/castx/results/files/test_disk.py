@@ -8,6 +8,7 @@ from castx.errors import StorageError
 from castx.results.files.disk import Disk, description_of
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("rank", [0, -1])
 def test_a_failure_on_one_rank_is_raised_on_all(comm, rank):
     disk = Disk(comm)
@@ -19,6 +20,7 @@ def test_a_failure_on_one_rank_is_raised_on_all(comm, rank):
     disk.raise_failures()  # it is raised once
 
 
+@pytest.mark.ranks
 def test_the_first_failure_of_a_rank_counts(comm):
     disk = Disk(comm)
     for reason in ("first", "second"):
@@ -28,6 +30,7 @@ def test_the_first_failure_of_a_rank_counts(comm):
         disk.raise_failures()
 
 
+@pytest.mark.ranks
 def test_what_is_not_the_disk_passes_through(comm):
     disk = Disk(comm)
     with pytest.raises(ZeroDivisionError), disk.writing():

@@ -49,6 +49,7 @@ def test_a_file_in_the_way_is_refused(comm, shared_tmp_path):
         claimed(comm, shared_tmp_path / "file" / "below").__enter__()
 
 
+@pytest.mark.ranks
 def test_a_place_without_permission_is_refused(comm):
     with pytest.raises(CaseError, match="cannot be written"):
         claimed(comm, Path("/proc/castx-results")).__enter__()
@@ -206,6 +207,7 @@ def test_a_second_run_waits_until_the_first_has_said_who_it_is(tmp_path, monkeyp
     lock.release()
 
 
+@pytest.mark.ranks
 def test_a_name_that_no_disk_takes_is_refused(comm):
     with pytest.raises(CaseError, match="cannot be written: File name too long; choose another"):
         claimed(comm, Path("/tmp") / ("a" * 300)).__enter__()

@@ -99,6 +99,7 @@ def test_what_contradicts_itself_is_refused(keys, message):
     assert re.search(message, str(caught.value))
 
 
+@pytest.mark.ranks
 def test_what_no_probe_records_is_refused_on_all_ranks(comm, shared_tmp_path):
     given = Measurement.read({"of": OF, "file": "logger.csv"}).relative_to(shared_tmp_path)
     with pytest.raises(CaseError, match=r"no probe records it.*did you mean .*center\.temperature"):

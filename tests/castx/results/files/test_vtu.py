@@ -69,6 +69,7 @@ def test_a_full_disk_is_an_error():
     assert caught.value.filename == "/dev/full"
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_pieces_of_all_ranks_hold_every_cell_once(comm, cells):
     for body in cylinder_mesh(comm, cells=cells).bodies.values():

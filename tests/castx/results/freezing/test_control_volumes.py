@@ -12,6 +12,7 @@ from tests.castx.fakes import cylinder_mesh, slab_mesh
 from tests.castx.results.freezing.means import control_volume_means
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["axisymmetric", "3d"])
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_control_volumes_fill_the_body(model, cells, comm):
@@ -21,6 +22,7 @@ def test_control_volumes_fill_the_body(model, cells, comm):
     assert comm.allreduce(volumes) == pytest.approx(comm.allreduce(exact), rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_means_are_those_of_many_points(comm):
     body = slab_mesh(comm, 5e-3).bodies["casting"]
     volumes = ControlVolumes(body)

@@ -11,6 +11,7 @@ from castx.results.freezing.gradients import Steepness, midpoint_gradients
 from tests.castx.fakes import cylinder_mesh
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
 def test_steepness_is_exact_for_linear_fields_and_sees_weights(cells, comm):
     mesh = cylinder_mesh(comm, "3d", 8e-3, cells)

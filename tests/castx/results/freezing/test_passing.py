@@ -5,6 +5,7 @@ from __future__ import annotations
 from mpi4py import MPI
 
 import numpy as np
+import pytest
 
 from castx.results.freezing.control_volumes import ControlVolumes
 from castx.results.freezing.levels import Level
@@ -79,6 +80,7 @@ def test_a_eutectic_front_passes_when_it_is_at_the_node(comm):
     assert comm.allreduce(float(late[2].min(initial=1.0)), MPI.MIN) > 0.3
 
 
+@pytest.mark.ranks
 def test_what_freezes_in_one_step_passes_within_it_and_remelts(comm):
     body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
     levels = [Level.of(Curve(), fraction) for fraction in (0.0, 0.9, 1.0)]
@@ -110,6 +112,7 @@ class CountedCurve(Curve):
         return super().temperature(enthalpy)
 
 
+@pytest.mark.ranks
 def test_levels_at_one_temperature_are_followed_once(comm):
     """The solidus and f_s = 0.9 of a eutectic pass together, for the price of one."""
     body = slab_mesh(comm, 2e-3, 0.01).bodies["casting"]
@@ -134,6 +137,7 @@ def test_levels_at_one_temperature_are_followed_once(comm):
     assert prices[0] == prices[1]
 
 
+@pytest.mark.ranks
 def test_a_front_comes_with_latent_heat_and_not_with_rounding(comm):
     """The superheat of all liquid vanishes but for rounding, and then a tenth of it freezes."""
     body = slab_mesh(comm, 1e-3, 6e-3).bodies["casting"]

@@ -97,11 +97,13 @@ def opened(folder, comm, name, *overrides):
     return times
 
 
+@pytest.mark.ranks
 def test_it_opens_in_the_step_that_crosses_the_stress_free_temperature(comm, folder):
     times = opened(folder, comm, "usual")
     assert (times > 3 * STEP).all() and (times <= 4 * STEP).all()
 
 
+@pytest.mark.ranks
 def test_a_larger_threshold_is_passed_later(comm, folder):
     """Once it is open the gap grows steadily, and the time is exact."""
     threshold = 0.4 * OPENING

@@ -48,6 +48,7 @@ def test_edges_join_and_a_row_between_parts(slab):
     assert found(slab, x >= 0)[0] == 1
 
 
+@pytest.mark.ranks
 def test_single_nodes_are_regions_and_nothing_is_none(slab):
     x, y = np.round(slab.points / SIZE).T
     single = ((x == 2) & (y == 2)) | ((x == 8) & (y == 2))
@@ -65,6 +66,7 @@ def test_corners_of_a_square_are_not_joined_through_it():
     assert found(body, ((x == 4) & (y == 2)) | ((x == 5) & (y == 2)))[0] == 1
 
 
+@pytest.mark.ranks
 def test_numbers_are_those_of_one_rank(comm):
     """Columns with gaps between them, in space: the same numbers as without ranks."""
     numbers = []
@@ -89,6 +91,7 @@ def test_neighbours_are_one_edge_away(comm):
     assert near[:, 1].tolist() == (x <= 1).tolist()
 
 
+@pytest.mark.ranks
 def test_nodes_are_joined_by_chosen_ones_alone(comm):
     body = box(comm, "simplices")
     x = np.round(body.points[:, 0] / SIZE)

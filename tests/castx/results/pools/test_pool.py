@@ -24,6 +24,7 @@ def test_the_deficit_is_what_the_liquid_shrinks_by():
     assert hot_spot("casting", isolated(1, 1e-6), -0.02).deficit == 0.0
 
 
+@pytest.mark.ranks
 def test_hot_spots_are_ranked_by_deficit_then_by_end_then_by_volume():
     known = [(1.0, 9.0, 0.1), (2.0, 1.0, 0.2)]
     unknown = [(5.0, 3.0, None), (1.0, 4.0, None), (1.0, None, None), (2.0, None, None)]

@@ -63,6 +63,7 @@ def test_a_pool_that_is_fed_is_not_isolated(slab):
     assert (pool.number, pool.parent, pool.isolation) == (1, None, None)
 
 
+@pytest.mark.ranks
 def test_a_pool_that_is_cut_off_is_isolated_with_its_volume_and_centre(slab):
     """Of the columns 5 to 12 the last one has half a width; 0.8 of them is liquid."""
     known = of_number(follow(new(slab), slab, COURSE[:2]))
@@ -89,6 +90,7 @@ def test_parts_of_an_isolated_pool_are_isolated_from_when_they_split(slab):
     assert np.array_equal(pools.numbers, expected)
 
 
+@pytest.mark.ranks
 def test_pools_that_merge_keep_the_lowest_number_and_all_that_they_lack(slab):
     known = of_number(follow(new(slab), slab, COURSE))
     assert sorted(known) == [1]

@@ -39,6 +39,7 @@ def test_planes_of_symmetry_lie_where_the_mesh_has_them(quarter):
         assert plane.offset == pytest.approx(0.0, abs=1e-15)
 
 
+@pytest.mark.ranks
 def test_a_quarter_contracts_towards_its_axis(quarter):
     """-e (x - x̄)·n with x̄ on the axis at half the height, whatever it has moved along it."""
     points = quarter.points
@@ -56,6 +57,7 @@ def test_a_quarter_contracts_towards_its_axis(quarter):
     assert shape.of(moved)["allowance"] == pytest.approx([SHRUNK] * 3, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_two_planes_with_one_name_and_a_body_without_surface_have_nothing_to_compare(block):
     """Opposite sides under one name, then all sides as planes of symmetry."""
     tags, dimension = block.facet_tags, block.mesh.topology.dim
@@ -108,6 +110,7 @@ def test_in_an_axisymmetric_body_only_the_axis_is_left_to_move_along(comm):
     assert np.isnan(found[axis]).all()
 
 
+@pytest.mark.ranks
 def test_a_surface_at_the_axis_is_no_plane_of_symmetry(comm):
     """Blocks of revolution call it so; it has no area and no normal."""
     geometry = Geometry.read({

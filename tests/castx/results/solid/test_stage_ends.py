@@ -61,6 +61,7 @@ def test_a_run_that_goes_on_describes_the_same_ends(mesh, stop):
     assert follow(second, mesh, COURSE[stop:]).described() == whole
 
 
+@pytest.mark.ranks
 def test_a_body_between_planes_of_symmetry_has_stress_alone(mesh):
     body = mesh.bodies["casting"]
     surfaces = {f"symmetry-{name}": tag for name, tag in body.surfaces.items()}
@@ -72,6 +73,7 @@ def test_a_body_between_planes_of_symmetry_has_stress_alone(mesh):
     assert ends.deviation("casting") is None
 
 
+@pytest.mark.ranks
 def test_the_deviation_is_that_of_the_last_state(mesh):
     ends = StageEnds(mesh, ["casting"])
     assert ends.deviation("casting") is None

@@ -11,6 +11,7 @@ from castx.results.solid.stresses import StressExtremes
 from tests.castx.fakes import cylinder_mesh
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["axisymmetric", "3d"])
 def test_uniaxial_stress_and_shear(comm, model):
     """σ = c z along the axis: von Mises c z, mean c H/2; pure shear τ: ± τ and √3 τ."""

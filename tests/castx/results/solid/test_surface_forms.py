@@ -20,6 +20,7 @@ from tests.castx.fakes import cylinder_mesh
 LENGTH, CURVATURE, OVAL = 0.1, 0.02, 3e-5
 
 
+@pytest.mark.ranks
 def test_a_bent_plate(comm):
     """κ L²/8 of a parabola, whatever it is turned by."""
     sizes = {"length": LENGTH, "width": 0.02, "size": 5e-3}
@@ -32,6 +33,7 @@ def test_a_bent_plate(comm):
     assert found == {"flatness": {"top": pytest.approx(CURVATURE * LENGTH**2 / 8, rel=1e-4)}}
 
 
+@pytest.mark.ranks
 def test_an_oval_ring(comm):
     """Of r = R + δ cos 2φ it is 2 δ, with the images of the quarter."""
     sizes = {"core_radius": 0.03, "outer_radius": 0.06, "size": 2e-3}
@@ -84,6 +86,7 @@ def test_other_models_and_bodies_are_refused():
         read_case(other, Path("case.toml"))
 
 
+@pytest.mark.ranks
 def test_a_run_says_them_at_the_end_of_its_stages(comm, tmp_path):
     """A mesh of a circle that nothing deforms: round to rounding."""
     case = read_case(CONTENT, tmp_path / "case.toml")
@@ -154,6 +157,7 @@ def warm_ring(size):
     }  # fmt: skip
 
 
+@pytest.mark.ranks
 def test_a_ring_becomes_oval_that_is_warmer_at_its_sides(comm, shared_tmp_path):
     """Of T = a x² in plane stress the part a r²/2 cos 2φ, harmonic, sets free δ = α a R³/6 cos 2φ.
 

@@ -10,6 +10,7 @@ from tests.castx.solvers.distributed import matrix
 from tests.castx.solvers.inner.systems import LOCAL
 
 
+@pytest.mark.ranks
 def test_largest_factor_counts_growth_and_shrinking_alike(comm):
     then = np.array([2.0, -4.0, 0.0, 1.0])
     assert largest_factor(then, then, comm) == 1.0

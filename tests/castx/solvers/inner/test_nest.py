@@ -24,6 +24,7 @@ def near_null(nest, block):
     return np.array([v.array_r for v in vectors])
 
 
+@pytest.mark.ranks
 def test_near_null_vectors_follow_the_constraints(comm, dense):
     """They vanish where constrained, and are renewed once enough constraints have changed."""
     modes = [np.ones((1, LOCAL - 3)), np.ones((1, 3))]
@@ -48,6 +49,7 @@ def test_near_null_vectors_follow_the_constraints(comm, dense):
     A.destroy()
 
 
+@pytest.mark.ranks
 def test_coarse_spaces_of_another_stiffness_are_outdated(comm, dense):
     """Of a block that stiffens or softens at some unknown, constrained ones left aside."""
     blocks, none = Blocks(comm, two_blocks(comm)), np.zeros(LOCAL, dtype=bool)
@@ -84,6 +86,7 @@ def renewed(comm, blocks, dense, constrained, anew=False):
     return [now != then for now, then in zip(after, before, strict=True)], nest
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(
     ("factor", "held", "expected"),
     [
@@ -111,6 +114,7 @@ def test_a_multigrid_whose_block_hardly_changes_stays(comm, dense, factor, held,
     blocks.destroy()
 
 
+@pytest.mark.ranks
 def test_what_couples_blocks_is_always_copied(comm, dense):
     blocks, free = Blocks(comm, by_multigrid(comm)), np.zeros(LOCAL, dtype=bool)
     renewed(comm, blocks, dense, free)
@@ -129,6 +133,7 @@ def test_what_couples_blocks_is_always_copied(comm, dense):
         item.destroy()
 
 
+@pytest.mark.ranks
 def test_independent_vectors_become_orthonormal(comm):
     given = np.random.default_rng(3).uniform(-1, 1, (3, LOCAL * comm.size))
     dependent = given[0] - 2 * given[1]

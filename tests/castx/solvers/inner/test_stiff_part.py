@@ -34,6 +34,7 @@ def set_up(comm, dense, constrained=None):
     return part, A
 
 
+@pytest.mark.ranks
 def test_stiff_nodes_are_solved_for_with_all_their_unknowns(comm):
     stiff = np.tile(np.arange(NODES) < 2, comm.size)
     dense = soft_with(comm, stiff)
@@ -53,6 +54,7 @@ def test_stiff_nodes_are_solved_for_with_all_their_unknowns(comm):
         item.destroy()
 
 
+@pytest.mark.ranks
 def test_constrained_unknowns_are_neither_stiff_nor_solved_for(comm):
     """The diagonal of a constrained row says nothing: its node is as stiff as its other rows."""
     stiff = np.tile(np.arange(NODES) < 2, comm.size)
@@ -70,6 +72,7 @@ def test_constrained_unknowns_are_neither_stiff_nor_solved_for(comm):
         item.destroy()
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("share", [0.0, LARGEST_SHARE + 0.1, 1.0])
 def test_a_body_that_is_soft_or_mostly_stiff_needs_no_help(comm, share, monkeypatch):
     monkeypatch.setattr("castx.solvers.inner.stiff_part.CHEAP", 0)

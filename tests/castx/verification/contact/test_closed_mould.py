@@ -16,5 +16,6 @@ def test_reference_numbers():
     assert (SHRINKAGE * HEIGHT, SHRINKAGE * WIDTH) == pytest.approx((0.72e-3, 1.2e-3))
 
 
+@pytest.mark.ranks
 def test_a_run(comm):
     coarse_run(VERIFICATION, comm)

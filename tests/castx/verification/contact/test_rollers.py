@@ -18,5 +18,6 @@ def test_the_pressure_carries_the_load():
     assert exact_pressure(np.array([0.0, 2 * HALF_WIDTH])) == pytest.approx([PEAK, 0.0])
 
 
+@pytest.mark.ranks
 def test_a_coarse_run(comm):
     coarse_run(VERIFICATION, comm)

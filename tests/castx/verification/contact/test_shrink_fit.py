@@ -21,5 +21,6 @@ def test_the_hub_bears_the_pressure():
     assert pulled == pytest.approx(FIT.pressure * FIT.inner, rel=1e-6)
 
 
+@pytest.mark.ranks
 def test_a_coarse_run(comm):
     coarse_run(VERIFICATION, comm)

@@ -12,5 +12,6 @@ def test_springs_in_series():
     assert found == sorted(found) and found[-1] < reaction()
 
 
+@pytest.mark.ranks
 def test_a_coarse_run(comm):
     coarse_run(VERIFICATION, comm)

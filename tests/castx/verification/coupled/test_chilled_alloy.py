@@ -27,5 +27,6 @@ def test_the_critical_liquid_of_known_values():
     assert found == pytest.approx(list(known), rel=1e-5)
 
 
+@pytest.mark.ranks
 def test_a_run(comm):
     coarse_run(VERIFICATION, comm, VERIFICATION.levels[-1])

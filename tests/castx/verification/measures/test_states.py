@@ -23,6 +23,7 @@ def fit():
     return ShrinkFit()
 
 
+@pytest.mark.ranks
 def test_fields_of_all_ranks_belong_to_their_places(comm, fit):
     for state in states(comm, fitted_case(fit, fit.inner / 6)):
         volumes = cell_volumes(state, "casting")
@@ -47,6 +48,7 @@ def test_fields_of_all_ranks_belong_to_their_places(comm, fit):
     assert len(pressures) == len(areas) == len(pairs)
 
 
+@pytest.mark.ranks
 def test_what_cannot_be_drawn_is_refused_on_all_ranks(comm):
     def draw():
         raise CaseError("no such shape")

@@ -22,5 +22,6 @@ def test_the_dilatation_is_the_divergence(dimension):
     np.testing.assert_allclose(exact_dilatation(x, dimension), found, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_run(comm):
     coarse_run(VERIFICATION, comm, VERIFICATION.levels[-1])
