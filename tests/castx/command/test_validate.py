@@ -9,7 +9,7 @@ import pytest
 from castx.command.cli import Exit, execute
 from tests.castx.proof.validation.synthetic import write_experiment
 
-ROOT = Path(__file__).parents[4] / "validation"
+ROOT = Path(__file__).parents[3] / "validation"
 
 
 @pytest.mark.serial

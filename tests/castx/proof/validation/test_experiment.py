@@ -12,7 +12,7 @@ from castx.proof.validation.experiment import (
 
 pytestmark = pytest.mark.serial
 
-ROOT = Path(__file__).parents[3] / "validation"
+ROOT = Path(__file__).parents[4] / "validation"
 FACTS = """
 title = "a bar"
 source = "made up"
