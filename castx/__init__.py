@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from castx.report.interface_law import heat_transfer_coefficient
     from castx.results.reading import Results
     from castx.results.writing import ResultsWriter
-    from castx.transfer.database.entries import interface_names
+    from castx.transfer.database import interface_names
     from castx.transfer.registry import gap_heat_laws
     from castx.transfer.user_law import UserLaw
 
@@ -58,7 +58,7 @@ _MODULES = {
     "flow_rules": "castx.materials.inelastic",
     "gap_heat_laws": "castx.transfer.registry",
     "heat_transfer_coefficient": "castx.report.interface_law",
-    "interface_names": "castx.transfer.database.entries",
+    "interface_names": "castx.transfer.database",
     "load_case": "castx.case.reading.read",
     "run": "castx.command.run",
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -22,14 +23,12 @@ ORDER = [
     "input",
     "transfer",
     "transfer/laws",
-    "transfer/database",
     "contact/methods",
     "materials/rules",
-    "materials/flow_rules materials/hardening materials/foundry",
+    "materials/flow_rules materials/hardening",
     "materials",
-    "thermodynamics",
     "foundry",
-    "foundry/darcy foundry/identification",
+    "foundry/identification",
     "case/cad",
     "case",
     "case/reading",
@@ -40,7 +39,6 @@ ORDER = [
     "solvers",
     "heat/foreign",
     "heat",
-    "mechanics/clamping",
     "mechanics/constitutive",
     "mechanics/liquid",
     "mechanics",
@@ -48,36 +46,35 @@ ORDER = [
     "contact/friction",
     "contact",
     "equilibrium/supports",
-    "equilibrium/accuracy",
     "equilibrium",
     "coupling",
-    "results/files results/freezing results/pools results/solid",
-    "results/cracking",
-    "results/feeding results/maps results/die",
-    "results/histories",
+    "results/files results/states",
+    "foundry/front foundry/pools",
+    "foundry/stress",
+    "foundry/followed",
     "results",
     "process",
     "checkpoint",
     "handover",
     "report",
-    "report/assembly",
     "report/summary",
-    "report/scene",
     "report/page",
-    "verification/measures",
-    "verification/heat",
-    "verification/solids verification/contact verification/coupled",
-    "verification/foundry",
-    "verification",
-    "validation",
-    "command/proof command/watches",
+    "proof/verification",
+    "proof/verification/heat",
+    "proof/verification/solids proof/verification/contact proof/verification/coupled",
+    "proof/verification/foundry",
+    "proof/validation",
+    "proof",
     "command",
     "__init__ __main__",
 ]
 PLACE = {name: place for place, names in enumerate(ORDER) for name in names.split()}
 
-LONGEST_FILE, LONGEST_CLASS = 400, 200
-MOST_MODULES = 12
+# Marks of sprawl: lines of a file and of a class, modules of a room.
+LONGEST_FILE, LONGEST_CLASS, MOST_MODULES = 400, 250, 18
+# What is beyond its mark, as "castx/heat/body.py", "castx/heat/body.py: HeatBody" or "castx/heat",
+# with its present size. It may not grow, and its entry follows when it shrinks.
+BEYOND: Mapping[str, int] = {}
 # Where the user comes in, and all ranks are what is meant if nothing else is said.
 ENTRY_POINTS = {PROJECT / "castx/command/cli.py", PROJECT / "castx/command/run.py"}
 # What the files of these folders may import, beside the small change of the standard library.
@@ -205,11 +202,43 @@ def test_library_does_not_print():
     assert not [place for path in LIBRARY for place in places(path, "print")]
 
 
-def test_files_and_classes_stay_short():
-    long = [path for path in LIBRARY if len(path.read_text().splitlines()) > LONGEST_FILE]
-    assert not [named(path) for path in long]
-    sizes = {f"{named(path)}: {c.name}": lines_of(c) for path in LIBRARY for c in classes(path)}
-    assert not {name: lines for name, lines in sizes.items() if lines > LONGEST_CLASS}
+def off_the_mark(
+    sizes: Mapping[str, int], most: int, beyond: Mapping[str, int]
+) -> dict[str, tuple[int, int]]:
+    """Return size and allowed size of what is longer than allowed, or shorter than its entry."""
+    allowed = {name: beyond.get(name, min(size, most)) for name, size in sizes.items()}
+    out_of_date = {name for name in beyond if sizes.get(name, 0) <= most}
+    wrong = {name for name, size in sizes.items() if size != allowed[name]} | out_of_date
+    return {name: (sizes.get(name, 0), allowed.get(name, most)) for name in sorted(wrong)}
+
+
+def test_files_classes_and_rooms_do_not_sprawl():
+    files = {named(path): len(path.read_text().splitlines()) for path in LIBRARY}
+    bodies = {f"{named(path)}: {c.name}": lines_of(c) for path in LIBRARY for c in classes(path)}
+    rooms = Counter(named(path.parent) for path in LIBRARY if path.stem != "__init__")
+    marks = ((files, LONGEST_FILE), (bodies, LONGEST_CLASS), (rooms, MOST_MODULES))
+    wrong = {}
+    for sizes, most in marks:
+        of_these = {name: size for name, size in BEYOND.items() if name in sizes}
+        wrong |= off_the_mark(sizes, most, of_these)
+    assert not wrong, "size and allowed size; see BEYOND"
+    assert not set(BEYOND) - set(files) - set(bodies) - set(rooms)
+
+
+@pytest.mark.parametrize(
+    ("size", "beyond", "wrong"),
+    [
+        (10, {}, False),
+        (11, {}, True),
+        (14, {"a": 14}, False),
+        (15, {"a": 14}, True),
+        (13, {"a": 14}, True),
+        (10, {"a": 10}, True),
+        (0, {"gone": 14}, True),
+    ],
+)
+def test_what_is_beyond_its_mark_neither_grows_nor_shrinks_unseen(size, beyond, wrong):
+    assert bool(off_the_mark({"a": size}, 10, beyond)) == wrong
 
 
 def classes(path: Path) -> list[ast.ClassDef]:
@@ -252,13 +281,13 @@ def test_no_circle_of_modules():
 
 
 @pytest.mark.parametrize("room", [name for name in PLACE if (PROJECT / "castx" / name).is_dir()])
-def test_a_room_is_small_and_says_what_it_holds(room):
+def test_a_room_says_what_it_holds(room):
     folder = PROJECT / "castx" / room
-    assert len([path for path in folder.glob("*.py") if path.stem != "__init__"]) <= MOST_MODULES
     init = ast.parse((folder / "__init__.py").read_text())
-    sentence, _, public = (ast.get_docstring(init) or "").partition("\n\n")
+    sentence, *others = (ast.get_docstring(init) or "").split("\n\n")
+    public = "".join(part for part in others if part.startswith("Public: "))
     assert sentence.endswith("."), f"{room}/__init__.py must say in a sentence what the room holds"
-    assert public.startswith("Public: "), f"{room}/__init__.py must name its public objects"
+    assert public, f"{room}/__init__.py must name its public objects"
     missing = [
         name
         for name in re.findall(r"`([\w.]+)`", public)

@@ -19,8 +19,8 @@ from castx.input.units import LENGTH
 from castx.input.variation import Variation
 from castx.transfer import keys
 from castx.transfer.conductance import ConductionLaw
-from castx.transfer.database.naming import FROM, changed, with_entry
 from castx.transfer.declaration import GapHeatLaw, Given
+from castx.transfer.naming import FROM, changed, with_entry
 from castx.transfer.registry import gap_heat_laws, with_keys_of_laws
 from castx.transfer.surfaces import Coating, ContactConductance, Radiation, Roughness
 

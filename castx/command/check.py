@@ -19,7 +19,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.command.cad_report import show_cad
-from castx.command.watches.range_watch import outside_used_range, ranges_text
+from castx.command.range_watch import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large
@@ -56,7 +56,7 @@ def check_case(
         MeshError: the mesh lacks what the case asks of it.
     """
     if picture is not None:
-        from castx.report.assembly.exploded import refuse_format  # loads what draws, see draw_case
+        from castx.report.exploded import refuse_format  # loads what draws, see draw_case
 
         refuse_format(picture)
     names = [body.name for body in case.bodies]
@@ -90,8 +90,8 @@ def draw_case(case: Case, mesh: CastingMesh, picture: Path) -> None:
         CaseError: the picture cannot be drawn or written.
     """
     # Half a second that no check without a picture should wait for.
-    from castx.report.assembly.exploded import Mark, write_picture
-    from castx.report.assembly.shells import shells_of
+    from castx.report.exploded import Mark, write_picture
+    from castx.report.shells import shells_of
 
     shells = shells_of(mesh, [interface.name for interface in case.interfaces])
     flat = case.geometry.model != "3d"

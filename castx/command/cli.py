@@ -349,7 +349,7 @@ def verify(
     output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/verification"),
 ) -> None:
     """Compare castx with exact solutions and write a page; fails if a tolerance is missed."""
-    from castx.command.proof.verify import list_or_verify
+    from castx.command.verify import list_or_verify
 
     if not list_or_verify(numbers or (), output, *output_of(context), quick=quick, show=show_list):
         raise typer.Exit(Exit.FAILED)
@@ -363,8 +363,8 @@ def validate(
     output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/validation"),
 ) -> None:
     """List the experiments, or run the case of one and compare it with what was measured."""
-    from castx.command.proof.validate import list_or_validate
     from castx.command.run import run as run_case_file
+    from castx.command.validate import list_or_validate
 
     list_or_validate(name, folder, output, *output_of(context), run_case_file)
 

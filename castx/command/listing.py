@@ -21,7 +21,7 @@ from castx.materials.sources import Property, numbers, unit_of
 from castx.report.interface_law import heat_transfer_coefficient
 from castx.results.files.folder import RECORD
 from castx.results.files.run_json import read_record
-from castx.transfer.database.entries import (
+from castx.transfer.database import (
     SourcedNumber,
     interface_entry,
     interface_names,

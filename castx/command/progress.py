@@ -14,7 +14,7 @@ from rich import progress
 from rich.console import Console
 
 from castx.command.terminal import console_of
-from castx.results.snapshot import Snapshot
+from castx.results.states.snapshot import Snapshot
 
 WIDE = 105
 """Width of a terminal that has room for a bar beside the numbers."""

@@ -27,7 +27,7 @@ def scheil(
     ] = None,
 ) -> None:
     """Write the solid fraction of an alloy after Scheil as a material of a case file."""
-    from castx.thermodynamics.scheil import Composition, case_text, scheil_table
+    from castx.materials.scheil import Composition, case_text, scheil_table
 
     comm, console = output_of(context)
 

@@ -12,14 +12,14 @@ from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.errors import CaseError
-from castx.mechanics.clamping.clamp import SurfaceClamp
-from castx.mechanics.clamping.direction import press_direction
+from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.fixed_directions import (
     PARALLEL,
     SurfaceDisplacement,
     axes_of,
     fixed_directions,
 )
+from castx.mechanics.press_direction import press_direction
 from castx.tables import Table
 
 

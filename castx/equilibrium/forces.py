@@ -16,9 +16,9 @@ from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.liquid_skin import LiquidSkin
 from castx.contact.system import ContactSystem
-from castx.equilibrium.accuracy.convergence import ForceConvergence
-from castx.equilibrium.accuracy.net_forces import NetForces
+from castx.equilibrium.convergence import ForceConvergence
 from castx.equilibrium.linear_system import SystemOperator
+from castx.equilibrium.net_forces import NetForces
 from castx.equilibrium.pocket_block import PocketBlock
 from castx.equilibrium.supports.acting import Supports
 from castx.mechanics.assembly import BodyAssembly

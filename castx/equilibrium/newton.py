@@ -13,7 +13,7 @@ import numpy as np
 
 from castx.arrays import BoolArray
 from castx.domain import compat
-from castx.equilibrium.accuracy.convergence import worst_row
+from castx.equilibrium.convergence import worst_row
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import (
     InnerSolver,

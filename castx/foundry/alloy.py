@@ -15,7 +15,7 @@ from castx.foundry.hot_tearing import clyne_davies_of_alloy, kou
 from castx.foundry.mush import FreezingPath
 from castx.foundry.porosity import ATMOSPHERE, CriticalLiquid, Melt, melt_contraction
 from castx.materials.description import MaterialDescription
-from castx.materials.foundry.entries import StrengthData
+from castx.materials.foundry_data import StrengthData
 from castx.materials.material import Material
 from castx.tables import Table
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.materials.foundry.entries import RIPENING
+from castx.materials.foundry_data import RIPENING
 
 
 @dataclass(frozen=True)

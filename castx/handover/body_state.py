@@ -15,9 +15,9 @@ from castx.case.case import Case
 from castx.case.output import Output
 from castx.case.reading.read import load_case
 from castx.errors import CaseError
+from castx.foundry.followed.foundry_fields import entry_of
 from castx.input.problems import among
 from castx.results.files.folder import CASE
-from castx.results.foundry_fields import entry_of
 from castx.results.reading import Results, cells_of
 
 if TYPE_CHECKING:

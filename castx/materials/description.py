@@ -31,7 +31,7 @@ from castx.input.units import (
     TEMPERATURE,
     VISCOSITY,
 )
-from castx.materials.foundry.entries import (
+from castx.materials.foundry_data import (
     ArmSpacingData,
     ArmSpacingEntry,
     FatigueData,

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, get_args
 
 from castx.input.entries import Description, Quantity, Tabulated
 from castx.materials.description import Liquid, LiquidEntry, MaterialDescription, PhasedTable
-from castx.materials.foundry.entries import KeysEntry
+from castx.materials.foundry_data import KeysEntry
 from castx.materials.inelastic import (
     KINEMATIC_KEYS,
     LIQUID_RULES,

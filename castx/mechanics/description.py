@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from castx.mechanics.clamping.clamp import SurfaceClamp
+from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.constitutive.law import Law
 from castx.tables import Table
 

@@ -13,7 +13,7 @@ from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, surface_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms import momentum
-from castx.mechanics.clamping.clamp import Clamp
+from castx.mechanics.clamp import Clamp
 from castx.mechanics.description import MechanicalBody
 from castx.tables import Table
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from castx.case.stages import Phase
 from castx.process.cycles import distance_from_periodic
-from castx.results.snapshot import FULLY_SOLID
+from castx.results.states.snapshot import FULLY_SOLID
 
 _log = logging.getLogger(__name__)
 

@@ -17,7 +17,7 @@ from castx.process.cycles import CycleEnds
 from castx.process.ejection import ejection_forces
 from castx.process.events import Events
 from castx.process.handover import left_total, without
-from castx.results.snapshot import ProcessState
+from castx.results.states.snapshot import ProcessState
 from castx.stateful import Arrays, Saved, joined, part_of
 
 

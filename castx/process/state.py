@@ -21,8 +21,8 @@ from castx.foundry.cracking import principal_values
 from castx.mechanics.body import BodyMechanics, point_stress
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
-from castx.results.quantities import CELLWISE, FOLLOWED_IN_CELLS, PRINCIPAL
-from castx.results.snapshot import ProcessState
+from castx.results.states.quantities import CELLWISE, FOLLOWED_IN_CELLS, PRINCIPAL
+from castx.results.states.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 

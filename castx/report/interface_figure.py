@@ -14,7 +14,7 @@ from castx.errors import CaseError
 from castx.report.interface_law import heat_transfer_coefficient
 from castx.report.material_figure import FORMATS
 from castx.report.style import COLOURS, DOTS_PER_INCH, figure
-from castx.transfer.database.entries import InterfaceEntry, SourcedNumber, interface_entry
+from castx.transfer.database import InterfaceEntry, SourcedNumber, interface_entry
 
 GAPS = np.logspace(-7, np.log10(3e-3), 200)
 """Gaps that are drawn [m]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.results.reading import Results
-from castx.results.snapshot import FULLY_SOLID
+from castx.results.states.snapshot import FULLY_SOLID
 
 FRACTIONS = {0.25: "25 % solid", 0.5: "50 % solid", 0.75: "75 % solid", FULLY_SOLID: "all solid"}
 OPEN = 1e-6

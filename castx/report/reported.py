@@ -10,8 +10,8 @@ import pyvista
 from castx.arrays import FloatArray
 from castx.foundry.cracking import principal_values
 from castx.results.files.vtu import VTK_TENSOR
-from castx.results.quantities import PRINCIPAL
 from castx.results.reading import Results, cells_of
+from castx.results.states.quantities import PRINCIPAL
 
 State = dict[str, pyvista.UnstructuredGrid]
 ON_SURFACES = ("deviation", "first_opening")

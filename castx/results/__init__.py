@@ -1,7 +1,8 @@
-"""Results of a run: snapshots of its states, the files that it writes, and how they are read.
+"""Results of a run: what is written of its states, the files, and how they are read.
 
-Public: `reading.Results`, `reading.BodyField`, `reading.InterfaceFields`, `snapshot.Snapshot`,
-`snapshot.ProcessState`, `writing.ResultsWriter`, `fields.Fields`, `history.History`,
-`hot_spots.HotSpots`, `probes.Probes`, `record.RunRecord`, `solidification.Solidification`,
-`locate.place_in_body`, `locate.place_on_surface`, `quantities.on_secondary_nodes`.
+`states` is what a step leaves; `files` are folders, tables and fields on disk.
+
+Public: `reading.Results`, `reading.BodyField`, `reading.InterfaceFields`,
+`writing.ResultsWriter`, `fields.Fields`, `history.History`, `probes.Probes`, `record.RunRecord`,
+`locate.place_in_body`, `locate.place_on_surface`.
 """

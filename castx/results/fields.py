@@ -11,15 +11,15 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.results.cracking.cracks import COLD_CRACKS
+from castx.foundry.followed import histories
+from castx.foundry.followed.foundry_fields import entry_of, is_of_foundry
+from castx.foundry.stress.cracks import COLD_CRACKS
+from castx.foundry.stress.stage_ends import DEVIATION
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
-from castx.results.foundry_fields import entry_of, is_of_foundry
-from castx.results.histories import histories
-from castx.results.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
-from castx.results.snapshot import Snapshot
-from castx.results.solid.stage_ends import DEVIATION
+from castx.results.states.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
+from castx.results.states.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh

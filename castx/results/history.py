@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from castx.results.files.series import Series, cut_back
-from castx.results.snapshot import Snapshot
+from castx.results.states.snapshot import Snapshot
 from castx.solvers.counters import StepCounters
 
 COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))

@@ -15,8 +15,8 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.results.files.series import Series, cut_back
 from castx.results.locate import Place, place_below, place_in_body, place_on_surface
-from castx.results.quantities import CELLWISE, on_secondary_nodes, parts
-from castx.results.snapshot import Snapshot
+from castx.results.states.quantities import CELLWISE, on_secondary_nodes, parts
+from castx.results.states.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from castx.case.output import Probe

@@ -15,7 +15,7 @@ from castx.input.problems import among
 from castx.results.files.collection import FieldSeries
 from castx.results.files.run_tables import Columns, RunTables
 from castx.results.files.vtu import VTK_TENSOR
-from castx.results.snapshot import FULLY_SOLID
+from castx.results.states.snapshot import FULLY_SOLID
 
 SAME_TIME = 1e-9
 """Difference of times, as a share of the length of the run, below which they are the same."""
@@ -204,7 +204,7 @@ class Results(RunTables):
         Raises:
             CaseError: there is no such column; with those that exist.
         """
-        from castx.results.quantities import UNITS  # loads the solvers
+        from castx.results.states.quantities import UNITS  # loads the solvers
 
         _ = self.probes[column]
         return "s" if column == "time" else UNITS[column.split(".")[1]]

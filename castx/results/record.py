@@ -19,7 +19,7 @@ from castx.environment import versions
 from castx.errors import ConvergenceError
 from castx.profiling import PartCost, RunPart
 from castx.results.files.folder import write_whole
-from castx.results.snapshot import Snapshot
+from castx.results.states.snapshot import Snapshot
 from castx.solvers.counters import StepCounters
 
 

@@ -12,10 +12,23 @@ from typing import TYPE_CHECKING, Any, Self
 from castx.case.stages import Schedule
 from castx.errors import CaseError
 from castx.foundry.alloy import Alloy
+from castx.foundry.followed.foundry_fields import (
+    FoundryFields,
+    pores_of,
+    poured_bodies,
+    solidification_of,
+    written_names,
+)
+from castx.foundry.followed.histories import histories_of
+from castx.foundry.pools.hot_spots import HotSpots
+from castx.foundry.pools.pooled_metal import pooled_metals
+from castx.foundry.stress.cracks import cracks_of
+from castx.foundry.stress.shape import is_axis, plane_of
+from castx.foundry.stress.stage_ends import StageEnds
+from castx.foundry.stress.surface_forms import SurfaceForms
 from castx.materials.lookup import find_material
 from castx.profiling import PartCost, RunPart, booked_as
 from castx.ranks import on_first_rank
-from castx.results.cracking.cracks import cracks_of
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.files.folder import (
@@ -30,24 +43,11 @@ from castx.results.files.folder import (
 )
 from castx.results.files.measurements import measured_curves, write_measured
 from castx.results.files.series import damage_of
-from castx.results.foundry_fields import (
-    FoundryFields,
-    pores_of,
-    poured_bodies,
-    solidification_of,
-    written_names,
-)
-from castx.results.histories.histories import histories_of
 from castx.results.history import History
-from castx.results.hot_spots import HotSpots
-from castx.results.pools.pooled_metal import pooled_metals
 from castx.results.probes import Probes
-from castx.results.quantities import MECHANICAL
 from castx.results.record import Reason, RunRecord
-from castx.results.snapshot import Snapshot
-from castx.results.solid.shape import is_axis, plane_of
-from castx.results.solid.stage_ends import StageEnds
-from castx.results.solid.surface_forms import SurfaceForms
+from castx.results.states.quantities import MECHANICAL
+from castx.results.states.snapshot import Snapshot
 from castx.stateful import Arrays, Saved, joined, part_of
 
 if TYPE_CHECKING:

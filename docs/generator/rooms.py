@@ -9,14 +9,24 @@ from pathlib import Path
 from typing import NamedTuple
 
 PROJECT = Path(__file__).parents[2]
-_ROW = re.compile(r"^\| `([\w/]+)/` \|", re.M)
+_ROW = re.compile(r"^\| ((?:`\w+/`(?:, )?)+) \|", re.M)
 _PUBLIC = re.compile(r"^Public:(.*?)(?:\n\s*\n|\Z)", re.M | re.S)
 
 
+def rows() -> list[list[str]]:
+    """Return the rooms that the rows of the tables of ARCHITECTURE.md name, row by row."""
+    cells = _ROW.findall((PROJECT / "ARCHITECTURE.md").read_text())
+    return [re.findall(r"\w+", cell) for cell in cells]
+
+
 def rooms() -> list[str]:
-    """Return all rooms from the ground up, in the order of the table of ARCHITECTURE.md."""
-    rows = _ROW.findall((PROJECT / "ARCHITECTURE.md").read_text())
-    return [room for room in rows if room != "castx"]
+    """Return all rooms in the order of ARCHITECTURE.md, each before the rooms inside it."""
+    found = []
+    for top in (room for row in rows() for room in row):
+        inner = sorted((PROJECT / "castx" / top).rglob("__init__.py"))
+        folders = [path.parent.relative_to(PROJECT / "castx").as_posix() for path in inner]
+        found += sorted(folders)
+    return found
 
 
 def module_files(room: str) -> list[Path]:

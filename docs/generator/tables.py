@@ -16,7 +16,7 @@ from castx.input.sourced import UNKNOWN_SOURCE
 from castx.materials.database import database_entry, database_names
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES, RuleRow, rule_table
 from castx.report.interface_law import heat_transfer_coefficient
-from castx.transfer.database.entries import SourcedNumber, interface_entry, interface_names
+from castx.transfer.database import SourcedNumber, interface_entry, interface_names
 from castx.transfer.registry import law_table
 
 PROJECT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from castx.arrays import FloatArray
 from castx.case.geometry import Geometry
 from castx.domain.mesh import CastingMesh, build_mesh
 from castx.domain.pairs.node_pairs import NodePairs, node_pairs
-from castx.results.snapshot import ProcessState
+from castx.results.states.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 
 Formula = Callable[[FloatArray], FloatArray]

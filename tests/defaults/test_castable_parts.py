@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from castx.materials.lookup import find_material
-from castx.verification.contact.shrink_fit import ShrinkFit
+from castx.proof.verification.contact.shrink_fit import ShrinkFit
 from tests.coupled_cases import nodal, paired
 from tests.defaults.runs import by_default
 from tests.verification.free_bar import HOT, LENGTH, START, bar, ends, growth

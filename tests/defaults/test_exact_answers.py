@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.verification.contact.closed_mould import WEIGHT, closed_mould
-from castx.verification.coupled import expanding_bars
-from castx.verification.coupled.expanding_bars import GIVEN, OPEN, Bars, mean
-from castx.verification.solids import solidifying_slab as slabs
+from castx.proof.verification.contact.closed_mould import WEIGHT, closed_mould
+from castx.proof.verification.coupled import expanding_bars
+from castx.proof.verification.coupled.expanding_bars import GIVEN, OPEN, Bars, mean
+from castx.proof.verification.solids import solidifying_slab as slabs
 from tests.defaults.runs import by_default
 from tests.verification import solidifying_slab
 from tests.verification.closed_mould import check as check_closed_mould

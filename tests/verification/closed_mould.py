@@ -1,4 +1,4 @@
-"""What V17 demands of a run, as `castx/verification/contact/closed_mould.py` has it."""
+"""What V17 demands of a run, as `castx/proof/verification/contact/closed_mould.py` has it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.process.state import State
-from castx.verification.contact.closed_mould import HEIGHT, SHRINKAGE, WEIGHT, WIDTH, by_side
+from castx.proof.verification.contact.closed_mould import HEIGHT, SHRINKAGE, WEIGHT, WIDTH, by_side
 
 
 def check(state: State, tolerance: float = 1e-6) -> None:

@@ -1,4 +1,4 @@
-"""Pressures inside Cook's membrane, of `castx/verification/solids/cook.py`."""
+"""Pressures inside Cook's membrane, of `castx/proof/verification/solids/cook.py`."""
 
 from __future__ import annotations
 

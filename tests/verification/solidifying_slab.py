@@ -1,4 +1,4 @@
-"""What V12 demands of a run, as `castx/verification/solids/solidifying_slab.py` has it."""
+"""What V12 demands of a run, as `castx/proof/verification/solids/solidifying_slab.py` has it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from castx.verification.solids.solidifying_slab import Found, Slab, Solution, bin_means, follow
+from castx.proof.verification.solids.solidifying_slab import (
+    Found,
+    Slab,
+    Solution,
+    bin_means,
+    follow,
+)
 from tests import coupled_cases
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
-from castx.verification.solids.viscoplastic_bars import KINDS, LENGTH, Kind, bar
+from castx.proof.verification.solids.viscoplastic_bars import KINDS, LENGTH, Kind, bar
 from tests import coupled_cases
 from tests.coupled_cases import merged
 

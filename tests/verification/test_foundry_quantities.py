@@ -4,7 +4,7 @@ Half-space, freezing range 560 to 615 °C with f_s linear in T, initially 640 °
 By similarity both fronts go with √t, so that at a distance x from the wall
     t_f = (1/7.527429e-3² - 1/1.0481317e-2²) x² = 8545.79 x² s/m²,
 and the Niyama value G/√Ṫ at f_s = 0.9 is the same everywhere: 2740.71 K^½ s^½/m.
-Source: `castx/verification/coupled/chilled_alloy.py`.
+Source: `castx/proof/verification/coupled/chilled_alloy.py`.
 Tolerances at 20 to 28 elements from the wall: Niyama value 1 % (a node sees the front in phases of
 the element, which does not fall further), t_f 3.5 % in the mean, falling with element and step.
 """
@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 from castx.case.reading.read import read_case
+from castx.foundry.front.solidification import Solidification
 from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
-from castx.results.solidification import Solidification
-from castx.verification.coupled.chilled_alloy import ChilledAlloy
+from castx.proof.verification.coupled.chilled_alloy import ChilledAlloy
 
 ALLOY = ChilledAlloy()
 NIYAMA, TIME = ALLOY.half_space.niyama(), ALLOY.freezing

@@ -26,9 +26,9 @@ from scipy.special import erf, erfc
 
 from castx.arrays import FloatArray
 from castx.case.reading.read import read_case
+from castx.foundry.front.solidification import Solidification
 from castx.materials.lookup import find_material
 from castx.process.simulation import Simulation
-from castx.results.solidification import Solidification
 
 pytestmark = pytest.mark.sampled
 

@@ -20,9 +20,9 @@ import numpy as np
 import pytest
 
 from castx.case.reading.read import read_case
+from castx.foundry.followed.foundry_fields import FoundryFields, poured_bodies, solidification_of
 from castx.process.simulation import Simulation
-from castx.results.foundry_fields import FoundryFields, poured_bodies, solidification_of
-from castx.verification.coupled.chilled_alloy import ChilledAlloy
+from castx.proof.verification.coupled.chilled_alloy import ChilledAlloy
 
 pytestmark = pytest.mark.sampled
 

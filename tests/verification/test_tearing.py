@@ -26,9 +26,9 @@ from castx.foundry.porosity import Melt
 from castx.foundry.suction import CUT_OFFS, MushSuction
 from castx.materials.solid_fraction import LinearLaw
 from castx.process.simulation import Simulation
+from castx.proof.verification.solids.viscoplastic_bars import KINDS, bar
 from castx.results.reading import Results
 from castx.results.writing import ResultsWriter
-from castx.verification.solids.viscoplastic_bars import KINDS, bar
 
 pytestmark = pytest.mark.sampled
 

@@ -1,6 +1,6 @@
 """V1: solidification of a pure metal at a chilled wall, by the heat problem alone.
 
-Reference: `castx/verification/heat/neumann.py`.
+Reference: `castx/proof/verification/heat/neumann.py`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pytest
 
 from castx.heat.body import HeatBody
 from castx.heat.problem import HeatProblem
-from castx.verification.heat.neumann import Neumann
+from castx.proof.verification.heat.neumann import Neumann
 from tests.verification.heat_strips import material, profile, run, solid_thickness, strip, wall_at
 
 EXACT = Neumann()

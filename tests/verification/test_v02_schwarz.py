@@ -1,6 +1,6 @@
 """V2: a melt on a mould in perfect contact, both half-spaces, by the heat problem alone.
 
-Reference: `castx/verification/heat/schwarz.py`.
+Reference: `castx/proof/verification/heat/schwarz.py`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from castx.heat.body import HeatBody
-from castx.verification.heat.schwarz import Schwarz
+from castx.proof.verification.heat.schwarz import Schwarz
 from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import (
     casting_on_mould,

@@ -1,6 +1,6 @@
 """V3: an alloy with a freezing range solidifies at a chilled wall, by the heat problem alone.
 
-Reference: `castx/verification/heat/freezing_range.py`.
+Reference: `castx/proof/verification/heat/freezing_range.py`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pytest
 
 from castx.heat.body import HeatBody
 from castx.heat.problem import HeatProblem
-from castx.verification.heat.freezing_range import FreezingRange
+from castx.proof.verification.heat.freezing_range import FreezingRange
 from tests.verification.heat_strips import material, profile, run, strip, wall_at
 
 EXACT = FreezingRange()

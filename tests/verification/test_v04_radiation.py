@@ -1,6 +1,6 @@
 """V4: two lumped bodies that exchange heat by radiation alone, through the gap between them.
 
-Reference: `castx/verification/heat/radiation.py`; the numbers of the case, and other data.
+Reference: `castx/proof/verification/heat/radiation.py`; the numbers of the case, and other data.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from castx.verification.heat.radiation import TIMES, Lumps
+from castx.proof.verification.heat.radiation import TIMES, Lumps
 from tests import coupled_cases
 
 GIVEN = Lumps()

@@ -1,6 +1,6 @@
 """V5: steady heat through two plates with a given resistance between them.
 
-Reference: `castx/verification/heat/plates.py`.
+Reference: `castx/proof/verification/heat/plates.py`.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from castx.heat.body import HeatBody
+from castx.proof.verification.heat.plates import Plates
 from castx.tables import Table
-from castx.verification.heat.plates import Plates
 from tests.heat_conditions import surface_heat
 from tests.heat_resistance import of_resistance
 from tests.verification.heat_strips import casting_on_mould, material, profile, strip

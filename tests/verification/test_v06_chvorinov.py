@@ -13,8 +13,7 @@ import pytest
 from castx.case.reading.read import read_case
 from castx.command.run import run_case
 from castx.heat.body import HeatBody
-from castx.results.reading import Results
-from castx.verification.heat.chvorinov import (
+from castx.proof.verification.heat.chvorinov import (
     LATENT,
     MELTING,
     METAL,
@@ -25,6 +24,7 @@ from castx.verification.heat.chvorinov import (
     rough_time,
     sand_depth,
 )
+from castx.results.reading import Results
 from tests.verification.heat_strips import (
     casting_on_mould,
     material,

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.verification.solids.manufactured import (
+from castx.proof.verification.solids.manufactured import (
     LARGEST_ERRORS,
     WEIGHT,
     container,

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from castx.equilibrium.problem import MechanicalProblem
-from castx.verification.solids.cook import CASES as IN_CASE_FILES
-from castx.verification.solids.cook import INCOMPRESSIBLE, TIP, Membrane, draw_membrane
+from castx.proof.verification.solids.cook import CASES as IN_CASE_FILES
+from castx.proof.verification.solids.cook import INCOMPRESSIBLE, TIP, Membrane, draw_membrane
 from tests.elastic_bodies import at, body, drawn, elastic, fixed, problem, pulled
 from tests.verification.cook import inner_pressures
 

@@ -38,8 +38,8 @@ from castx.mechanics.constitutive.law import Law
 from castx.mechanics.constitutive.response import SMALLEST_SECANT
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.proof.verification.solids.cook import TIP, draw_membrane
 from castx.tables import Table
-from castx.verification.solids.cook import TIP, draw_membrane
 from tests.elastic_bodies import at, drawn, elastic, fixed, heat, problem
 from tests.verification.cook import inner_pressures
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.verification.contact.shrink_fit import ShrinkFit
+from castx.proof.verification.contact.shrink_fit import ShrinkFit
 from tests.contact_methods import IN_THE_LIMIT
 from tests.elastic_bodies import (
     at,

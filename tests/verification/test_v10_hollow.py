@@ -1,6 +1,6 @@
 """V10: hollow sphere and cylinder of perfect plasticity under internal pressure.
 
-Reference: `castx/verification/solids/hollow.py`.
+Reference: `castx/proof/verification/solids/hollow.py`.
 
 The sphere as an axisymmetric section and as an octant in space, the cylinder in plane strain with
 ν near 1/2 and with 1/K = 0. Steel of a = 0.1, b = 0.2 m: the sphere yields first at 140.000 MPa and
@@ -24,8 +24,7 @@ from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
-from castx.tables import Table
-from castx.verification.solids.hollow import (
+from castx.proof.verification.solids.hollow import (
     CYLINDER,
     CYLINDER_PRESSURE,
     MODELS,
@@ -36,6 +35,7 @@ from castx.verification.solids.hollow import (
     draw_section,
     pressed_case,
 )
+from castx.tables import Table
 from tests import coupled_cases
 from tests.elastic_bodies import (
     at,

@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
-from castx.verification.solids.viscoplastic_bars import (
+from castx.proof.verification.solids.viscoplastic_bars import (
     COEFFICIENT,
     COOLING,
     CREEPING,

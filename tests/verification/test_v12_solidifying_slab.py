@@ -1,6 +1,6 @@
 """V12: stress in a slab that solidifies from a chilled wall, free to contract but not to bend.
 
-Reference and its source: `castx/verification/solids/solidifying_slab.py`.
+Reference and its source: `castx/proof/verification/solids/solidifying_slab.py`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.verification.solids.solidifying_slab import (
+from castx.proof.verification.solids.solidifying_slab import (
     FORMULATIONS,
     OTHER,
     STEEL,

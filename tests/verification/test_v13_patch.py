@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.verification.contact.pressed_blocks import (
+from castx.proof.verification.contact.pressed_blocks import (
     HEIGHT,
     POISSON,
     PRESSURE,

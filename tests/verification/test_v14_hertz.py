@@ -15,7 +15,7 @@ import pytest
 
 from castx.case.contact import Pairing
 from castx.contact.choice import Contact
-from castx.verification.contact.rollers import (
+from castx.proof.verification.contact.rollers import (
     DEPTH,
     HALF_WIDTH,
     LOAD,

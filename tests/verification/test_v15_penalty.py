@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.verification.contact.squeezed_bars import COMPLIANCE, LENGTH, SQUEEZE, YOUNG, pressure
+from castx.proof.verification.contact.squeezed_bars import (
+    COMPLIANCE,
+    LENGTH,
+    SQUEEZE,
+    YOUNG,
+    pressure,
+)
 from tests.elastic_bodies import blocks, body, elastic, fixed, gaps, pressures, problem
 
 pytestmark = pytest.mark.sampled

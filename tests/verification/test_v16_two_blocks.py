@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.verification.contact import wide_base
-from castx.verification.contact.wide_base import POISSON, PUSH, YOUNG
+from castx.proof.verification.contact import wide_base
+from castx.proof.verification.contact.wide_base import POISSON, PUSH, YOUNG
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, pressures, problem
 
 pytestmark = pytest.mark.sampled

@@ -1,6 +1,6 @@
 """V17: a casting that shrinks away from all sides of a tight closed mould (Chiumenti, Fig. 6).
 
-Reference: `castx/verification/contact/closed_mould.py`.
+Reference: `castx/proof/verification/contact/closed_mould.py`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from castx.verification.contact.closed_mould import closed_mould
+from castx.proof.verification.contact.closed_mould import closed_mould
 from tests.coupled_cases import final_state, merged
 from tests.verification.closed_mould import check
 

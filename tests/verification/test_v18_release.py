@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.verification.contact.cut_cube import (
+from castx.proof.verification.contact.cut_cube import (
     EXPANSION,
     POISSON,
     SIDE,

@@ -1,8 +1,8 @@
 """V19: two bars that expand towards each other, with h(p) or h(g) between them.
 
-Reference: `castx/verification/coupled/expanding_bars.py`. The mean pressure and the resultant are
-exact on any mesh. Pair by pair the pressure of linear elements alternates with the diagonals of the
-cells, since the thermal strain varies inside them: by O(h).
+Reference: `castx/proof/verification/coupled/expanding_bars.py`. The mean pressure and the resultant
+are exact on any mesh. Pair by pair the pressure of linear elements alternates with the diagonals
+of the cells, since the thermal strain varies inside them: by O(h).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
-from castx.verification.coupled.expanding_bars import (
+from castx.proof.verification.coupled.expanding_bars import (
     GIVEN,
     GLOWING,
     GLOWING_CLOSED,

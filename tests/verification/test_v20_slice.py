@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.verification.coupled.cylinder import CLOSED, GAS, reference, row, slice_case
+from castx.proof.verification.coupled.cylinder import CLOSED, GAS, reference, row, slice_case
 from tests.coupled_cases import states
 
 

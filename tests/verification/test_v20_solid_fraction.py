@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.verification.coupled.cylinder import reference, row, slice_case
+from castx.proof.verification.coupled.cylinder import reference, row, slice_case
 from tests.coupled_cases import cylinder, merged, states
 
 OPEN, CLOSED = 300.0, 2600.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from castx.transfer.database.naming import with_entry
+from castx.transfer.naming import with_entry
 
 
 def written_out(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from castx.report.browser_scene import scene
 from castx.report.display import display
 from castx.report.page.assets import SCRIPTS, page
 from castx.report.page.charts import NUMERICS, merged, run_sections
 from castx.report.page.shots import Shots, finding_shot, stills
 from castx.report.reported import ReportedRun
-from castx.report.scene.scene import scene
 from castx.report.summary.finding import Finding
 from castx.report.summary.hot_spots import hot_spot_table
 from castx.report.summary.registry import findings, leading

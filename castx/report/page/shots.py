@@ -13,6 +13,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from castx.arrays import FloatArray
+from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments
 from castx.report.pictures import (
     Image,
@@ -25,9 +26,8 @@ from castx.report.pictures import (
     picture,
 )
 from castx.report.reported import ReportedRun, State
-from castx.report.scene.scene import shown_range, shown_times
-from castx.report.scene.topics import Topic, topics_of
 from castx.report.summary.finding import Finding, Shown
+from castx.report.topics import Topic, topics_of
 
 PIXELS = 480
 """Largest side of a picture."""

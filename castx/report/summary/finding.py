@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from castx.results.quantities import parts
+from castx.results.states.quantities import parts
 
 
 @dataclass(frozen=True)

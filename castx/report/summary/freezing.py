@@ -8,7 +8,7 @@ import numpy as np
 
 from castx.report.summary.finding import Finding, Shown
 from castx.results.reading import Results
-from castx.results.snapshot import FULLY_SOLID
+from castx.results.states.snapshot import FULLY_SOLID
 
 LAST_LIQUID = "Freezes last"
 STILL_LIQUID = "Still liquid"

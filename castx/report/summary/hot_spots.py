@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from castx.case.geometry import PLANE_MODELS
-from castx.results.quantities import parts
+from castx.results.states.quantities import parts
 
 MOST_ROWS = 10
 """Hot spots that the report shows; hot_spots.csv has all."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from castx.report.summary.finding import Finding
-from castx.results.quantities import UNITS
 from castx.results.reading import Results
+from castx.results.states.quantities import UNITS
 
 SHOWN = {
     "temperature": (1.0, "K"), "displacement": (1e6, "µm"), "gap": (1e6, "µm"),

@@ -12,8 +12,8 @@ from castx.case.geometry import PLANE_MODELS
 from castx.foundry.suction import CUT_OFFS
 from castx.report.summary.finding import Finding, Shown
 from castx.report.summary.freezing import earlier
-from castx.results.quantities import MARGINS
 from castx.results.reading import Results
+from castx.results.states.quantities import MARGINS
 
 
 @dataclass(frozen=True)

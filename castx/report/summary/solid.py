@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from castx.report.summary.finding import Finding, Shown, place_text
-from castx.results.quantities import PRINCIPAL, parts
 from castx.results.reading import Results
+from castx.results.states.quantities import PRINCIPAL, parts
 
 RESIDUAL = "Residual stress"
 AT_THE_END = "Stress at the end"

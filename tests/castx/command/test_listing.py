@@ -17,7 +17,7 @@ from castx.materials.database import database_names
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
-from castx.transfer.database.entries import interface_entry, interface_names
+from castx.transfer.database import interface_entry, interface_names
 
 pytestmark = pytest.mark.serial
 

@@ -10,7 +10,7 @@ from mpi4py import MPI
 import pytest
 
 from castx.command.cli import Exit, execute
-from tests.castx.thermodynamics.test_scheil import DATABASE
+from tests.castx.materials.test_scheil import DATABASE
 
 pytestmark = pytest.mark.serial
 HAVE = all(find_spec(name) for name in ("pycalphad", "scheil"))

@@ -9,7 +9,7 @@ import pytest
 
 from castx.errors import CaseError
 from castx.report.interface_figure import GAPS, band, curve, write_interface_figure
-from castx.transfer.database.entries import interface_entry, interface_names
+from castx.transfer.database import interface_entry, interface_names
 
 pytestmark = pytest.mark.serial
 

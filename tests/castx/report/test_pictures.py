@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from castx.foundry.front.solidification import Solidification
 from castx.report.display import display
 from castx.report.pictures import (
     Scale,
@@ -18,7 +19,6 @@ from castx.report.pictures import (
 from castx.results.fields import Fields
 from castx.results.files.collection import FieldSeries
 from castx.results.files.disk import Disk
-from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
 pytestmark = pytest.mark.serial

@@ -5,11 +5,11 @@ import pytest
 import pyvista
 
 from castx.case.output import FIELDS
+from castx.foundry.front.solidification import Solidification
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
-from castx.results.quantities import UNITS
-from castx.results.snapshot import ProcessState
-from castx.results.solidification import Solidification
+from castx.results.states.quantities import UNITS
+from castx.results.states.snapshot import ProcessState
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
 NAMES = ("temperature", "displacement", "stress", "von_mises", "gap", "niyama")

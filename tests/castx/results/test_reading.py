@@ -11,10 +11,10 @@ import pyvista
 from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.errors import CaseError
+from castx.foundry.front.solidification import Solidification
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.reading import Results, facing_nodes
-from castx.results.solidification import Solidification
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
 
 FORMULAS = {

@@ -13,7 +13,7 @@ from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series
 from castx.results.writing import ResultsWriter, symmetry_planes, wanted_fields
 from castx.solvers.counters import StepCounters
-from castx.transfer.database.entries import interface_entry
+from castx.transfer.database import interface_entry
 from tests.castx.fakes import FakeSnapshot, casting_pairs
 
 CONTENT = {

@@ -1,4 +1,4 @@
-// Data of the page: JSON in script elements, arrays in it as compressed text. See castx/report/scene/packing.py.
+// Data of the page: JSON in script elements, arrays in it as compressed text. See castx/report/packing.py.
 "use strict";
 
 const castx = {};

@@ -10,7 +10,7 @@ from castx.case.reading.changes import refuse_changes
 from castx.case.reading.read import load_case
 from castx.case.reading.written_out import written_out
 from castx.errors import CaseError
-from castx.transfer.database.entries import interface_entry
+from castx.transfer.database import interface_entry
 
 pytestmark = pytest.mark.serial
 

@@ -9,8 +9,8 @@ from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.errors import CaseError
 from castx.mechanics.description import SurfaceLoad
+from castx.proof.verification.contact.closed_mould import GRAVITY
 from castx.tables import Table
-from castx.verification.contact.closed_mould import GRAVITY
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import final_state
 from tests.elastic_bodies import (

@@ -7,7 +7,7 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.equilibrium.supports.springs import FloatingMotions
-from castx.mechanics.clamping.clamp import SurfaceClamp
+from castx.mechanics.clamp import SurfaceClamp
 from castx.tables import Table
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import (

@@ -11,10 +11,10 @@ import pytest
 
 from castx.command.run import run
 from castx.errors import CaseError
+from castx.report.packing import LEVELS, unpacked
 from castx.report.page.charts import cooling
 from castx.report.page.report import write_report
 from castx.report.reported import ReportedRun
-from castx.report.scene.packing import LEVELS, unpacked
 from castx.report.summary.registry import findings
 from castx.results.files.measurements import Measured, write_measured
 from castx.results.reading import Results

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from castx.report.summary.risks import FIELD_RISKS, alloy_risks, field_risks, hot_spots
-from castx.results.quantities import MARGINS, UNITS
+from castx.results.states.quantities import MARGINS, UNITS
 from tests.castx.report.summary.fake_run import grid, run
 
 pytestmark = pytest.mark.serial

@@ -1,0 +1,136 @@
+"""Warnings of temperatures outside the range for which the data of a material are valid.
+
+Outside its range a table continues with its last value. `castx check` compares the ranges with the
+temperatures named in the case, a run with the temperatures that occur, once for each material.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.case.bodies import Body
+from castx.case.case import Case
+from castx.materials.description import MaterialDescription
+from castx.materials.flow import PLASTIC, VISCOPLASTIC
+from castx.materials.inelastic import FLOW_RULES, KINEMATIC_KEYS
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.materials.sources import OutsideRange
+from castx.results.states.snapshot import Snapshot
+
+_log = logging.getLogger(__name__)
+
+_HEAT = {"heat_capacity", "conductivity"}
+_ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
+_HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
+
+
+class RangeWatch:
+    """Warns once for each material when its temperature leaves the range of a property in use.
+
+    Args:
+        case: what is run.
+        comm: ranks of the run; the first one warns.
+    """
+
+    def __init__(self, case: Case, comm: MPI.Intracomm) -> None:
+        self._case, self._comm = case, comm
+        self._materials = {
+            body.material: find_material(body.material, case.materials) for body in case.bodies
+        }
+        self._warned: set[str] = set()
+
+    def check(self, snapshot: Snapshot) -> None:
+        """Compare the temperatures after an accepted step with the ranges; collective."""
+        if len(self._warned) == len(self._materials):
+            return
+        for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
+            if body.material in self._warned or body.name not in snapshot.mesh.bodies:
+                continue
+            found = outside_used_range(
+                self._case, body, self._materials[body.material], low, high
+            )
+            if found:
+                self._warned.add(body.material)
+                self._warn(f"at t = {snapshot.time:.4g} s", body, found, low, high)
+
+    def _extremes(self, snapshot: Snapshot) -> Iterator[tuple[float, float]]:
+        """Yield the lowest and the highest temperature of each body on all ranks [°C]."""
+        own = np.full((len(self._case.bodies), 2), -np.inf)
+        for row, body in zip(own, self._case.bodies, strict=True):
+            if body.name not in snapshot.mesh.bodies:
+                continue
+            temperature = snapshot.nodal(body.name, "temperature")
+            if temperature.size:
+                row[:] = -temperature.min(), temperature.max()
+        both = np.empty_like(own)
+        self._comm.Allreduce(own, both, MPI.MAX)
+        yield from ((-float(low), float(high)) for low, high in both)
+
+    def _warn(
+        self, when: str, body: Body, found: Sequence[OutsideRange], low: float, high: float
+    ) -> None:
+        if self._comm.rank == 0:
+            _log.warning(
+                "%s %s (%s) is at %.4g to %.4g °C, outside what its data hold for: %s; beyond, "
+                "the last value is used (said once for each material)",
+                when, body.material, body.name, low, high, ranges_text(found),
+            )  # fmt: skip
+
+
+def outside_used_range(
+    case: Case, body: Body, material: Material, low: float, high: float
+) -> list[OutsideRange]:
+    """Return the properties in use by a body that are not valid at all of some temperatures.
+
+    Args:
+        case: the case.
+        body: one of its bodies.
+        material: of the body.
+        low: lowest temperature [°C].
+        high: highest temperature [°C].
+    """
+    used = used_properties(case, body, material.description)
+    return [
+        item
+        for item in material.outside_range(low, high)
+        if item.property.partition(".")[0] in used
+    ]
+
+
+def ranges_text(found: Sequence[OutsideRange]) -> str:
+    """Return in words which properties are valid in which range of temperature."""
+    groups: dict[tuple[float, float], list[str]] = {}
+    for item in found:
+        groups.setdefault(item.valid, []).append(item.property)
+    return ", ".join(
+        f"{', '.join(names)} ({low:g} to {high:g} °C)" for (low, high), names in groups.items()
+    )
+
+
+def used_properties(case: Case, body: Body, material: MaterialDescription) -> set[str]:
+    """Return the keys of the temperature-dependent properties in use by a body.
+
+    Args:
+        case: the case.
+        body: one of its bodies.
+        material: of the body.
+    """
+    scheme = case.coupling.scheme
+    used = set() if scheme == "mechanical" else set(_HEAT)
+    if scheme == "thermal":
+        return used
+    used |= _ELASTIC
+    if body.formulation != "displacement" or not body.starts_solid(material):
+        used.add("liquid")
+    viscous, rule = body.law == VISCOPLASTIC, FLOW_RULES[material.law]
+    if viscous:
+        used |= {key.name for key in rule.keys}
+    if body.law == PLASTIC or (viscous and rule.threshold):
+        used |= _HARDENING
+    return used

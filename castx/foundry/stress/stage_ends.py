@@ -1,0 +1,136 @@
+"""Stress and distortion of the bodies at the ends of the stages of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from castx.arrays import FloatArray
+from castx.foundry.stress.shape import Shape
+from castx.foundry.stress.stresses import StressExtremes
+from castx.foundry.stress.surface_forms import SurfaceForms
+
+if TYPE_CHECKING:
+    from castx.domain.mesh import CastingMesh
+
+DEVIATION = "deviation"
+"""Name of the field of distances from the nominal surface."""
+
+
+class SolidState(Protocol):
+    """The part of a state after an accepted step that is needed here."""
+
+    @property
+    def time(self) -> float:
+        """End of the step [s]."""
+
+    @property
+    def process(self) -> Any:
+        """Stage and cycle."""
+
+    @property
+    def mesh(self) -> CastingMesh:
+        """The bodies that are there."""
+
+    def nodal(self, body: str, name: str, /) -> FloatArray:
+        """Return a nodal field with ghosts."""
+
+    def cellwise(self, body: str, name: str, /) -> FloatArray:
+        """Return a field constant in each cell, with ghosts."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidCopies:
+    """Copies of stresses and displacements of one moment by body.
+
+    Attributes:
+        time: [s].
+        cycle: number of the cycle.
+        stage: number of the stage.
+        stress: of the owned cells, (cells, 6) [Pa].
+        displacement: of the local nodes, (nodes, gdim) [m].
+    """
+
+    time: float
+    cycle: int
+    stage: int
+    stress: Mapping[str, FloatArray]
+    displacement: Mapping[str, FloatArray]
+
+
+class StageEnds:
+    """Keeps the last state, and describes it where a stage or the run ends.
+
+    In cycles the last end of each stage counts.
+
+    Args:
+        mesh: of all bodies.
+        bodies: names of those that deform.
+        forms: of selected surfaces; None: none is.
+    """
+
+    def __init__(
+        self, mesh: CastingMesh, bodies: Collection[str], forms: SurfaceForms | None = None
+    ) -> None:
+        self._forms = forms
+        there = {name: mesh.bodies[name] for name in bodies}
+        self._owned = {
+            name: body.mesh.topology.index_map(body.mesh.topology.dim).size_local
+            for name, body in there.items()
+        }
+        self._stresses = {n: StressExtremes(body, mesh.model) for n, body in there.items()}
+        self._shapes = {name: Shape(body, mesh.model) for name, body in there.items()}
+        self._found: dict[int, dict[str, Any]] = {}
+        self._last: SolidCopies | None = None
+
+    def update(self, state: SolidState) -> None:
+        """Take over the state after an accepted step; collective."""
+        last, process = self._last, state.process
+        if last is not None and (last.cycle, last.stage) != (process.cycle, process.stage):
+            self.described()
+        names = [name for name in self._owned if name in state.mesh.bodies]
+        self._last = SolidCopies(
+            state.time,
+            process.cycle,
+            process.stage,
+            {name: state.cellwise(name, "stress")[: self._owned[name]].copy() for name in names},
+            {name: state.nodal(name, "displacement").copy() for name in names},
+        )
+
+    def described(self) -> list[dict[str, Any]]:
+        """Return the ends of the stages so far, the last state included, as JSON; collective."""
+        last = self._last
+        if last is not None and last.time != self._found.get(last.stage, {}).get("time"):
+            self._found[last.stage] = {
+                "stage": last.stage,
+                "cycle": last.cycle,
+                "time": last.time,
+                "bodies": {
+                    name: self._body(name, stress, last.displacement[name])
+                    for name, stress in last.stress.items()
+                },
+            }
+        return [self._found[stage] for stage in sorted(self._found)]
+
+    def _body(self, name: str, stress: FloatArray, displacement: FloatArray) -> dict[str, Any]:
+        found = {"stress": self._stresses[name].of(stress)}
+        if self._shapes[name].known:
+            found["distortion"] = self._shapes[name].of(displacement)
+        return found if self._forms is None else found | self._forms.of(name, displacement)
+
+    def deviation(self, body: str) -> FloatArray | None:
+        """Return the deviation in the last state at the local nodes [m], (nodes,); collective.
+
+        Not a number off the surface; None: the body does not deform, or has nothing to compare.
+        """
+        if self._last is None or body not in self._last.displacement:
+            return None
+        if not self._shapes[body].known:
+            return None
+        return self._shapes[body].nodal_deviation(self._last.displacement[body])
+
+    def resume(self, found: Sequence[Mapping[str, Any]]) -> None:
+        """Go on behind the ends that an earlier part of the run has described."""
+        self._found = {int(end["stage"]): dict(end) for end in found}
+

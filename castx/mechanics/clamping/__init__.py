@@ -1,4 +1,0 @@
-"""Surfaces that a machine clamps: where it presses, its force and the stiffness behind it.
-
-Public: `direction.press_direction`, `clamp.SurfaceClamp`, `clamp.Clamp`.
-"""

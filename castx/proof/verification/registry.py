@@ -1,0 +1,61 @@
+"""All verifications: found by their files, in the order of their numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+from castx.errors import CaseError
+from castx.input.problems import among
+from castx.input.registry import modules_of, refuse_incomplete
+from castx.proof.verification.verification import Verification
+
+ROOMS = ("heat", "solids", "contact", "coupled", "foundry")
+"""Where the files are."""
+
+
+def place_of(number: str) -> tuple[str, int]:
+    """Return letter and number of a verification; exact solutions, V, before others."""
+    letters, digits = re.fullmatch(r"([A-Z])(\d+)", number).groups()  # type: ignore[union-attr]
+    return "" if letters == "V" else letters, int(digits)
+
+
+def ordered(verifications: Iterable[Verification]) -> dict[str, Verification]:
+    """Return verifications by their numbers.
+
+    Raises:
+        TypeError: two have the same number, or one says too little.
+    """
+    found: dict[str, Verification] = {}
+    for verification in sorted(verifications, key=lambda v: place_of(v.number)):
+        what = f"verification {verification.number}"
+        refuse_incomplete(what, verification, ("title", "formula", "source", "levels", "quick"))
+        if verification.number in found:
+            raise TypeError(f"{what} stands in two files")
+        found[verification.number] = verification
+    return found
+
+
+def _declared() -> Iterable[Verification]:
+    for room in ROOMS:
+        for module in modules_of(f"castx.proof.verification.{room}"):
+            if hasattr(module, "VERIFICATION"):
+                yield module.VERIFICATION
+
+
+VERIFICATIONS: Mapping[str, Verification] = ordered(_declared())
+"""All verifications by their numbers."""
+
+
+def chosen(numbers: Sequence[str]) -> list[Verification]:
+    """Return the verifications of some numbers, or all of them if there are none.
+
+    Raises:
+        CaseError: a number is not known.
+    """
+    for number in numbers:
+        if number.upper() not in VERIFICATIONS:
+            known = among(number, list(VERIFICATIONS))
+            raise CaseError(f"there is no verification {number!r}; {known}")
+    wanted = {number.upper() for number in numbers}
+    return [v for number, v in VERIFICATIONS.items() if not wanted or number in wanted]

@@ -1,6 +1,0 @@
-"""What a verification declares, and how answers are read from the states of a run.
-
-Public: `verification.Verification`, `verification.Resolution`, `verification.Answer`,
-`verification.Curve`, `verification.Comparison`, `verification.Outcome`, `states.states`,
-`states.drawn_mesh`, `states.profile`.
-"""

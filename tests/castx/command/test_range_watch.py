@@ -1,0 +1,127 @@
+"""What a run leaves the ranges of, said once for each material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from castx.arrays import FloatArray
+from castx.case.case import Case
+from castx.case.reading.read import read_case
+from castx.command.range_watch import RangeWatch, used_properties
+from castx.materials.description import MaterialDescription
+from castx.materials.inelastic import FLOW_RULES
+from castx.materials.lookup import find_material
+from tests.castx.case_data import cylinder
+from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
+
+LISTENED = "castx.command.range_watch"
+HEAT = {"heat_capacity", "conductivity"}
+ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
+FLOW = {"yield_stress", "hardening", "kinematic_hardening"}
+
+
+def case_of(**changes) -> Case:
+    materials = {"bodies__0__material": "AlSi7Mg", "bodies__1__material": "steel-H13"}
+    return read_case(cylinder(**{**materials, **changes}), Path("case.toml"))
+
+
+def snapshots(comm, *temperatures: tuple[float, float]) -> Iterator[FakeSnapshot]:
+    """Yield states whose mould is as hot as given, from its base to its top."""
+    mesh = cylinder_mesh(comm)
+    for step, ends in enumerate(temperatures):
+        formulas: dict[str, Formula] = {"temperature": partial(rising, *ends)}
+        yield FakeSnapshot(time=float(step), step=step, mesh=mesh, formulas=formulas)
+
+
+def rising(low: float, high: float, x: FloatArray) -> FloatArray:
+    return np.asarray(low + (high - low) * x[:, 1] / 0.04)
+
+
+@pytest.mark.ranks
+def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
+    watch = RangeWatch(case_of(), comm)
+    for snapshot in snapshots(comm, (200, 590), (200, 605), (200, 650), (15, 900)):
+        watch.check(snapshot)
+    if comm.rank > 0:
+        assert heard == []
+        return
+    mould, casting = heard
+    assert mould.startswith("at t = 1 s steel-H13 (mould) is at 200 to 605 °C, outside what")
+    assert "heat_capacity, young_modulus, poisson_ratio, expansion (20 to 600 °C);" in mould
+    # The melt has data up to 800 °C, the solid from 20 °C on.
+    assert casting.startswith("at t = 3 s AlSi7Mg (casting) is at 15 to 900 °C")
+    assert "heat_capacity.liquid, conductivity.liquid (613 to 800 °C)" in casting
+    assert "heat_capacity.solid" in casting and "yield_stress" not in casting
+
+
+@pytest.mark.ranks
+def test_bodies_of_one_material_share_their_warning(comm, heard):
+    changes = {"bodies__0__material": "steel-H13", "coupling__scheme": "thermal"}
+    watch = RangeWatch(case_of(**changes), comm)
+    for snapshot in snapshots(comm, (200, 620), (200, 640)):
+        watch.check(snapshot)
+    assert len(heard) == (comm.rank == 0)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("law", "changes", "expected"),
+    [
+        ("thermo-elastic", {}, HEAT | ELASTIC | {"liquid"}),
+        ("thermo-elastic", {"coupling__scheme": "thermal"}, HEAT),
+        ("thermo-elastic", {"coupling__scheme": "mechanical"}, ELASTIC | {"liquid"}),
+        ("thermo-elasto-plastic", {}, HEAT | ELASTIC | FLOW | {"liquid"}),
+        (
+            "thermo-elasto-viscoplastic",
+            {},
+            HEAT | ELASTIC | FLOW | {"liquid", "viscosity", "exponent"},
+        ),
+    ],
+)
+def test_only_properties_that_the_run_uses_count(law, changes, expected):
+    heat = {"interfaces__0__heat": {"law": "none"}} if "mechanical" in changes.values() else {}
+    case = case_of(**changes, **heat)
+    body = case.bodies[0].model_copy(update={"law": law})
+    material = find_material("AlSi7Mg", {}).description
+    assert used_properties(case, body, material) == expected
+
+
+@pytest.mark.serial
+def test_norton_flows_without_yield_stress_and_a_solid_mould_without_its_liquid():
+    case = case_of()
+    norton = MaterialDescription.read(
+        {"law": "norton", "coefficient": 1e-30, "exponent": 5, "activation_energy": 1e5}
+    )
+    mould = case.bodies[1].model_copy(update={"law": "thermo-elasto-viscoplastic"})
+    rates = {"coefficient", "exponent", "activation_energy"}
+    assert used_properties(case, mould, norton) == HEAT | ELASTIC | rates
+    copper = find_material("Cu-pure", {}).description
+    assert used_properties(case, case.bodies[1], copper) == HEAT | ELASTIC
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("law", FLOW_RULES)
+def test_a_body_uses_the_keys_of_its_flow_rule(law):
+    rule = FLOW_RULES[law]
+    case = case_of()
+    material = MaterialDescription.read({"law": law, **rule.example})
+    mould = case.bodies[1].model_copy(update={"law": "thermo-elasto-viscoplastic"})
+    used = HEAT | ELASTIC | {key.name for key in rule.keys} | (FLOW if rule.threshold else set())
+    assert used_properties(case, mould, material) == used
+
+
+@pytest.mark.serial
+def test_a_range_is_that_of_the_table_in_a_case_file(comm, heard):
+    changes = {"materials__steel__conductivity": [[100, 25], [300, 27]],
+               "bodies__1__material": "steel"}  # fmt: skip
+    watch = RangeWatch(case_of(**changes), comm)
+    for snapshot in snapshots(comm, (100, 300), (100, 301)):
+        watch.check(snapshot)
+    (message,) = heard
+    assert "steel (mould) is at 100 to 301 °C" in message and "conductivity (100 to" in message
+    assert np.isfinite(watch._materials["steel"].conductivity(301.0, 1.0))

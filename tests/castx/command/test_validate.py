@@ -1,0 +1,55 @@
+"""Experiments on the command line: list, refusal with all that is missing, overlay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from castx.command.cli import Exit, execute
+from tests.castx.proof.validation.synthetic import write_experiment
+
+ROOT = Path(__file__).parents[3] / "validation"
+
+
+@pytest.mark.serial
+def test_the_list_says_how_much_is_missing(comm, capsys):
+    assert execute(["validate", "--folder", str(ROOT)], comm) == Exit.DONE
+    said = capsys.readouterr().out
+    assert "dumbbell" in said and "sand_ring" in said and "cylindrical_mould" in said
+
+
+@pytest.mark.serial
+def test_a_bar_without_dimensions_is_refused_with_the_list(comm, tmp_path, capsys):
+    code = execute(
+        ["validate", "dumbbell", "--folder", str(ROOT), "--output", str(tmp_path / "out")], comm
+    )
+    assert code == Exit.REFUSED
+    said = capsys.readouterr()
+    assert "0.9984, model 1" in said.out and "0.3635, no answer" in said.out
+    for digit in ("length of the bar", "section of the bar", "stiffness of the green sand"):
+        assert digit in said.err
+    assert "case.toml: geometry.file" in said.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.serial
+def test_an_unknown_experiment_is_refused(comm, capsys):
+    assert execute(["validate", "dumbell", "--folder", str(ROOT)], comm) == Exit.REFUSED
+    assert "dumbbell" in capsys.readouterr().err
+
+
+def test_a_known_experiment_is_overlaid(comm, shared_tmp_path, capsys):
+    if comm.rank == 0:
+        write_experiment(shared_tmp_path / "all" / "lumped")
+    comm.Barrier()
+    output = shared_tmp_path / "results"
+    code = execute(
+        ["validate", "lumped", "--folder", str(shared_tmp_path / "all"), "--output", str(output)],
+        comm,
+    )
+    assert code == Exit.DONE
+    assert (output / "lumped" / "validation.html").is_file()
+    if comm.rank == 0:
+        said = capsys.readouterr().out
+        assert "middle.temperature: RMS" in said and "uncertainty ± 2.5 K, within it" in said

@@ -1,0 +1,85 @@
+"""Strain range of cycles of stress whose extremes are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.foundry.stress.strain_cycle import StrainCycle, distance
+from castx.stateful import Numbering
+
+pytestmark = pytest.mark.serial
+
+CELLS = 3
+SIZES = np.array([1.0, 2.0, 0.0])
+TENSION = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def cycles():
+    return StrainCycle(CELLS, Numbering("cells of die", np.arange(CELLS), CELLS, ("die",)))
+
+
+def follow(found, cycle, path, plastic=0.0, temperature=20.0):
+    for value in path:
+        found.update(
+            cycle, value * SIZES[:, None] * TENSION, np.full(CELLS, plastic),
+            np.full(CELLS, temperature + 100.0 * value),
+        )  # fmt: skip
+
+
+def test_the_distance_is_that_of_von_mises():
+    """Of uniaxial stress its size, of shear √3 of it, of pressure nothing."""
+    shear, pressure = np.zeros((2, 6))
+    shear[3], pressure[:3] = 2.0, 7.0
+    tensors = np.array([3.0 * TENSION, shear, pressure])
+    np.testing.assert_allclose(distance(tensors, np.zeros((3, 6))), [3.0, 2 * np.sqrt(3), 0.0])
+
+
+def test_tension_and_compression_add_up():
+    """The von Mises stress alone would show the larger of both."""
+    found = cycles()
+    follow(found, 1, (0.0, -3e-3, -1e-3, 2e-3, 0.5e-3))
+    np.testing.assert_allclose(found.strain_range, 5e-3 * SIZES)
+    np.testing.assert_allclose(found.temperature[:2], 20.0 - 0.05)
+
+
+def test_viscoplastic_strain_of_the_cycle_adds():
+    found = cycles()
+    follow(found, 1, (0.0, 1e-3), plastic=1e-4)
+    follow(found, 1, (0.5e-3,), plastic=5e-4)
+    np.testing.assert_allclose(found.strain_range, 1e-3 * SIZES + 4e-4)
+
+
+def test_the_last_whole_cycle_counts():
+    """It begins with the state in which the one before has ended."""
+    found = cycles()
+    follow(found, 1, (0.0, -8e-3, 1e-3))
+    follow(found, 2, (-2e-3, 0.0), plastic=3e-4)
+    np.testing.assert_allclose(found.strain_range, 9e-3 * SIZES)
+    follow(found, 3, (5e-3,), plastic=7e-4)
+    np.testing.assert_allclose(found.strain_range, 3e-3 * SIZES + 3e-4)
+    np.testing.assert_allclose(found.temperature[:2], 20.0 - 0.05)
+
+
+def test_a_bent_path_is_not_overestimated():
+    generator = np.random.default_rng(3)
+    found, path = cycles(), generator.normal(size=(60, CELLS, 6))
+    for stress in path:
+        found.update(1, stress, np.zeros(CELLS), np.zeros(CELLS))
+    exact = np.max([distance(a, b) for a in path for b in path], axis=0)
+    assert (found.strain_range <= exact + 1e-12).all()
+    assert (found.strain_range >= 0.8 * exact).all()
+
+
+def test_a_restored_cycle_goes_on():
+    whole, first, second = cycles(), cycles(), cycles()
+    path = [(1, 0.0), (1, -4e-3), (1, 1e-3), (2, 2e-3), (2, -1e-3), (3, 0.0)]
+    for cycle, value in path:
+        follow(whole, cycle, (value,))
+    for cycle, value in path[:4]:
+        follow(first, cycle, (value,))
+    second.restore({name: saved.values for name, saved in first.saved().items()})
+    for cycle, value in path[4:]:
+        follow(second, cycle, (value,))
+    np.testing.assert_array_equal(second.strain_range, whole.strain_range)
+    np.testing.assert_array_equal(second.temperature, whole.temperature)

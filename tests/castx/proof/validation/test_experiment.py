@@ -1,0 +1,110 @@
+from pathlib import Path
+
+import pytest
+
+from castx.errors import CaseError
+from castx.proof.validation.experiment import (
+    chosen,
+    experiments,
+    missing_texts,
+    read_experiment,
+)
+
+pytestmark = pytest.mark.serial
+
+ROOT = Path(__file__).parents[4] / "validation"
+FACTS = """
+title = "a bar"
+source = "made up"
+summary = "it cools"
+digits = [
+  { name = "force", value = 12, unit = "N", uncertainty = 0.5 },
+  { name = "length", value = "missing: not read", unit = "mm" },
+]
+[[ratios]]
+name = "force over itself"
+of = "force"
+over = "force"
+model = 1
+because = "of arithmetic"
+"""
+
+
+def written(folder, facts=FACTS, case='[geometry]\nfile = "missing: a mesh"\n'):
+    folder.mkdir(parents=True)
+    (folder / "experiment.toml").write_text(facts)
+    (folder / "case.toml").write_text(case)
+    return folder
+
+
+def test_what_is_missing_is_named_with_its_reason(tmp_path):
+    experiment = read_experiment(written(tmp_path / "bar"))
+    assert experiment.missing == ("length: not read", "case.toml: geometry.file: a mesh")
+    with pytest.raises(CaseError, match="2 digits are missing, and none is invented") as refusal:
+        experiment.refuse_incomplete()
+    assert all(line in str(refusal.value) for line in experiment.missing)
+    assert experiment.ratio(experiment.facts.ratios[0]) == 1.0
+
+
+def test_a_ratio_of_missing_digits_has_no_value(tmp_path):
+    facts = FACTS.replace('over = "force"', 'over = "length"')
+    experiment = read_experiment(written(tmp_path / "bar", facts))
+    assert experiment.ratio(experiment.facts.ratios[0]) is None
+
+
+def test_without_measurements_there_is_nothing_to_compare(tmp_path):
+    facts = FACTS.replace('"missing: not read"', "3")
+    experiment = read_experiment(written(tmp_path / "bar", facts, "[geometry]\n"))
+    assert not experiment.missing
+    with pytest.raises(CaseError, match="no \\[\\[measurements\\]\\]"):
+        experiment.refuse_incomplete()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("value = 12", 'value = "about 12"', "a number is needed"),
+        ("value = 12", "value = true", "a number is needed"),
+        ("uncertainty = 0.5", "uncertainty = -1", "a positive number is needed"),
+        ("uncertainty = 0.5", 'uncertainty = "small"', "not stated"),
+        ('of = "force"', 'of = "strength"', "no such digit"),
+        ('source = "made up"', "", "source"),
+        ("title", "titel", "unknown key"),
+    ],
+)
+def test_what_does_not_make_sense_is_refused(tmp_path, before, after, said):
+    folder = written(tmp_path / "bar", FACTS.replace(before, after, 1))
+    with pytest.raises(CaseError, match=said) as refusal:
+        read_experiment(folder)
+    assert "experiment.toml" in str(refusal.value)
+
+
+def test_texts_are_found_at_any_depth():
+    data = {"a": [{"b": "missing: x"}, 1], "c": "missing", "d": "not missing"}
+    assert list(missing_texts(data)) == [(("a", 0, "b"), "missing: x"), (("c",), "missing")]
+
+
+def test_experiments_are_chosen_by_their_names(tmp_path):
+    written(tmp_path / "bar"), written(tmp_path / "arm")
+    assert [experiment.name for experiment in experiments(tmp_path)] == ["arm", "bar"]
+    assert chosen(tmp_path, "bar").name == "bar"
+    with pytest.raises(CaseError, match="no experiment 'bat'"):
+        chosen(tmp_path, "bat")
+    with pytest.raises(CaseError, match="--folder"):
+        experiments(tmp_path / "bar")
+    (tmp_path / "bar" / "case.toml").unlink()
+    with pytest.raises(CaseError, match=r"case\.toml: cannot be read"):
+        experiments(tmp_path)
+
+
+def test_the_experiments_of_the_project_lack_digits_and_say_which():
+    found = {experiment.name: experiment for experiment in experiments(ROOT)}
+    assert set(found) == {"dumbbell", "sand_ring", "cylindrical_mould"}
+    for experiment in found.values():
+        assert experiment.missing
+        assert experiment.case["measurements"]
+        with pytest.raises(CaseError, match="digits are missing"):
+            experiment.refuse_incomplete()
+    bar = found["dumbbell"]
+    ratios = [bar.ratio(ratio) for ratio in bar.facts.ratios]
+    assert ratios == pytest.approx([6.25 / 6.26, 265 / 729, 0.06 / 6.26])
