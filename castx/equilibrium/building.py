@@ -209,7 +209,7 @@ def _inner_solvers(
     )
     if isinstance(pairs, MultiplierContact):
         return [ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())]
-    # Where set-ups are frequent their price is more than the iterations that it saves.
+    # Where preconditioners are often renewed, the coupling costs more than it saves iterations.
     coupling = balance.transform.coupling if bodies.assembly.is_elastic else None
     solvers: list[InnerSolver] = [BlockSweep(comm, BLOCKS_PREFIX, blocks, coupling)]
     may = [by_body and _may_have_factors(bodies, group) for group in groups]
@@ -306,7 +306,7 @@ def _floating(
 
 
 def _strained(parts: Sequence[BodyMechanics], b: int, mode: FloatArray) -> FloatArray:
-    """Return how far a motion of one body strains the springs behind the surfaces of all."""
+    """Return the elongation of the springs of all surfaces under a motion of one body."""
     motions: list[FloatArray] = [np.zeros((p.owned_nodes, p.dimension)) for p in parts]
     motions[b] = mode.reshape(-1, parts[b].block_size)[:, : parts[b].dimension]
     found = [part.loads.held(motion) for part, motion in zip(parts, motions, strict=True)]

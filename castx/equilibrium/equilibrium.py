@@ -146,7 +146,7 @@ class Equilibrium:
         return self.active.largest_pull(self.balance.trial_forces, with_frozen=True)
 
     def supports(self) -> dict[str, Resultant]:
-        """Return what the supports exert on each body, by its name; collective."""
+        """Return the support forces on each body, by its name; collective."""
         return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
     def force_errors(self) -> dict[str, float]:

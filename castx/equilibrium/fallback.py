@@ -134,7 +134,7 @@ class FallbackMethods:
         return self._shown.largest_pull()
 
     def supports(self) -> dict[str, Resultant]:
-        """Return what the supports exert on each body in the last solution; collective."""
+        """Return the support forces on each body in the last solution, by its name; collective."""
         return self._shown.supports()
 
     def force_errors(self) -> dict[str, float]:

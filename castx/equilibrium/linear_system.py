@@ -23,15 +23,15 @@ from castx.solvers.inner.entries import diagonal, largest_factor
 from castx.solvers.layout import Layout
 
 OUTDATED, OUTDATED_BY = 1.5, 4
-"""Factor and number of iterations by which a set-up may fall behind."""
+"""Factor and number of iterations by which a preconditioner may fall behind."""
 
 STIFFENED = 1.5
-"""Factor by which the stiffness of an unknown may change before a new set-up: what freezes or
-yields between two iterations costs more than one otherwise."""
+"""Factor by which the stiffness of an unknown may change before a new preconditioner; beyond
+it the extra iterations cost more."""
 
 
 SLOW = 30
-"""Iterations of a linear solve, with a set-up of its own, after which another solver takes over."""
+"""Iterations with a preconditioner of the present matrix after which another solver takes over."""
 
 
 class InnerSolver(Protocol):
@@ -40,7 +40,7 @@ class InnerSolver(Protocol):
     Attributes:
         prefix: of its PETSc options.
         defaults: PETSc options without the prefix.
-        is_exact: whether it is worth a new set-up whenever the matrix is a new one.
+        is_exact: whether a new preconditioner pays whenever the matrix is a new one.
     """
 
     prefix: str
@@ -49,7 +49,7 @@ class InnerSolver(Protocol):
 
     @property
     def most_changed(self) -> int:
-        """Constrained unknowns and closed pairs by which a set-up may fall behind."""
+        """Number of constraints and closed pairs that may change before a new preconditioner."""
 
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Prepare for a matrix whose constrained rows and columns are those of a diagonal.
@@ -57,7 +57,7 @@ class InnerSolver(Protocol):
         Args:
             matrix: the matrix.
             constrained: owned unknowns, shape (owned,).
-            anew: whether to keep nothing of an earlier set-up.
+            anew: whether to keep nothing of an earlier preconditioner.
         """
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:

@@ -38,8 +38,8 @@ MOST_WITH_OLD_FACTORS = 30
 """Linear iterations with factors of another set of pairs: where these do not get there they
 stagnate far above rounding, and new factors are cheaper."""
 LOOSEST = 1e-4
-"""Part of the residual to which they go at least where bodies flow: those that hardly resist have a
-displacement from which no iteration returns behind a residual of 1e-2."""
+"""Loosest relative tolerance of the linear solves where bodies flow. With 1e-2, soft bodies take
+displacements from which Newton's method does not recover."""
 
 CHATTERS = (
     "pairs chatter between open and closed, and one of them pulls or penetrates in the state in "

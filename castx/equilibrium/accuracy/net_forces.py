@@ -36,7 +36,7 @@ class NetForces:
         self._nodes = gaps.matrix.createVecRight()
 
     def acting(self, pair_forces: FloatArray) -> FloatArray:
-        """Return what acts on each body [N], shape (bodies,); collective.
+        """Return the reference force of each body [N], shape (bodies,); collective.
 
         It is the sum of the magnitudes of the loads on its nodes, such as its weight, and of a body
         without loads that of the contact forces, among which the springs of machines count. Of both

@@ -86,7 +86,7 @@ class FirstContact:
 def share_until_contact(
     comm: MPI.Intracomm, start: FloatArray, end: FloatArray, may_close: BoolArray, depth: FloatArray
 ) -> float:
-    """Return which share of a rigid motion brings the first pair to its depth, at most all of it.
+    """Return the share of a rigid motion at which the first pair reaches its depth, at most 1.
 
     Args:
         comm: ranks of the pairs.
