@@ -151,7 +151,7 @@ class MultiplierContact:
         rows.constrain(open_pairs, iterate.x.array_r[open_pairs])
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
-        """Return how far motions close the gaps of closed pairs, shape (motions, closed)."""
+        """Return the scaled gap changes of closed pairs under motions, shape (motions, closed)."""
         values = np.zeros((len(motions), int(np.count_nonzero(closed))))
         for row in range(len(motions)):
             changes = self.unknowns.gap_changes(motions[row]) / self.unknowns.scales

@@ -150,7 +150,7 @@ class ContactSystem:
         return np.concatenate(values, axis=1) if values else None
 
     def state(self, closed: BoolArray) -> BoolArray:
-        """Return what the matrix depends on besides the bodies: pairs that close, pairs that stick.
+        """Return the flags of closed and of sticking pairs, on which the matrix depends.
 
         Args:
             closed: the present set of closed pairs.

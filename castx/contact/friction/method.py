@@ -37,7 +37,7 @@ class Friction(PairMemory, Protocol):
     """Forces along the surface of closed pairs, which stick or slip."""
 
     def sticking(self) -> BoolArray:
-        """Return which rows with friction stick, on which the matrix depends."""
+        """Return a mask of the sticking rows, on which the matrix depends."""
 
     def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
         """Add the friction at an iterate to rows, or constrain the motions that stick.

@@ -53,7 +53,7 @@ class Pivoting:
         self.cycles = self.one_by_one = False
 
     def at_once(self, violation: FloatArray) -> BoolArray:
-        """Return which pairs change where sets are not compared: none once one has returned.
+        """Return a mask of the pairs to change without comparing sets: none once a set recurs.
 
         Args:
             violation: forces by which pairs violate their state [N], zero where they do not.
@@ -63,7 +63,7 @@ class Pivoting:
         return np.asarray(wrong)
 
     def next(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
-        """Return which pairs change, and remember the set to which that leads; collective.
+        """Return a mask of the pairs to change, and remember the resulting active set; collective.
 
         Args:
             closed: the present set of closed pairs.

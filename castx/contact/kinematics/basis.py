@@ -137,7 +137,7 @@ class BasisMatrices:
         return self._forward.matrix(), to_displacements
 
     def coupling(self, P: PETSc.Mat) -> PETSc.Mat | None:
-        """Return what rows have of the motion of the points that they face, in v; collective.
+        """Return the part of R for the motion of the facing points, times P; collective.
 
         Args:
             P: of `finish`.
