@@ -144,7 +144,7 @@ class BodyAssembly:
         return self._on_parts([body.products() for body in self.bodies])
 
     def coupled_corrections(self) -> list[Correction]:
-        """Return those on displacements, of trapped liquid."""
+        """Return the products of the trapped liquid with displacements."""
         return self._on_parts([body.formulation.coupled_products() for body in self.bodies])
 
     def _on_parts(self, products: Sequence[Sequence[Product]]) -> list[Correction]:

@@ -165,7 +165,7 @@ class WeakForms:
         return self.assemble(self._internal) - self.load
 
     def spring_forces(self) -> FloatArray:
-        """Return what springs bear at the present owned unknowns [N]; collective."""
+        """Return the spring forces at the present owned unknowns [N]; collective."""
         return np.zeros(self._owned) if self._springs is None else self.assemble(self._springs)
 
     def assemble(self, form: fem.Form) -> FloatArray:
@@ -222,7 +222,7 @@ class Formulation(Protocol):
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
 
     def coupled_products(self) -> list[Product]:
-        """Return those on displacements."""
+        """Return products of matrices with displacements beside the assembled Jacobian."""
 
     def improve_pressures(self) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any."""

@@ -95,7 +95,7 @@ class BodyLoads:
         return sum(clamp.backing_work(eta, u) for clamp in self._backed)
 
     def held(self, motion: FloatArray) -> FloatArray:
-        """Return how far a motion strains the springs behind the surfaces, shape (springs,).
+        """Return the elongation of the springs under a motion, shape (springs,).
 
         Args:
             motion: of the owned nodes, shape (owned, dimension).

@@ -158,7 +158,7 @@ class MixedFormulation:
         return [projection.add_product for projection in self._projections]
 
     def coupled_products(self) -> list[Product]:
-        """Return what full pockets of trapped liquid add to the Jacobian."""
+        """Return the products of the Jacobian of full pockets of trapped liquid."""
         return [self._pockets.stiffness.add_product]
 
     def improve_pressures(self) -> bool:

@@ -119,7 +119,7 @@ def tensor_norm(tensor: FloatArray) -> FloatArray:
 
 
 def _weights(tensor: FloatArray) -> FloatArray:
-    """Return how often each component counts in a contraction."""
+    """Return the multiplicity of each component in a contraction."""
     return np.array([1.0] * 3 + [2.0] * (tensor.shape[1] - 3))
 
 

@@ -95,7 +95,7 @@ def _joined(
 
 
 def _shared_nodes(body: BodyMesh) -> BoolArray:
-    """Return which local nodes another rank has too, shape (nodes,); collective."""
+    """Return a mask of the local nodes that another rank has too, shape (nodes,); collective."""
     index_map = body.nodes.dofmap.index_map
     copies = la.vector(index_map, 1, dtype=np.int32)
     copies.array[:] = 0
