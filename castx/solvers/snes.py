@@ -100,7 +100,7 @@ class NonlinearSolver:
     def _options_in_database(self) -> Iterator[None]:
         """Keep the options in PETSc's global database only while PETSc may ask for them.
 
-        Inner solvers read theirs as late as in the set-up of the preconditioner.
+        Inner solvers read theirs when the preconditioner is prepared.
         """
         database = PETSc.Options(self.prefix)
         before = {key: database.getString(key) for key in self.options if database.hasName(key)}

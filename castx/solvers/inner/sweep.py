@@ -37,7 +37,7 @@ class BlockSweep:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
+        prefix: prefix of its PETSc options, which are read when it is first prepared.
         blocks: each unknown is in one of them.
         coupling: what unknowns have of those of other blocks, see `uncoupled`.
     """
