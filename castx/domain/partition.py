@@ -66,7 +66,7 @@ def _best_half(
     edges: LongArray,
     share: float,
 ) -> BoolArray:
-    """Return which cells belong to the left part, which has a share of them all."""
+    """Return a mask of the cells in the left part, which gets a given share of all cells."""
     best: BoolArray = np.zeros(len(cells), dtype=bool)
     lowest = np.inf
     inside = np.zeros(len(bodies), dtype=bool)

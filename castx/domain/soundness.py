@@ -69,7 +69,7 @@ def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
 
 
 def doubts(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> Iterator[str]:
-    """Yield what is hardly meant: nodes that a body has twice, and holes of the size of a cell.
+    """Yield warnings of probable mistakes: duplicate nodes of a body, holes of the size of a cell.
 
     Args:
         mesh: the mesh.

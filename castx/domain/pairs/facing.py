@@ -48,7 +48,7 @@ def faced(
     search_distance: float | None,
     least_opposite: float = 0.0,
 ) -> Faced:
-    """Return what points of one surface face on another one.
+    """Project points of one surface onto the facets of another.
 
     Args:
         points: of the one surface.
@@ -76,7 +76,7 @@ def facet_sizes(facets: SurfaceFacets) -> FloatArray:
 
 
 def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
-    """Return which points lie opposite a facet, not beside the edge of the surface."""
+    """Return a mask of the points opposite a facet, not beside the edge of the surface."""
     corners = facets.points[found.facet]
     reached = np.einsum("na,nak->nk", found.weights, corners)
     normal = facets.normals[found.facet]
@@ -88,7 +88,7 @@ def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -
 
 
 def _at_edge(found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
-    """Return which closest points lie on the edge of the surface."""
+    """Return a mask of the closest points on the edge of the surface."""
     count = facets.nodes.shape[1]
     local = facets.kind.faces
     keys = np.sort(facets.nodes[:, local], axis=2)
