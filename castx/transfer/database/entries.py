@@ -189,7 +189,7 @@ def unit_of(path: KeyPath) -> str | None:
 
 
 def _parts(kind: object) -> tuple[object, ...]:
-    """Return what a type or field is made of."""
+    """Return the constituent types of a type or field."""
     if isinstance(kind, FieldInfo):
         return (*kind.metadata, kind.annotation)
     return get_args(kind)
