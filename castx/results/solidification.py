@@ -209,7 +209,7 @@ class BodySolidification:
         return self._passing(level) - self._first_time
 
     def lasted(self) -> FloatArray:
-        """Return how long the control volumes were in each range, (ranges, nodes) [s]; collective.
+        """Return the time spent by control volumes in each range, (ranges, nodes) [s]; collective.
 
         Not a number until all of a control volume is beyond the last of them.
         """
@@ -303,7 +303,7 @@ class Solidification:
         return np.full(len(self._mesh.bodies[body].nodes.dofmap.list), np.nan)
 
     def nodal(self, body: str, quantity: str) -> FloatArray:
-        """Return one of `QUANTITIES` at the nodes of a body, ghosts included: (nodes,); collective.
+        """Return a quantity of `QUANTITIES` at nodes of a body with ghosts: (nodes,); collective.
 
         Not a number where it does not exist yet, and everywhere in a body that does not melt.
         """

@@ -96,7 +96,7 @@ class Cracks:
 
 
 def cracks_of(case: Case, mesh: CastingMesh) -> Cracks:
-    """Return what the fields of a case ask to be followed."""
+    """Return the crack quantities to follow for the fields of a case."""
     fields = set(case.output.fields)
     strains, cold = {}, {}
     if case.coupling.scheme == "thermal":

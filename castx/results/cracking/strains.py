@@ -187,7 +187,7 @@ class BodyStrains:
         return self._gained(until)[1]
 
     def saved(self) -> dict[str, Saved]:
-        """Return what was gained so far, the last state and the first one."""
+        """Return accumulated strains and durations, the last state and the first one."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
         found = {"time": number(self._time)}
         for when, (values, strain) in (("last", self._last), ("first", self._first)):

@@ -31,7 +31,7 @@ class Draining:
 
 
 def drained(liquid: FloatArray, freezing: FloatArray, below: float, contraction: float) -> Draining:
-    """Return what the freezing of a pool leaves of its highest places.
+    """Return the liquid left in the highest places of a pool after a step of freezing.
 
     Args:
         liquid: G_0, volume of liquid in each place when the step begins, the highest place first,

@@ -112,7 +112,7 @@ class RunTables:
         return found
 
     def stage_end(self, stage: int) -> Mapping[str, Any]:
-        """Return what is noted of the end of a stage: time, and its bodies by name.
+        """Return the record of the end of a stage: time, and its bodies by name.
 
         Raises:
             CaseError: it has not ended; with those that have.

@@ -98,7 +98,7 @@ class Series:
 
 
 def damage_of(path: Path, rows: int, time: float) -> str | None:
-    """Return what is wrong with the first lines of a series, None if it can go on behind them.
+    """Return the fault in the first lines of a series, None if rows can be appended.
 
     Args:
         path: the file.

@@ -281,7 +281,7 @@ class Front:
         return np.asarray(self._excess.at(rest, 0.0, parts) <= 0.0)[self._which]
 
     def passage(self, step: Step, parts: Parts, passed: BoolArray) -> Passage:
-        """Return what passes in a step; collective.
+        """Return the passages of a step; collective.
 
         Args:
             step: enthalpies.

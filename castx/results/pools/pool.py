@@ -24,7 +24,7 @@ class Isolation:
     volume: float
 
     def with_others(self, others: Sequence[Isolation]) -> Isolation:
-        """Return that of pools that have become one: all the liquid that is fed no more."""
+        """Merge the isolated liquid of pools: earliest time, common centre, total volume."""
         every = [self, *others]
         volume = sum(each.volume for each in every)
         centres = np.array([each.centre for each in every])
