@@ -116,7 +116,7 @@ class _Misfit:
         self.linearised: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     def samples(self, fitted: FloatArray) -> FloatArray:
-        """Return what the model says."""
+        """Return the samples computed by the model."""
         self.runs += 1
         pairs = zip(self.unknowns, fitted, strict=True)
         return np.asarray(self.model({u.name: u.value(theta) for u, theta in pairs}))

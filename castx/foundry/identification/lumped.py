@@ -55,5 +55,5 @@ class LumpedCooling:
 
     @property
     def best_time(self) -> float:
-        """Time of the one sample that tells most of h, C/h [s]."""
+        """Time at which one sample is most sensitive to h, C/h [s]."""
         return self.capacity / self.coefficient

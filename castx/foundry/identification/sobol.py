@@ -20,7 +20,7 @@ Model = Callable[[Mapping[str, float]], float]
 
 
 def runs(draws: int, inputs: int) -> int:
-    """Return how often a model is asked for its result."""
+    """Return the number of evaluations of a model."""
     return draws * (inputs + 2)
 
 
