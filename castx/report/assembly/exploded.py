@@ -74,7 +74,7 @@ class Paint:
     glassy: bool = False
 
     def opacity(self, name: str) -> float:
-        """Return how much of what lies behind a surface it hides."""
+        """Return the opacity of a surface."""
         return OPACITY if self.glassy and name.endswith(PASSABLE) else 1.0
 
 

@@ -35,7 +35,7 @@ class Shell:
 
 
 def shells_of(mesh: CastingMesh, interfaces: Sequence[str]) -> list[Shell]:
-    """Return what is seen of the bodies on rank 0, and nothing on the others; collective.
+    """Return the visible surfaces of the bodies on rank 0, none on the others; collective.
 
     Args:
         mesh: the bodies.

@@ -14,7 +14,7 @@ Rows = list[tuple[str, str]]
 
 
 def further_rows(run: Results) -> Rows:
-    """Return how far a run went and the stages of its process."""
+    """Return rows with the simulated time of a run and the stages of its process."""
     record = run.record
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
     return rows + list(process_rows(record.get("process", [])))
