@@ -72,7 +72,7 @@ class Request:
 
 
 def exported(request: Request) -> list[str]:
-    """Write what is asked for and return what to tell the user; call it on one rank only.
+    """Write the requested files and return messages for the user; call it on one rank only.
 
     Raises:
         CaseError: something that it needs is missing, or a file cannot be written.
