@@ -158,7 +158,7 @@ class Simulation:
         return self.control.finished(self.time)
 
     def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
-        """Take one step, cutting it as long as it fails or changes too much."""
+        """Advance by one step, reduced as long as it fails or its changes are too large."""
         begin = clock.perf_counter()
         failed: list[FailedTry] = []
         self.problem.counters.begin_step()
