@@ -132,7 +132,7 @@ def _places(comm: MPI.Intracomm, numbering: Numbering) -> tuple[LongArray, int]:
 
 
 def _swapped(comm: MPI.Intracomm, counts: LongArray) -> LongArray:
-    """Return how many rows each rank has for this one."""
+    """Return the number of rows that each rank has for the present one."""
     swapped = np.empty_like(counts)
     comm.Alltoall(counts, swapped)
     return swapped

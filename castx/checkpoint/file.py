@@ -78,7 +78,7 @@ class Checkpoint:
     def _chunked(
         self, state: Mapping[str, Saved], *, ghosts: bool
     ) -> dict[str, ChunkedRows | None]:
-        """Return how the rows of each array travel, None for one without entities; collective."""
+        """Return the distribution of the rows of each array, None without entities; collective."""
         of_kind: dict[str, ChunkedRows] = {}
         found: dict[str, ChunkedRows | None] = {}
         for name, saved in state.items():
