@@ -33,7 +33,7 @@ def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleTy
 
 
 def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
-    """Return what the files of a package declare, by name in alphabetical order.
+    """Return the declarations in the files of a package, by name in alphabetical order.
 
     Args:
         package: full name of the package.
