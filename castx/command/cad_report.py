@@ -13,7 +13,7 @@ from castx.meshes.cad.report import Measure, Report
 
 
 def show_cad(report: Report, interfaces: Sequence[str], console: Console) -> None:
-    """Show what was made of CAD files.
+    """Print bodies, interfaces, mesh quality and remarks of CAD files.
 
     Args:
         report: of the mesher.
