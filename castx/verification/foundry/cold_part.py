@@ -96,7 +96,7 @@ def frame_answers() -> tuple[Answer, ...]:
 
 
 def sphere_answers() -> tuple[Answer, ...]:
-    """Return what a free contraction leaves of a sphere, and what a corrected mould does."""
+    """Return the answers of a freely contracted sphere and of its corrected mould."""
     normals = sphere(400)
     nominal = RADIUS * normals
     places = turned((1 - CONTRACTION) * nominal)

@@ -187,7 +187,7 @@ class Verification:
     norm: str = ""
 
     def measure(self, level: Resolution) -> float:
-        """Return what of a level is refined [m or s]."""
+        """Return the refined size of a level: step or cell [m or s]."""
         return level.step if self.refined == "step" else level.size
 
     def allowance(self, level: Resolution) -> float:

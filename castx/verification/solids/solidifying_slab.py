@@ -206,7 +206,7 @@ class Found(NamedTuple):
 
 
 def follow(run: Iterable[State], data: dict[str, Any], slab: Slab) -> Found:
-    """Return what the states of a run give."""
+    """Return stress, strain and cutbacks found in the states of a run."""
     strain, cutbacks, width = {}, 0, data["geometry"]["width"]
     for state in run:
         cutbacks += state.counters.cutbacks
