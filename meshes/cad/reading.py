@@ -120,7 +120,7 @@ def _import(file: CadFile, scratch: str) -> list[int]:
 
 
 def _new_shapes(path: str, kind: str) -> list[tuple[int, int]]:
-    """Return what a file brings into the model: the shapes of its highest dimension."""
+    """Import a file and return its shapes of highest dimension."""
     before = set(gmsh.model.getEntities())
     # Millimetres are OpenCASCADE's own unit; the readers of other formats know no option for it.
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" else "")

@@ -82,7 +82,7 @@ def samples_of(faces: Sequence[Face]) -> Samples:
 
 
 def _on_edges(face: Face, nodes: LongArray) -> BoolArray:
-    """Return which edges of the model, those of a face alone, nodes lie on: (…, edges)."""
+    """Return a mask of the edges of the model on which the nodes of a face lie: (…, edges)."""
     edges, around = gmsh.model.getEntities(1), gmsh.model.getBoundary([(2, face.tag)], False, False)
     on = np.zeros((*nodes.shape, len(edges)), dtype=np.bool_)
     for place, edge in enumerate(edges):
@@ -140,7 +140,7 @@ def _to_other_side(
     other_normals: FloatArray,
     other_edges: BoolArray,
 ) -> FloatArray:
-    """Return how far inside the next opposite triangle is hit.
+    """Return the distance to the next opposite triangle, along the inward normal.
 
     Where both sides end in one edge, a wall is as thick as at the corners off it: the middle has a
     part of that by chance, and smaller cells at a knife edge are only flatter.
@@ -254,7 +254,7 @@ class SizeGrid:
     sizes: FloatArray
 
     def write(self, file: str) -> None:
-        """Write it as gmsh's field Structured reads it, in millimetres."""
+        """Write the sizes as gmsh's field Structured reads them, in millimetres."""
         with open(file, "wb") as target:
             for numbers in (self.lowest * MILLIMETRES, np.full(3, self.step * MILLIMETRES)):
                 target.write(numbers.astype(np.float64).tobytes())
