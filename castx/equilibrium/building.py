@@ -265,7 +265,7 @@ def _alone(bodies: DeformableBodies) -> list[list[int]]:
 
 
 def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
-    """Return whether one of a group of bodies flows, and all of them are few unknowns."""
+    """Return whether a body of a group flows and the group has few unknowns."""
     parts = [bodies.parts[b] for b in group]
     unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))
     return unknowns <= LARGEST_FLOWING and any(part.material.law.flows_by_rate for part in parts)

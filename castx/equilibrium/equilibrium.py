@@ -42,7 +42,7 @@ class Procedure(Protocol):
         """Drop the factors of matrices: no checkpoint has them, so no later step may use them."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class Equilibrium:
@@ -150,7 +150,7 @@ class Equilibrium:
         return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
     def force_errors(self) -> dict[str, float]:
-        """Return the missing part of the balance of each body by its name, relative to what acts.
+        """Return the force error of each body by its name, relative to its reference force.
 
         It is zero as long as nothing is solved.
         """
@@ -172,7 +172,7 @@ class Equilibrium:
         self._procedure.forget()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         self._procedure.destroy()
         self.balance.skin.destroy()
         self.balance.destroy()

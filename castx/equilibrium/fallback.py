@@ -158,6 +158,6 @@ class FallbackMethods:
         self._present, self._failed = self.first, 0
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for equilibrium in (self.first, *self._built.values()):
             equilibrium.destroy()

@@ -222,6 +222,6 @@ class MomentumBalance:
         self.rows(x)
 
     def destroy(self) -> None:
-        """Free what PETSc holds; the bodies are their owner's."""
+        """Destroy the PETSc objects; the bodies are their owner's."""
         self.contact.destroy()
         self._net.destroy()

@@ -64,7 +64,7 @@ class InnerSolver(Protocol):
         """Set x to about the solution for b."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class SystemOperator:
@@ -193,7 +193,7 @@ class SystemPreconditioner:
             self.discard()
 
     def expire(self) -> None:
-        """Make the next `refresh` set up what of the inner solver is not that of the matrix."""
+        """Mark the preconditioner as outdated for the next `refresh`."""
         self._set_up_for = None
 
     def discard(self) -> None:

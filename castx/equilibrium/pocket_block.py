@@ -1,4 +1,4 @@
-"""What trapped liquid adds to the Jacobian, in the unknowns of the contact method."""
+"""Block of trapped liquid in the Jacobian, in the unknowns of the contact method."""
 
 from __future__ import annotations
 

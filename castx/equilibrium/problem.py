@@ -118,7 +118,7 @@ class MechanicalProblem:
         return found
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         self.equilibrium.destroy()
         self._assembly.destroy()
 

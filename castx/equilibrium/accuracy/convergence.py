@@ -61,7 +61,7 @@ class ForceConvergence:
         self.errors: FloatArray = np.zeros(len(assembly.bodies))
 
     def begin(self, stiffness: FloatArray) -> None:
-        """Start a new solution: what acts at its start counts to its end.
+        """Start a new solution; the forces at its start stay part of the reference until its end.
 
         Args:
             stiffness: diagonal of the rows of displacements [N/m].

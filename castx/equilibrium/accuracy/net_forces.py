@@ -1,4 +1,4 @@
-"""Net forces on each body: what acts on it from outside, and what is missing of their balance.
+"""Net forces on each body: external forces, and the error of their balance.
 
 Internal forces cancel each other. Those of a casting that is hindered in its contraction are
 thousands of times its weight, so that an error that is small beside them may be all of a contact
