@@ -126,7 +126,7 @@ class LiquidSkin:
         self._released[:] = False
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for side in self._sides:
             for entry in side.entries:
                 entry.destroy()

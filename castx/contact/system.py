@@ -54,7 +54,7 @@ class NormalContact(Protocol):
         """Return values of closed pairs that constrain no unknown, (motions, rows), if any."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class ContactSystem:
@@ -212,7 +212,7 @@ class ContactSystem:
             memory.restore(arrays)
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for memory in self._memories:
             memory.destroy()
         self.pairs.destroy()

@@ -32,7 +32,7 @@ class SlipState:
 
     @classmethod
     def none(cls, count: int, width: int) -> SlipState:
-        """Return rows that stick and have not moved."""
+        """Return rows that stick without slip so far."""
         still = np.zeros((count, width))
         return cls(np.zeros(count, dtype=bool), np.zeros(count), still, still.copy())
 

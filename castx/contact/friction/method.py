@@ -1,4 +1,4 @@
-"""What friction offers to the equilibrium, and what pairs remember from step to step."""
+"""Protocol of friction in the equilibrium, and the state of pairs from step to step."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class PairMemory(Protocol):
         """Restore accepted numbers of all rows."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class Friction(PairMemory, Protocol):

@@ -72,7 +72,7 @@ def _moving_together(interfaces: Sequence[Interface], rigid: Collection[str]) ->
 
 
 class _Met:
-    """Rows that the pairs of a body take at its nodes, and the groups of what they face.
+    """Rows of the pairs at the nodes of a body, and the groups that they face.
 
     Args:
         nodes: local nodes that have pairs.

@@ -1,4 +1,4 @@
-"""Rows of node pairs, one for each normal of a pair, and what becomes of them."""
+"""Rows of node pairs, one for each normal of a pair, and their treatment."""
 
 from __future__ import annotations
 

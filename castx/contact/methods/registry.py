@@ -1,4 +1,4 @@
-"""All contact methods: found by their files, in the order of what their unknowns are."""
+"""All contact methods, found by their files, in the order of the kinds of their unknowns."""
 
 from __future__ import annotations
 
