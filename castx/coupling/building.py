@@ -109,7 +109,7 @@ def build_problem(
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    """Check that all surfaces that the case names exist, those of later stages included.
+    """Check that all surfaces named in the case exist, those of later stages included.
 
     Raises:
         MeshError: one is missing; names the key.

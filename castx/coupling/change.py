@@ -49,7 +49,7 @@ class ThermalChange:
         self.commit()
 
     def commit(self) -> None:
-        """Take the present state as the one with which later ones are compared."""
+        """Store the present state as the reference of later changes."""
         self._solid_fraction, self._stored = self._present_solid_fraction(), self._present_heat()
 
     def _present_solid_fraction(self) -> FloatArray:
