@@ -59,7 +59,7 @@ class Account:
 
     @classmethod
     def renewal(cls, body: str) -> Account:
-        """Return the account of the heat of a new casting minus that of the one it replaces."""
+        """Return the account of the heat of a new casting minus the heat of the one before."""
         return cls((f"{body}.renewal",), (), body)
 
 
