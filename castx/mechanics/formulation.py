@@ -1,4 +1,4 @@
-"""What the formulations of the momentum balance share: unknowns, assembled forms and protocol.
+"""Common part of the formulations of the momentum balance: unknowns, assembled forms, protocol.
 
 A formulation says how the pressure enters: as an unknown of the nodes (`castx.mechanics.mixed`), as
 a constant of each cell (`castx.mechanics.q1p0`) or not at all (`castx.mechanics.displacement`).

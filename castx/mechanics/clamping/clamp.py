@@ -1,4 +1,4 @@
-"""The clamp of one surface: its equation as constants in forms, and what it does."""
+"""The clamp of one surface: its equation as constants in forms, and its state."""
 
 from __future__ import annotations
 

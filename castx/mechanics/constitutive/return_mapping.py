@@ -124,7 +124,7 @@ def _weights(tensor: FloatArray) -> FloatArray:
 
 
 def _check(increment: FloatArray, slope: FloatArray, overstress: FloatArray) -> None:
-    """Refuse increments that are not finite; one that was not found is NaN."""
+    """Refuse increments that are not finite; a failed iteration gives NaN."""
     failed = np.flatnonzero(~(np.isfinite(increment) & np.isfinite(slope)))
     if failed.size:
         first = failed[0]

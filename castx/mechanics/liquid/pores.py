@@ -1,4 +1,4 @@
-"""Which pockets of trapped liquid have pores, and what an accepted step has changed of it."""
+"""Pockets of trapped liquid with pores, and their changes in an accepted step."""
 
 from __future__ import annotations
 

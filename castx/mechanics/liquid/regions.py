@@ -52,7 +52,7 @@ class Regions:
     def _across_ranks(
         self, count: int, region: IntArray, group_nodes: IntArray
     ) -> tuple[int, IntArray]:
-        """Return the number of regions of all ranks, and which of them each one here is part of.
+        """Return the number of regions on all ranks, and the global number of each local region.
 
         Those that have a node in common are one.
         """
