@@ -179,7 +179,7 @@ class NonlinearSolver:
 
 
 def _last(error: PETSc.Error) -> str:
-    """Return the line in which PETSc says what is wrong."""
+    """Return the line of PETSc's message that names the fault."""
     return str(error).strip().splitlines()[-1].removeprefix("[0] ")
 
 

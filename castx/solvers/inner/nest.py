@@ -29,7 +29,7 @@ anew with the others: a mould hardly changes while a casting freezes in it."""
 
 
 class Block(NamedTuple):
-    """Unknowns that one solver solves for, such as those of one body.
+    """Block of unknowns of a solver of its own, such as the unknowns of a body.
 
     Attributes:
         rows: owned global indices, with the block size that all nodes share, if any.
