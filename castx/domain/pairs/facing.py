@@ -31,7 +31,7 @@ class SurfacePoints(NamedTuple):
 
 
 class Faced(NamedTuple):
-    """What points face on a surface.
+    """Closest points of a surface that points face, and their distances.
 
     Attributes:
         found: the closest point of the surface to each point.
