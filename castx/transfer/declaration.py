@@ -1,4 +1,4 @@
-"""What the file of a gap heat law declares: its name, keys, formula, source and construction."""
+"""Declaration of a gap heat law by its file: name, keys, formula, source and construction."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def interface_names() -> tuple[str, ...]:
 
 @cache
 def interface_entry(name: str) -> InterfaceEntry:
-    """Read one interface.
+    """Read an interface of the database.
 
     Raises:
         CaseError: there is none of this name, or its file is not right; with the keys, their
