@@ -179,7 +179,7 @@ class Material:
         return self.solidus if tabled is None else tabled
 
     def stress_free_temperature(self, initial: float) -> float:
-        """Return the stress-free temperature [°C] of a casting, or of what never melts.
+        """Return the stress-free temperature [°C] of a casting, or of a body that never melts.
 
         Args:
             initial: its initial temperature [°C].

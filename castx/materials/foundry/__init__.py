@@ -1,4 +1,4 @@
-"""What foundry quantities ask of a material beside its thermal and mechanical data.
+"""Material data for foundry quantities beside thermal and mechanical data.
 
 Public: `entries.ArmSpacingData`, `entries.StrengthData`, `entries.FatigueData`.
 """
