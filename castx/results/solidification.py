@@ -48,7 +48,7 @@ QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama", "fron
 
 @dataclass(frozen=True)
 class Followed:
-    """What is noted of the way of freezing, beside liquidus and solidus.
+    """Quantities recorded during freezing, beside the times of liquidus and solidus.
 
     Attributes:
         at: the surface at whose passing gradient, cooling rate and front speed are taken.
@@ -217,7 +217,7 @@ class BodySolidification:
         return self._lasting.ended(self._enthalpy)
 
     def gradient(self) -> FloatArray:
-        """Return |∇T| when f_s = 0.9, or what else is noted, was passed [K/m]."""
+        """Return |∇T| at the passage of f_s = 0.9, or of another recorded level [K/m]."""
         return np.where(np.isfinite(self._passing(FRONT)), self._gradient, np.nan)
 
     def _slowness(self) -> FloatArray:

@@ -140,7 +140,7 @@ class ResultsWriter:
         )
 
     def notes(self) -> dict[str, Any]:
-        """Return rows and outputs on disk and what is followed, as JSON knows them; collective."""
+        """Return written rows, outputs and histories for JSON; collective."""
         return {
             "rows": self._rows,
             "lost_rows": self._lost,

@@ -1,4 +1,4 @@
-"""Strain and stress of the cooling against what the metal bears: tearing of the mush, cold cracks.
+"""Strain and stress of cooling against limits of the metal: tearing of the mush, cold cracks.
 
 Public: `strains.BodyStrains`, `cold_cracks.BodyColdCracks`, `cracks.Cracks`.
 """

@@ -1,4 +1,4 @@
-"""What is followed of all bodies against tearing and cracking, as a case asks for it."""
+"""Quantities of tearing and cracking that a case requests, followed in all bodies."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ COLD_CRACKS = "cold_crack_index"
 
 @dataclass(frozen=True)
 class FreezingMetal:
-    """What `BodyStrains` follows; the attributes are those of `strains.FallingQuantity`."""
+    """Metal for `BodyStrains`; the attributes are those of `strains.FallingQuantity`."""
 
     name: str
     windows: Mapping[float, Window]

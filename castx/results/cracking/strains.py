@@ -176,7 +176,7 @@ class BodyStrains:
         return largest_principal(self._gained(until)[0][:, :COMPONENTS])
 
     def largest_beside_shrinkage(self, until: float) -> FloatArray:
-        """Return the same without what the shrinkage of the skeleton alone strains it."""
+        """Return the same as `largest`, without the shrinkage of the skeleton."""
         strain = self._gained(until)[0]
         shrunk = strain[:, COMPONENTS:] / 3.0
         direct = strain[:, :3] + shrunk

@@ -1,4 +1,4 @@
-"""What a die bears: strain range of a cycle, life of its cells, force to eject.
+"""Loads of a die: strain range of a cycle, life of its cells, force to eject.
 
 Public: `strain_cycle.StrainCycle`, `die_surfaces.DieSurfaces`,
 `ejection_force.EjectionForces`.

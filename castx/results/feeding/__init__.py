@@ -1,4 +1,4 @@
-"""What feeders give: their levels and pipes, and how far they feed.
+"""Feeders: their levels and pipes, and how far they feed.
 
 Public: `draining.drained`, `pipe.BodyPipe`, `feeders.Feeders`,
 `geodesic.shortest_paths`, `feeding_path.FeedingReach`.

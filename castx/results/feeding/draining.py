@@ -19,7 +19,7 @@ from castx.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Draining:
-    """What a step has left of the highest places of a pool.
+    """Liquid left in the highest places of a pool after a step.
 
     Attributes:
         left: share λ of its liquid that has not flowed out of each place at the end, (places,).

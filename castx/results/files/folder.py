@@ -225,7 +225,7 @@ class FolderLock:
         return None
 
     def _opened(self) -> TextIO:
-        """Open the file itself: never what a link of its name leads to, and no pipe."""
+        """Open the file itself, never the target of a link nor a pipe."""
         flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
         descriptor = os.open(self._path, flags, 0o666)
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):

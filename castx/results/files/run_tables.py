@@ -28,7 +28,7 @@ class Columns(dict[str, FloatArray]):
 
 
 class RunTables:
-    """What a results folder holds beside fields.
+    """Tables and records of a results folder, without fields.
 
     Attributes:
         folder: the results folder.
@@ -60,7 +60,7 @@ class RunTables:
 
     @property
     def deviations(self) -> dict[str, Deviation]:
-        """How far the probes are from what was measured, by column, where times overlap."""
+        """Deviations of the probes from measured curves, by column, where times overlap."""
         time = self.probes[TIME]
         found = {
             name: deviation(time, self.probes[name], curve)

@@ -49,7 +49,7 @@ class Series:
         self._writer = csv.writer(self._file, lineterminator="\n")
 
     def append(self, row: Sequence[float]) -> None:
-        """Write one line, in the order of the columns."""
+        """Write a row, in the order of the columns."""
         if len(row) != len(self._columns):
             raise ValueError(f"{self._file.name} has {len(self._columns)} columns, got {len(row)}")
         self._write(row)

@@ -73,7 +73,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Passage:
-    """What passed in a step, the front of each level at each of `PLACES`.
+    """Passages of a step, the front of each level at each of `PLACES`.
 
     Attributes:
         frozen: nodes that it passed on cooling, (levels, places, nodes).

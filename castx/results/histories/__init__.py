@@ -1,4 +1,4 @@
-"""What a run follows from step to step beside thermal history and pools, behind one face.
+"""Histories of a run beside thermal history and pools, behind one face.
 
 Public: `histories.Histories`, `histories.histories_of`.
 """

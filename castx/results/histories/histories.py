@@ -81,7 +81,7 @@ class Histories:
         return saved_parts(self._parts)
 
     def restore(self, arrays: Arrays) -> None:
-        """Go on with what an earlier part of the run has followed; collective."""
+        """Restore the histories of an earlier part of the run; collective."""
         for name, part in self._parts.items():
             if saved := part_of(arrays, name):
                 part.restore(saved)

@@ -1,4 +1,4 @@
-"""Maps of what passes bodies and interfaces: heat flux, and when gaps opened first.
+"""Maps of bodies and interfaces: heat flux, and the first opening of gaps.
 
 Public: `heat_flux.HeatFluxes`, `first_opening.FirstOpenings`.
 """

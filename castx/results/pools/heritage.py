@@ -1,4 +1,4 @@
-"""What becomes of pools in a step: which region goes on as which pool, what splits and merges."""
+"""Continuation of pools in a step: the region of each pool, new pools, merged pools."""
 
 from __future__ import annotations
 

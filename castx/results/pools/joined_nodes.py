@@ -53,7 +53,7 @@ class NodeRegions:
         return count, np.where(chosen, place[region], -1) if count else region
 
     def join(self, some: BoolArray, others: BoolArray, chosen: BoolArray) -> bool:
-        """Return whether a region of chosen nodes has some and others among them; collective.
+        """Return whether a connected region of chosen nodes has nodes of both sets; collective.
 
         Arguments are of the nodes of this rank, ghosts included, (nodes,).
         """

@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Isolation:
-    """The state of a pool when no liquid joined it to a surface that feeds it any more.
+    """State of a pool at the moment of its isolation from all feeding surfaces.
 
     Attributes:
         time: when it was cut off, within the step in which it was [s].
@@ -85,7 +85,7 @@ class Pool:
 
 @dataclass(frozen=True)
 class HotSpot:
-    """An isolated pool with what its metal lacks.
+    """An isolated pool with the volume that its metal lacks.
 
     Attributes:
         body: to which it belongs.
