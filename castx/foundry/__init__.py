@@ -1,4 +1,4 @@
-"""What a foundry asks of a solidification: pure functions of arrays, without mesh or run.
+"""Foundry quantities of a solidification: pure functions of arrays, without mesh or run.
 
 Public: `mush.FreezingPath`, `porosity.niyama`, `porosity.dimensionless_niyama`,
 `porosity.pore_fraction`, `arm_spacing.ArmSpacing`, `arm_spacing.yield_strength`,

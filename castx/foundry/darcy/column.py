@@ -23,7 +23,7 @@ EVEN = 1e-3
 
 @dataclass(frozen=True)
 class MushResistance:
-    """What resists the flow of melt through a mush.
+    """Resistance of a mush to the flow of melt.
 
     Attributes:
         melt: viscosity, contraction by freezing; its cavitation is not used here.
