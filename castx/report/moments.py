@@ -1,4 +1,4 @@
-"""When something happens in a run: what the pictures of the report show."""
+"""Events of a run: the moments of the pictures of the report."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from castx.case.stages import Schedule, Stage
 
 
 def stage_table(case: Case, stages: Sequence[Case]) -> Table:
-    """Return a table of the stages: when they begin, their bodies, and what changes.
+    """Return a table of the stages: their beginning, their bodies and their changes.
 
     Args:
         case: the case.

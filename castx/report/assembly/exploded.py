@@ -79,7 +79,7 @@ class Paint:
 
 
 def colours(count: int) -> list[str]:
-    """Return colours that all differ."""
+    """Return colours, each different from all others."""
     table = [to_hex(mpl.colormaps["tab20"](index)) for index in PERMANENT]
     more = range(max(count - len(table), 0))
     further = [colorsys.hsv_to_rgb((GOLDEN * i) % 1.0, 0.55, 0.5 + 0.4 * (i % 3) / 2) for i in more]

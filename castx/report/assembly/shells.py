@@ -1,4 +1,4 @@
-"""What is seen of bodies: their outer facets, by the names of surfaces and interfaces."""
+"""Visible surfaces of bodies: their outer facets, by the names of surfaces and interfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from castx.domain.mesh import BodyMesh, CastingMesh
 
 @dataclass(frozen=True)
 class Shell:
-    """What is seen of a body.
+    """Visible surface of a body.
 
     Attributes:
         body: its name.

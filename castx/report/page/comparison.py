@@ -25,7 +25,7 @@ LOOKED_AT = 400
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """What a comparison takes from one run.
+    """Data of one run in a comparison.
 
     Attributes:
         label: in headings and legends, unlike those of the others.

@@ -48,7 +48,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Shot:
-    """A picture with what stands below it.
+    """A picture with its caption.
 
     Attributes:
         title: what is seen.

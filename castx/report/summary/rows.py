@@ -1,4 +1,4 @@
-"""What else a summary states, as pairs of name and text: course of the process, and effort."""
+"""Further rows of a summary, as pairs of name and text: course of the process, and effort."""
 
 from __future__ import annotations
 
