@@ -28,7 +28,7 @@ def row(values: Iterable[float]) -> str:
 
 
 def listed(values: npt.NDArray[Any]) -> Any:
-    """Return an array as nested lists of plain numbers, which are faster to write one by one."""
+    """Return an array as nested lists of plain numbers, which are faster to write singly."""
     return values.tolist()
 
 
