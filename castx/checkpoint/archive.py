@@ -88,7 +88,7 @@ class ArchivedArray:
 
 
 class Contents(NamedTuple):
-    """What an archive holds.
+    """Contents of an archive: header, places of the arrays and their checksums.
 
     Attributes:
         header: values beside the arrays.

@@ -27,7 +27,7 @@ Bytes = npt.NDArray[np.uint8]
 
 
 class _Round(NamedTuple):
-    """What travels while each rank has one chunk.
+    """Rows exchanged while each rank has one chunk.
 
     Attributes:
         rows: local rows, by ascending number.

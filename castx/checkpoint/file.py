@@ -103,7 +103,7 @@ class Checkpoint:
     def _parts(
         self, saved: Saved, chunked: ChunkedRows | None
     ) -> Iterator[tuple[int, Bytes | Array]]:
-        """Yield first row and rows of what this rank writes of an array; collective."""
+        """Yield first row and rows of each part of an array written by this rank; collective."""
         if chunked is not None:
             yield from chunked.collected(saved.values)
         elif self._comm.rank == 0:
