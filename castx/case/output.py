@@ -1,4 +1,4 @@
-"""What a run writes, where, and what it is compared with: fields, probes, measured curves."""
+"""Output of a run: folder, fields, probes, measured curves for comparison."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _MATERIAL = {
 
 @dataclass(frozen=True)
 class NewCase:
-    """What is known of a CAD part before anybody has decided anything.
+    """Properties of a CAD part, known before the user makes any choice.
 
     Args:
         file: of the part, as the case file names it.
