@@ -1,4 +1,4 @@
-"""What `castx check` shows of CAD files: volumes and areas of the mesh beside those of the part."""
+"""Output of `castx check` for CAD files: volumes and areas of the mesh beside those of the part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `castx verify` and `castx validate` do and show.
+"""The commands `castx verify` and `castx validate`.
 
 Public: `verify.verify`, `verify.verification_list`, `validate.validate`,
 `validate.experiment_list`.

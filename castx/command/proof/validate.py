@@ -1,4 +1,4 @@
-"""Experiments on the command line: their list, what is missing of them, a model over one."""
+"""Experiments on the command line: their list, their missing digits, comparison with a model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Solve(Protocol):
 
 
 def experiment_list(experiments: list[Experiment]) -> Table:
-    """Return the table of experiments and of what they lack."""
+    """Return the table of experiments and of their missing digits."""
     table = Table("experiment", "title", "digits missing", box=SIMPLE_HEAD, pad_edge=False)
     for experiment in experiments:
         count = len(experiment.missing)

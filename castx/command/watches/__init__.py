@@ -1,4 +1,4 @@
-"""What a run warns of as it goes: values outside their range, deformations, forces.
+"""Warnings of a run: values outside their range, deformations, forces.
 
 Public: `range_watch.RangeWatch`, `deformation_watch.DeformationWatch`, `force_watch.ForceWatch`.
 """

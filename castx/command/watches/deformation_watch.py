@@ -33,7 +33,7 @@ ABSURD = 0.5
 
 @dataclass(frozen=True)
 class _Cells:
-    """What the gradients of a body need."""
+    """Data for the gradients of displacements in the cells of a body."""
 
     nodes: IntArray
     gradients: FloatArray

@@ -45,7 +45,7 @@ class ForceWatch:
             )  # fmt: skip
 
     def check(self, snapshot: Snapshot) -> None:
-        """Compare the force errors after an accepted step with what was asked."""
+        """Compare the force errors after an accepted step with the requested tolerance."""
         errors = {
             name.removesuffix(COLUMN): value
             for name, value in snapshot.totals.items()
