@@ -40,7 +40,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a verification has shown.
+    """Result of a verification.
 
     Attributes:
         verification: what was verified.

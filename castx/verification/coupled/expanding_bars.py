@@ -199,7 +199,7 @@ def answers(run: Iterable[State]) -> dict[str, FloatArray]:
 
 
 def mean(found: Mapping[str, FloatArray], key: str) -> float:
-    """Return the mean of what pairs have over their areas."""
+    """Return the mean of a quantity of pairs, weighted by their areas."""
     return float(found["areas"] @ found[key] / found["areas"].sum())
 
 

@@ -1,4 +1,4 @@
-"""What a verification declares, and how answers are read from the states of a run.
+"""Declarations of verifications, and answers read from the states of a run.
 
 Public: `verification.Verification`, `verification.Resolution`, `verification.Answer`,
 `verification.Curve`, `verification.Comparison`, `verification.Outcome`, `states.states`,

@@ -1,4 +1,4 @@
-"""What a verification declares: an exact solution, the runs to compare with it, tolerances."""
+"""Declaration of a verification: an exact solution, the runs to compare with it, tolerances."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one run gives.
+    """Answers of a run.
 
     Attributes:
         answers: beside the exact numbers.

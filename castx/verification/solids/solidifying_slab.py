@@ -195,7 +195,7 @@ def slab_case(
 
 
 class Found(NamedTuple):
-    """What a run gives: ξ and lateral stresses of the cells, lateral strain over time."""
+    """Results of a run: ξ and lateral stresses of the cells, lateral strain over time."""
 
     xi: FloatArray
     stress: FloatArray
