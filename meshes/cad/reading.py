@@ -198,7 +198,7 @@ def _refuse_unknown(names: Sequence[str], solids: Sequence[Solid]) -> None:
 
 
 def solid_list(solids: Sequence[Solid]) -> str:
-    """Return one line for each solid: name, label, volume and place."""
+    """Return a line of text for each solid: name, label, volume and place."""
     lines = []
     for index, solid in enumerate(solids):
         volume = gmsh.model.occ.getMass(3, solid.tag) / MILLIMETRES**3

@@ -29,7 +29,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class Report:
-    """What was made of a CAD part.
+    """Report on a CAD part: bodies, interfaces, surfaces, quality of the mesh.
 
     Args:
         bodies: with volumes.
