@@ -50,7 +50,7 @@ class RunPart(StrEnum):
 
 @dataclass(frozen=True)
 class PartCost:
-    """What a part of a run has cost.
+    """Cost of a part of a run.
 
     Attributes:
         time: wall clock time of the rank with the largest one [s].
