@@ -191,7 +191,7 @@ class ModulusMould(Description):
 
 
 class Foundry(Description):
-    """How the quantities of the foundry are taken.
+    """Settings of the foundry quantities.
 
     Attributes:
         at: solid fraction, or temperature, at which gradient, cooling rate and front speed are.

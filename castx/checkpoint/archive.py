@@ -63,7 +63,7 @@ class ArchivedArray:
 
     @property
     def count(self) -> int:
-        """How many rows it has."""
+        """Number of rows."""
         return self.shape[0] if self.shape else 1
 
     @property

@@ -58,7 +58,7 @@ once multigrid is slow: shells that freeze and yield cost it iterations by the h
 
 @dataclass(frozen=True)
 class MechanicsSettings:
-    """How the equilibrium is solved.
+    """Settings of the solution of the equilibrium.
 
     Attributes:
         linear: "direct", "iterative" or "automatic" (by size).

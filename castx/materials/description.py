@@ -154,7 +154,7 @@ _LIQUID_NEEDS = {NEWTONIAN: ("viscosity",)} | {
 
 @with_keys(keys_of(LIQUID_RULES.values()))
 class Liquid(Description):
-    """How a material flows where its solid fraction is below coherency.
+    """Flow of a material where its solid fraction is below coherency.
 
     viscous: s = 2 viscosity ė, Newtonian; else by the flow rule of this name.
     """

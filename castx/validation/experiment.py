@@ -138,7 +138,7 @@ class Experiment:
 
     @property
     def name(self) -> str:
-        """That of the folder."""
+        """Name of the folder."""
         return self.folder.name
 
     @property

@@ -23,7 +23,7 @@ MOST_RESTARTS = 20
 
 
 class Pivoting:
-    """Which pairs change their state next, so that the sets end at the solution.
+    """Choice of the pairs that change their state next, so that the active sets end.
 
     Attributes:
         frozen: pairs that chatter and do not change any more, shape (pairs,).

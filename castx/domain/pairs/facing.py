@@ -1,4 +1,4 @@
-"""Which points of a surface face another surface, and how far away."""
+"""Points of a surface that face another surface, and their distances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well the forces on each body balance, and when they do so well enough.
+"""Balance of the forces on each body, and its tolerance.
 
 Public: `convergence.ForceConvergence`, `net_forces.NetForces`
 """

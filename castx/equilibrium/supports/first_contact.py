@@ -1,4 +1,4 @@
-"""How far a body held by springs alone may move in one Newton step: until it touches.
+"""Limit of the motion of a body on springs alone in one Newton step: the first contact.
 
 Weak springs let a body that has lost its contact swing by metres before they balance its weight.
 Everything on its way would then close at once and be pressed together, which a law that flows

@@ -49,7 +49,7 @@ class CoolingState(SolidState, Protocol):
 
 
 class FallingQuantity(Protocol):
-    """Which quantity of the nodes falls while they freeze, and between which of its values."""
+    """Quantity of the nodes that falls while they freeze, and the range of its values."""
 
     @property
     def name(self) -> str:

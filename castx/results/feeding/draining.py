@@ -1,4 +1,4 @@
-"""How liquid leaves the highest places of a pool while the pool freezes, within a step.
+"""Flow of liquid out of the highest places of a pool while the pool freezes, within a step.
 
 Of what freezes at the rate ΔF the share β is lacking, and comes from the liquid G of the highest
 place, of which the share λ is left. Both fall linearly in a step of implicit Euler, so that, with R

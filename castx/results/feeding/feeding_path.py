@@ -1,4 +1,4 @@
-"""How far feeders feed: the paths from them inside the casting to places without pores."""
+"""Reach of feeders: the paths from them inside the casting to places without pores."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a computed curve is from a measured one, at the measured moments within the run.
+    """Deviation of a computed curve from a measured one, at measured moments within the run.
 
     Attributes:
         root_mean_square: of the differences.

@@ -1,4 +1,4 @@
-"""How long a place freezes from one solid fraction to another, in the mean of a control volume.
+"""Duration of freezing from one solid fraction to another, in the mean of a control volume.
 
 Two levels may lie closer together than nodes do, and then the difference of their times of passing
 at a node is worth little: the temperature of a node is too high by up to a tenth of what it differs
@@ -32,7 +32,7 @@ TILT = 1e-6
 
 
 class Lasting:
-    """How long control volumes are between solid fractions, followed step by step.
+    """Durations of control volumes between solid fractions, followed step by step.
 
     Attributes:
         durations: so far, of each range, (ranges, nodes) [s].

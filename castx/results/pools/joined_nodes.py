@@ -1,4 +1,4 @@
-"""Which chosen nodes of a body edges join: regions with the same numbers on any ranks."""
+"""Regions of chosen nodes joined by edges, with the same numbers on any ranks."""
 
 from __future__ import annotations
 

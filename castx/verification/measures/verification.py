@@ -20,7 +20,7 @@ LEAST_FALL = 1.6
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely a run divides space and time.
+    """Resolution of a run in space and time.
 
     Attributes:
         size: of the elements [m].
