@@ -272,7 +272,7 @@ def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
 
 
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
-    """Return the bodies in groups of those that are tied and have unknowns of one kind."""
+    """Return groups of bodies that are tied to each other and have unknowns of one kind."""
     number = {name: b for b, name in enumerate(bodies.names)}
     sizes = bodies.layout.block_sizes
     ties = [

@@ -104,7 +104,7 @@ class Equilibrium:
         return self._procedure.finish(self.x, time)
 
     def adopt(self, other: Equilibrium) -> None:
-        """Take over the accepted solution of another contact method for the same bodies."""
+        """Adopt the accepted solution of another contact method for the same bodies."""
         size = self.balance.assembly.layout.size_local
         origins = self.balance.supports.origin, other.balance.supports.origin
         for own, given in ((self.committed, other.committed), origins):

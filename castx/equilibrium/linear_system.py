@@ -52,7 +52,7 @@ class InnerSolver(Protocol):
         """Number of constraints and closed pairs that may change before a new preconditioner."""
 
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
-        """Prepare for a matrix whose constrained rows and columns are those of a diagonal.
+        """Prepare for a matrix whose constrained rows and columns are diagonal.
 
         Args:
             matrix: the matrix.
@@ -95,7 +95,7 @@ class SystemOperator:
         support: SpringSupport | None,
         closed: BoolArray,
     ) -> None:
-        """Set the unknowns whose rows are `stiffness` times those of the identity, and the rest."""
+        """Set the constrained unknowns, their diagonal entry, the supports and the closed pairs."""
         self.constrained, self.stiffness, self.support = constrained, stiffness, support
         self.closed = closed
 
@@ -184,7 +184,7 @@ class SystemPreconditioner:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the inner solver inverts the matrix for which it has been set up."""
+        """Whether the inner solver inverts its matrix exactly."""
         return self._inner.is_exact
 
     def renew(self) -> None:
@@ -260,7 +260,7 @@ def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
 
 
 def masked(matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
-    """Return a copy in which constrained rows and columns are those of a diagonal of usual size."""
+    """Return a copy whose constrained rows and columns are diagonal, of usual size."""
     copy = matrix.copy()
     keep = copy.createVecRight()
     keep.array[:] = np.where(constrained, 0.0, 1.0)

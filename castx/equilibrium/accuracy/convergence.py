@@ -113,7 +113,7 @@ class ForceConvergence:
 
 
 def worst_row(assembly: BodyAssembly, gaps: Gaps, layout: Layout, f: PETSc.Vec) -> str:
-    """Say where a residual is largest, the same text on all ranks; collective.
+    """Return the place of the largest residual as a text, the same on all ranks; collective.
 
     Args:
         assembly: the bodies.
