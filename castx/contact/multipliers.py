@@ -141,7 +141,7 @@ class MultiplierContact:
         return self._gaps.values(u)
 
     def trial_forces(self, iterate: PairIterate) -> FloatArray:
-        """Return the multipliers of closed pairs as forces, -stiffness times gap of open ones."""
+        """Return the forces of closed pairs, minus stiffness times gap of open ones."""
         carried = iterate.x.array_r[self._size :] * self.unknowns.scales
         return np.where(iterate.closed, carried, -iterate.stiffness * iterate.gaps)
 

@@ -45,7 +45,7 @@ class NormalContact(Protocol):
         """Return the gaps of all pairs [m]."""
 
     def trial_forces(self, iterate: PairIterate) -> FloatArray:
-        """Return the forces that closed pairs carry and open ones would [N], compressive > 0."""
+        """Return the forces of closed pairs and trial forces of open ones [N], compressive > 0."""
 
     def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
         """Add the forces of closed pairs to rows, or constrain unknowns."""

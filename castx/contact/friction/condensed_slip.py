@@ -37,7 +37,7 @@ class SlipState:
         return cls(np.zeros(count, dtype=bool), np.zeros(count), still, still.copy())
 
     def without_slip(self) -> SlipState:
-        """Return the same with rows that stick."""
+        """Return the state with all rows sticking."""
         return replace(self, slips=np.zeros_like(self.slips))
 
 

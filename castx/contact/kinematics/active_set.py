@@ -270,7 +270,7 @@ class ActiveSet:
         return self._count(self.frozen)
 
     def commit(self) -> None:
-        """Accept the present set as that of the last step."""
+        """Accept the present active set."""
         self._committed = self.closed.copy()
         self._begin_step()
 
@@ -279,7 +279,7 @@ class ActiveSet:
         self._released[:] = False
 
     def restore(self, closed: BoolArray) -> None:
-        """Take back a set of closed pairs as that of the last accepted step."""
+        """Restore the active set of the last accepted step."""
         self._committed = closed.copy()
         self.rewind()
 

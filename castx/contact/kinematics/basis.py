@@ -153,7 +153,7 @@ class BasisMatrices:
 
 
 class _Entries:
-    """Entries of a square matrix in the layout, of owned rows; those at one place add up."""
+    """Entries of a square matrix in the layout, of owned rows; entries at one place add up."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout

@@ -84,7 +84,7 @@ class _Met:
         self._groups = np.full((nodes, dimension), "", dtype=object)
 
     def hidden(self, pairs: NodePairs, group: str) -> tuple[IntArray, BoolArray]:
-        """Return the pairs without room at their node, and those of them that another group holds.
+        """Return the pairs without room at their node, and the part of them held by another group.
 
         The others take the room. A pair that faces a group along a row of the same group is held by
         this row.
