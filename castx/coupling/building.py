@@ -323,7 +323,7 @@ def law_above_solidus(body: str, material: Material) -> str:
 
 
 def formulation_of(mesh: CastingMesh, body: Body) -> str:
-    """Return the formulation of a body, by default that of its cells.
+    """Return the formulation of a body, by default the usual one of its cells.
 
     Raises:
         CaseError: cells or model have no such formulation.

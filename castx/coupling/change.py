@@ -34,7 +34,7 @@ class StepChange:
 
 
 class ThermalChange:
-    """Enthalpy and solid fraction of all bodies against those of the last accepted state.
+    """Change of enthalpy and solid fraction of all bodies since the last accepted state.
 
     Args:
         comm: ranks.
