@@ -286,7 +286,7 @@ class HeatBalance:
         self._present = x.array_r.copy()
 
     def _return_to(self, x: PETSc.Vec) -> None:
-        """Set the state unless it is that of the last residual of this step; collective.
+        """Set the state of the unknowns x unless it is the present one; collective.
 
         Newton's method asks for the Jacobian where it has just asked for the residual.
         """

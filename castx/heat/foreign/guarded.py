@@ -113,7 +113,7 @@ def refusal_of(text: str) -> str:
 
 
 def end_of(code: int, errors: bytes) -> str:
-    """Return in words how a reader has ended."""
+    """Return a text on the end of a reader."""
     lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
     last = shortened(lines[-1]) if lines else "no word"
     how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
