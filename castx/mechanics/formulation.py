@@ -241,7 +241,7 @@ class Formulation(Protocol):
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
 
     def commit(self) -> bool:
-        """Make the trial state the one from which the next step starts; collective.
+        """Accept the trial state as the start of the next step; collective.
 
         Returns:
             Whether the residual at the same unknowns is another one from now on.

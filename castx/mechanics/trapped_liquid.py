@@ -107,7 +107,7 @@ class Pockets:
         return len(self._pores.open) > 0
 
     def state(self, points: PointState) -> PointState:
-        """Return the state of the integration points, with that of trapped liquid."""
+        """Return the states of the integration points and of trapped liquid."""
         return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
 
     def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:

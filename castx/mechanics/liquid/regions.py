@@ -34,7 +34,7 @@ class Regions:
         self._shared = _shared_nodes(body)
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
-        """Return the number of regions, and that of each group, −1: none, (groups,); collective.
+        """Return the number of regions, and the region of each group or −1, (groups,); collective.
 
         All ranks number the regions alike.
 
