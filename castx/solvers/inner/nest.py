@@ -198,7 +198,7 @@ def _listed(rows: PETSc.IS) -> PETSc.IS:
 
 
 def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-    """Orthonormalise vectors in place (Gram-Schmidt, twice); return those that are independent."""
+    """Orthonormalise vectors in place (Gram-Schmidt, twice); return the independent ones."""
     kept: list[PETSc.Vec] = []
     for vector in vectors:
         size = vector.norm()

@@ -23,7 +23,7 @@ def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
 
 
 def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
-    """Return the options of one block Gauss-Seidel sweep, or those of the only block."""
+    """Return the options of one block Gauss-Seidel sweep, or of the only block."""
     if len(blocks) == 1:
         return dict(blocks[0].options)
     options: dict[str, object] = {"ksp_type": "preonly", "pc_type": "fieldsplit"}
