@@ -113,7 +113,7 @@ def _imbalance(bodies: LongArray, left: BoolArray, share: float) -> float:
 
 
 def destinations(rank: LongArray, across: LongArray) -> tuple[IntArray, IntArray]:
-    """Return the ranks of each cell, its owner first, then those with a ghost of it.
+    """Return the ranks of each cell, its owner first, then the ranks with a ghost of the cell.
 
     Args:
         rank: owner of each cell, (cells,).

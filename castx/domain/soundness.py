@@ -39,7 +39,7 @@ def refuse_far_away(mesh: NamedMesh, source: str) -> None:
 
 
 def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
-    """Refuse cells that lie over each other: both on the same side of the face that they share.
+    """Refuse overlapping cells: both lie on the same side of their common face.
 
     Args:
         mesh: the mesh.
