@@ -128,14 +128,14 @@ def read_interface(content: dict[str, Any], file: str) -> InterfaceEntry:
 
 
 def plain_numbers(value: Any) -> list[float]:
-    """Return the numbers of a key: one, those of a list, or the coefficients of a table."""
+    """Return the numbers of a key: one, all of a list, or the coefficients of a table."""
     if isinstance(value, dict):
         return [row[1] for row in value["table"]]
     return list(value) if isinstance(value, list) else [value]
 
 
 def _ranges(item: dict[str, Any]) -> tuple[Range, ...]:
-    """Return the ranges of a number, those of a list one by one."""
+    """Return the ranges of a number, of each number of a list."""
     if "range" not in item:
         return ()
     each = item["range"] if isinstance(item["value"], list) else [item["range"]]
