@@ -201,7 +201,7 @@ class LiquidEntry:
 
 @with_keys(KINEMATIC_KEYS | RATE_KEYS)
 class MaterialDescription(Description):
-    """Properties of a material as given; with `extends`, only the ones that differ from another.
+    """Properties of a material as given; with `extends`, only the changed ones.
 
     `law` names the flow rule of the solid. The keys of the flow rules and of the kinematic
     hardening rules are fields too, added by `with_keys`.

@@ -166,7 +166,7 @@ class Material:
 
     @property
     def given_stress_free(self) -> float | None:
-        """Stress-free temperature [°C] that the case gives; that of the database is of castings."""
+        """Stress-free temperature of the case [°C]; None if it comes from the database."""
         return None if "stress_free" in self.sources else self.stress_free
 
     @property
