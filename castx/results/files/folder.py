@@ -155,7 +155,7 @@ def record_of(folder: Path) -> dict[str, Any] | None:
 
 
 def belongs_to(record: dict[str, Any], case: Case) -> bool:
-    """Return whether a record is that of a case: of the same file, or of the same content."""
+    """Return whether a record has the file or the content of a case."""
     known = record.get("case")
     if not isinstance(known, dict):
         return True

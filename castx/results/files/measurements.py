@@ -183,7 +183,7 @@ def _number(cell: str, separator: str, line: int) -> float:
 
 
 def _in_si(values: FloatArray, unit: str, dimension: Dimension) -> FloatArray:
-    """Return values of a unit in that of a dimension; an empty text stands for the latter."""
+    """Convert values from a unit to the unit of a dimension; an empty text means the latter."""
     if not unit:
         return values
     # Conversions are linear: two numbers fix them. Zero kelvins are as cold as anything may be.

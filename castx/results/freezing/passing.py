@@ -108,7 +108,7 @@ class Parts:
     width: FloatArray
 
     def of(self, nodes: BoolArray) -> Parts:
-        """Return the parts of those nodes (nodes,) alone."""
+        """Return the parts of the given nodes (nodes,) alone."""
         kept = nodes[self.nodes]
         cells, corners = self.index
         return Parts(
@@ -122,7 +122,7 @@ class Parts:
 
 
 class Excess:
-    """By how much the enthalpies of nodes exceed those with a front at them.
+    """Excess of the enthalpies of nodes over the enthalpies with a front at them.
 
     Args:
         curve: enthalpy of the material.
@@ -150,7 +150,7 @@ class Excess:
         return self._of(step, np.full(shape, share), parts, at_corners)
 
     def after(self, step: Step, share: FloatArray, parts: Sequence[Parts]) -> FloatArray:
-        """Return by how much enthalpies exceed those with the fronts at `PLACES`; collective.
+        """Return the excess of enthalpies over those with the fronts at `PLACES`; collective.
 
         Args:
             step: enthalpies.
