@@ -87,7 +87,7 @@ def colours(count: int) -> list[str]:
 
 
 def paints(shells: Sequence[Shell], flat: bool) -> tuple[Paint, Paint]:
-    """Return the colours of the bodies, and those of their surfaces and interfaces.
+    """Return the colours of bodies, surfaces and interfaces.
 
     Args:
         shells: the bodies.

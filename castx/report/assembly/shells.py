@@ -91,7 +91,7 @@ def _outer_facets(body: BodyMesh) -> tuple[FloatArray, IntArray]:
 
 
 def _round(kind: CellKind, nodes: IntArray) -> IntArray:
-    """Return the nodes of cells, those of quadrilaterals in an order that goes round."""
+    """Return the nodes of cells, for quadrilaterals in cyclic order."""
     return nodes[:, np.argsort(kind.from_gmsh)] if kind.dimension == 2 else nodes
 
 

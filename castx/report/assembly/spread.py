@@ -20,7 +20,7 @@ Rectangle = tuple[FloatArray, FloatArray]
 
 
 def shifts(points: Sequence[FloatArray], screen: FloatArray, ways: FloatArray) -> FloatArray:
-    """Return by how much bodies are moved for their rectangles on a picture to be apart.
+    """Return the shifts of bodies that set their rectangles apart on a picture.
 
     The largest one stays. The others follow by size, each along the one of some ways that is the
     shortest, where ways back across the largest body count for more.

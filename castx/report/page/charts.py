@@ -82,7 +82,7 @@ def run_sections(run: Results) -> list[Section]:
 
 
 def merged(runs: Mapping[str, Sequence[Section]]) -> list[dict[str, Any]]:
-    """Return the diagrams of runs as JSON knows them, those of one name in one diagram.
+    """Return the diagrams of runs for JSON, curves of the same name in one diagram.
 
     Args:
         runs: sections by the label of their run; the label of a single run is not shown.

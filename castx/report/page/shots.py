@@ -152,7 +152,7 @@ def shot(
 
 
 def scales_of(state: State, topic: Topic, bodies: Sequence[str]) -> Iterator[Scale]:
-    """Yield the colours of the bodies that matter, then of those around them."""
+    """Yield the colours of the shown bodies, then of the bodies around them."""
     others = () if topic.melting else tuple(sorted(set(state) - set(bodies)))
     for names, colours in ((tuple(bodies), topic.colours), (others, topic.beside)):
         there = tuple(name for name in names if name in state)

@@ -45,7 +45,7 @@ def numeric_rows(run: Results) -> Rows:
 
 
 def steps_text(counts: Mapping[str, int]) -> str:
-    """Return the steps of a run and how many tries of them were in vain."""
+    """Return the number of steps of a run and of their rejected tries as text."""
     text = f"{counts['steps']}, {counts['cutbacks']} of them cut"
     repeats = counts.get("repeats", 0)  # not in the results of earlier versions
     return f"{text}, {repeats} taken again" if repeats else text
