@@ -52,7 +52,7 @@ class Holding:
 
 
 def supports(points: FloatArray, model: str, planes: Sequence[Plane]) -> Holding:
-    """Return the planes of symmetry as conditions, and as few further ones as hold the body.
+    """Return the planes of symmetry and the fewest further supports as conditions.
 
     Args:
         points: positions of the nodes, (nodes, 3) [m].
