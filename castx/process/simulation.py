@@ -244,7 +244,7 @@ class Simulation:
         self.process.prepare(notes)
 
     def restore(self, arrays: Arrays) -> None:
-        """Restore a saved state: the next state yielded is that of the step after it."""
+        """Restore a saved state; the next state yielded belongs to the step after it."""
         clock = part_of(arrays, "clock")
         self.time, self.step = float(clock["time"]), int(clock["step"])
         self._substep_rate = float(clock["substep_rate"])
