@@ -43,7 +43,7 @@ class _Round(NamedTuple):
 
 
 class ChunkedRows:
-    """Moves rows between the ranks that have their entities and those that have their chunks.
+    """Moves rows between the owners of entities and the owners of chunks.
 
     Chunk k is that of rank k modulo the number of ranks. Collective, as are all methods.
 
@@ -107,7 +107,7 @@ class ChunkedRows:
 
 
 def _places(comm: MPI.Intracomm, numbering: Numbering) -> tuple[LongArray, int]:
-    """Return the places of the local numbers among all owned ones, and how many these are."""
+    """Return the places of the local numbers among all owned ones, and the number of places."""
     own = numbering.numbers[: numbering.owned]
     limits = np.iinfo(np.int64)
     lowest = comm.allreduce(int(own.min(initial=limits.max)), MPI.MIN)
