@@ -281,7 +281,7 @@ _UnitName = Annotated[StrictStr, Field(max_length=40)]
 
 
 class Measurement(Description):
-    """A measured curve with which the report compares that of a probe.
+    """A measured curve, for comparison with the curve of a probe in the report.
 
     Attributes:
         of: column of probes.csv, PROBE.QUANTITY or PROBE.QUANTITY.PART.
