@@ -67,6 +67,6 @@ def _rows(report: Report, interfaces: Sequence[str]) -> Iterator[tuple[str, str,
 
 
 def difference_text(measure: Measure) -> str:
-    """Return by how much the mesh differs from CAD, in percent."""
+    """Return the difference of the mesh from CAD in percent, as text."""
     percent = 100.0 * (measure.mesh / measure.cad - 1.0)
     return "0 %" if abs(percent) < 1e-6 else f"{percent:+.2g} %"

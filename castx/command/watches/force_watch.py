@@ -17,7 +17,7 @@ COLUMN = ".force_error"
 
 
 class ForceWatch:
-    """Warns at the first step whose forces do not balance, and at the end of how many there were.
+    """Warns at the first step with unbalanced forces, and at the end with the number of such steps.
 
     Args:
         case: what is run.
