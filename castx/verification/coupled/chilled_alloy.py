@@ -91,7 +91,7 @@ class ChilledAlloy:
         return self.arm_spacing(x) * self.half_space.niyama(AT) * np.sqrt(feeding)
 
     def pore_fraction(self, x: FloatArray) -> FloatArray:
-        """Return the volume of pores over that of the solid."""
+        """Return the volume of pores over the volume of solid."""
         values = np.atleast_1d(self.dimensionless_niyama(x))
         return self.shrinkage * np.array([critical_liquid(value) for value in values])
 

@@ -56,7 +56,7 @@ FRAMES = (Frame(70e9, 24e-6, 120.0, 2e-4, 4e-4), Frame(105e9, 11e-6, 85.0, 3e-4,
 
 
 def frame(bars: Frame) -> FloatArray:
-    """Return the stresses of the thick bar and of the thin ones [Pa].
+    """Return the stresses of the thick bar and of the thin bars [Pa].
 
     A_2 σ_2 + A_1 σ_1 = 0 and (σ_2 − σ_1)/E = α ΔT_p.
     """
