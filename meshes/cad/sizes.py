@@ -263,7 +263,7 @@ class SizeGrid:
 
 
 def size_grid(part: CadPart, wishes: Wishes) -> SizeGrid:
-    """Return sizes over space: those that are wanted and those of boxes, growing away from them.
+    """Return sizes over space: the wanted ones and sizes of boxes, growing away from them.
 
     Args:
         part: what is meshed.
@@ -362,7 +362,7 @@ def set_field(part: CadPart, grid: SizeGrid, volumes: Mapping[int, str], scratch
 def estimated_cells(
     part: CadPart, samples: Samples, sizes: FloatArray, volumes: Mapping[str, float]
 ) -> float:
-    """Return about how many cells a mesh will have.
+    """Return the estimated number of cells of a mesh.
 
     Behind each sample sizes grow from its own to the largest one; the rest has the largest one.
 
@@ -384,7 +384,7 @@ def estimated_cells(
 
 
 def crowded_cells(grid: SizeGrid) -> float:
-    """Return about how many cells a mesh has where sizes are below the step of their grid.
+    """Return the estimated number of cells where sizes are below the step of their grid.
 
     The grid spreads such a size over all nodes round its place, about half of which is inside.
     """
