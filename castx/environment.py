@@ -45,7 +45,7 @@ def _version(package: str, module: str) -> str:
 
 
 def blas_advantage() -> float:
-    """Return how many times faster than a plain loop the BLAS multiplies matrices.
+    """Return the speed of matrix products by the BLAS over that of a plain loop.
 
     The ratio hardly depends on the machine and its load. Measuring it takes 10 ms.
     """

@@ -1,4 +1,4 @@
-"""What the parts of a run cost: stages of PETSc's log, each without those that begin inside it.
+"""Costs of the parts of a run: stages of PETSc's log, each without the stages inside it.
 
 PETSc logs only when it is told to; until then a stage costs less than a microsecond. The same
 stages stand in what PETSc's own option -log_view shows.
@@ -50,7 +50,7 @@ class RunPart(StrEnum):
 
 @dataclass(frozen=True)
 class PartCost:
-    """What a part of a run has cost.
+    """Cost of a part of a run.
 
     Attributes:
         time: wall clock time of the rank with the largest one [s].

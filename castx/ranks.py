@@ -1,4 +1,4 @@
-"""Several ranks as one: what the first does or refuses, one exit code, no rank left waiting."""
+"""Several ranks as one: work and refusals of the first, one exit code, no rank left waiting."""
 
 from __future__ import annotations
 

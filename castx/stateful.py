@@ -42,7 +42,7 @@ MOST_AT_NODE = 64
 
 
 def occurrence(values: npt.NDArray[Any]) -> LongArray:
-    """Return how many equal values stand before each value, shape (values,)."""
+    """Return the number of equal values before each value, shape (values,)."""
     order = np.argsort(values, kind="stable")
     first = np.searchsorted(values[order], values[order])
     count = np.empty(len(order), dtype=np.int64)

@@ -76,6 +76,6 @@ class Table:
         return float(np.diff(points) @ (values[1:] + values[:-1])) / (2.0 * (end - start))
 
     def derivative(self, argument: Any) -> FloatArray:
-        """Return the slopes at arguments, zero outside; at a point that of the segment above it."""
+        """Return the slopes at arguments, zero outside; at a point the slope above."""
         slopes = np.concatenate(([0.0], np.diff(self.values) / np.diff(self.arguments), [0.0]))
         return np.asarray(slopes[np.searchsorted(self.arguments, argument, side="right")])

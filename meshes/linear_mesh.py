@@ -91,7 +91,7 @@ def handedness(points: FloatArray, cells: LongArray) -> FloatArray:
 
 
 def oriented(points: FloatArray, cells: LongArray) -> LongArray:
-    """Return the same cells, positively oriented."""
+    """Return the cells with positive orientation."""
     kind = KINDS[points.shape[1], cells.shape[1]]
     negative = handedness(points, cells) < 0
     return np.where(negative[:, None], cells[:, kind.mirrored], cells)

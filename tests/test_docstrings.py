@@ -17,6 +17,13 @@ KNOT = re.compile(r"\b(?:that|those|what|whose|it)\b", re.I)
 MOST_OF_THEM = 3
 """Pronouns in a first sentence above which it has to be read twice."""
 
+PRONOUN = re.compile(
+    r"^(?:(?:What|Which|That|Those|Whose)\b"
+    r"|(?:Return|Yield|Give|Say|Tell)s? (?:what|which|those|them|it|how|that)\b"
+    r"|\w+ what\b)"
+)
+"""Beginnings of sentences that tell of an object without its name."""
+
 Documented = ast.ClassDef | ast.FunctionDef
 
 
@@ -58,3 +65,12 @@ def test_arguments_that_are_described_are_those_that_there_are():
 def test_first_sentences_have_no_knots():
     first = ((place, text.split("\n\n")[0].replace("\n", " ")) for place, _, text in documented())
     assert not [line for line in first if len(KNOT.findall(line[1])) > MOST_OF_THEM]
+
+
+def test_first_sentences_name_what_they_tell_of():
+    nameless = [
+        f"{place}: {text.splitlines()[0]}: name the object, by the term of the field"
+        for place, _, text in documented()
+        if PRONOUN.match(text)
+    ]
+    assert not nameless

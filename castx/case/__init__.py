@@ -1,4 +1,4 @@
-"""What the user asks for: every key of a case file, checked and in SI units.
+"""Description of a case by the user: every key of a case file, checked and in SI units.
 
 Public: `case.Case`, `bodies.Body`, `boundaries.Boundary`, `caveats.caveats`,
 `contact.InterfaceContact`, `control.Time`, `geometry.Geometry`, `heat_transfer.InterfaceHeat`,

@@ -62,7 +62,7 @@ class Body(Description):
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
 
     def starts_solid(self, material: MaterialDescription) -> bool:
-        """Return whether it is solid at the start, and later too if its temperature is prescribed.
+        """Return whether the body starts solid, and stays so if its temperature is prescribed.
 
         A solid body, a mould or a chill, needs no liquid of its material.
 

@@ -158,7 +158,7 @@ class ClampCondition(Description):
 
     @property
     def released(self) -> ClampCondition:
-        """The same without force and stiffness: results go on to show how the surface moves."""
+        """Return the clamp without force and stiffness, which still records its motion."""
         return self.model_copy(update={"force": Table.constant(0.0), "stiffness": None})
 
     def inconsistencies(self) -> Iterator[Problem]:

@@ -100,7 +100,7 @@ class Case(Description):
 
     @property
     def content(self) -> dict[str, Any]:
-        """Keys and values of the file, with overrides and what interfaces take from the database.
+        """Keys and values of the file, with overrides and data of interfaces from the database.
 
         They have the types of JSON.
         """

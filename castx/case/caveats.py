@@ -1,4 +1,4 @@
-"""What a case may mean otherwise than its author thinks, though it can be run."""
+"""Warnings of valid cases that may differ from the intention of their author."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ class InterfaceContact(Description):
 
     @property
     def pairing_rule(self) -> Pairing:
-        """How nodes find partners and normals."""
+        """Rule by which nodes find partners and normals."""
         angle = math.radians(self.sharp_angle)
         counts = self.meshed_gap == "counts"
         normals = AVERAGED if self.normals == AUTOMATIC else self.normals

@@ -1,4 +1,4 @@
-"""How a case is solved: time steps, coupling of heat and mechanics, solvers."""
+"""Numerical control of a case: time steps, coupling of heat and mechanics, solvers."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class Time(Description):
 
 
 class Coupling(Description):
-    """How heat and mechanics act on each other within a step.
+    """Coupling of heat and mechanics within a step.
 
     Attributes:
         scheme: which of the two are solved, and in what order.

@@ -312,7 +312,7 @@ def _is_cad(data: dict[str, Any]) -> bool:
 
 
 def _with_cad(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the keys of a geometry, those of its CAD files gathered in `cad`."""
+    """Return the keys of a geometry with the keys of CAD files gathered in `cad`."""
     own = {key: value for key, value in data.items() if key in ("model", "generator")}
     given = {key: value for key, value in data.items() if key not in own}
     return {**own, "cad": CadGeometry.read(given)}

@@ -46,7 +46,7 @@ class Patch:
     def contains(
         self, points: npt.ArrayLike, marked: Mapping[str, FloatArray]
     ) -> BoolArray:
-        """Return which points lie in the part, shape (n,).
+        """Return a mask of the points in the part, shape (n,).
 
         Args:
             points: of the interface, shape (n, gdim) [m].

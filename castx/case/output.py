@@ -1,4 +1,4 @@
-"""What a run writes, where, and what it is compared with: fields, probes, measured curves."""
+"""Output of a run: folder, fields, probes, measured curves for comparison."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class ModulusMould(Description):
 
 
 class Foundry(Description):
-    """How the quantities of the foundry are taken.
+    """Settings of the foundry quantities.
 
     Attributes:
         at: solid fraction, or temperature, at which gradient, cooling rate and front speed are.
@@ -281,7 +281,7 @@ _UnitName = Annotated[StrictStr, Field(max_length=40)]
 
 
 class Measurement(Description):
-    """A measured curve with which the report compares that of a probe.
+    """A measured curve, for comparison with the curve of a probe in the report.
 
     Attributes:
         of: column of probes.csv, PROBE.QUANTITY or PROBE.QUANTITY.PART.

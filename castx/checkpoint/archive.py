@@ -63,7 +63,7 @@ class ArchivedArray:
 
     @property
     def count(self) -> int:
-        """How many rows it has."""
+        """Number of rows."""
         return self.shape[0] if self.shape else 1
 
     @property
@@ -77,7 +77,7 @@ class ArchivedArray:
         return self.data + self.count * self.width
 
     def info(self, checksum: int) -> zipfile.ZipInfo:
-        """Return what a zip file has to know, with the checksum of the .npy file."""
+        """Return the zip record of the .npy file with its checksum."""
         info = _info(self.name, checksum, self.end - self.start)
         info.header_offset = self.start - len(info.FileHeader(zip64=True))
         return info
@@ -88,7 +88,7 @@ class ArchivedArray:
 
 
 class Contents(NamedTuple):
-    """What an archive holds.
+    """Contents of an archive: header, places of the arrays and their checksums.
 
     Attributes:
         header: values beside the arrays.
@@ -167,7 +167,7 @@ def write_contents(
 
 
 def read_contents(path: Path) -> Contents:
-    """Return what an archive holds, not verified yet.
+    """Return the contents of an archive, checksums not verified.
 
     Raises:
         OSError, or one of `_DAMAGES`: the file cannot be read or is damaged.
@@ -203,7 +203,7 @@ def _entry(file: BinaryIO, archive: zipfile.ZipFile, name: str) -> tuple[Archive
 
 
 def read_verified(path: Path, comm: MPI.Intracomm) -> Contents:
-    """Return what an archive holds, all of whose checksums the ranks have verified; collective.
+    """Return the contents of an archive after the ranks have verified its checksums; collective.
 
     Raises:
         ValueError: its fault; on all ranks.
@@ -222,7 +222,7 @@ def read_verified(path: Path, comm: MPI.Intracomm) -> Contents:
 
 
 def _wrong_checksum(path: Path, contents: Contents, comm: MPI.Intracomm) -> str:
-    """Return which checksum is wrong, empty if none is; each rank reads parts of the file."""
+    """Return the message of a wrong checksum, empty if all are right; each rank reads a part."""
     sums = np.zeros(len(contents.entries), dtype=np.int64)
     parts = (
         (number, entry, place)

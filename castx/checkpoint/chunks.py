@@ -27,7 +27,7 @@ Bytes = npt.NDArray[np.uint8]
 
 
 class _Round(NamedTuple):
-    """What travels while each rank has one chunk.
+    """Rows exchanged while each rank has one chunk.
 
     Attributes:
         rows: local rows, by ascending number.
@@ -43,7 +43,7 @@ class _Round(NamedTuple):
 
 
 class ChunkedRows:
-    """Moves rows between the ranks that have their entities and those that have their chunks.
+    """Moves rows between the owners of entities and the owners of chunks.
 
     Chunk k is that of rank k modulo the number of ranks. Collective, as are all methods.
 
@@ -107,7 +107,7 @@ class ChunkedRows:
 
 
 def _places(comm: MPI.Intracomm, numbering: Numbering) -> tuple[LongArray, int]:
-    """Return the places of the local numbers among all owned ones, and how many these are."""
+    """Return the places of the local numbers among all owned ones, and the number of places."""
     own = numbering.numbers[: numbering.owned]
     limits = np.iinfo(np.int64)
     lowest = comm.allreduce(int(own.min(initial=limits.max)), MPI.MIN)
@@ -132,7 +132,7 @@ def _places(comm: MPI.Intracomm, numbering: Numbering) -> tuple[LongArray, int]:
 
 
 def _swapped(comm: MPI.Intracomm, counts: LongArray) -> LongArray:
-    """Return how many rows each rank has for this one."""
+    """Return the number of rows that each rank has for the present one."""
     swapped = np.empty_like(counts)
     comm.Alltoall(counts, swapped)
     return swapped

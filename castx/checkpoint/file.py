@@ -78,7 +78,7 @@ class Checkpoint:
     def _chunked(
         self, state: Mapping[str, Saved], *, ghosts: bool
     ) -> dict[str, ChunkedRows | None]:
-        """Return how the rows of each array travel, None for one without entities; collective."""
+        """Return the distribution of the rows of each array, None without entities; collective."""
         of_kind: dict[str, ChunkedRows] = {}
         found: dict[str, ChunkedRows | None] = {}
         for name, saved in state.items():
@@ -103,7 +103,7 @@ class Checkpoint:
     def _parts(
         self, saved: Saved, chunked: ChunkedRows | None
     ) -> Iterator[tuple[int, Bytes | Array]]:
-        """Yield first row and rows of what this rank writes of an array; collective."""
+        """Yield first row and rows of each part of an array written by this rank; collective."""
         if chunked is not None:
             yield from chunked.collected(saved.values)
         elif self._comm.rank == 0:

@@ -1,4 +1,4 @@
-"""What `castx check` shows of CAD files: volumes and areas of the mesh beside those of the part."""
+"""Output of `castx check` for CAD files: volumes and areas of the mesh beside those of the part."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from castx.meshes.cad.report import Measure, Report
 
 
 def show_cad(report: Report, interfaces: Sequence[str], console: Console) -> None:
-    """Show what was made of CAD files.
+    """Print bodies, interfaces, mesh quality and remarks of CAD files.
 
     Args:
         report: of the mesher.
@@ -67,6 +67,6 @@ def _rows(report: Report, interfaces: Sequence[str]) -> Iterator[tuple[str, str,
 
 
 def difference_text(measure: Measure) -> str:
-    """Return by how much the mesh differs from CAD, in percent."""
+    """Return the difference of the mesh from CAD in percent, as text."""
     percent = 100.0 * (measure.mesh / measure.cad - 1.0)
     return "0 %" if abs(percent) < 1e-6 else f"{percent:+.2g} %"

@@ -1,4 +1,4 @@
-"""The command `castx check`: what a case and its mesh contain, before anything is solved."""
+"""The command `castx check`: contents of a case and its mesh, before anything is solved."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
 def _formulations(
     case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
 ) -> list[str]:
-    """Return the formulations of the bodies, and refuse what the mesh does not fit; collective."""
+    """Return the formulations of the bodies, and refuse unsuitable cells; collective."""
     columns = [
         column
         for probe in case.probes
@@ -247,7 +247,7 @@ def free_text(surface: str) -> str:
 
 
 def interface_text(case: Case, summary: InterfaceSummary, pairs: Mapping[str, int]) -> str:
-    """Return one line about two bodies that touch.
+    """Return a line of text about two bodies that touch.
 
     Args:
         case: the case.
@@ -265,7 +265,7 @@ def interface_text(case: Case, summary: InterfaceSummary, pairs: Mapping[str, in
 
 
 def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> str:
-    """Return one line about an interface of meshes that do not match; collective.
+    """Return a line of text about an interface of non-matching meshes; collective.
 
     Args:
         interface: its description.

@@ -362,7 +362,7 @@ def validate(
     folder: Annotated[Path, typer.Option(metavar="DIR", help="Of all.")] = Path("validation"),
     output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/validation"),
 ) -> None:
-    """List the experiments, or run the case of one and compare it with what was measured."""
+    """List the experiments, or run the case of one and compare it with its measured curves."""
     from castx.command.run import run as run_case_file
     from castx.command.validate import list_or_validate
 
@@ -385,7 +385,7 @@ def interfaces(context: typer.Context, name: EntryName = None, plot: EntryPlot =
 
 @app.command()
 def info(context: typer.Context) -> None:
-    """Show the versions of castx and of what it runs on, and whether the BLAS is fast."""
+    """Show the versions of castx and of its dependencies, and whether the BLAS is fast."""
     from castx.command.listing import version_table
     from castx.environment import blas_advantage, blas_warning
 

@@ -33,7 +33,7 @@ ABSURD = 0.5
 
 @dataclass(frozen=True)
 class _Cells:
-    """What the gradients of a body need."""
+    """Data for the gradients of displacements in the cells of a body."""
 
     nodes: IntArray
     gradients: FloatArray
@@ -130,7 +130,7 @@ def _since_freezing(
     solid: FloatArray,
     step: int,
 ) -> FloatArray:
-    """Return what has been added to values since they froze, zero where they have not."""
+    """Return the change of values since they froze, zero where they have not."""
     # A run that is taken up again counts from there.
     first = present if step > 1 else np.zeros_like(present)
     kept = at_freezing.setdefault(body, first.copy())

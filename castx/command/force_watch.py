@@ -17,7 +17,7 @@ COLUMN = ".force_error"
 
 
 class ForceWatch:
-    """Warns at the first step whose forces do not balance, and at the end of how many there were.
+    """Warns at the first step with unbalanced forces, and at the end with the number of such steps.
 
     Args:
         case: what is run.
@@ -45,7 +45,7 @@ class ForceWatch:
             )  # fmt: skip
 
     def check(self, snapshot: Snapshot) -> None:
-        """Compare the force errors after an accepted step with what was asked."""
+        """Compare the force errors after an accepted step with the requested tolerance."""
         errors = {
             name.removesuffix(COLUMN): value
             for name, value in snapshot.totals.items()

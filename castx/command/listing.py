@@ -166,7 +166,7 @@ def number_text(value: float) -> str:
 
 
 def interface_list() -> Group:
-    """Return the table of all interfaces: coefficient closed and open, and what it is."""
+    """Return the table of all interfaces: coefficient closed and open, and a summary."""
     table = Table("interface", box=SIMPLE_HEAD, pad_edge=False)
     for column in ("closed", f"{1e3 * OPEN_GAP:g} mm"):
         table.add_column(column, justify="right", no_wrap=True)
@@ -231,7 +231,7 @@ def sourced_text(number: SourcedNumber) -> Text:
 
 
 def profile_table(folder: Path) -> Table:
-    """Return the table of what the parts of a run have cost, from its run.json.
+    """Return the table of costs of the parts of a run, from its run.json.
 
     Args:
         folder: the results of a run with a profile.

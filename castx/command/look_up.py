@@ -27,7 +27,7 @@ def look_up(
     name: str | None,
     plot: Path | None,
 ) -> None:
-    """Show the table of a database or of one entry, and draw that one or say how.
+    """Show the table of a database or of one entry; draw that entry, or say how to draw it.
 
     Args:
         context: of the command.

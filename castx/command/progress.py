@@ -98,7 +98,7 @@ def freezing_body(snapshot: Snapshot) -> str | None:
 
 
 def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) -> str:
-    """Return one accepted step as a line.
+    """Return a line of text about an accepted step.
 
     Args:
         snapshot: the state after it.

@@ -46,7 +46,7 @@ class EnduringConsole(Console):
             self._close()
 
     def on_broken_pipe(self) -> None:
-        """Drop what follows; rich would end the process."""
+        """Drop all further output; rich would end the process."""
         self._close()
 
     def _close(self) -> None:

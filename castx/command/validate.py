@@ -1,4 +1,4 @@
-"""Experiments on the command line: their list, what is missing of them, a model over one."""
+"""Experiments on the command line: their list, their missing digits, comparison with a model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Solve(Protocol):
 
 
 def experiment_list(experiments: list[Experiment]) -> Table:
-    """Return the table of experiments and of what they lack."""
+    """Return the table of experiments and of their missing digits."""
     table = Table("experiment", "title", "digits missing", box=SIMPLE_HEAD, pad_edge=False)
     for experiment in experiments:
         count = len(experiment.missing)
@@ -45,7 +45,7 @@ def digit_table(experiment: Experiment) -> Table:
 
 
 def ratio_lines(experiment: Experiment) -> list[str]:
-    """Return what can be compared without what is missing, a line for each ratio."""
+    """Return a line for each ratio that can be compared although digits are missing."""
     lines = []
     for ratio in experiment.facts.ratios:
         measured = experiment.ratio(ratio)
@@ -81,7 +81,7 @@ def validate(
     console: Lines,
     solve: Solve,
 ) -> None:
-    """Show what is known of an experiment, run its case and lay the model over what was measured.
+    """Show the facts of an experiment, run its case and compare measured with computed curves.
 
     Args:
         experiment: to compare with.
@@ -107,7 +107,7 @@ def validate(
 
 
 def overlay_text(overlay: Overlay) -> str:
-    """Return how far a computed curve is from the measured one, in a line."""
+    """Return the deviation of a computed curve from the measured one as a line."""
     apart, unit = overlay.deviation, overlay.unit
     text = (
         f"{overlay.column}: RMS {apart.root_mean_square:.3g} {unit}, at most {apart.largest:+.3g} "

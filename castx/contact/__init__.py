@@ -1,4 +1,4 @@
-"""Contact of all interfaces: what the methods make of unknowns, rows and matrix of the bodies.
+"""Contact of all interfaces: unknowns, rows and matrix of the bodies under the contact methods.
 
 Public: `choice.Contact`, `building.contact_system`, `system.ContactSystem`,
 `condensed.CondensedContact`, `multipliers.MultiplierContact`, `soft.SoftContact`

@@ -14,7 +14,7 @@ from castx.contact.kinematics.gaps import Gaps
 
 
 class AugmentedMultipliers:
-    """Pressures that take over what the penalty carries, so that the penetration shrinks.
+    """Augmented Lagrange multipliers: pressures of the penalty, added up to reduce penetration.
 
     λ ← ⟨λ - ε g⟩ (Chiumenti, section 7.2, with tension left out).
 

@@ -88,7 +88,7 @@ def _soft(
 
 
 def _pair_law(method: ContactMethod, contact: Contact) -> PairLaw:
-    """Return the law of an interface; rows of tied ones have no force by any law."""
+    """Return the law of an interface; rows of tied interfaces have no force by any law."""
     own = METHODS[contact.method]
     make = own.pair_law or method.pair_law
     assert make is not None

@@ -1,4 +1,4 @@
-"""What an interface asks of its contact, and which methods go together."""
+"""Contact methods chosen by the interfaces, and their combinations."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Contact:
 
     @property
     def treatment(self) -> Treatment:
-        """What the coordinates make of the pairs."""
+        """Treatment of the pairs by the change of unknowns."""
         treatment = TREATMENTS[METHODS[self.method].unknowns]
         slides = self.friction > 0 and treatment is Treatment.CONDENSED
         return Treatment.SLIDING if slides else treatment

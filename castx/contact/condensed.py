@@ -53,7 +53,7 @@ class CondensedContact:
         return gaps
 
     def trial_forces(self, iterate: PairIterate) -> FloatArray:
-        """Return the residual of the rows of closed pairs, -stiffness times gap of open ones."""
+        """Return the residual in rows of closed pairs, minus stiffness times gap in open ones."""
         forces = -iterate.stiffness * iterate.gaps
         forces[iterate.closed] = iterate.rows[self._gaps.local[iterate.closed]]
         return forces

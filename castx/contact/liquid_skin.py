@@ -126,7 +126,7 @@ class LiquidSkin:
         self._released[:] = False
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for side in self._sides:
             for entry in side.entries:
                 entry.destroy()
@@ -134,7 +134,7 @@ class LiquidSkin:
 
 
 def _coherent_nodes(body: BodyMechanics) -> FloatArray:
-    """Return one at the local nodes with a coherent cell on any rank, else zero; collective."""
+    """Return 1 at local nodes with a coherent cell on any rank, 0 at others; collective."""
     index_map = body.mesh.nodes.dofmap.index_map
     if body.is_compressible:
         return np.ones(index_map.size_local + index_map.num_ghosts)

@@ -141,7 +141,7 @@ class MultiplierContact:
         return self._gaps.values(u)
 
     def trial_forces(self, iterate: PairIterate) -> FloatArray:
-        """Return the multipliers of closed pairs as forces, -stiffness times gap of open ones."""
+        """Return the forces of closed pairs, minus stiffness times gap of open ones."""
         carried = iterate.x.array_r[self._size :] * self.unknowns.scales
         return np.where(iterate.closed, carried, -iterate.stiffness * iterate.gaps)
 
@@ -151,7 +151,7 @@ class MultiplierContact:
         rows.constrain(open_pairs, iterate.x.array_r[open_pairs])
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
-        """Return how far motions close the gaps of closed pairs, shape (motions, closed)."""
+        """Return the scaled gap changes of closed pairs under motions, shape (motions, closed)."""
         values = np.zeros((len(motions), int(np.count_nonzero(closed))))
         for row in range(len(motions)):
             changes = self.unknowns.gap_changes(motions[row]) / self.unknowns.scales

@@ -21,7 +21,7 @@ from castx.contact.unknowns import TransformedUnknowns
 
 
 class SoftContact:
-    """Forces by the pair laws of the interfaces; the unknowns are those of the bodies.
+    """Forces by the pair laws of the interfaces, with the displacements of the bodies as unknowns.
 
     Attributes:
         unknowns: those of the bodies.

@@ -45,7 +45,7 @@ class NormalContact(Protocol):
         """Return the gaps of all pairs [m]."""
 
     def trial_forces(self, iterate: PairIterate) -> FloatArray:
-        """Return the forces that closed pairs carry and open ones would [N], compressive > 0."""
+        """Return the forces of closed pairs and trial forces of open ones [N], compressive > 0."""
 
     def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
         """Add the forces of closed pairs to rows, or constrain unknowns."""
@@ -54,7 +54,7 @@ class NormalContact(Protocol):
         """Return values of closed pairs that constrain no unknown, (motions, rows), if any."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class ContactSystem:
@@ -150,7 +150,7 @@ class ContactSystem:
         return np.concatenate(values, axis=1) if values else None
 
     def state(self, closed: BoolArray) -> BoolArray:
-        """Return what the matrix depends on besides the bodies: pairs that close, pairs that stick.
+        """Return the flags of closed and of sticking pairs, on which the matrix depends.
 
         Args:
             closed: the present set of closed pairs.
@@ -212,7 +212,7 @@ class ContactSystem:
             memory.restore(arrays)
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for memory in self._memories:
             memory.destroy()
         self.pairs.destroy()

@@ -1,4 +1,4 @@
-"""How far the resistances of the interfaces agree from one pass to the next."""
+"""Change of the resistances of the interfaces from one pass to the next."""
 
 from __future__ import annotations
 

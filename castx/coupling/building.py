@@ -109,7 +109,7 @@ def build_problem(
 
 
 def check_surfaces(case: Case, mesh: CastingMesh) -> None:
-    """Check that all surfaces that the case names exist, those of later stages included.
+    """Check that all surfaces named in the case exist, those of later stages included.
 
     Raises:
         MeshError: one is missing; names the key.
@@ -323,7 +323,7 @@ def law_above_solidus(body: str, material: Material) -> str:
 
 
 def formulation_of(mesh: CastingMesh, body: Body) -> str:
-    """Return the formulation of a body, by default that of its cells.
+    """Return the formulation of a body, by default the usual one of its cells.
 
     Raises:
         CaseError: cells or model have no such formulation.

@@ -34,7 +34,7 @@ class StepChange:
 
 
 class ThermalChange:
-    """Enthalpy and solid fraction of all bodies against those of the last accepted state.
+    """Change of enthalpy and solid fraction of all bodies since the last accepted state.
 
     Args:
         comm: ranks.
@@ -49,7 +49,7 @@ class ThermalChange:
         self.commit()
 
     def commit(self) -> None:
-        """Take the present state as the one with which later ones are compared."""
+        """Store the present state as the reference of later changes."""
         self._solid_fraction, self._stored = self._present_solid_fraction(), self._present_heat()
 
     def _present_solid_fraction(self) -> FloatArray:

@@ -43,7 +43,7 @@ def surface_clamps(boundaries: Iterable[Boundary], model: str) -> list[SurfaceCl
 def refuse_held_clamps(
     case: Case, mesh: CastingMesh, displacements: dict[str, list[SurfaceDisplacement]]
 ) -> None:
-    """Refuse clamps without a direction, and those whose surface cannot follow them; collective.
+    """Refuse clamps without a direction, and clamps whose surface cannot move; collective.
 
     Args:
         case: of one stage.

@@ -45,7 +45,7 @@ class Dissipation:
         return float(self._comm.allreduce(change, op=MPI.SUM))
 
     def commit(self) -> None:
-        """Make the present powers those with which the next step starts."""
+        """Accept the present powers as the start of the next step."""
         self._committed = dict(self.powers)
 
     def saved(self) -> dict[str, Saved]:

@@ -100,7 +100,7 @@ class Interfaces:
         ]
 
     def commit(self, step: float) -> None:
-        """Make the trial states those from which the next step starts.
+        """Accept the trial states as the start of the next step.
 
         Args:
             step: size of the accepted step [s].

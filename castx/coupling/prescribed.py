@@ -96,7 +96,7 @@ class PrescribedTemperatures:
         return Faces.at_temperatures(hot, cold, self._trial, solid)
 
     def commit(self) -> None:
-        """Make the trial temperatures the present ones."""
+        """Accept the trial temperatures."""
         self._time = self._trial
 
     def rewind(self) -> None:

@@ -55,7 +55,7 @@ class Relaxation:
 
 
 def scaling(resistances: Sequence[FloatArray], wanted: FloatArray) -> list[FloatArray]:
-    """Return the factors that turn resistances into the wanted ones.
+    """Return the ratios of wanted to present resistances.
 
     Args:
         resistances: of the pairs of each interface [m² K/W].

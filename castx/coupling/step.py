@@ -166,7 +166,7 @@ class CoupledProblem:
                 body.update_state(temperature, self.heat.solid_fraction[name].x.array, step)
 
     def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
+        """Accept the trial state as the start of the next step."""
         self.interfaces.commit(self._step)
         self.heat.commit()
         self._dissipation.commit()

@@ -44,7 +44,7 @@ class Temperatures(Protocol):
         """Start a stage with the present temperatures; bodies may be new."""
 
     def commit(self) -> None:
-        """Make the trial state the one from which the next step starts."""
+        """Accept the trial state as the start of the next step."""
 
     def rewind(self) -> None:
         """Return to the committed state."""

@@ -66,7 +66,7 @@ def _best_half(
     edges: LongArray,
     share: float,
 ) -> BoolArray:
-    """Return which cells belong to the left part, which has a share of them all."""
+    """Return a mask of the cells in the left part, which gets a given share of all cells."""
     best: BoolArray = np.zeros(len(cells), dtype=bool)
     lowest = np.inf
     inside = np.zeros(len(bodies), dtype=bool)
@@ -113,7 +113,7 @@ def _imbalance(bodies: LongArray, left: BoolArray, share: float) -> float:
 
 
 def destinations(rank: LongArray, across: LongArray) -> tuple[IntArray, IntArray]:
-    """Return the ranks of each cell, its owner first, then those with a ghost of it.
+    """Return the ranks of each cell, its owner first, then the ranks with a ghost of the cell.
 
     Args:
         rank: owner of each cell, (cells,).

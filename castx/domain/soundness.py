@@ -39,7 +39,7 @@ def refuse_far_away(mesh: NamedMesh, source: str) -> None:
 
 
 def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
-    """Refuse cells that lie over each other: both on the same side of the face that they share.
+    """Refuse overlapping cells: both lie on the same side of their common face.
 
     Args:
         mesh: the mesh.
@@ -69,7 +69,7 @@ def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
 
 
 def doubts(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> Iterator[str]:
-    """Yield what is hardly meant: nodes that a body has twice, and holes of the size of a cell.
+    """Yield warnings of probable mistakes: duplicate nodes of a body, holes of the size of a cell.
 
     Args:
         mesh: the mesh.

@@ -148,7 +148,7 @@ def _write_other(mesh: NamedMesh, body_names: Sequence[str], file: Path) -> None
 
 
 def _fill(geometry: Geometry, body_names: Sequence[str] | None) -> Report | None:
-    """Fill the current gmsh model, and return what was made of CAD files."""
+    """Fill the current gmsh model, and return the report of CAD files."""
     if geometry.cad is not None:
         return _mesh_cad(geometry.cad, body_names)
     if geometry.file is not None:

@@ -65,7 +65,7 @@ def surface_facets(mesh: CastingMesh, body: BodyMesh, surface: str) -> SurfaceFa
 
 
 def _owned_facets(body: BodyMesh, surface: str) -> tuple[LongArray, FloatArray]:
-    """Return the local nodes of the facets of owned cells, and the middle of those cells."""
+    """Return the local nodes of the facets of owned cells, and the centres of these cells."""
     topology, kind = body.mesh.topology, body.kind
     dimension = topology.dim
     facets = body.facet_tags.find(body.surface_tag(surface))

@@ -102,7 +102,7 @@ class BlockIteration:
             newton.forget()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for newton in self._all():
             newton.destroy()
 

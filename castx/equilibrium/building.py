@@ -58,7 +58,7 @@ once multigrid is slow: shells that freeze and yield cost it iterations by the h
 
 @dataclass(frozen=True)
 class MechanicsSettings:
-    """How the equilibrium is solved.
+    """Settings of the solution of the equilibrium.
 
     Attributes:
         linear: "direct", "iterative" or "automatic" (by size).
@@ -209,7 +209,7 @@ def _inner_solvers(
     )
     if isinstance(pairs, MultiplierContact):
         return [ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())]
-    # Where set-ups are frequent their price is more than the iterations that it saves.
+    # Where preconditioners are often renewed, the coupling costs more than it saves iterations.
     coupling = balance.transform.coupling if bodies.assembly.is_elastic else None
     solvers: list[InnerSolver] = [BlockSweep(comm, BLOCKS_PREFIX, blocks, coupling)]
     may = [by_body and _may_have_factors(bodies, group) for group in groups]
@@ -265,14 +265,14 @@ def _alone(bodies: DeformableBodies) -> list[list[int]]:
 
 
 def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
-    """Return whether one of a group of bodies flows, and all of them are few unknowns."""
+    """Return whether a body of a group flows and the group has few unknowns."""
     parts = [bodies.parts[b] for b in group]
     unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))
     return unknowns <= LARGEST_FLOWING and any(part.material.law.flows_by_rate for part in parts)
 
 
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
-    """Return the bodies in groups of those that are tied and have unknowns of one kind."""
+    """Return groups of bodies that are tied to each other and have unknowns of one kind."""
     number = {name: b for b, name in enumerate(bodies.names)}
     sizes = bodies.layout.block_sizes
     ties = [
@@ -306,7 +306,7 @@ def _floating(
 
 
 def _strained(parts: Sequence[BodyMechanics], b: int, mode: FloatArray) -> FloatArray:
-    """Return how far a motion of one body strains the springs behind the surfaces of all."""
+    """Return the elongation of the springs of all surfaces under a motion of one body."""
     motions: list[FloatArray] = [np.zeros((p.owned_nodes, p.dimension)) for p in parts]
     motions[b] = mode.reshape(-1, parts[b].block_size)[:, : parts[b].dimension]
     found = [part.loads.held(motion) for part, motion in zip(parts, motions, strict=True)]

@@ -61,7 +61,7 @@ class ForceConvergence:
         self.errors: FloatArray = np.zeros(len(assembly.bodies))
 
     def begin(self, stiffness: FloatArray) -> None:
-        """Start a new solution: what acts at its start counts to its end.
+        """Start a new solution; the forces at its start stay part of the reference until its end.
 
         Args:
             stiffness: diagonal of the rows of displacements [N/m].
@@ -113,7 +113,7 @@ class ForceConvergence:
 
 
 def worst_row(assembly: BodyAssembly, gaps: Gaps, layout: Layout, f: PETSc.Vec) -> str:
-    """Say where a residual is largest, the same text on all ranks; collective.
+    """Return the place of the largest residual as a text, the same on all ranks; collective.
 
     Args:
         assembly: the bodies.

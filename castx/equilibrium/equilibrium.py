@@ -42,7 +42,7 @@ class Procedure(Protocol):
         """Drop the factors of matrices: no checkpoint has them, so no later step may use them."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class Equilibrium:
@@ -104,7 +104,7 @@ class Equilibrium:
         return self._procedure.finish(self.x, time)
 
     def adopt(self, other: Equilibrium) -> None:
-        """Take over the accepted solution of another contact method for the same bodies."""
+        """Adopt the accepted solution of another contact method for the same bodies."""
         size = self.balance.assembly.layout.size_local
         origins = self.balance.supports.origin, other.balance.supports.origin
         for own, given in ((self.committed, other.committed), origins):
@@ -146,11 +146,11 @@ class Equilibrium:
         return self.active.largest_pull(self.balance.trial_forces, with_frozen=True)
 
     def supports(self) -> dict[str, Resultant]:
-        """Return what the supports exert on each body, by its name; collective."""
+        """Return the support forces on each body, by its name; collective."""
         return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
     def force_errors(self) -> dict[str, float]:
-        """Return the missing part of the balance of each body by its name, relative to what acts.
+        """Return the force error of each body by its name, relative to its reference force.
 
         It is zero as long as nothing is solved.
         """
@@ -172,7 +172,7 @@ class Equilibrium:
         self._procedure.forget()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         self._procedure.destroy()
         self.balance.skin.destroy()
         self.balance.destroy()

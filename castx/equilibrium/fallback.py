@@ -134,7 +134,7 @@ class FallbackMethods:
         return self._shown.largest_pull()
 
     def supports(self) -> dict[str, Resultant]:
-        """Return what the supports exert on each body in the last solution; collective."""
+        """Return the support forces on each body in the last solution, by its name; collective."""
         return self._shown.supports()
 
     def force_errors(self) -> dict[str, float]:
@@ -158,6 +158,6 @@ class FallbackMethods:
         self._present, self._failed = self.first, 0
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         for equilibrium in (self.first, *self._built.values()):
             equilibrium.destroy()

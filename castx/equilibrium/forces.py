@@ -104,7 +104,7 @@ class MomentumBalance:
 
     @booked_as(RunPart.CONTACT)
     def update_matrix(self, renewed: bool = False) -> None:
-        """Make the matrix that of the closed pairs, and of the present unknowns if `renewed`."""
+        """Update the matrix for the closed pairs, and for the present unknowns if `renewed`."""
         if renewed:
             self.contact.pairs.update_bodies(self.assembly.matrix())
         if renewed or self.contact.follows_set or self.operator.matrix is None:
@@ -222,6 +222,6 @@ class MomentumBalance:
         self.rows(x)
 
     def destroy(self) -> None:
-        """Free what PETSc holds; the bodies are their owner's."""
+        """Destroy the PETSc objects; the bodies are their owner's."""
         self.contact.destroy()
         self._net.destroy()

@@ -23,15 +23,15 @@ from castx.solvers.inner.entries import diagonal, largest_factor
 from castx.solvers.layout import Layout
 
 OUTDATED, OUTDATED_BY = 1.5, 4
-"""Factor and number of iterations by which a set-up may fall behind."""
+"""Factor and number of iterations by which a preconditioner may fall behind."""
 
 STIFFENED = 1.5
-"""Factor by which the stiffness of an unknown may change before a new set-up: what freezes or
-yields between two iterations costs more than one otherwise."""
+"""Factor by which the stiffness of an unknown may change before a new preconditioner; beyond
+it the extra iterations cost more."""
 
 
 SLOW = 30
-"""Iterations of a linear solve, with a set-up of its own, after which another solver takes over."""
+"""Iterations with a preconditioner of the present matrix after which another solver takes over."""
 
 
 class InnerSolver(Protocol):
@@ -40,7 +40,7 @@ class InnerSolver(Protocol):
     Attributes:
         prefix: of its PETSc options.
         defaults: PETSc options without the prefix.
-        is_exact: whether it is worth a new set-up whenever the matrix is a new one.
+        is_exact: whether a new preconditioner pays whenever the matrix is a new one.
     """
 
     prefix: str
@@ -49,22 +49,22 @@ class InnerSolver(Protocol):
 
     @property
     def most_changed(self) -> int:
-        """Constrained unknowns and closed pairs by which a set-up may fall behind."""
+        """Number of constraints and closed pairs that may change before a new preconditioner."""
 
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
-        """Prepare for a matrix whose constrained rows and columns are those of a diagonal.
+        """Prepare for a matrix whose constrained rows and columns are diagonal.
 
         Args:
             matrix: the matrix.
             constrained: owned unknowns, shape (owned,).
-            anew: whether to keep nothing of an earlier set-up.
+            anew: whether to keep nothing of an earlier preconditioner.
         """
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to about the solution for b."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class SystemOperator:
@@ -95,7 +95,7 @@ class SystemOperator:
         support: SpringSupport | None,
         closed: BoolArray,
     ) -> None:
-        """Set the unknowns whose rows are `stiffness` times those of the identity, and the rest."""
+        """Set the constrained unknowns, their diagonal entry, the supports and the closed pairs."""
         self.constrained, self.stiffness, self.support = constrained, stiffness, support
         self.closed = closed
 
@@ -184,7 +184,7 @@ class SystemPreconditioner:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the inner solver inverts the matrix for which it has been set up."""
+        """Whether the inner solver inverts its matrix exactly."""
         return self._inner.is_exact
 
     def renew(self) -> None:
@@ -193,7 +193,7 @@ class SystemPreconditioner:
             self.discard()
 
     def expire(self) -> None:
-        """Make the next `refresh` set up what of the inner solver is not that of the matrix."""
+        """Mark the preconditioner as outdated for the next `refresh`."""
         self._set_up_for = None
 
     def discard(self) -> None:
@@ -260,7 +260,7 @@ def operator_matrix(layout: Layout, context: SystemOperator) -> PETSc.Mat:
 
 
 def masked(matrix: PETSc.Mat, constrained: BoolArray) -> PETSc.Mat:
-    """Return a copy in which constrained rows and columns are those of a diagonal of usual size."""
+    """Return a copy whose constrained rows and columns are diagonal, of usual size."""
     copy = matrix.copy()
     keep = copy.createVecRight()
     keep.array[:] = np.where(constrained, 0.0, 1.0)

@@ -64,7 +64,7 @@ class MechanicalMemory:
         }
 
     def _rows(self) -> dict[str, Saved]:
-        """Return what belongs to pairs: closed or not, multipliers as far as the method has any."""
+        """Return the saved state of the pairs: flags, and multipliers if the method has any."""
         found: dict[str, Array] = {
             "closed": self._balance.active.committed,
             "at_rest": self._gaps.at_rest,

@@ -1,4 +1,4 @@
-"""Net forces on each body: what acts on it from outside, and what is missing of their balance.
+"""Net forces on each body: external forces, and the error of their balance.
 
 Internal forces cancel each other. Those of a casting that is hindered in its contraction are
 thousands of times its weight, so that an error that is small beside them may be all of a contact
@@ -36,7 +36,7 @@ class NetForces:
         self._nodes = gaps.matrix.createVecRight()
 
     def acting(self, pair_forces: FloatArray) -> FloatArray:
-        """Return what acts on each body [N], shape (bodies,); collective.
+        """Return the reference force of each body [N], shape (bodies,); collective.
 
         It is the sum of the magnitudes of the loads on its nodes, such as its weight, and of a body
         without loads that of the contact forces, among which the springs of machines count. Of both

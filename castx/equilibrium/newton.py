@@ -38,8 +38,8 @@ MOST_WITH_OLD_FACTORS = 30
 """Linear iterations with factors of another set of pairs: where these do not get there they
 stagnate far above rounding, and new factors are cheaper."""
 LOOSEST = 1e-4
-"""Part of the residual to which they go at least where bodies flow: those that hardly resist have a
-displacement from which no iteration returns behind a residual of 1e-2."""
+"""Loosest relative tolerance of the linear solves where bodies flow. With 1e-2, soft bodies take
+displacements from which Newton's method does not recover."""
 
 CHATTERS = (
     "pairs chatter between open and closed, and one of them pulls or penetrates in the state in "
@@ -49,7 +49,7 @@ CHATTERS = (
 
 @dataclass(frozen=True)
 class EquilibriumReport:
-    """What one equilibrium took.
+    """Iterations and residuals of one equilibrium.
 
     Attributes:
         iterations: Newton iterations.
@@ -249,7 +249,7 @@ class Newton:
         return reasons.CONVERGED_ITERATING
 
     def _linear_tolerance(self, norm: float) -> float:
-        """Return to what part of a residual the next linear system is solved.
+        """Return the relative tolerance of the next linear solve.
 
         Where the next system is another one, what is solved beyond the square of the residual is
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
@@ -269,7 +269,7 @@ class Newton:
             preconditioner.renew()
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         self._solver.destroy()
         self._matrix.destroy()
         self._vector.destroy()

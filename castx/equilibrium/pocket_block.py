@@ -1,4 +1,4 @@
-"""What trapped liquid adds to the Jacobian, in the unknowns of the contact method."""
+"""Block of trapped liquid in the Jacobian, in the unknowns of the contact method."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PocketBlock:
         self._corrections = assembly.coupled_corrections()
 
     def __call__(self, x: FloatArray, y: FloatArray) -> None:
-        """Add it times owned unknowns x to rows y, the first of which are v; collective."""
+        """Add the block times owned unknowns x to rows y, the first of which are v; collective."""
         if not self._assembly.has_pockets:
             return
         count = self._assembly.layout.size_local

@@ -96,7 +96,7 @@ class MechanicalProblem:
 
     @booked_as(RunPart.CONTACT)
     def contact_states(self) -> list[PairState]:
-        """Return what the pairs of each interface do; collective."""
+        """Return the contact states of the pairs of each interface; collective."""
         gaps, forces = self.equilibrium.pair_values()
         closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
         column = self.equilibrium.liquid_pressures()
@@ -118,7 +118,7 @@ class MechanicalProblem:
         return found
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
         self.equilibrium.destroy()
         self._assembly.destroy()
 

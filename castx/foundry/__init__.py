@@ -1,4 +1,4 @@
-"""What a foundry asks of a solidification: pure functions of arrays, without mesh or run.
+"""Foundry quantities of a solidification: pure functions of arrays, without mesh or run.
 
 `mush_column`, `moving_front`, `skeleton` and `melt_levels` are flow of melt through the mush on one
 line. `identification` fits interface data to samples; `front`, `pools`, `stress` and `followed`

@@ -1,4 +1,4 @@
-"""What the quantities of the foundry take from a material: what is missing is named."""
+"""Material data for foundry quantities; missing data are named."""
 
 from __future__ import annotations
 

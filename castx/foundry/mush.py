@@ -56,7 +56,7 @@ class FreezingPath:
         return self.liquidus - self.solidus
 
     def solid_fraction(self, temperature: FloatArray) -> FloatArray:
-        """Return f at temperatures (n,) [°C]; at a plateau that of its liquid side."""
+        """Return f at temperatures (n,) [°C]; at a plateau the value of its liquid side."""
         values = np.atleast_1d(np.asarray(temperature, dtype=np.float64))
         return fraction_at(self.law, self.solidus, self.liquidus, values)
 

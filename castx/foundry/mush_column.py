@@ -23,7 +23,7 @@ EVEN = 1e-3
 
 @dataclass(frozen=True)
 class MushResistance:
-    """What resists the flow of melt through a mush.
+    """Resistance of a mush to the flow of melt.
 
     Attributes:
         melt: viscosity, contraction by freezing; its cavitation is not used here.
@@ -74,7 +74,7 @@ class MushResistance:
         return np.asarray(beyond + below)
 
     def _by_points(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return ⟨g (1-x)²/x³⟩ by Gauss's rule, which bears ends that are the same."""
+        """Return ⟨g (1-x)²/x³⟩ by Gauss's rule, valid for equal ends too."""
         points, weights = np.polynomial.legendre.leggauss(5)
         g = low[:, None] + (high - low)[:, None] * 0.5 * (points + 1.0)
         x = np.maximum(g, self.cut_off)

@@ -48,7 +48,7 @@ def niyama(gradient: FloatArray, cooling_rate: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Melt:
-    """What decides how hard it is to feed a mush.
+    """Properties of a melt that decide how hard a mush is to feed.
 
     Attributes:
         viscosity: μ of the melt [Pa s].

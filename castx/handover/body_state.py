@@ -108,7 +108,7 @@ class BodyState:
 
     @property
     def about(self) -> dict[str, Any]:
-        """What run.json says of the body."""
+        """Entry of the body in run.json."""
         return dict(self.results.record["bodies"][self.name])
 
     @property

@@ -37,7 +37,7 @@ PER_LINE = 16
 
 @dataclass(frozen=True, eq=False)
 class Handed:
-    """What was handed over to CalculiX.
+    """Report on the files for CalculiX: forces, materials, stresses above the yield stress.
 
     Attributes:
         files: that were written, the deck first.
@@ -235,7 +235,7 @@ def _later(
 
 
 def deck_lines(state: BodyState, included: Sequence[str], held: Holding) -> Iterator[str]:
-    """Yield the deck: what it includes, supports, and one static step."""
+    """Yield the lines of the deck: included files, supports, and one static step."""
     mesh, materials, fields, forces = included
     yield "*HEADING"
     yield f"{state.name} at {state.moment:.10g} s, castx {__version__}; m, N, Pa, degC"

@@ -142,7 +142,7 @@ class SolidFaces:
         return np.concatenate(found, axis=1)
 
     def together(self, forces: FloatArray) -> FloatArray:
-        """Return forces on the nodes of both faces (cells, 2 corners, 3) as those of the model."""
+        """Return forces on the nodes of both faces (cells, 2 corners, 3) as forces of the model."""
         first, second = np.split(forces, 2, axis=1)
         if not self.axisymmetric:
             both = first + second

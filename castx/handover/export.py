@@ -1,4 +1,4 @@
-"""What `castx export` writes, and what it says of it."""
+"""The files of `castx export`, and its messages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from castx.results.reading import Results
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be handed over; see `castx export --help`.
+    """Request of an export; see `castx export --help`.
 
     Attributes:
         folder: results folder.
@@ -72,7 +72,7 @@ class Request:
 
 
 def exported(request: Request) -> list[str]:
-    """Write what is asked for and return what to tell the user; call it on one rank only.
+    """Write the requested files and return messages for the user; call it on one rank only.
 
     Raises:
         CaseError: something that it needs is missing, or a file cannot be written.

@@ -61,7 +61,7 @@ def followed(
 
 
 def _outer(cells: list[LongArray], count: int, plane: bool) -> BoolArray:
-    """Return which nodes lie on the surface of the whole mesh, (nodes,)."""
+    """Return a mask of the nodes on the surface of the whole mesh, (nodes,)."""
     outer: BoolArray = np.zeros(count, dtype=bool)
     for corners in cells:
         kind = corners.shape[1]

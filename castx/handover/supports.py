@@ -21,7 +21,7 @@ Plane = tuple[FloatArray, float]
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """What holds a body.
+    """Conditions that hold a body.
 
     Attributes:
         nodes: of each condition, (conditions,).
@@ -34,7 +34,7 @@ class Holding:
     minimal: int
 
     def without_reactions(self, forces: FloatArray) -> FloatArray:
-        """Return nodal forces (nodes, 3) without what the planes of symmetry bear."""
+        """Return nodal forces (nodes, 3) without the reactions of the planes of symmetry."""
         left = forces.copy()
         count = len(self.nodes) - self.minimal
         borne: dict[int, list[FloatArray]] = {}
@@ -52,7 +52,7 @@ class Holding:
 
 
 def supports(points: FloatArray, model: str, planes: Sequence[Plane]) -> Holding:
-    """Return the planes of symmetry as conditions, and as few further ones as hold the body.
+    """Return the planes of symmetry and the fewest further supports as conditions.
 
     Args:
         points: positions of the nodes, (nodes, 3) [m].

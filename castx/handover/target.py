@@ -1,4 +1,4 @@
-"""What results are handed over as."""
+"""Formats in which results are handed over."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Target(StrEnum):
-    """What results are handed over as, by the name on the command line."""
+    """Format in which results are handed over, by the name on the command line."""
 
     CALCULIX = "calculix"
     CSV = "csv"

@@ -15,7 +15,7 @@ NEGLIGIBLE = 1e-99
 
 
 def digits(value: float) -> str:
-    """Return a number in 14 digits, at most 20 characters: CalculiX cuts off those behind.
+    """Return a number in 14 digits and at most 20 characters, the limit of CalculiX.
 
     It would read -1.30702915157599e-09 as -1.30702915157599e-0.
     """
@@ -28,7 +28,7 @@ def row(values: Iterable[float]) -> str:
 
 
 def listed(values: npt.NDArray[Any]) -> Any:
-    """Return an array as nested lists of plain numbers, which are faster to write one by one."""
+    """Return an array as nested lists of plain numbers, which are faster to write singly."""
     return values.tolist()
 
 

@@ -258,7 +258,7 @@ class HeatBalance:
         return self.exchanges.coefficients(states)
 
     def set_dissipation(self, powers: Mapping[str, FloatArray]) -> None:
-        """Set what plastic work gives to the owned nodes of bodies [W]; others get nothing."""
+        """Set the heat of plastic work at the owned nodes of bodies [W]; zero in other bodies."""
         self.dissipation[:] = 0.0
         for body, part in zip(self.bodies, self._parts, strict=True):
             if body.name in powers:
@@ -286,7 +286,7 @@ class HeatBalance:
         self._present = x.array_r.copy()
 
     def _return_to(self, x: PETSc.Vec) -> None:
-        """Set the state unless it is that of the last residual of this step; collective.
+        """Set the state of the unknowns x unless it is the present one; collective.
 
         Newton's method asks for the Jacobian where it has just asked for the residual.
         """

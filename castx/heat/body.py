@@ -89,7 +89,7 @@ class ThermalBody:
         return nodes, areas[nodes]
 
     def set_enthalpy(self, enthalpy: FloatArray) -> None:
-        """Set the state of the owned nodes [J/m³], and from it that of the ghosts."""
+        """Set the state of the owned nodes [J/m³], and update the ghosts."""
         H = self.enthalpy.x
         H.array[: self.owned] = enthalpy
         H.scatter_forward()

@@ -122,8 +122,9 @@ def _parts_of_pairs(
     for index in range(len(heat.patches)):
         if mesh.comm.allreduce(int(np.count_nonzero(part_of == index + 1))) == 0:
             raise CaseError(
-                f"interface {interface.name}: heat.patches[{index}] holds no node of the interface "
-                "that no patch before it holds; check its place (within in m)"
+                f"interface {interface.name}: heat.patches[{index}] adds no node: "
+                "earlier patches already cover its place, or it is off the interface; check its "
+                "place (within in m)"
             )
     return part_of
 

@@ -72,7 +72,7 @@ class SolidFeedback:
 def couple_step(
     columns: Sequence[tuple[PETSc.Vec, PETSc.Vec]], y: PETSc.Vec, solver: PETSc.KSP
 ) -> None:
-    """Correct the solution of J y = F to that of (J + U Vᵀ) y = F.
+    """Correct a solution of J y = F to a solution of (J + U Vᵀ) y = F.
 
     y ← y − Z (1 + Vᵀ Z)⁻¹ Vᵀ y with J Z = U (Woodbury 1950).
 
@@ -94,7 +94,7 @@ def couple_step(
 
 
 class Exchanges:
-    """Exchange of heat at all interfaces; nothing happens at those without a law.
+    """Exchange of heat at all interfaces; interfaces without a law are insulated.
 
     Args:
         layout: numbering of the nodes of all bodies.

@@ -17,7 +17,7 @@ from castx.solvers.layout import Layout
 
 
 class HeatJacobian:
-    """One AIJ matrix over the nodes of all bodies; the pattern is that of the first assembly.
+    """One AIJ matrix over the nodes of all bodies, with the pattern of the first assembly.
 
     Rows and columns of nodes in perfect contact add up at the unknown of their group.
 

@@ -59,7 +59,7 @@ class Account:
 
     @classmethod
     def renewal(cls, body: str) -> Account:
-        """Return the account of the heat of a new casting minus that of the one it replaces."""
+        """Return the account of the heat of a new casting minus the heat of the one before."""
         return cls((f"{body}.renewal",), (), body)
 
 
@@ -158,7 +158,7 @@ class Ledger:
         self._trial[self._rows] = enthalpy
 
     def book(self, enthalpy: FloatArray, heat: FloatArray, moved: float, duration: float) -> None:
-        """Add what a sub-step moved to the trial state.
+        """Add the heat of a sub-step to the trial state.
 
         Args:
             enthalpy: of the bodies of the stage at its end [J].

@@ -176,7 +176,7 @@ class HeatProblem:
             self._counters.heat_iterations += self._solver.snes.getIterationNumber()
 
     def _worst_node(self) -> str:
-        """Return the place of the largest residual in words, the same on all ranks."""
+        """Return the place of the largest residual as a text, the same on all ranks."""
         values = self._balance.residual.array_r
         parts = [
             Part(
@@ -251,7 +251,7 @@ def heat_balance(
     exchanges: Sequence[HeatExchange],
     surfaces: Sequence[SurfaceHeat],
 ) -> HeatBalance:
-    """Return the balance of all bodies; arguments as those of `HeatProblem`.
+    """Return the balance of all bodies; see `HeatProblem` for the arguments.
 
     Raises:
         CaseError: a body is missing or unknown.

@@ -61,7 +61,7 @@ class Refusal(CaseError):
         super().__init__("; ".join(_line(problem, None) for problem in self.problems))
 
     def inside(self, *path: str | int) -> Refusal:
-        """Return the same problems as seen from outside the value at `path`."""
+        """Return the problems with paths from outside the value at `path`."""
         return Refusal(Problem(path + problem.path, problem.text) for problem in self.problems)
 
 

@@ -1,4 +1,4 @@
-"""Registries: what the files of a package declare, found without a list typed by hand."""
+"""Registries: declarations in the files of a package, found without a list typed by hand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Protocol, TypeVar
 
 
 class Declaration(Protocol):
-    """What a file declares: a law, a rule, a method."""
+    """Declaration of a law, a rule or a method in a file."""
 
     @property
     def name(self) -> str:
@@ -33,7 +33,7 @@ def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleTy
 
 
 def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
-    """Return what the files of a package declare, by name in alphabetical order.
+    """Return the declarations in the files of a package, by name in alphabetical order.
 
     Args:
         package: full name of the package.

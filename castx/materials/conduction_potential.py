@@ -50,7 +50,7 @@ class ConductionPotential:
         return np.where(inside, above, self.below * rise)
 
     def derivative(self, temperature: FloatArray) -> FloatArray:
-        """Return k [W/m/K], at a jump that of the hotter side."""
+        """Return k [W/m/K], at a jump the value of the hotter side."""
         start = np.searchsorted(self.temperatures, temperature, side="right") - 1
         inside = start >= 0
         start = np.maximum(start, 0)

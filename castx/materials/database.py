@@ -59,7 +59,7 @@ def database_names() -> tuple[str, ...]:
 
 @cache
 def database_entry(name: str) -> Entry:
-    """Read one entry.
+    """Read an entry of the database.
 
     Args:
         name: one of `database_names()`.

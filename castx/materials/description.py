@@ -154,7 +154,7 @@ _LIQUID_NEEDS = {NEWTONIAN: ("viscosity",)} | {
 
 @with_keys(keys_of(LIQUID_RULES.values()))
 class Liquid(Description):
-    """How a material flows where its solid fraction is below coherency.
+    """Flow of a material where its solid fraction is below coherency.
 
     viscous: s = 2 viscosity ė, Newtonian; else by the flow rule of this name.
     """
@@ -201,7 +201,7 @@ class LiquidEntry:
 
 @with_keys(KINEMATIC_KEYS | RATE_KEYS)
 class MaterialDescription(Description):
-    """Properties of a material as given; with `extends`, only the ones that differ from another.
+    """Properties of a material as given; with `extends`, only the changed ones.
 
     `law` names the flow rule of the solid. The keys of the flow rules and of the kinematic
     hardening rules are fields too, added by `with_keys`.

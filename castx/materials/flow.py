@@ -144,7 +144,7 @@ def liquid_flow(
 
 
 def check_law(material: Material, law: str) -> None:
-    """Check that a material has what the law of a body needs.
+    """Check that a material has the data for the law of a body.
 
     Raises:
         CaseError: names all keys that are missing or cannot serve, with the cure.

@@ -100,7 +100,7 @@ class ArmSpacingEntry(KeysEntry):
     """A constant spacing [m] or the keys of `ArmSpacingData`."""
 
     def from_number(self, value: Any) -> Description:
-        """Return the spacing that is the same at every cooling rate.
+        """Return a spacing independent of the cooling rate.
 
         Raises:
             CaseError: it is not a positive length.

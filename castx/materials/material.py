@@ -166,7 +166,7 @@ class Material:
 
     @property
     def given_stress_free(self) -> float | None:
-        """Stress-free temperature [°C] that the case gives; that of the database is of castings."""
+        """Stress-free temperature of the case [°C]; None if it comes from the database."""
         return None if "stress_free" in self.sources else self.stress_free
 
     @property
@@ -179,7 +179,7 @@ class Material:
         return self.solidus if tabled is None else tabled
 
     def stress_free_temperature(self, initial: float) -> float:
-        """Return the stress-free temperature [°C] of a casting, or of what never melts.
+        """Return the stress-free temperature [°C] of a casting, or of a body that never melts.
 
         Args:
             initial: its initial temperature [°C].

@@ -58,7 +58,7 @@ class LinearLaw:
     """Solid fraction linear in temperature; also the law of an isothermal change."""
 
     def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
-        """Return one straight piece."""
+        """Return the single straight piece of the curve."""
         return (linear_piece(solidus, liquidus, 1.0, 0.0),) if solidus < liquidus else ()
 
 
@@ -110,7 +110,7 @@ class ScheilLaw:
     melting_point: float
 
     def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
-        """Return one curved piece."""
+        """Return the single curved piece of the curve."""
 
         def fraction(temperature: FloatArray) -> FloatArray:
             ratio = (self.melting_point - temperature) / (self.melting_point - liquidus)
@@ -141,7 +141,7 @@ class TabulatedLaw:
         return self.rows[-1][0]
 
     def pieces(self, solidus: float, liquidus: float) -> tuple[FractionPiece, ...]:
-        """Return one straight piece between each two rows of different temperature."""
+        """Return a straight piece between each two rows of different temperature."""
         neighbours = zip(self.rows[:-1], self.rows[1:], strict=True)
         return tuple(
             linear_piece(start, end, first, last)

@@ -243,7 +243,7 @@ def numbers(value: Value) -> Iterator[tuple[float | None, float | str]]:
 
 
 def _source(name: str, sources: Mapping[str, Source]) -> Source | None:
-    """Return the source of a property, or that of the whole it belongs to."""
+    """Return the source of a property, or of the whole of which the property is a part."""
     return sources.get(name) or sources.get(name.rpartition(".")[0])
 
 

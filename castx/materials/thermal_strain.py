@@ -61,7 +61,7 @@ class StressFreeState:
         return cls(np.minimum(initial, contracts), contracts, fraction)
 
     def thermal_strain(self, material: Material, temperature: FloatArray) -> FloatArray:
-        """Return e^θ at the nodes; that of the liquid at an infinite temperature.
+        """Return e^θ at the nodes; the value of the liquid at an infinite temperature.
 
         Args:
             material: of the body.
@@ -131,7 +131,7 @@ def shrinkage_strain(material: Material, solid_fraction: Any) -> FloatArray:
 
 
 def liquid_shrinkage(material: Material, solid_fraction: Any) -> FloatArray:
-    """Return by what share of its volume metal has shrunk before coherency, s min(f_s, f_c).
+    """Return the volume share of the shrinkage before coherency, s min(f_s, f_c).
 
     It is demand of feeding metal; where none can follow it leaves a void.
 

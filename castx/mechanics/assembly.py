@@ -140,11 +140,11 @@ class BodyAssembly:
         return rows
 
     def corrections(self) -> list[Correction]:
-        """Return the parts of the Jacobian on pressures that the matrix lacks, those of OSGS."""
+        """Return the pressure part of the Jacobian that the matrix lacks, from OSGS."""
         return self._on_parts([body.products() for body in self.bodies])
 
     def coupled_corrections(self) -> list[Correction]:
-        """Return those on displacements, of trapped liquid."""
+        """Return the products of the trapped liquid with displacements."""
         return self._on_parts([body.formulation.coupled_products() for body in self.bodies])
 
     def _on_parts(self, products: Sequence[Sequence[Product]]) -> list[Correction]:

@@ -109,7 +109,7 @@ class BodyMechanics:
         return self.formulation.liquid_totals()
 
     def set_time(self, time: float) -> None:
-        """Set the loads to those at a time [s]; collective."""
+        """Set the loads of a time [s]; collective."""
         self._evaluated_at = NOWHERE
         self.loads.set_time(time)
         self.formulation.forms.update_load()
@@ -140,7 +140,7 @@ class BodyMechanics:
 
     @property
     def is_evaluated(self) -> bool:
-        """Whether stress and tangent are those of the present unknowns, on this rank."""
+        """Whether stress and tangent belong to the present unknowns, on this rank."""
         return np.array_equal(self._evaluated_at, self.solution.x.array)
 
     def _evaluate(self) -> None:
@@ -218,7 +218,7 @@ class BodyMechanics:
         return nodal_sum(self.mesh, here)[: self.owned_nodes]
 
     def commit(self) -> None:
-        """Make the trial state the one from which the next step starts; collective."""
+        """Accept the trial state as the start of the next step; collective."""
         self._evaluate()
         if self.formulation.commit():
             self._evaluated_at = NOWHERE

@@ -1,4 +1,4 @@
-"""The clamp of one surface: its equation as constants in forms, and what it does."""
+"""The clamp of one surface: its equation as constants in forms, and its state."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Clamp:
         return clamp.backing_work(eta, u, self._foundation, self._towards, self._ds)
 
     def strained(self, motion: FloatArray) -> FloatArray:
-        """Return how far a motion of the owned nodes strains the springs, one number for each node.
+        """Return the elongation of the springs under a motion, one for each node.
 
         Args:
             motion: of the owned nodes, shape (owned, dimension).

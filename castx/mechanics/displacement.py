@@ -96,7 +96,7 @@ class DisplacementFormulation:
         return None
 
     def commit(self) -> bool:
-        """Make the trial state the one from which the next step starts.
+        """Accept the trial state as the start of the next step.
 
         Returns:
             False: the residual stays.

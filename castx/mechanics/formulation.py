@@ -1,4 +1,4 @@
-"""What the formulations of the momentum balance share: unknowns, assembled forms and protocol.
+"""Common part of the formulations of the momentum balance: unknowns, assembled forms, protocol.
 
 A formulation says how the pressure enters: as an unknown of the nodes (`castx.mechanics.mixed`), as
 a constant of each cell (`castx.mechanics.q1p0`) or not at all (`castx.mechanics.displacement`).
@@ -165,7 +165,7 @@ class WeakForms:
         return self.assemble(self._internal) - self.load
 
     def spring_forces(self) -> FloatArray:
-        """Return what springs bear at the present owned unknowns [N]; collective."""
+        """Return the spring forces at the present owned unknowns [N]; collective."""
         return np.zeros(self._owned) if self._springs is None else self.assemble(self._springs)
 
     def assemble(self, form: fem.Form) -> FloatArray:
@@ -222,7 +222,7 @@ class Formulation(Protocol):
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
 
     def coupled_products(self) -> list[Product]:
-        """Return those on displacements."""
+        """Return products of matrices with displacements beside the assembled Jacobian."""
 
     def improve_pressures(self) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any."""
@@ -241,7 +241,7 @@ class Formulation(Protocol):
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
 
     def commit(self) -> bool:
-        """Make the trial state the one from which the next step starts; collective.
+        """Accept the trial state as the start of the next step; collective.
 
         Returns:
             Whether the residual at the same unknowns is another one from now on.

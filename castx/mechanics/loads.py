@@ -52,7 +52,7 @@ class BodyLoads:
 
     @property
     def weighs(self) -> bool:
-        """Whether a body force acts that is the same everywhere."""
+        """Whether a uniform body force acts."""
         return bool(np.any(self._uniform))
 
     def potential(self) -> FloatArray:
@@ -63,7 +63,7 @@ class BodyLoads:
         return np.asarray(self._body.points @ self._uniform)
 
     def set_time(self, time: float) -> None:
-        """Set the loads to those at a time [s]."""
+        """Set the loads of a time [s]."""
         for constant, tables in self._values:
             values = np.array([float(table(time)) for table in tables])
             constant.value = values if constant.value.ndim else values[0]
@@ -95,7 +95,7 @@ class BodyLoads:
         return sum(clamp.backing_work(eta, u) for clamp in self._backed)
 
     def held(self, motion: FloatArray) -> FloatArray:
-        """Return how far a motion strains the springs behind the surfaces, shape (springs,).
+        """Return the elongation of the springs under a motion, shape (springs,).
 
         Args:
             motion: of the owned nodes, shape (owned, dimension).

@@ -150,7 +150,7 @@ class MixedFormulation:
         return b
 
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
-        """Assemble the Jacobian; with OSGS that of GLS, which preconditions it."""
+        """Assemble the Jacobian; for OSGS the one of GLS, as a preconditioner."""
         self.forms.assemble_jacobian(A)
 
     def products(self) -> list[Product]:
@@ -158,7 +158,7 @@ class MixedFormulation:
         return [projection.add_product for projection in self._projections]
 
     def coupled_products(self) -> list[Product]:
-        """Return what full pockets of trapped liquid add to the Jacobian."""
+        """Return the products of the Jacobian of full pockets of trapped liquid."""
         return [self._pockets.stiffness.add_product]
 
     def improve_pressures(self) -> bool:
@@ -166,7 +166,7 @@ class MixedFormulation:
         return False
 
     def mean_stress(self) -> FloatArray:
-        """Return means of the nodal pressures, or those of the pockets, [Pa], shape (cells,)."""
+        """Return means of the nodal pressures, or pressures of pockets, [Pa], shape (cells,)."""
         nodes = self._unknowns.mesh.nodes.dofmap.list
         given = self._pockets.cell_pressures()
         return np.where(np.isnan(given), self.nodal_pressure()[nodes].mean(axis=1), given)
@@ -187,7 +187,7 @@ class MixedFormulation:
         return self._pockets.totals()
 
     def commit(self) -> bool:
-        """Make the trial state the one from which the next step starts; collective.
+        """Accept the trial state as the start of the next step; collective.
 
         Returns:
             False: the residual stays.
@@ -203,5 +203,5 @@ class MixedFormulation:
         self._assemble_projections()
 
     def stateful_parts(self) -> dict[str, Stateful]:
-        """Return the history of the integration points and that of trapped liquid."""
+        """Return the histories of the integration points and of trapped liquid."""
         return {"points": self._material, **self._pockets.stateful_parts()}

@@ -117,7 +117,7 @@ class Q1P0Formulation:
         return []
 
     def coupled_products(self) -> list[Product]:
-        """Return what full pockets of trapped liquid add to the Jacobian."""
+        """Return the products of the Jacobian of full pockets of trapped liquid."""
         return [self._pockets.stiffness.add_product]
 
     def improve_pressures(self) -> bool:
@@ -146,7 +146,7 @@ class Q1P0Formulation:
         return self._pockets.totals()
 
     def commit(self) -> bool:
-        """Make the trial state the one from which the next step starts; collective.
+        """Accept the trial state as the start of the next step; collective.
 
         Returns:
             True: the multipliers are better ones.
@@ -262,7 +262,7 @@ class MeanDilatation:
         return self.forces_of(self.pressure)
 
     def forces_of(self, pressure: FloatArray) -> FloatArray:
-        """Return the same of other pressures of the cells [Pa], shape (cells,); collective."""
+        """Return the forces of other pressures of the cells [Pa], shape (cells,); collective."""
         self._cell_values.array[:] = pressure[: self._owned]
         self._matrix.multTranspose(self._cell_values, self._forces)
         return self._forces.array_r.copy()

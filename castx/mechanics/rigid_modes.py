@@ -1,4 +1,4 @@
-"""Rigid motions of a body: what is free without supports, and the near-null space of multigrid."""
+"""Rigid motions of a body: free motions without supports, near-null space of multigrid."""
 
 from __future__ import annotations
 

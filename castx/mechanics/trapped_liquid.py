@@ -1,4 +1,4 @@
-"""Trapped liquid, which no free surface feeds: its pressure, and the pores that open in it.
+"""Trapped liquid, not fed by a free surface: its pressure, and the pores that open in it.
 
 A pocket is incompressible, and its pressure follows from its walls; below the cavity pressure pores
 open. Its liquid flows freely, so that one pressure acts in all of it, beside the weight of what
@@ -107,7 +107,7 @@ class Pockets:
         return len(self._pores.open) > 0
 
     def state(self, points: PointState) -> PointState:
-        """Return the state of the integration points, with that of trapped liquid."""
+        """Return the states of the integration points and of trapped liquid."""
         return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
 
     def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
@@ -138,7 +138,7 @@ class Pockets:
         material.set_free_volume(np.where(trapped, 0.0, content.free_volume))
 
     def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
-        """Prepare what full pockets add to the Jacobian; collective.
+        """Prepare the block of full pockets in the Jacobian; collective.
 
         Args:
             rows: derivative of the volumes of the pockets, shape (owned unknowns,) [m²].
@@ -193,7 +193,7 @@ class Pockets:
             function.x.array[:] = values
 
     def totals(self) -> dict[str, float] | None:
-        """Return demand, what is fed, pores [m³] and pressure [Pa] by the name of the column."""
+        """Return demand, fed volume, pores [m³] and pressure [Pa] by the name of the column."""
         return {
             "feeding_demand": self.content.demand,
             "fed_volume": self.content.fed,

@@ -185,8 +185,8 @@ class Process:
         starts = [phase.start for phase in self.schedule.phases]
         if number >= len(starts) or starts[number] != notes["start"]:
             raise CaseError(
-                f"the stages are not those of the checkpoint, which is in one that began at "
-                f"{notes['start']:g} s; take back the change of time.end, which ends the cycles, "
+                f"the stages differ from those of the checkpoint (its stage began at "
+                f"{notes['start']:g} s); undo the change of time.end, which ends the cycles, "
                 "or run the case anew without --restart"
             )
         whole = self.now.problem.saved()

@@ -158,7 +158,7 @@ class Simulation:
         return self.control.finished(self.time)
 
     def _advance(self, after_failed_try: Callable[[], None]) -> StepCounters:
-        """Take one step, cutting it as long as it fails or changes too much."""
+        """Advance by one step, reduced as long as it fails or its changes are too large."""
         begin = clock.perf_counter()
         failed: list[FailedTry] = []
         self.problem.counters.begin_step()
@@ -244,7 +244,7 @@ class Simulation:
         self.process.prepare(notes)
 
     def restore(self, arrays: Arrays) -> None:
-        """Restore a saved state: the next state yielded is that of the step after it."""
+        """Restore a saved state; the next state yielded belongs to the step after it."""
         clock = part_of(arrays, "clock")
         self.time, self.step = float(clock["time"]), int(clock["step"])
         self._substep_rate = float(clock["substep_rate"])

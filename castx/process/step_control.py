@@ -107,7 +107,7 @@ class StepControl:
         return following if following < stop - self._tolerance else stop
 
     def exceeds(self, step: float, temperature: float, solid_fraction: float) -> bool:
-        """Return whether a step changed so much that it must be taken again, and cut it then.
+        """Return whether a step changed so much that it is rejected, and cut it then.
 
         Args:
             step: its size [s].
@@ -126,7 +126,7 @@ class StepControl:
         return True
 
     def _excess(self, temperature: float, solid_fraction: float) -> float:
-        """Return the change of a step over the wanted one, of what changed most."""
+        """Return the largest ratio of a change in a step to its wanted value."""
         settings = self._settings
         return max(
             temperature / settings.temperature_change,

@@ -29,7 +29,7 @@ Kept = dict[str, pyvista.UnstructuredGrid]
 
 
 def scene(run: ReportedRun) -> dict[str, Any]:
-    """Return what a page needs to draw the bodies of a run, as JSON knows it.
+    """Return the data with which a page draws the bodies of a run, for JSON.
 
     Args:
         run: the results.
@@ -94,7 +94,7 @@ def scalars_ever(meshes: Mapping[str, pyvista.UnstructuredGrid]) -> set[str]:
 def most_moments(
     meshes: Mapping[str, pyvista.UnstructuredGrid], topics: Sequence[Topic], hollow: bool
 ) -> int:
-    """Return how many moments fit into the page."""
+    """Return the number of moments that fit into the page."""
     each = sum(
         2 * (3 * grid.n_points + sum(
             grid.n_points if topic.field in grid.point_data else grid.n_cells

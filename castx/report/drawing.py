@@ -1,4 +1,4 @@
-"""A field drawn on its bodies, with what the axes and the colour bar of a figure need."""
+"""A field drawn on its bodies, with axes and colour bar of a figure."""
 
 from __future__ import annotations
 

@@ -74,12 +74,12 @@ class Paint:
     glassy: bool = False
 
     def opacity(self, name: str) -> float:
-        """Return how much of what lies behind a surface it hides."""
+        """Return the opacity of a surface."""
         return OPACITY if self.glassy and name.endswith(PASSABLE) else 1.0
 
 
 def colours(count: int) -> list[str]:
-    """Return colours that all differ."""
+    """Return colours, each different from all others."""
     table = [to_hex(mpl.colormaps["tab20"](index)) for index in PERMANENT]
     more = range(max(count - len(table), 0))
     further = [colorsys.hsv_to_rgb((GOLDEN * i) % 1.0, 0.55, 0.5 + 0.4 * (i % 3) / 2) for i in more]
@@ -87,7 +87,7 @@ def colours(count: int) -> list[str]:
 
 
 def paints(shells: Sequence[Shell], flat: bool) -> tuple[Paint, Paint]:
-    """Return the colours of the bodies, and those of their surfaces and interfaces.
+    """Return the colours of bodies, surfaces and interfaces.
 
     Args:
         shells: the bodies.

@@ -1,4 +1,4 @@
-"""When something happens in a run: what the pictures of the report show."""
+"""Events of a run: the moments of the pictures of the report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OPEN = 1e-6
 
 
 def moments(run: Results) -> dict[float, str]:
-    """Return what happens in a run, by its time [s].
+    """Return the events of a run, by their time [s].
 
     That is when the first casting is by a quarter, a half, three quarters and all solid, when its
     first air gap opens, when stages of the first cycle begin, and the end.
@@ -46,6 +46,6 @@ def first_time(time: FloatArray, reached: BoolArray) -> float | None:
 
 
 def add(found: dict[float, str], time: float | None, text: str) -> None:
-    """Add what happens at a time, unless it does not."""
+    """Add an event; nothing if its time is None."""
     if time is not None:
         found[time] = f"{found[time]}, {text}" if time in found else text

@@ -92,7 +92,7 @@ class View:
 
     @property
     def size(self) -> float:
-        """Diagonal of what is in view [m]."""
+        """Diagonal of the visible bodies [m]."""
         return float(np.linalg.norm(self.high - self.low))
 
     def shown(self, grid: pyvista.UnstructuredGrid) -> pyvista.PolyData:
@@ -303,7 +303,7 @@ def limits_of(
 
 
 def chosen_times(times: Sequence[float], moments: Mapping[float, str]) -> dict[float, str]:
-    """Return the first times after some moments, and what has happened; the last time always.
+    """Return the first times after some moments with their events; the last time always.
 
     Args:
         times: at which there are fields, ascending [s].

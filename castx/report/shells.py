@@ -1,4 +1,4 @@
-"""What is seen of bodies: their outer facets, by the names of surfaces and interfaces."""
+"""Visible surfaces of bodies: their outer facets, by the names of surfaces and interfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from castx.domain.mesh import BodyMesh, CastingMesh
 
 @dataclass(frozen=True)
 class Shell:
-    """What is seen of a body.
+    """Visible surface of a body.
 
     Attributes:
         body: its name.
@@ -35,7 +35,7 @@ class Shell:
 
 
 def shells_of(mesh: CastingMesh, interfaces: Sequence[str]) -> list[Shell]:
-    """Return what is seen of the bodies on rank 0, and nothing on the others; collective.
+    """Return the visible surfaces of the bodies on rank 0, none on the others; collective.
 
     Args:
         mesh: the bodies.
@@ -91,7 +91,7 @@ def _outer_facets(body: BodyMesh) -> tuple[FloatArray, IntArray]:
 
 
 def _round(kind: CellKind, nodes: IntArray) -> IntArray:
-    """Return the nodes of cells, those of quadrilaterals in an order that goes round."""
+    """Return the nodes of cells, for quadrilaterals in cyclic order."""
     return nodes[:, np.argsort(kind.from_gmsh)] if kind.dimension == 2 else nodes
 
 

@@ -20,7 +20,7 @@ Rectangle = tuple[FloatArray, FloatArray]
 
 
 def shifts(points: Sequence[FloatArray], screen: FloatArray, ways: FloatArray) -> FloatArray:
-    """Return by how much bodies are moved for their rectangles on a picture to be apart.
+    """Return the shifts of bodies that set their rectangles apart on a picture.
 
     The largest one stays. The others follow by size, each along the one of some ways that is the
     shortest, where ways back across the largest body count for more.
@@ -68,7 +68,7 @@ def _weight(along: float, size: float) -> float:
 
 
 def _clear(own: Rectangle, way: FloatArray, placed: Sequence[Rectangle], distance: float) -> float:
-    """Return how far a rectangle is moved along a way until it is clear of those placed."""
+    """Return the distance to move a rectangle along a way until it is clear of those placed."""
     blocked = [_blocked(own, way, other, distance) for other in placed]
     ends = [0.0, *sorted(end for _, end in blocked if end > 0.0)]
     return next(t for t in ends if not any(start < t < end for start, end in blocked))

@@ -14,7 +14,7 @@ from castx.case.stages import Schedule, Stage
 
 
 def stage_table(case: Case, stages: Sequence[Case]) -> Table:
-    """Return a table of the stages: when they begin, their bodies, and what changes.
+    """Return a table of the stages: their beginning, their bodies and their changes.
 
     Args:
         case: the case.
@@ -48,7 +48,7 @@ def _changes(stage: Stage) -> Iterator[str]:
 
 
 def cycle_text(case: Case) -> str:
-    """Return in words how many cycles a case has, and how long they are."""
+    """Return a text on the number and duration of the cycles of a case."""
     schedule, last = Schedule(case.stages, case.time.end), case.stages[-1]
     renewed = f"{', '.join(last.renew)} new in each" if last.renew else "all bodies go on"
     return (

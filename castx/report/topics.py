@@ -129,7 +129,7 @@ LEFT_OUT = ("body", "displacement", "stress")
 
 
 def topics_of(names: Iterable[str]) -> Iterator[Topic]:
-    """Yield how fields are shown, in the order of `TOPICS`; those without a topic follow.
+    """Yield the topics of fields in the order of `TOPICS`, then those of other fields.
 
     Args:
         names: of the arrays of scalars that were written.

@@ -196,7 +196,7 @@ class Fields:
         write_whole(self._folder / COLLECTION, collection(self._outputs))
 
     def notes(self) -> list[dict[str, Any]]:
-        """Return what is on disk, as JSON knows it."""
+        """Return a description of the written files, for JSON."""
         return [asdict(output) for output in self._outputs]
 
     def resume(self, notes: Sequence[Mapping[str, Any]]) -> None:

@@ -133,7 +133,7 @@ def nodes_of(body: BodyMesh, dim: int, entity: int) -> tuple[CellKind, IntArray]
 def nearest_point(
     mesh: Mesh, dim: int, entities: IntArray, wanted: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Return which entity lies nearest to a point (1, 3), as an array, and where it does."""
+    """Return the entity nearest to a point (1, 3), as an array, and its point nearest to that."""
     if entities.size == 0:
         return entities, wanted
     mesh.topology.create_connectivity(dim, mesh.topology.dim)

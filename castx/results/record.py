@@ -88,7 +88,7 @@ class RunRecord:
                 self._counts[name] += count
 
     def note_profile(self, costs: Mapping[RunPart, PartCost]) -> None:
-        """Take over what the parts of the run have cost."""
+        """Store the costs of the parts of the run."""
         self._profile = {"profile": {str(part): asdict(cost) for part, cost in costs.items()}}
 
     def note_hot_spots(self, found: list[dict[str, Any]]) -> None:
@@ -100,7 +100,7 @@ class RunRecord:
         self._stage_ends = found
 
     def note_followed(self, found: dict[str, Any]) -> None:
-        """Take over what else is followed through the run, by subject."""
+        """Store the other histories of the run, by subject."""
         self._followed = found
 
     def notes(self) -> dict[str, Any]:

@@ -140,7 +140,7 @@ class ResultsWriter:
         )
 
     def notes(self) -> dict[str, Any]:
-        """Return rows and outputs on disk and what is followed, as JSON knows them; collective."""
+        """Return written rows, outputs and histories for JSON; collective."""
         return {
             "rows": self._rows,
             "lost_rows": self._lost,
@@ -229,7 +229,7 @@ class ResultsWriter:
         self._disk.raise_failures()
 
     def note_profile(self, costs: Mapping[RunPart, PartCost]) -> None:
-        """Write what the parts of the run have cost into run.json."""
+        """Write the cost of the parts of the run into run.json."""
         self._record.note_profile(costs)
 
     def note_interruption(self) -> None:
@@ -264,7 +264,7 @@ class ResultsWriter:
 
 
 def lost_rows(folder: Path, notes: Mapping[str, Any]) -> dict[str, int]:
-    """Return how many of the first rows each table lacks since it was removed by its user.
+    """Return the number of first rows that each table lacks since its removal by the user.
 
     Args:
         folder: the results folder.

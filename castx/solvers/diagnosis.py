@@ -1,4 +1,4 @@
-"""Says in words why a run could not go on: what failed, how often, and what usually helps."""
+"""Explanation of a failed run: the cause, its number of failures, and the usual cure."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FailedTry:
 
 
 def diagnosis(time: float, tries: Sequence[FailedTry]) -> str:
-    """Return in words which steps were tried from the last accepted state, and what usually helps.
+    """Return a text on the steps tried from the last accepted state, and the usual cure.
 
     Args:
         time: of the last accepted state [s].

@@ -100,7 +100,7 @@ class NonlinearSolver:
     def _options_in_database(self) -> Iterator[None]:
         """Keep the options in PETSc's global database only while PETSc may ask for them.
 
-        Inner solvers read theirs as late as in the set-up of the preconditioner.
+        Inner solvers read theirs when the preconditioner is prepared.
         """
         database = PETSc.Options(self.prefix)
         before = {key: database.getString(key) for key in self.options if database.hasName(key)}
@@ -179,7 +179,7 @@ class NonlinearSolver:
 
 
 def _last(error: PETSc.Error) -> str:
-    """Return the line in which PETSc says what is wrong."""
+    """Return the line of PETSc's message that names the fault."""
     return str(error).strip().splitlines()[-1].removeprefix("[0] ")
 
 

@@ -149,7 +149,7 @@ def closed_coefficient(given: Given) -> Coefficient:
 
 
 def pressure_term(given: Given) -> PressureTerm | None:
-    """Return what contact pressure adds; None where nothing is given."""
+    """Return the pressure term of a coefficient; None where nothing is given."""
     term = given.get(PRESSURE)
     if term is None:
         return None

@@ -46,7 +46,7 @@ class Faces:
         )
 
     def temperature(self, of: str) -> Dual:
-        """Return a temperature of the pairs: that of "secondary", "primary" or their "mean"."""
+        """Return a temperature of the pairs, of "secondary", "primary" or their "mean"."""
         match of:
             case "secondary":
                 return self.secondary

@@ -92,7 +92,7 @@ def interface_names() -> tuple[str, ...]:
 
 @cache
 def interface_entry(name: str) -> InterfaceEntry:
-    """Read one interface.
+    """Read an interface of the database.
 
     Raises:
         CaseError: there is none of this name, or its file is not right; with the keys, their
@@ -128,14 +128,14 @@ def read_interface(content: dict[str, Any], file: str) -> InterfaceEntry:
 
 
 def plain_numbers(value: Any) -> list[float]:
-    """Return the numbers of a key: one, those of a list, or the coefficients of a table."""
+    """Return the numbers of a key: one, all of a list, or the coefficients of a table."""
     if isinstance(value, dict):
         return [row[1] for row in value["table"]]
     return list(value) if isinstance(value, list) else [value]
 
 
 def _ranges(item: dict[str, Any]) -> tuple[Range, ...]:
-    """Return the ranges of a number, those of a list one by one."""
+    """Return the ranges of a number, of each number of a list."""
     if "range" not in item:
         return ()
     each = item["range"] if isinstance(item["value"], list) else [item["range"]]
@@ -189,7 +189,7 @@ def unit_of(path: KeyPath) -> str | None:
 
 
 def _parts(kind: object) -> tuple[object, ...]:
-    """Return what a type or field is made of."""
+    """Return the constituent types of a type or field."""
     if isinstance(kind, FieldInfo):
         return (*kind.metadata, kind.annotation)
     return get_args(kind)

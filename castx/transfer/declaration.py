@@ -1,4 +1,4 @@
-"""What the file of a gap heat law declares: its name, keys, formula, source and construction."""
+"""Declaration of a gap heat law by its file: name, keys, formula, source and construction."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def no_problems(given: Given) -> Iterator[Problem]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GapHeatLaw:
-    """How heat is conducted between facing surfaces, as the file of a law declares it.
+    """Declaration of the heat conduction between facing surfaces by the file of a law.
 
     Attributes:
         name: as a case file writes it; the file has the same, with underscores for hyphens.

@@ -69,7 +69,7 @@ class Dual:
         return Dual(quotient, (self.slopes - quotient * b.slopes) / b.value)
 
     def inverse(self) -> Dual:
-        """Return one over these numbers."""
+        """Return the reciprocals of these numbers."""
         inverse = np.asarray(1.0 / self.value)
         return Dual(inverse, -inverse * inverse * self.slopes)
 

@@ -74,7 +74,7 @@ def _keys_of(value: Any) -> dict[str, Any]:
 
 
 def _left_out(merged: Mapping[str, Any], given: set[str]) -> set[str]:
-    """Return the keys replaced by those that are given, and others without use in the law."""
+    """Return the keys replaced by given ones, and keys without use in the law."""
     left_out: set[str] = set()
     term = _keys_of(merged.get(PRESSURE.name))
     if not term or {"resistance", *_ROUGH} & set(term):  # else its resistance is that of the pair

@@ -42,7 +42,7 @@ class Quality:
 
     @classmethod
     def of_data(cls, data: Mapping[str, Any]) -> Quality:
-        """Return it from its entries by name."""
+        """Return the object from its entries by name."""
         return cls(**{**data, "place": tuple(data["place"])})
 
 

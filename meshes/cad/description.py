@@ -1,4 +1,4 @@
-"""What is to be made of CAD files, in metres."""
+"""Description of the CAD files to mesh, in metres."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class CadFile:
 
 @dataclass(frozen=True)
 class Selector:
-    """Which faces a named surface has: those that meet all that is given.
+    """Conditions for the faces of a named surface; a face must meet all of them.
 
     Args:
         name: of the surface.

@@ -63,7 +63,7 @@ class Face:
 
 
 def faces_of(volumes: Mapping[int, str]) -> list[Face]:
-    """Return the faces of bodies but for those inside one of them.
+    """Return the faces of bodies without inner faces of a single body.
 
     Args:
         volumes: body of each volume of the current gmsh model.

@@ -134,7 +134,7 @@ def _block(mould: Mould, solids: Sequence[Solid]) -> list[Solid]:
 
 
 def _halved(solids: Sequence[Solid], plane: SymmetryPlane) -> list[Solid]:
-    """Return what lies on one side of a plane of symmetry."""
+    """Return the parts of solids on one side of a plane of symmetry."""
     lowest, highest = (np.array(corner) for corner in extents([s.tag for s in solids]))
     reach = np.ptp([lowest, highest], axis=0).max() + 1.0 / MILLIMETRES
     low, high = lowest - reach, highest + reach

@@ -71,7 +71,7 @@ def unusual_size(extent: float) -> Iterator[str]:
 
 
 def _named(part: CadPart, faces: Sequence[Face], bodies: Sequence[str]) -> dict[str, list[Face]]:
-    """Return the faces of the named surfaces; those of the making before those of selectors."""
+    """Return the faces of the named surfaces; selectors go after names of the construction."""
     made = named_by_making(part, faces)
     taken = {face.tag for group in made.values() for face in group}
     left = [face for face in faces if face.tag not in taken]

@@ -120,7 +120,7 @@ def _import(file: CadFile, scratch: str) -> list[int]:
 
 
 def _new_shapes(path: str, kind: str) -> list[tuple[int, int]]:
-    """Return what a file brings into the model: the shapes of its highest dimension."""
+    """Import a file and return its shapes of highest dimension."""
     before = set(gmsh.model.getEntities())
     # Millimetres are OpenCASCADE's own unit; the readers of other formats know no option for it.
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" else "")
@@ -198,7 +198,7 @@ def _refuse_unknown(names: Sequence[str], solids: Sequence[Solid]) -> None:
 
 
 def solid_list(solids: Sequence[Solid]) -> str:
-    """Return one line for each solid: name, label, volume and place."""
+    """Return a line of text for each solid: name, label, volume and place."""
     lines = []
     for index, solid in enumerate(solids):
         volume = gmsh.model.occ.getMass(3, solid.tag) / MILLIMETRES**3

@@ -29,7 +29,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class Report:
-    """What was made of a CAD part.
+    """Report on a CAD part: bodies, interfaces, surfaces, quality of the mesh.
 
     Args:
         bodies: with volumes.
@@ -50,12 +50,12 @@ class Report:
     remarks: tuple[str, ...] = ()
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as lists and texts."""
+        """Return the report as lists and texts."""
         return asdict(self)
 
     @classmethod
     def of_data(cls, data: Mapping[str, Any]) -> Report:
-        """Return what `as_data` was made of."""
+        """Return the report from the data of `as_data`."""
         lists = {key: tuple(Measure(**row) for row in data[key]) for key in MEASURES}
         return cls(
             **lists,

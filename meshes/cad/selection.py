@@ -69,7 +69,7 @@ def select(selector: Selector, faces: Sequence[Face]) -> list[Face]:
 
 
 def shown(faces: Sequence[Face]) -> str:
-    """Return one line for each of some faces, the largest first."""
+    """Return a line of text for each face, the largest first."""
     if not faces:
         return "  none between such bodies"
     order = sorted(faces, key=lambda face: -face.area)

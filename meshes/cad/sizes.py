@@ -82,7 +82,7 @@ def samples_of(faces: Sequence[Face]) -> Samples:
 
 
 def _on_edges(face: Face, nodes: LongArray) -> BoolArray:
-    """Return which edges of the model, those of a face alone, nodes lie on: (…, edges)."""
+    """Return a mask of the edges of the model on which the nodes of a face lie: (…, edges)."""
     edges, around = gmsh.model.getEntities(1), gmsh.model.getBoundary([(2, face.tag)], False, False)
     on = np.zeros((*nodes.shape, len(edges)), dtype=np.bool_)
     for place, edge in enumerate(edges):
@@ -140,7 +140,7 @@ def _to_other_side(
     other_normals: FloatArray,
     other_edges: BoolArray,
 ) -> FloatArray:
-    """Return how far inside the next opposite triangle is hit.
+    """Return the distance to the next opposite triangle, along the inward normal.
 
     Where both sides end in one edge, a wall is as thick as at the corners off it: the middle has a
     part of that by chance, and smaller cells at a knife edge are only flatter.
@@ -254,7 +254,7 @@ class SizeGrid:
     sizes: FloatArray
 
     def write(self, file: str) -> None:
-        """Write it as gmsh's field Structured reads it, in millimetres."""
+        """Write the sizes as gmsh's field Structured reads them, in millimetres."""
         with open(file, "wb") as target:
             for numbers in (self.lowest * MILLIMETRES, np.full(3, self.step * MILLIMETRES)):
                 target.write(numbers.astype(np.float64).tobytes())
@@ -263,7 +263,7 @@ class SizeGrid:
 
 
 def size_grid(part: CadPart, wishes: Wishes) -> SizeGrid:
-    """Return sizes over space: those that are wanted and those of boxes, growing away from them.
+    """Return sizes over space: the wanted ones and sizes of boxes, growing away from them.
 
     Args:
         part: what is meshed.
@@ -362,7 +362,7 @@ def set_field(part: CadPart, grid: SizeGrid, volumes: Mapping[int, str], scratch
 def estimated_cells(
     part: CadPart, samples: Samples, sizes: FloatArray, volumes: Mapping[str, float]
 ) -> float:
-    """Return about how many cells a mesh will have.
+    """Return the estimated number of cells of a mesh.
 
     Behind each sample sizes grow from its own to the largest one; the rest has the largest one.
 
@@ -384,7 +384,7 @@ def estimated_cells(
 
 
 def crowded_cells(grid: SizeGrid) -> float:
-    """Return about how many cells a mesh has where sizes are below the step of their grid.
+    """Return the estimated number of cells where sizes are below the step of their grid.
 
     The grid spreads such a size over all nodes round its place, about half of which is inside.
     """

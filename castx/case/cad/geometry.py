@@ -23,7 +23,7 @@ _MOST_SURFACES = 1000
 
 
 def is_cad_file(value: Any) -> bool:
-    """Return whether a path is that of a CAD file, by its end."""
+    """Return whether a path ends like a CAD file."""
     return isinstance(value, str | Path) and str(value).lower().endswith(SUFFIXES)
 
 
@@ -138,7 +138,7 @@ class CadGeometry(Description):
             yield Problem(("unit",), "STEP and IGES files carry their own unit; leave it out")
 
     def relative_to(self, folder: Path) -> Self:
-        """Return the same with files in a folder [absolute paths]."""
+        """Return the geometry with files in a folder [absolute paths]."""
         return self.model_copy(
             update={
                 "file": None if self.file is None else folder / self.file,

@@ -85,7 +85,7 @@ def box(value: Any) -> tuple[Vector, Vector]:
 
 
 class FaceSelector(Description):
-    """Which faces a named surface has: those that meet all that is given.
+    """Conditions for the faces of a named surface; a face must meet all of them.
 
     Attributes:
         body: that the faces belong to.

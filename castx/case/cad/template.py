@@ -22,7 +22,7 @@ _MATERIAL = {
 
 @dataclass(frozen=True)
 class NewCase:
-    """What is known of a CAD part before anybody has decided anything.
+    """Properties of a CAD part, known before the user makes any choice.
 
     Args:
         file: of the part, as the case file names it.
@@ -44,7 +44,7 @@ class NewCase:
 
 
 def roles(names: Sequence[str]) -> dict[str, int]:
-    """Return what each body seems to be, by its name: casting, chill, mould or sand.
+    """Return the role of each body guessed from its name: casting, chill, mould or sand.
 
     The first body without a telling name is the casting, other ones are parts of the mould, unless
     the name of one says that it is a casting or part of one.

@@ -1,4 +1,4 @@
-"""Whether bodies that freeze have what the wanted fields of the foundry ask for."""
+"""Check that bodies that freeze have the data for the requested foundry fields."""
 
 from __future__ import annotations
 

@@ -54,11 +54,11 @@ class CondensedFriction:
         self._imposed = self._imposed.without_slip()
 
     def sticking(self) -> BoolArray:
-        """Return which rows with friction stick, on which the matrix depends."""
+        """Return a mask of the sticking rows, on which the matrix depends."""
         return self._sticks.closed
 
     def _motion(self, x: PETSc.Vec) -> FloatArray:
-        """Return how far pairs have moved along the surface in this step [m]."""
+        """Return the tangential motion of pairs in this step [m]."""
         local = self._sliding.local
         moved = np.where(local >= 0, x.array_r[np.maximum(local, 0)], 0.0)
         return np.asarray(moved - self._sliding.primary_motion() - self._place)

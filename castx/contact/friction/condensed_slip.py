@@ -32,12 +32,12 @@ class SlipState:
 
     @classmethod
     def none(cls, count: int, width: int) -> SlipState:
-        """Return rows that stick and have not moved."""
+        """Return rows that stick without slip so far."""
         still = np.zeros((count, width))
         return cls(np.zeros(count, dtype=bool), np.zeros(count), still, still.copy())
 
     def without_slip(self) -> SlipState:
-        """Return the same with rows that stick."""
+        """Return the state with all rows sticking."""
         return replace(self, slips=np.zeros_like(self.slips))
 
 

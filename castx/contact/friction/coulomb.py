@@ -56,7 +56,7 @@ class SlidingRows:
         self.local = _of_all(gaps, "tangent_local")[self.rows]
 
     def primary_motion(self) -> FloatArray:
-        """Return how far rigid primary bodies have moved along the tangents [m]."""
+        """Return the motion of rigid primary bodies along the tangents [m]."""
         return np.einsum("nkd,nd->nk", self.tangents, self._gaps.primary_motion[self.rows])
 
     def vectors(self, tractions: FloatArray) -> FloatArray:

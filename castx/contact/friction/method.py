@@ -1,4 +1,4 @@
-"""What friction offers to the equilibrium, and what pairs remember from step to step."""
+"""Protocol of friction in the equilibrium, and the state of pairs from step to step."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ class PairMemory(Protocol):
         """Restore accepted numbers of all rows."""
 
     def destroy(self) -> None:
-        """Free what PETSc holds."""
+        """Destroy the PETSc objects."""
 
 
 class Friction(PairMemory, Protocol):
     """Forces along the surface of closed pairs, which stick or slip."""
 
     def sticking(self) -> BoolArray:
-        """Return which rows with friction stick, on which the matrix depends."""
+        """Return a mask of the sticking rows, on which the matrix depends."""
 
     def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
         """Add the friction at an iterate to rows, or constrain the motions that stick.

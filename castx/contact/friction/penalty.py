@@ -64,7 +64,7 @@ class PenaltyFriction:
         self._sticks = ActiveSet(transform.layout.comm, np.zeros(count), some, signatures)
 
     def _motion(self, x: PETSc.Vec) -> FloatArray:
-        """Return how far pairs have moved along the surface in this step [m]."""
+        """Return the tangential motion of pairs in this step [m]."""
         self._G.mult(x, self._values)
         moved = self._values.array_r.reshape(self._place.shape)
         return np.asarray(moved - self._sliding.primary_motion() - self._place)
@@ -79,7 +79,7 @@ class PenaltyFriction:
         self._sticks.begin()
 
     def sticking(self) -> BoolArray:
-        """Return which rows with friction stick, on which the matrix depends."""
+        """Return a mask of the sticking rows, on which the matrix depends."""
         return self._sticks.closed
 
     @property
@@ -150,7 +150,7 @@ class PenaltyFriction:
         return matrix
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
-        """Return how motions move closed pairs that stick, shape (motions, rows); collective."""
+        """Return the slip of sticking pairs under motions, shape (motions, rows); collective."""
         stuck = np.repeat(closed[self._sliding.rows] & self._sticks.closed, self._place.shape[1])
         values = np.zeros((len(motions), int(np.count_nonzero(stuck))))
         for row, motion in enumerate(motions):

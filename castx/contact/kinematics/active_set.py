@@ -23,7 +23,7 @@ MOST_RESTARTS = 20
 
 
 class Pivoting:
-    """Which pairs change their state next, so that the sets end at the solution.
+    """Choice of the pairs that change their state next, so that the active sets end.
 
     Attributes:
         frozen: pairs that chatter and do not change any more, shape (pairs,).
@@ -53,7 +53,7 @@ class Pivoting:
         self.cycles = self.one_by_one = False
 
     def at_once(self, violation: FloatArray) -> BoolArray:
-        """Return which pairs change where sets are not compared: none once one has returned.
+        """Return a mask of the pairs to change without comparing sets: none once a set recurs.
 
         Args:
             violation: forces by which pairs violate their state [N], zero where they do not.
@@ -63,7 +63,7 @@ class Pivoting:
         return np.asarray(wrong)
 
     def next(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
-        """Return which pairs change, and remember the set to which that leads; collective.
+        """Return a mask of the pairs to change, and remember the resulting active set; collective.
 
         Args:
             closed: the present set of closed pairs.
@@ -270,7 +270,7 @@ class ActiveSet:
         return self._count(self.frozen)
 
     def commit(self) -> None:
-        """Accept the present set as that of the last step."""
+        """Accept the present active set."""
         self._committed = self.closed.copy()
         self._begin_step()
 
@@ -279,7 +279,7 @@ class ActiveSet:
         self._released[:] = False
 
     def restore(self, closed: BoolArray) -> None:
-        """Take back a set of closed pairs as that of the last accepted step."""
+        """Restore the active set of the last accepted step."""
         self._committed = closed.copy()
         self.rewind()
 

@@ -137,7 +137,7 @@ class BasisMatrices:
         return self._forward.matrix(), to_displacements
 
     def coupling(self, P: PETSc.Mat) -> PETSc.Mat | None:
-        """Return what rows have of the motion of the points that they face, in v; collective.
+        """Return the part of R for the motion of the facing points, times P; collective.
 
         Args:
             P: of `finish`.
@@ -153,7 +153,7 @@ class BasisMatrices:
 
 
 class _Entries:
-    """Entries of a square matrix in the layout, of owned rows; those at one place add up."""
+    """Entries of a square matrix in the layout, of owned rows; entries at one place add up."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout

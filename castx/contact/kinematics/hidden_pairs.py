@@ -72,7 +72,7 @@ def _moving_together(interfaces: Sequence[Interface], rigid: Collection[str]) ->
 
 
 class _Met:
-    """Rows that the pairs of a body take at its nodes, and the groups of what they face.
+    """Rows of the pairs at the nodes of a body, and the groups that they face.
 
     Args:
         nodes: local nodes that have pairs.
@@ -84,7 +84,7 @@ class _Met:
         self._groups = np.full((nodes, dimension), "", dtype=object)
 
     def hidden(self, pairs: NodePairs, group: str) -> tuple[IntArray, BoolArray]:
-        """Return which pairs have no room at their node, and which of these another group holds.
+        """Return the pairs without room at their node, and the part of them held by another group.
 
         The others take the room. A pair that faces a group along a row of the same group is held by
         this row.

@@ -34,7 +34,7 @@ class NodeRows:
         return cls(np.zeros((nodes, dimension, dimension)), np.zeros(nodes, dtype=np.int32))
 
     def copy(self) -> NodeRows:
-        """Return rows that may go on independently."""
+        """Return an independent copy of the rows."""
         return NodeRows(self.rows.copy(), self.count.copy())
 
     def try_add(self, nodes: IntArray, directions: FloatArray, smallest: float) -> IntArray:

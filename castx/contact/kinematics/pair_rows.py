@@ -55,5 +55,5 @@ class PairRows:
 
     @property
     def free(self) -> BoolArray:
-        """Which rows carry a constraint."""
+        """Mask of the rows that carry a constraint."""
         return self.local >= 0

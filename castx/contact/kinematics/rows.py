@@ -1,4 +1,4 @@
-"""Rows of node pairs, one for each normal of a pair, and what becomes of them."""
+"""Rows of node pairs, one for each normal of a pair, and their treatment."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Treatment(Enum):
-    """What the change of unknowns makes of the pairs of an interface.
+    """Treatment of the pairs of an interface by the change of unknowns.
 
     UNCHANGED leaves the unknowns alone, CONDENSED makes every gap an unknown, SLIDING the motions
     along the surface too, TIED makes all relative motions unknowns and fixes them at zero.
@@ -31,11 +31,11 @@ class Treatment(Enum):
 
 @dataclass(frozen=True)
 class InterfaceRows:
-    """The pairs of one interface and what the change of unknowns makes of them.
+    """Pairs of one interface and their treatment: relative, tied or unchanged.
 
     Attributes:
         pairs: the node pairs, one or several at each node.
-        treatment: what the change of unknowns makes of them.
+        treatment: by the change of unknowns.
     """
 
     pairs: NodePairs

@@ -131,7 +131,7 @@ class ConstraintTransform:
         return np.asarray(image)
 
     def facing(self) -> BoolArray:
-        """Return which owned unknowns belong to nodes of pairs; collective."""
+        """Return a mask of the owned unknowns at nodes of pairs; collective."""
         marker = self.layout.create_vector()
         for interface in self.interfaces:
             pairs = interface.pairs

@@ -1,4 +1,4 @@
-"""What a contact method declares about itself, and the law of a pair."""
+"""Declaration of a contact method, and the law of a pair."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Settings = Mapping[str, Setting]
 
 
 class UnknownKind(Enum):
-    """What carries the contact of a pair among the unknowns.
+    """Kind of unknowns that carry the contact of a pair.
 
     GAPS: the gap of each pair is an unknown in place of a motion of its secondary node.
     MULTIPLIERS: a pressure for each pair is one more unknown.

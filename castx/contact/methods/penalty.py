@@ -52,7 +52,7 @@ class LinearPairLaw:
 
 
 def linear_pair_law(settings: Settings) -> LinearPairLaw:
-    """Return the law of the penalty methods, which has no numbers of its own but ε and λ."""
+    """Return the law of the penalty methods, which has no parameters beside ε and λ."""
     return LinearPairLaw()
 
 

@@ -1,4 +1,4 @@
-"""All contact methods: found by their files, in the order of what their unknowns are."""
+"""All contact methods, found by their files, in the order of the kinds of their unknowns."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _problems(method: ContactMethod, file: str) -> Iterator[str]:
 
 
 def ordered(methods: Iterable[ContactMethod]) -> dict[str, ContactMethod]:
-    """Return methods by name: in the order of `UnknownKind`, those of one kind by their names.
+    """Return methods in the order of `UnknownKind`, of equal kinds by their names.
 
     Raises:
         TypeError: two methods mean different things by one key.

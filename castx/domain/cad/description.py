@@ -1,4 +1,4 @@
-"""What a case asks of its CAD files, as the mesher takes it."""
+"""Description of the CAD files of a case, as input of the mesher."""
 
 from __future__ import annotations
 

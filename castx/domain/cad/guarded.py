@@ -83,7 +83,7 @@ def place_in(words: Path) -> str:
 
 
 def end_of(code: int, words: Path) -> str:
-    """Return in words how the mesher has ended.
+    """Return a text on the end of the mesher.
 
     Args:
         code: with which it has ended.

@@ -44,7 +44,7 @@ def write_new_case(cad_file: Path, target: Path) -> None:
 
 
 def new_case(cad_file: Path, target: Path) -> NewCase:
-    """Return what a coarse mesh tells of a CAD file.
+    """Return the data of a new case, found by a coarse mesh of a CAD file.
 
     Args:
         cad_file: with solids; a lone one gets a mould.
@@ -68,7 +68,7 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
 
 
 def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:
-    """Return what a coarse mesh tells, with one cell across walls, or none if that is refused."""
+    """Return the report of a coarse mesh and its cells across walls: one, or none if refused."""
     part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
     with TemporaryDirectory() as folder:
         mesh = Path(folder) / "mesh.msh"

@@ -61,7 +61,7 @@ class FacingNodes:
     outward: FloatArray
 
     def pairs(self, areas: FloatArray, outward: FloatArray) -> NodePairs:
-        """Return the pairs of those nodes that have an area.
+        """Return the pairs of the nodes that have an area.
 
         Args:
             areas: of the nodes [m²], shape (n,).

@@ -1,4 +1,4 @@
-"""Which points of a surface face another surface, and how far away."""
+"""Points of a surface that face another surface, and their distances."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SurfacePoints(NamedTuple):
 
 
 class Faced(NamedTuple):
-    """What points face on a surface.
+    """Closest points of a surface that points face, and their distances.
 
     Attributes:
         found: the closest point of the surface to each point.
@@ -48,7 +48,7 @@ def faced(
     search_distance: float | None,
     least_opposite: float = 0.0,
 ) -> Faced:
-    """Return what points of one surface face on another one.
+    """Project points of one surface onto the facets of another.
 
     Args:
         points: of the one surface.
@@ -76,7 +76,7 @@ def facet_sizes(facets: SurfaceFacets) -> FloatArray:
 
 
 def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
-    """Return which points lie opposite a facet, not beside the edge of the surface."""
+    """Return a mask of the points opposite a facet, not beside the edge of the surface."""
     corners = facets.points[found.facet]
     reached = np.einsum("na,nak->nk", found.weights, corners)
     normal = facets.normals[found.facet]
@@ -88,7 +88,7 @@ def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -
 
 
 def _at_edge(found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:
-    """Return which closest points lie on the edge of the surface."""
+    """Return a mask of the closest points on the edge of the surface."""
     count = facets.nodes.shape[1]
     local = facets.kind.faces
     keys = np.sort(facets.nodes[:, local], axis=2)

@@ -45,7 +45,7 @@ def case_pairs(
 
 
 def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
-    """Return the gaps of pairs without displacements, the meshed ones and those of the case [m]."""
+    """Return the initial gaps of pairs, meshed and given by the case [m]."""
     return np.asarray(pairs.gap + interface.contact.initial_gap.at(pairs.points))
 
 

@@ -70,7 +70,7 @@ def shared_pairs(mesh: CastingMesh, interfaces: Sequence[FaceInterface]) -> list
 def _owners(
     interfaces: Sequence[FaceInterface], sides: Sequence[Side]
 ) -> dict[Side, FloatArray]:
-    """Return which share of the parts of a surface belongs to each interface, (facets, corners)."""
+    """Return the shares of the parts of a surface for each interface, (facets, corners)."""
     number, side = sides[0]
     facets = interfaces[number].facets[side]
     corners = facets.nodes.shape[1]

@@ -61,7 +61,7 @@ class Supports:
             gate.begin(closed)
 
     def constrain(self, x: FloatArray, rows: ConstrainedRows) -> None:
-        """Constrain what in-gates hold at its place after the last accepted step."""
+        """Fix the nodes that in-gates grip at their last accepted places."""
         for gate in self._gates:
             if gate.acts:
                 rows.constrain(gate.local, x[gate.local] - self._place[gate.local])

@@ -1,4 +1,4 @@
-"""How far a body held by springs alone may move in one Newton step: until it touches.
+"""Limit of the motion of a body on springs alone in one Newton step: the first contact.
 
 Weak springs let a body that has lost its contact swing by metres before they balance its weight.
 Everything on its way would then close at once and be pressed together, which a law that flows
@@ -86,7 +86,7 @@ class FirstContact:
 def share_until_contact(
     comm: MPI.Intracomm, start: FloatArray, end: FloatArray, may_close: BoolArray, depth: FloatArray
 ) -> float:
-    """Return which share of a rigid motion brings the first pair to its depth, at most all of it.
+    """Return the share of a rigid motion at which the first pair reaches its depth, at most 1.
 
     Args:
         comm: ranks of the pairs.

@@ -64,7 +64,7 @@ class InGate:
         return self._touches_always or bool(self._comm.allreduce(here, op=MPI.LOR))
 
     def update(self, closed: BoolArray, settled: bool) -> bool:
-        """Grip a body that has lost all contact, release one that has some; return whether it did.
+        """Grip a body without contact, release one with contact; return whether any changed.
 
         Args:
             closed: the present set of closed pairs.

@@ -105,7 +105,7 @@ DERIVED: Mapping[str, Derived] = {
 
 
 def brittle_field(strains: BodyStrains, poured: Poured, name: str) -> FloatArray:
-    """Return one of `BRITTLE` at the nodes."""
+    """Return the field of a name in `BRITTLE` at the nodes."""
     if name == "brittle_time":
         return strains.duration(BRIDGED)
     strain = strains.largest(BRIDGED)

@@ -40,7 +40,7 @@ class FollowedQuantity(Stateful, Protocol):
         """Return totals by the name of their column in history.csv."""
 
     def described(self) -> Any:
-        """Return what run.json says, equal on all ranks."""
+        """Return the entry of the part in run.json, equal on all ranks."""
 
 
 class Histories:
@@ -72,7 +72,7 @@ class Histories:
                 for name, value in part.totals().items()}  # fmt: skip
 
     def described(self) -> dict[str, Any]:
-        """Return what run.json says by part; collective."""
+        """Return the entries in run.json by part; collective."""
         found = {name: part.described() for name, part in self._parts.items()}
         return {name: said for name, said in found.items() if said}
 
@@ -81,7 +81,7 @@ class Histories:
         return saved_parts(self._parts)
 
     def restore(self, arrays: Arrays) -> None:
-        """Go on with what an earlier part of the run has followed; collective."""
+        """Restore the histories of an earlier part of the run; collective."""
         for name, part in self._parts.items():
             if saved := part_of(arrays, name):
                 part.restore(saved)
@@ -90,7 +90,7 @@ class Histories:
 def histories_of(
     case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs], pores: Pores
 ) -> Histories:
-    """Return what is followed in a case.
+    """Return the histories to follow in a case.
 
     Args:
         case: what is run.

@@ -77,7 +77,7 @@ class ControlVolumes:
         return np.bincount(self.cell_nodes[parts], values, size).astype(np.float64)
 
     def shares(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
-        """Return what this rank adds to the means over the control volumes, (nodes,).
+        """Return the part of this rank in the means over the control volumes, (nodes,).
 
         Args:
             parts: cell and corner of each part.

@@ -1,4 +1,4 @@
-"""How long a place freezes from one solid fraction to another, in the mean of a control volume.
+"""Duration of freezing from one solid fraction to another, in the mean of a control volume.
 
 Two levels may lie closer together than nodes do, and then the difference of their times of passing
 at a node is worth little: the temperature of a node is too high by up to a tenth of what it differs
@@ -32,7 +32,7 @@ TILT = 1e-6
 
 
 class Lasting:
-    """How long control volumes are between solid fractions, followed step by step.
+    """Durations of control volumes between solid fractions, followed step by step.
 
     Attributes:
         durations: so far, of each range, (ranges, nodes) [s].
@@ -96,7 +96,7 @@ class Lasting:
         return self._some(self._followed(enthalpy), self._windows[0].begin, below=True)
 
     def _shares(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Return which share of a step control volumes spend in each range, (ranges, nodes)."""
+        """Return the share of a step that control volumes spend in each range, (ranges, nodes)."""
         sums = np.zeros_like(self.durations)
         instants = [start + (end - start) * part / PARTS for part in range(PARTS + 1)]
         for before, after in pairwise(self._followed(enthalpy) for enthalpy in instants):
@@ -107,7 +107,7 @@ class Lasting:
         return self._volumes.added(list(sums))
 
     def _followed(self, enthalpy: FloatArray) -> FloatArray:
-        """Return what falls all the way: the temperature and a little of the enthalpy [°C]."""
+        """Return a strictly monotonic temperature: a small part of the enthalpy is added [°C]."""
         return np.asarray(self._curve.temperature(enthalpy) + self._tilt * enthalpy)
 
     def _points(self, followed: FloatArray, parts: tuple[LongArray, LongArray]) -> FloatArray:

@@ -73,7 +73,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Passage:
-    """What passed in a step, the front of each level at each of `PLACES`.
+    """Passages of a step, the front of each level at each of `PLACES`.
 
     Attributes:
         frozen: nodes that it passed on cooling, (levels, places, nodes).
@@ -108,7 +108,7 @@ class Parts:
     width: FloatArray
 
     def of(self, nodes: BoolArray) -> Parts:
-        """Return the parts of those nodes (nodes,) alone."""
+        """Return the parts of the given nodes (nodes,) alone."""
         kept = nodes[self.nodes]
         cells, corners = self.index
         return Parts(
@@ -122,7 +122,7 @@ class Parts:
 
 
 class Excess:
-    """By how much the enthalpies of nodes exceed those with a front at them.
+    """Excess of the enthalpies of nodes over the enthalpies with a front at them.
 
     Args:
         curve: enthalpy of the material.
@@ -150,7 +150,7 @@ class Excess:
         return self._of(step, np.full(shape, share), parts, at_corners)
 
     def after(self, step: Step, share: FloatArray, parts: Sequence[Parts]) -> FloatArray:
-        """Return by how much enthalpies exceed those with the fronts at `PLACES`; collective.
+        """Return the excess of enthalpies over those with the fronts at `PLACES`; collective.
 
         Args:
             step: enthalpies.
@@ -281,7 +281,7 @@ class Front:
         return np.asarray(self._excess.at(rest, 0.0, parts) <= 0.0)[self._which]
 
     def passage(self, step: Step, parts: Parts, passed: BoolArray) -> Passage:
-        """Return what passes in a step; collective.
+        """Return the passages of a step; collective.
 
         Args:
             step: enthalpies.

@@ -48,7 +48,7 @@ QUANTITIES = ("solidification_time", "gradient", "cooling_rate", "niyama", "fron
 
 @dataclass(frozen=True)
 class Followed:
-    """What is noted of the way of freezing, beside liquidus and solidus.
+    """Quantities recorded during freezing, beside the times of liquidus and solidus.
 
     Attributes:
         at: the surface at whose passing gradient, cooling rate and front speed are taken.
@@ -209,7 +209,7 @@ class BodySolidification:
         return self._passing(level) - self._first_time
 
     def lasted(self) -> FloatArray:
-        """Return how long the control volumes were in each range, (ranges, nodes) [s]; collective.
+        """Return the time spent by control volumes in each range, (ranges, nodes) [s]; collective.
 
         Not a number until all of a control volume is beyond the last of them.
         """
@@ -217,7 +217,7 @@ class BodySolidification:
         return self._lasting.ended(self._enthalpy)
 
     def gradient(self) -> FloatArray:
-        """Return |∇T| when f_s = 0.9, or what else is noted, was passed [K/m]."""
+        """Return |∇T| at the passage of f_s = 0.9, or of another recorded level [K/m]."""
         return np.where(np.isfinite(self._passing(FRONT)), self._gradient, np.nan)
 
     def _slowness(self) -> FloatArray:
@@ -303,7 +303,7 @@ class Solidification:
         return np.full(len(self._mesh.bodies[body].nodes.dofmap.list), np.nan)
 
     def nodal(self, body: str, quantity: str) -> FloatArray:
-        """Return one of `QUANTITIES` at the nodes of a body, ghosts included: (nodes,); collective.
+        """Return a quantity of `QUANTITIES` at nodes of a body with ghosts: (nodes,); collective.
 
         Not a number where it does not exist yet, and everywhere in a body that does not melt.
         """

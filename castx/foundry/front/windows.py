@@ -36,7 +36,7 @@ class Window:
         return cls(begin, end)
 
     def share(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Return which share of a step nodes are in the range, if they go evenly, (nodes,).
+        """Return the share of a step that nodes spend in the range, at an even rate, (nodes,).
 
         Args:
             start: values of the nodes at the start of the step, (nodes,).

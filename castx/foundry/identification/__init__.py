@@ -1,4 +1,4 @@
-"""What measured temperatures tell of interface data: fits, covariance, when and where to measure.
+"""Interface data from measured temperatures: fits, covariance, times and places of sensors.
 
 Public: `fit.fit`, `covariance.posterior`, `covariance.correlation`,
 `smoothness.second_differences`, `whiteness.ljung_box`, `directions.unseen`, `sensors.d_optimal`,

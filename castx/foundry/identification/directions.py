@@ -21,7 +21,7 @@ LARGE = 0.5
 
 @dataclass(frozen=True)
 class Direction:
-    """A direction of whitened parameters, and how much samples tell of it.
+    """A direction of whitened parameters, and its information from samples.
 
     Attributes:
         singular_value: of W^½ J Γ^½; below 1 the prior tells more than the samples.

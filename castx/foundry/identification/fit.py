@@ -52,17 +52,17 @@ class Unknown:
 
     @property
     def first(self) -> float:
-        """What is fitted, at the start."""
+        """Fitted number at the start, a logarithm if positive."""
         return float(np.log(self.start)) if self.positive else self.start
 
     def value(self, fitted: float) -> float:
-        """Return the number of what is fitted."""
+        """Return the value of the unknown from its fitted number."""
         return float(np.exp(fitted)) if self.positive else float(fitted)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What measured samples tell.
+    """Result of a fit to measured samples.
 
     Attributes:
         values: of the unknowns.
@@ -116,7 +116,7 @@ class _Misfit:
         self.linearised: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     def samples(self, fitted: FloatArray) -> FloatArray:
-        """Return what the model says."""
+        """Return the samples computed by the model."""
         self.runs += 1
         pairs = zip(self.unknowns, fitted, strict=True)
         return np.asarray(self.model({u.name: u.value(theta) for u, theta in pairs}))
@@ -165,7 +165,7 @@ def fit(
     smoothness: FloatArray | None = None,
     tries: int = TRIES,
 ) -> Fit:
-    """Fit unknowns of a model to measured samples; what is known before counts as samples do.
+    """Fit unknowns of a model to measured samples; prior knowledge counts as further samples.
 
     It ends where the next full step is less than 2 % of each posterior deviation. A run that fails
     is a refused step: a smaller one is tried.

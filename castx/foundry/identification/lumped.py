@@ -1,4 +1,4 @@
-"""A body of one temperature that cools through its surface: what samples tell of h.
+"""A body of one temperature that cools through its surface: h from samples.
 
 The smallest model of an interface: use it to see how good an identified coefficient can be at all,
 before sensors are placed.
@@ -55,5 +55,5 @@ class LumpedCooling:
 
     @property
     def best_time(self) -> float:
-        """Time of the one sample that tells most of h, C/h [s]."""
+        """Time at which one sample is most sensitive to h, C/h [s]."""
         return self.capacity / self.coefficient

@@ -1,4 +1,4 @@
-"""Which sensors to take out of many: D- and A-optimal choice, one after another.
+"""Choice of sensors out of many: D- and A-optimal, one after another.
 
 Each sensor lies at a depth that is known to a deviation only; what it tells of the parameters is
 what is left when its depth is fitted with them. Source: F. Pukelsheim, Optimal Design of

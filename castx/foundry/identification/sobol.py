@@ -1,4 +1,4 @@
-"""Which inputs a result hangs on: first-order indices of Sobol for any model of named inputs.
+"""Sensitivity of a result to its inputs: first-order indices of Sobol for any model.
 
 The index S_i = Var(E[Y | X_i])/Var(Y) is the share of the variance of a result that would go if the
 input X_i were known; what the sum of all indices lacks of one is owed to inputs together. The
@@ -20,7 +20,7 @@ Model = Callable[[Mapping[str, float]], float]
 
 
 def runs(draws: int, inputs: int) -> int:
-    """Return how often a model is asked for its result."""
+    """Return the number of evaluations of a model."""
     return draws * (inputs + 2)
 
 

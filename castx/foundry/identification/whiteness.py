@@ -40,7 +40,7 @@ def ljung_box(residuals: FloatArray, lags: int = LAGS) -> float:
 
 
 def limit(lags: int = LAGS, level: float = LEVEL) -> float:
-    """Return what Q of noise exceeds with the given probability: 18.307 of 10 lags and 5 %."""
+    """Return the quantile of Q of white noise at a probability: 18.307 of 10 lags and 5 %."""
     return float(chi2.ppf(1.0 - level, lags))
 
 

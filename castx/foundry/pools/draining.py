@@ -1,4 +1,4 @@
-"""How liquid leaves the highest places of a pool while the pool freezes, within a step.
+"""Flow of liquid out of the highest places of a pool while the pool freezes, within a step.
 
 Of what freezes at the rate ΔF the share β is lacking, and comes from the liquid G of the highest
 place, of which the share λ is left. Both fall linearly in a step of implicit Euler, so that, with R
@@ -19,7 +19,7 @@ from castx.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Draining:
-    """What a step has left of the highest places of a pool.
+    """Liquid left in the highest places of a pool after a step.
 
     Attributes:
         left: share λ of its liquid that has not flowed out of each place at the end, (places,).
@@ -31,7 +31,7 @@ class Draining:
 
 
 def drained(liquid: FloatArray, freezing: FloatArray, below: float, contraction: float) -> Draining:
-    """Return what the freezing of a pool leaves of its highest places.
+    """Return the liquid left in the highest places of a pool after a step of freezing.
 
     Args:
         liquid: G_0, volume of liquid in each place when the step begins, the highest place first,

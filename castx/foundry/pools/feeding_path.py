@@ -1,4 +1,4 @@
-"""How far feeders feed: the paths from them inside the casting to places without pores."""
+"""Reach of feeders: the paths from them inside the casting to places without pores."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class FeedingReach:
 def feeding_reach_of(
     case: Case, mesh: CastingMesh, present: Iterable[str], pores: Pores
 ) -> FeedingReach:
-    """Return how far the feeders of a case feed, of no body if it is not asked for; collective.
+    """Return the feeding reach of the bodies of a case, empty without that field; collective.
 
     Args:
         case: what is run.

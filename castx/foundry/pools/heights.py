@@ -45,7 +45,7 @@ class Places:
         return cls(-downward.astype(np.int64), height[first], volumes[0], volumes[1])
 
     def among(self, nodes: LongArray, keys: LongArray) -> tuple[LongArray, LongArray]:
-        """Return those of some nodes that are in a place, and which place that is.
+        """Return the given nodes that lie in a highest place, and the number of their place.
 
         Args:
             nodes: of the pool, (nodes,).

@@ -1,4 +1,4 @@
-"""What becomes of pools in a step: which region goes on as which pool, what splits and merges."""
+"""Continuation of pools in a step: the region of each pool, new pools, merged pools."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Heritage:
         living: Collection[int],
         following: int,
     ) -> Heritage:
-        """Return what becomes of the pools before a step.
+        """Return the continuation of the pools of the last step in the present regions.
 
         A pool goes on in the region that has most of its liquid, other regions with a part of it
         are new pools; of several that go on in one region the lowest number stays.

@@ -1,4 +1,4 @@
-"""Which chosen nodes of a body edges join: regions with the same numbers on any ranks."""
+"""Regions of chosen nodes joined by edges, with the same numbers on any ranks."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class NodeRegions:
         self._original, self._body = body.original_nodes, body
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
-        """Return the number of regions, and that of each node, −1: none, (nodes,); collective.
+        """Return the number of regions, and the region of each node or −1, (nodes,); collective.
 
         They are in the order of their lowest nodes in the mesh before it was distributed, so that
         their numbers do not depend on the ranks.
@@ -53,7 +53,7 @@ class NodeRegions:
         return count, np.where(chosen, place[region], -1) if count else region
 
     def join(self, some: BoolArray, others: BoolArray, chosen: BoolArray) -> bool:
-        """Return whether a region of chosen nodes has some and others among them; collective.
+        """Return whether a connected region of chosen nodes has nodes of both sets; collective.
 
         Arguments are of the nodes of this rank, ghosts included, (nodes,).
         """
@@ -65,7 +65,7 @@ class NodeRegions:
         return bool(self._regions.comm.allreduce(here, MPI.LOR))
 
     def neighbours_of(self, marked: BoolArray) -> BoolArray:
-        """Return the nodes that edges join to marked ones; collective.
+        """Return the neighbours of marked nodes along edges; collective.
 
         Args:
             marked: by kinds of marks, ghosts included, (nodes, kinds).

@@ -1,4 +1,4 @@
-"""The pipe of a body: what has flowed out of its highest places to feed what freezes below.
+"""The pipe of a body: liquid that its highest places lose to feed the freezing below.
 
 A step of a pool that is open to a feeder lacks Σ V_i β Δf_i of its nodes below the limit of mass
 feeding; that empties its highest nodes along gravity, the last ones in part. Nodes of one height
@@ -184,7 +184,7 @@ class BodyPipe:
         share: FloatArray,
         mean: FloatArray,
     ) -> None:
-        """Note what has flowed out of the owned nodes and what was not fed; collective."""
+        """Book the liquid lost by the owned nodes and the unfed demand; collective."""
         start, end, reached = fractions
         lost = metal * (1.0 - start - share * (1.0 - end) - mean * (end - start))
         emptied, filled = self.emptied.copy(), self._filled.copy()
@@ -216,7 +216,7 @@ class BodyPipe:
 
     @property
     def unfed(self) -> float:
-        """What freezing has lacked that no feeder gave [m³]."""
+        """Volume of feeding demand that no feeder has supplied [m³]."""
         return self._unfed
 
     @property

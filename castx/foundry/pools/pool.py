@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Isolation:
-    """The state of a pool when no liquid joined it to a surface that feeds it any more.
+    """State of a pool at the moment of its isolation from all feeding surfaces.
 
     Attributes:
         time: when it was cut off, within the step in which it was [s].
@@ -24,7 +24,7 @@ class Isolation:
     volume: float
 
     def with_others(self, others: Sequence[Isolation]) -> Isolation:
-        """Return that of pools that have become one: all the liquid that is fed no more."""
+        """Merge the isolated liquid of pools: earliest time, common centre, total volume."""
         every = [self, *others]
         volume = sum(each.volume for each in every)
         centres = np.array([each.centre for each in every])
@@ -85,7 +85,7 @@ class Pool:
 
 @dataclass(frozen=True)
 class HotSpot:
-    """An isolated pool with what its metal lacks.
+    """An isolated pool with the volume that its metal lacks.
 
     Attributes:
         body: to which it belongs.

@@ -167,7 +167,7 @@ class BodyPools:
     def _cut_off(
         self, inside: BoolArray, fraction: FloatArray, feeds: BoolArray, time: float
     ) -> float:
-        """Return when the last way from a pool to what feeds froze in a step [s]; collective.
+        """Return when the last path from a pool to its feeders froze in a step [s]; collective.
 
         By halves of the step, in which solid fractions are linear; of the nodes that are `inside`
         it at the end. The end of the step where it was not fed before: a part of an isolated pool.

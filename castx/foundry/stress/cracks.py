@@ -1,4 +1,4 @@
-"""What is followed of all bodies against tearing and cracking, as a case asks for it."""
+"""Quantities of tearing and cracking that a case requests, followed in all bodies."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ COLD_CRACKS = "cold_crack_index"
 
 @dataclass(frozen=True)
 class FreezingMetal:
-    """What `BodyStrains` follows; the attributes are those of `strains.FallingQuantity`."""
+    """Metal for `BodyStrains`; the attributes are those of `strains.FallingQuantity`."""
 
     name: str
     windows: Mapping[float, Window]
@@ -96,7 +96,7 @@ class Cracks:
 
 
 def cracks_of(case: Case, mesh: CastingMesh) -> Cracks:
-    """Return what the fields of a case ask to be followed."""
+    """Return the crack quantities to follow for the fields of a case."""
     fields = set(case.output.fields)
     strains, cold = {}, {}
     if case.coupling.scheme == "thermal":

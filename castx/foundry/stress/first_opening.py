@@ -62,7 +62,7 @@ class FirstOpening:
         self.begin()
 
     def begin(self) -> None:
-        """Forget what has opened."""
+        """Forget the openings so far."""
         self.times: FloatArray = np.full(len(self._pairs.areas), np.nan)
         self._gap: FloatArray = np.full(len(self._pairs.areas), -np.inf)
         self._time = np.nan

@@ -72,7 +72,7 @@ class HeatFluxes:
         return {}
 
     def saved(self) -> dict[str, Saved]:
-        """Return nothing: the flux is that of the last state."""
+        """Return nothing: the flux belongs to the last state."""
         return {}
 
     def restore(self, arrays: Arrays) -> None:

@@ -49,7 +49,7 @@ class CoolingState(SolidState, Protocol):
 
 
 class FallingQuantity(Protocol):
-    """Which quantity of the nodes falls while they freeze, and between which of its values."""
+    """Quantity of the nodes that falls while they freeze, and the range of its values."""
 
     @property
     def name(self) -> str:
@@ -176,7 +176,7 @@ class BodyStrains:
         return largest_principal(self._gained(until)[0][:, :COMPONENTS])
 
     def largest_beside_shrinkage(self, until: float) -> FloatArray:
-        """Return the same without what the shrinkage of the skeleton alone strains it."""
+        """Return the same as `largest`, without the shrinkage of the skeleton."""
         strain = self._gained(until)[0]
         shrunk = strain[:, COMPONENTS:] / 3.0
         direct = strain[:, :3] + shrunk
@@ -187,7 +187,7 @@ class BodyStrains:
         return self._gained(until)[1]
 
     def saved(self) -> dict[str, Saved]:
-        """Return what was gained so far, the last state and the first one."""
+        """Return accumulated strains and durations, the last state and the first one."""
         nodes, cells = self._body.node_numbering, self._body.cell_numbering
         found = {"time": number(self._time)}
         for when, (values, strain) in (("last", self._last), ("first", self._first)):

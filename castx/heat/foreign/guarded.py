@@ -94,7 +94,7 @@ def interpolated(path: Path, field: str, points: FloatArray) -> Interpolated:
 
 
 def size_of(path: Path) -> int:
-    """Return the size of a file with those beside it whose names begin like its own [bytes]."""
+    """Return the size of a file and its companions of one stem (case.xdmf, case.h5) [bytes]."""
     return sum(
         file.stat().st_size
         for file in path.parent.iterdir()
@@ -103,7 +103,7 @@ def size_of(path: Path) -> int:
 
 
 def refusal_of(text: str) -> str:
-    """Return the reason of a refusal; of a field that is missing, with those that are there."""
+    """Return the reason of a refusal; for a missing field, with the names of the known fields."""
     try:
         found = json.loads(text.removeprefix(": "))
         missing = among(found["field"], found["known"], what="it has")
@@ -113,7 +113,7 @@ def refusal_of(text: str) -> str:
 
 
 def end_of(code: int, errors: bytes) -> str:
-    """Return in words how a reader has ended."""
+    """Return a text on the end of a reader."""
     lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
     last = shortened(lines[-1]) if lines else "no word"
     how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"

@@ -23,7 +23,7 @@ def _no_problems(_: Mapping[str, Table]) -> Iterator[tuple[str, str]]:
 
 @dataclass(frozen=True, kw_only=True)
 class FlowRule:
-    """How fast a material flows at an overstress.
+    """Rate at which a material flows at an overstress.
 
     A file of `castx/materials/flow_rules` holds one rule as `RULE`, which castx finds by itself.
 

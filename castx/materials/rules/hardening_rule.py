@@ -50,7 +50,7 @@ class HardeningCurve(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class HardeningRule:
-    """How the yield stress grows or the yield surface moves with the plastic strain.
+    """Growth of the yield stress, or motion of the yield surface, with the plastic strain.
 
     A file of `castx/materials/hardening` holds one rule as `RULE`, which castx finds by itself.
     All rules whose keys are given act together. Exactly one of `modulus` and `curve` is given.

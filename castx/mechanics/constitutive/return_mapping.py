@@ -119,12 +119,12 @@ def tensor_norm(tensor: FloatArray) -> FloatArray:
 
 
 def _weights(tensor: FloatArray) -> FloatArray:
-    """Return how often each component counts in a contraction."""
+    """Return the multiplicity of each component in a contraction."""
     return np.array([1.0] * 3 + [2.0] * (tensor.shape[1] - 3))
 
 
 def _check(increment: FloatArray, slope: FloatArray, overstress: FloatArray) -> None:
-    """Refuse increments that are not finite; one that was not found is NaN."""
+    """Refuse increments that are not finite; a failed iteration gives NaN."""
     failed = np.flatnonzero(~(np.isfinite(increment) & np.isfinite(slope)))
     if failed.size:
         first = failed[0]

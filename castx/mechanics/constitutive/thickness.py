@@ -136,7 +136,7 @@ class CommonThickness(Thickness):
         self._use(self._last_solid, self._last_kept)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the strains of the melt, and that of the body."""
+        """Return the thickness strains of the melt and of the body."""
         numbering = self._points.numbering
         return {
             "kept_thickness": Saved(self._last_kept, numbering),

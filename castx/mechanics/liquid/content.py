@@ -1,4 +1,4 @@
-"""How much metal the cells of a body hold: the feeding demand of freezing, what is fed, the pores.
+"""Metal in the cells of a body: the feeding demand of freezing, fed volume, pores.
 
 Metal that freezes shrinks. Below coherency (the solid fraction f_c) liquid makes up for it, by the
 feeding demand of a cell of volume V in a step,
@@ -163,7 +163,7 @@ class Content:
         return self._comm.allreduce(mine, op=MPI.SUM)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the committed state and what has been booked so far."""
+        """Return the committed state and the booked volumes."""
         cells: dict[str, Array] = {
             "content": self._full, "pores": self._pores,
             "shrunk": self._shrunk, "pocket": self._last_pocket,

@@ -1,4 +1,4 @@
-"""Which pockets of trapped liquid have pores, and what an accepted step has changed of it."""
+"""Pockets of trapped liquid with pores, and their changes in an accepted step."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Pores:
         self.open = np.zeros(len(self._content.pockets), dtype=bool)
 
     def news(self) -> list[tuple[BoolArray, str]]:
-        """Return what an accepted step has changed: in which pockets, and in words; collective."""
+        """Return the changes of an accepted step: flags of the pockets, and a text; collective."""
         before = self._content.largest(self._committed)
         return [
             (before == UNKNOWN, "of liquid cannot be fed any more, and resist compression"),

@@ -34,7 +34,7 @@ class Regions:
         self._shared = _shared_nodes(body)
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
-        """Return the number of regions, and that of each group, −1: none, (groups,); collective.
+        """Return the number of regions, and the region of each group or −1, (groups,); collective.
 
         All ranks number the regions alike.
 
@@ -52,7 +52,7 @@ class Regions:
     def _across_ranks(
         self, count: int, region: IntArray, group_nodes: IntArray
     ) -> tuple[int, IntArray]:
-        """Return the number of regions of all ranks, and which of them each one here is part of.
+        """Return the number of regions on all ranks, and the global number of each local region.
 
         Those that have a node in common are one.
         """
@@ -95,7 +95,7 @@ def _joined(
 
 
 def _shared_nodes(body: BodyMesh) -> BoolArray:
-    """Return which local nodes another rank has too, shape (nodes,); collective."""
+    """Return a mask of the local nodes that another rank has too, shape (nodes,); collective."""
     index_map = body.nodes.dofmap.index_map
     copies = la.vector(index_map, 1, dtype=np.int32)
     copies.array[:] = 0

@@ -1,4 +1,4 @@
-"""Stiffness of full pockets: what one pressure for the whole of a pocket adds to the Jacobian.
+"""Stiffness of full pockets: the block of one pressure for a whole pocket in the Jacobian.
 
 The pressure of a full pocket follows from its volume, P = κ (mean(∇·u) − …), so that it ties all
 displacements round the pocket to each other,

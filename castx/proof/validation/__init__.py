@@ -1,4 +1,4 @@
-"""Experiments as data: what was measured, what of it is known, and the model beside it.
+"""Experiments as data: measured curves, their sources, and comparison with the model.
 
 Public: `experiment.Experiment`, `experiment.read_experiment`, `experiment.experiments`,
 `page.write_page`.

@@ -1,4 +1,4 @@
-"""A folder of an experiment: digits with source and uncertainty, the case, and what is missing.
+"""A folder of an experiment: digits with source and uncertainty, the case, and missing data.
 
 `experiment.toml` says what was measured, `case.toml` is the case with its [[measurements]]. A digit
 that nobody could read is a text that begins with "missing" in either of them; an experiment with
@@ -80,7 +80,7 @@ class Ratio(Description):
 
 
 class MeasuredCurve(Description):
-    """What is known of a measured curve of the case.
+    """Metadata of a measured curve of the case.
 
     Attributes:
         of: column of probes.csv, as in the [[measurements]] of the case.
@@ -138,12 +138,12 @@ class Experiment:
 
     @property
     def name(self) -> str:
-        """That of the folder."""
+        """Name of the folder."""
         return self.folder.name
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """What is missing: name of the digit or key of the case, and why."""
+        """Missing data: name of the digit or key of the case, and why."""
         digits = [(d.name, d.value) for d in self.facts.digits if isinstance(d.value, str)]
         keys = [(f"{CASE}: {dotted(path)}", text) for path, text in missing_texts(self.case)]
         return tuple(

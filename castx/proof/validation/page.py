@@ -114,7 +114,7 @@ def drawn(results: Results, column: str, uncertainty: float | str) -> bytes:
 
 
 def write_page(folder: Path, experiment: Experiment, results: Results) -> list[Overlay]:
-    """Write validation.html into a folder and return what it shows."""
+    """Write validation.html into a folder and return its overlays."""
     made = overlays(experiment, results)
     loader = jinja2.PackageLoader("castx.proof.validation", "templates")
     template = jinja2.Environment(

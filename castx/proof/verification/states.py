@@ -59,7 +59,7 @@ def _write(draw: Callable[[], None], file: Path) -> None:
 
 
 def owned_nodes(state: State, body: str) -> int:
-    """Return how many nodes of a body this rank owns; they come first."""
+    """Return the number of nodes of a body that this rank owns; they come first."""
     return int(state.mesh.bodies[body].nodes.dofmap.index_map.size_local)
 
 

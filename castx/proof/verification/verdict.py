@@ -40,7 +40,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a verification has shown.
+    """Result of a verification.
 
     Attributes:
         verification: what was verified.
@@ -64,7 +64,7 @@ class Verdict:
 
     @property
     def answers(self) -> tuple[Answer, ...]:
-        """Those of the finest level."""
+        """Answers of the finest level."""
         return self.runs[-1].outcome.answers if self.runs else ()
 
     def meets(self, answer: Answer) -> bool:

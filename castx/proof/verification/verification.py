@@ -1,4 +1,4 @@
-"""What a verification declares: an exact solution, the runs to compare with it, tolerances."""
+"""Declaration of a verification: an exact solution, the runs to compare with it, tolerances."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEAST_FALL = 1.6
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely a run divides space and time.
+    """Resolution of a run in space and time.
 
     Attributes:
         size: of the elements [m].
@@ -147,7 +147,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one run gives.
+    """Answers of a run.
 
     Attributes:
         answers: beside the exact numbers.
@@ -187,7 +187,7 @@ class Verification:
     norm: str = ""
 
     def measure(self, level: Resolution) -> float:
-        """Return what of a level is refined [m or s]."""
+        """Return the refined size of a level: step or cell [m or s]."""
         return level.step if self.refined == "step" else level.size
 
     def allowance(self, level: Resolution) -> float:

@@ -1,4 +1,4 @@
-"""Curves over time as the page draws them: what stands in one diagram, and what was measured."""
+"""Curves over time as the page draws them: computed and measured ones in one diagram."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def run_sections(run: Results) -> list[Section]:
 
 
 def merged(runs: Mapping[str, Sequence[Section]]) -> list[dict[str, Any]]:
-    """Return the diagrams of runs as JSON knows them, those of one name in one diagram.
+    """Return the diagrams of runs for JSON, curves of the same name in one diagram.
 
     Args:
         runs: sections by the label of their run; the label of a single run is not shown.
@@ -131,7 +131,7 @@ def tables(panel: Panel, time: FloatArray, run: str) -> list[dict[str, Any]]:
 
 
 def numbers(values: FloatArray) -> list[float | None]:
-    """Return values with DIGITS digits; what is no number is None."""
+    """Return values with DIGITS digits, None in place of those that are not finite."""
     return [float(f"{x:.{DIGITS}g}") if np.isfinite(x) else None for x in values]
 
 
@@ -162,7 +162,7 @@ def probed(
     levels: Mapping[str, float] | None = None,
     least: float = 0.0,
 ) -> Panel:
-    """Return a quantity at all probes that record it, with what was measured there.
+    """Return a quantity at all probes that record it, with its measured curves.
 
     Args:
         run: the results.

@@ -25,7 +25,7 @@ LOOKED_AT = 400
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """What a comparison takes from one run.
+    """Data of one run in a comparison.
 
     Attributes:
         label: in headings and legends, unlike those of the others.
@@ -113,7 +113,7 @@ def compared(folders: Sequence[Path]) -> list[ComparedRun]:
 
 
 def opened(label: str, folder: Path) -> ComparedRun:
-    """Return what a comparison takes from a results folder."""
+    """Return the run of a results folder with the findings and sections to compare."""
     run = ReportedRun(folder)
     found = {finding.name: finding for finding in findings(run)}
     return ComparedRun(label, run, found, run_sections(run))

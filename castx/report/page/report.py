@@ -52,6 +52,6 @@ def write_report(folder: Path) -> Path:
 
 
 def shots_of(run: ReportedRun, found: list[Finding]) -> Shots:
-    """Return the pictures of findings by their names, of those that have one."""
+    """Return the pictures of findings by their names, if any."""
     made = {finding.name: finding_shot(run, finding) for finding in found}
     return {name: shot for name, shot in made.items() if shot is not None}

@@ -48,7 +48,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Shot:
-    """A picture with what stands below it.
+    """A picture with its caption.
 
     Attributes:
         title: what is seen.
@@ -85,7 +85,7 @@ def finding_shot(run: ReportedRun, finding: Finding) -> Shot | None:
 
 
 def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
-    """Return what is shown with a field that was written: another one stands in for a missing one.
+    """Replace a field that was not written by von Mises stress or temperature; None if neither was.
 
     Stress may have been written as von Mises alone, distortion as displacement alone.
     """
@@ -99,12 +99,12 @@ def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
 
 
 def topic_of(field: str) -> Topic:
-    """Return how a field is shown."""
+    """Return the topic of a field."""
     return next(topics_of([field]))
 
 
 def stills(run: ReportedRun) -> list[Shot]:
-    """Return what the view shows where it is missing or printed: some moments of one field."""
+    """Return still pictures of one field, for print and for browsers without WebGL."""
     written = {name for grid in run.grids().values() for name in grid.array_names}
     field = next((name for name in ("temperature", "von_mises") if name in written), None)
     if field is None:
@@ -152,7 +152,7 @@ def shot(
 
 
 def scales_of(state: State, topic: Topic, bodies: Sequence[str]) -> Iterator[Scale]:
-    """Yield the colours of the bodies that matter, then of those around them."""
+    """Yield the colours of the shown bodies, then of the bodies around them."""
     others = () if topic.melting else tuple(sorted(set(state) - set(bodies)))
     for names, colours in ((tuple(bodies), topic.colours), (others, topic.beside)):
         there = tuple(name for name in names if name in state)

@@ -1,4 +1,4 @@
-"""What freezes last: when and where."""
+"""The last place to freeze, and its time."""
 
 from __future__ import annotations
 

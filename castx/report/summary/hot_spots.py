@@ -15,7 +15,7 @@ MOST_ROWS = 10
 
 @dataclass(frozen=True)
 class HotSpotTable:
-    """A table of texts with what stands above it."""
+    """A table of texts with its caption."""
 
     caption: str
     heading: tuple[str, ...]

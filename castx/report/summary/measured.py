@@ -1,4 +1,4 @@
-"""How far computed curves are from measured ones, and the forces that draw bodies."""
+"""Deviations of computed curves from measured ones, and forces that draw bodies."""
 
 from __future__ import annotations
 

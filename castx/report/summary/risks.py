@@ -87,7 +87,7 @@ def hot_spots(run: Results) -> Iterator[Finding]:
 
 
 def unbounded(risk: FieldRisk, body: str, values: FloatArray, shown: Shown) -> Finding:
-    """Return which share of the values of a field is infinite: its largest finite one hides them.
+    """Return a finding with the share of infinite values of a field.
 
     Args:
         risk: the field.
@@ -105,7 +105,7 @@ def unbounded(risk: FieldRisk, body: str, values: FloatArray, shown: Shown) -> F
 
 
 def alloy_risks(run: Results) -> Iterator[Finding]:
-    """Yield what the alloys of the castings tell of hot tearing, wherever they freeze."""
+    """Yield the indices of hot tearing of the alloys of the castings."""
     for body in run.freezing:
         indices = run.record["bodies"].get(body, {}).get("tearing")
         if not indices:

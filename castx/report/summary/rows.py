@@ -1,4 +1,4 @@
-"""What else a summary states, as pairs of name and text: course of the process, and effort."""
+"""Further rows of a summary, as pairs of name and text: course of the process, and effort."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rows = list[tuple[str, str]]
 
 
 def further_rows(run: Results) -> Rows:
-    """Return how far a run went and the stages of its process."""
+    """Return rows with the simulated time of a run and the stages of its process."""
     record = run.record
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
     return rows + list(process_rows(record.get("process", [])))
@@ -45,7 +45,7 @@ def numeric_rows(run: Results) -> Rows:
 
 
 def steps_text(counts: Mapping[str, int]) -> str:
-    """Return the steps of a run and how many tries of them were in vain."""
+    """Return the number of steps of a run and of their rejected tries as text."""
     text = f"{counts['steps']}, {counts['cutbacks']} of them cut"
     repeats = counts.get("repeats", 0)  # not in the results of earlier versions
     return f"{text}, {repeats} taken again" if repeats else text

@@ -155,7 +155,7 @@ def record_of(folder: Path) -> dict[str, Any] | None:
 
 
 def belongs_to(record: dict[str, Any], case: Case) -> bool:
-    """Return whether a record is that of a case: of the same file, or of the same content."""
+    """Return whether a record has the file or the content of a case."""
     known = record.get("case")
     if not isinstance(known, dict):
         return True
@@ -225,7 +225,7 @@ class FolderLock:
         return None
 
     def _opened(self) -> TextIO:
-        """Open the file itself: never what a link of its name leads to, and no pipe."""
+        """Open the file itself, never the target of a link nor a pipe."""
         flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
         descriptor = os.open(self._path, flags, 0o666)
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):

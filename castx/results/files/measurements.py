@@ -48,7 +48,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a computed curve is from a measured one, at the measured moments within the run.
+    """Deviation of a computed curve from a measured one, at measured moments within the run.
 
     Attributes:
         root_mean_square: of the differences.
@@ -183,7 +183,7 @@ def _number(cell: str, separator: str, line: int) -> float:
 
 
 def _in_si(values: FloatArray, unit: str, dimension: Dimension) -> FloatArray:
-    """Return values of a unit in that of a dimension; an empty text stands for the latter."""
+    """Convert values from a unit to the unit of a dimension; an empty text means the latter."""
     if not unit:
         return values
     # Conversions are linear: two numbers fix them. Zero kelvins are as cold as anything may be.

@@ -28,7 +28,7 @@ class Columns(dict[str, FloatArray]):
 
 
 class RunTables:
-    """What a results folder holds beside fields.
+    """Tables and records of a results folder, without fields.
 
     Attributes:
         folder: the results folder.
@@ -60,7 +60,7 @@ class RunTables:
 
     @property
     def deviations(self) -> dict[str, Deviation]:
-        """How far the probes are from what was measured, by column, where times overlap."""
+        """Deviations of the probes from measured curves, by column, where times overlap."""
         time = self.probes[TIME]
         found = {
             name: deviation(time, self.probes[name], curve)
@@ -112,7 +112,7 @@ class RunTables:
         return found
 
     def stage_end(self, stage: int) -> Mapping[str, Any]:
-        """Return what is noted of the end of a stage: time, and its bodies by name.
+        """Return the record of the end of a stage: time, and its bodies by name.
 
         Raises:
             CaseError: it has not ended; with those that have.

@@ -49,7 +49,7 @@ class Series:
         self._writer = csv.writer(self._file, lineterminator="\n")
 
     def append(self, row: Sequence[float]) -> None:
-        """Write one line, in the order of the columns."""
+        """Write a row, in the order of the columns."""
         if len(row) != len(self._columns):
             raise ValueError(f"{self._file.name} has {len(self._columns)} columns, got {len(row)}")
         self._write(row)
@@ -98,7 +98,7 @@ class Series:
 
 
 def damage_of(path: Path, rows: int, time: float) -> str | None:
-    """Return what is wrong with the first lines of a series, None if it can go on behind them.
+    """Return the fault in the first lines of a series, None if rows can be appended.
 
     Args:
         path: the file.

@@ -34,7 +34,7 @@ class ArrowSchur:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
+        prefix: prefix of its PETSc options, which are read when it is first prepared.
         bodies: the unknowns of each body.
         weights: W of the owned multipliers, shape (pairs,).
     """

@@ -19,7 +19,7 @@ class BlockSolver:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
+        prefix: prefix of its PETSc options, which are read when it is first prepared.
         block: the unknowns that are not constrained.
     """
 

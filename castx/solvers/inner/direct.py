@@ -12,7 +12,7 @@ from castx.profiling import RunPart, booked_as
 from castx.solvers.inner.options import FACTORS
 
 MOST_CHANGED = 8
-"""Gaps that may close or open, each at the price of about one iteration, before a new set-up."""
+"""Gaps that may close or open, each at the price of about one iteration, before new factors."""
 
 
 class DirectSolver:
@@ -20,7 +20,7 @@ class DirectSolver:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
+        prefix: prefix of its PETSc options, which are read when it is first prepared.
         most_changed: constrained unknowns that may change before a new factorisation.
     """
 

@@ -15,7 +15,7 @@ from castx.solvers.inner.entries import diagonal, largest_factor
 from castx.solvers.inner.options import FACTORS
 
 MOST_CHANGED_IN_SWEEP = 4
-"""The same for multigrid: a gap costs some four iterations, a new set-up about a dozen."""
+"""The same for multigrid: a gap costs some four iterations, a new preconditioner a dozen."""
 
 
 MOST_STIFFENED = 2.0
@@ -29,7 +29,7 @@ anew with the others: a mould hardly changes while a casting freezes in it."""
 
 
 class Block(NamedTuple):
-    """Unknowns that one solver solves for, such as those of one body.
+    """Block of unknowns of a solver of its own, such as the unknowns of a body.
 
     Attributes:
         rows: owned global indices, with the block size that all nodes share, if any.
@@ -70,7 +70,7 @@ class Blocks:
         """Copy the entries of a matrix; return the nest, or the matrix of the only block.
 
         The diagonal block of a multigrid whose matrix has hardly changed stays as it is, and with
-        it its set-up, unless all are wanted `anew`.
+        it its preconditioner, unless all are wanted `anew`.
         """
         if not self._matrices:
             self._matrices = [
@@ -109,7 +109,7 @@ class Blocks:
     def _hardly_changed(
         self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool
     ) -> list[bool]:
-        """Return which diagonal blocks may stay; take note of what the others are now."""
+        """Return flags of the diagonal blocks that may stay, and store the state of the others."""
         if self.nest is None:
             return [False]
         now, kept = self._present(matrix, constrained), []
@@ -154,14 +154,14 @@ class Blocks:
         return outdated
 
     def _change(self, b: int, constrained: BoolArray) -> tuple[int, float]:
-        """Return how many constraints of a block and by what factor its stiffness changed."""
+        """Return the number of changed constraints and the stiffness factor of a block."""
         then = self._constrained[b]
         changed = self._comm.allreduce(int(np.count_nonzero(constrained != then)), op=MPI.SUM)
         now, free = diagonal(self._matrices[b][b]), ~constrained & ~then
         return changed, largest_factor(now[free], self._stiffness[b][free], self._comm)
 
     def _parts(self, constrained: BoolArray) -> list[BoolArray]:
-        """Return which unknowns of each block are constrained."""
+        """Return masks of the constrained unknowns of each block."""
         return [constrained[rows.getIndices() - self._first] for rows in self._rows]
 
     def _attach_modes(self, b: int) -> None:
@@ -198,7 +198,7 @@ def _listed(rows: PETSc.IS) -> PETSc.IS:
 
 
 def orthonormal(vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-    """Orthonormalise vectors in place (Gram-Schmidt, twice); return those that are independent."""
+    """Orthonormalise vectors in place (Gram-Schmidt, twice); return the independent ones."""
     kept: list[PETSc.Vec] = []
     for vector in vectors:
         size = vector.norm()

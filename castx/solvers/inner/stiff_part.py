@@ -25,7 +25,7 @@ STIFF = 30.0
 """Stiffness of a node beside that of the softest one of its body from which on it is stiff."""
 
 CHEAP, LARGEST_SHARE, MOST = 10_000, 0.4, 50_000
-"""Unknowns whose factors cost no more than a set-up of multigrid, whatever their shape; part of the
+"""Unknowns whose factors cost no more than to prepare multigrid, whatever their shape; part of the
 unknowns of a body, and their number, up to which they are a skin with little fill-in."""
 
 
@@ -34,7 +34,7 @@ class StiffPart:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at each set-up.
+        prefix: prefix of its PETSc options, which are read whenever it is prepared.
         rows: owned global indices of each body, with the number of unknowns of its nodes.
     """
 

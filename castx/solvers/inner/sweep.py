@@ -23,7 +23,7 @@ def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
 
 
 def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
-    """Return the options of one block Gauss-Seidel sweep, or those of the only block."""
+    """Return the options of one block Gauss-Seidel sweep, or of the only block."""
     if len(blocks) == 1:
         return dict(blocks[0].options)
     options: dict[str, object] = {"ksp_type": "preonly", "pc_type": "fieldsplit"}
@@ -37,7 +37,7 @@ class BlockSweep:
 
     Args:
         comm: communicator of the matrix.
-        prefix: prefix of its PETSc options, which are read at the first set-up.
+        prefix: prefix of its PETSc options, which are read when it is first prepared.
         blocks: each unknown is in one of them.
         coupling: what unknowns have of those of other blocks, see `uncoupled`.
     """

@@ -1,4 +1,4 @@
-"""Pairs that are open, taken apart for preconditioners that solve for one body after the other.
+"""Open pairs, separated for preconditioners that solve body after body.
 
 Where gaps are unknowns, a node is placed relative to the one that it faces, u_s = u_p + gap,
 whether they touch or not: the nodes of one body move with the other one. Block by block a
@@ -75,7 +75,7 @@ class Uncoupled:
         self._work = []
 
     def destroy(self) -> None:
-        """Free the matrices; what was given as the coupling is its owner's."""
+        """Destroy the matrices except the given coupling, which its owner destroys."""
         self._free()
         self._coupling.destroy()
 

@@ -30,7 +30,7 @@ class SolidFractionTransfer:
     needs_solid_fraction: Literal[True] = True
 
     def __call__(self, state: PairState, faces: Faces) -> Conductance:
-        """Return the conductance of pairs; what `open` passes counts as through the gas."""
+        """Return the conductance of pairs; the part of `open` counts as heat through the gas."""
         solid = faces.solid_fraction
         contact = (-solid + 1.0) * self.closed(state, faces)
         h = contact + solid * self.open(state, faces)

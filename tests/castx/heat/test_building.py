@@ -112,7 +112,7 @@ def test_name_and_bounds_together_and_the_first_patch_counts(mesh):
     [
         ({"on": "coatd"}, "on = 'coatd': no faces between bodies with this name; the mesh names"),
         ({"on": "far"}, "on = 'far': no faces between bodies"),
-        ({"within": {"y": [2, 3]}}, r"heat.patches\[0\] holds no node of the interface"),
+        ({"within": {"y": [2, 3]}}, r"heat.patches\[0\] adds no node"),
     ],
 )
 def test_refused(mesh, patch, text):

@@ -292,7 +292,7 @@ def test_another_length_of_the_cycles_is_refused(comm):
         if state.time > 4.0:
             break
     assert run.notes()["start"] == 4.0
-    with pytest.raises(CaseError, match=r"began at 4 s; take back the change of time\.end"):
+    with pytest.raises(CaseError, match=r"began at 4 s\); undo the change of time\.end"):
         other.prepare(run.notes())
     run.destroy()
     other.destroy()

@@ -63,7 +63,7 @@ def over_penalties(
     exact: Callable[[float], float],
     scale: float,
 ) -> Curve:
-    """Return what was found under penalties [Pa/m] beside the exact line, over their logarithms.
+    """Return the answers under penalties [Pa/m] and the exact line over their logarithms.
 
     Args:
         name: of the curve.

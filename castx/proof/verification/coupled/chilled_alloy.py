@@ -1,4 +1,4 @@
-"""F1: what the foundry asks of an alloy on a chilled wall, by similarity.
+"""F1: foundry quantities of an alloy on a chilled wall, by similarity.
 
 With η = x/√t the fronts stay at η_f, so that a solid fraction f passes x at t_f = x²/η_f². There
 Ṫ = T'(η) η³/(2 x²) and G = T'(η) η/x, hence with λ2 = C Ṫ^(-1/3)
@@ -43,7 +43,7 @@ AT = 0.9
 
 @dataclass(frozen=True)
 class ChilledAlloy:
-    """An alloy on a chilled wall with what its feeding needs; SI.
+    """An alloy on a chilled wall with the data of its feeding; SI.
 
     Attributes:
         half_space: the heat.
@@ -91,7 +91,7 @@ class ChilledAlloy:
         return self.arm_spacing(x) * self.half_space.niyama(AT) * np.sqrt(feeding)
 
     def pore_fraction(self, x: FloatArray) -> FloatArray:
-        """Return the volume of pores over that of the solid."""
+        """Return the volume of pores over the volume of solid."""
         values = np.atleast_1d(self.dimensionless_niyama(x))
         return self.shrinkage * np.array([critical_liquid(value) for value in values])
 

@@ -173,7 +173,7 @@ def bars_case(bars: Bars, model: str, size: float, seconds: float = 3e6) -> dict
 
 
 def answers(run: Iterable[State]) -> dict[str, FloatArray]:
-    """Return what a run gives at its end.
+    """Return the results at the end of a run.
 
     Returns:
         p, h and gap of all pairs and their areas; temperatures of both faces; the flux "q" and the
@@ -199,12 +199,12 @@ def answers(run: Iterable[State]) -> dict[str, FloatArray]:
 
 
 def mean(found: Mapping[str, FloatArray], key: str) -> float:
-    """Return the mean of what pairs have over their areas."""
+    """Return the mean of a quantity of pairs, weighted by their areas."""
     return float(found["areas"] @ found[key] / found["areas"].sum())
 
 
 def answers_beside(bars: Bars, found: Mapping[str, FloatArray], what: str) -> list[Answer]:
-    """Return what a run of bars gives beside the exact numbers."""
+    """Return the results of a run of bars beside the exact numbers."""
     exact, face = bars.exact(), {name: found[name].mean() for name in ("casting", "mould")}
     made = [
         Answer.relative(f"coefficient, {what}", mean(found, "h"), exact["h"], "W/m²/K", 1e-4),

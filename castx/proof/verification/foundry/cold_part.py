@@ -56,7 +56,7 @@ FRAMES = (Frame(70e9, 24e-6, 120.0, 2e-4, 4e-4), Frame(105e9, 11e-6, 85.0, 3e-4,
 
 
 def frame(bars: Frame) -> FloatArray:
-    """Return the stresses of the thick bar and of the thin ones [Pa].
+    """Return the stresses of the thick bar and of the thin bars [Pa].
 
     A_2 σ_2 + A_1 σ_1 = 0 and (σ_2 − σ_1)/E = α ΔT_p.
     """
@@ -96,7 +96,7 @@ def frame_answers() -> tuple[Answer, ...]:
 
 
 def sphere_answers() -> tuple[Answer, ...]:
-    """Return what a free contraction leaves of a sphere, and what a corrected mould does."""
+    """Return the answers of a freely contracted sphere and of its corrected mould."""
     normals = sphere(400)
     nominal = RADIUS * normals
     places = turned((1 - CONTRACTION) * nominal)

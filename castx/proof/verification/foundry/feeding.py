@@ -1,4 +1,4 @@
-"""F2: what an alloy asks of its feeders, beside closed forms.
+"""F2: demand of an alloy on its feeders, beside closed forms.
 
 The suction integral of Niyama's criterion is I(x) = ∫_x^1 180 (1-g)²/g² (dθ/dg) dg with
 θ = (T - T_S)/ΔT_f: for f linear in T 180 (1/x + 2 ln x − x); by Scheil, T_m − T = (T_m − T_L)

@@ -66,7 +66,7 @@ class Columnar:
 
     @property
     def melt(self) -> Melt:
-        """What decides how hard the mush is to feed."""
+        """Properties of the melt that decide how hard the mush is to feed."""
         return Melt(self.viscosity, self.contraction, self.depression)
 
     @property

@@ -54,7 +54,7 @@ class Plates:
         return self.hot - fall, self.cold + fall
 
     def case(self, size: float) -> dict[str, Any]:
-        """Return the case in three steps of many years."""
+        """Return the description of the case: three steps of many years, to the steady state."""
         ends = {"casting": self.hot, "mould": self.cold}
         steel = {"density": 1.0, "heat_capacity": 4e6, "conductivity": self.conductivity}
         return {

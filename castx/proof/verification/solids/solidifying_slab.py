@@ -195,7 +195,7 @@ def slab_case(
 
 
 class Found(NamedTuple):
-    """What a run gives: ξ and lateral stresses of the cells, lateral strain over time."""
+    """Results of a run: ξ and lateral stresses of the cells, lateral strain over time."""
 
     xi: FloatArray
     stress: FloatArray
@@ -206,7 +206,7 @@ class Found(NamedTuple):
 
 
 def follow(run: Iterable[State], data: dict[str, Any], slab: Slab) -> Found:
-    """Return what the states of a run give."""
+    """Return stress, strain and cutbacks found in the states of a run."""
     strain, cutbacks, width = {}, 0, data["geometry"]["width"]
     for state in run:
         cutbacks += state.counters.cutbacks
