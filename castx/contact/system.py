@@ -61,12 +61,12 @@ class ContactSystem:
     """Contact of all interfaces by one method.
 
     Attributes:
-        pairs: forces along the normals.
+        normal: forces of the pairs along their normals.
         unknowns: the unknowns of the method.
         layout: their numbering.
 
     Args:
-        pairs: forces along the normals.
+        normal: forces of the pairs along their normals.
         friction: of the rows that have any: none or one.
         multipliers: pressures that improve between iterations: none or one.
         penalty: stiffness of the pairs that follows the matrix of the bodies, if they have any.
@@ -74,13 +74,13 @@ class ContactSystem:
 
     def __init__(
         self,
-        pairs: NormalContact,
+        normal: NormalContact,
         friction: Sequence[Friction] = (),
         multipliers: Sequence[AugmentedMultipliers] = (),
         penalty: PenaltyStiffness | None = None,
     ) -> None:
-        self.pairs, self.unknowns = pairs, pairs.unknowns
-        self.layout = pairs.unknowns.layout
+        self.normal, self.unknowns = normal, normal.unknowns
+        self.layout = normal.unknowns.layout
         self._friction, self._multipliers, self._penalty = friction, multipliers, penalty
         self._memories: list[PairMemory] = [*multipliers, *friction]
         self._held: BoolArray = np.zeros((), dtype=bool)
@@ -88,7 +88,7 @@ class ContactSystem:
     @property
     def follows_set(self) -> bool:
         """Whether the matrix depends on the state of the pairs."""
-        return self.pairs.follows_set or bool(self._friction)
+        return self.normal.follows_set or bool(self._friction)
 
     @property
     def has_friction(self) -> bool:
@@ -98,7 +98,7 @@ class ContactSystem:
     @property
     def is_linear(self) -> bool:
         """Whether the matrix depends on nothing but the closed pairs."""
-        return self.pairs.is_linear and not self._friction
+        return self.normal.is_linear and not self._friction
 
     def begin(self, A: PETSc.Mat) -> None:
         """Begin a solve that starts with the matrix A of the bodies; collective."""
@@ -106,7 +106,7 @@ class ContactSystem:
             self._penalty.update(A)
         for memory in self._memories:
             memory.begin()
-        self.pairs.update_bodies(A)
+        self.normal.update_bodies(A)
 
     def hold(self, held: BoolArray) -> None:
         """Let pairs pull that liquid holds closed; they bear no friction.
@@ -124,7 +124,7 @@ class ContactSystem:
 
     def matrix(self, iterate: PairIterate) -> PETSc.Mat:
         """Return the derivative of the rows, before any unknown is constrained."""
-        matrix = self.pairs.matrix(iterate)
+        matrix = self.normal.matrix(iterate)
         for friction in self._friction:
             matrix = friction.add_to(matrix)
         return matrix
@@ -137,13 +137,13 @@ class ContactSystem:
             forces: trial forces [N].
             rows: changed in place.
         """
-        self.pairs.impose(iterate, forces, rows)
+        self.normal.impose(iterate, forces, rows)
         for friction in self._friction:
             friction.impose(self._rubbing(iterate), forces, rows)
 
     def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray | None:
         """Return values of constraint rows that fix no unknown, shape (motions, rows), if any."""
-        found = [self.pairs.constraint_values(motions, closed)]
+        found = [self.normal.constraint_values(motions, closed)]
         rubbing = closed & ~self._held
         found += [part.constraint_values(motions, rubbing) for part in self._friction]
         values = [value for value in found if value is not None]
@@ -158,16 +158,19 @@ class ContactSystem:
         touching = closed if self.follows_set else closed[:0]
         return np.concatenate([touching, *(part.sticking() for part in self._friction)])
 
-    def slide(
+    def update_friction(
         self, iterate: PairIterate, forces: FloatArray, threshold: float, settled: bool
     ) -> bool:
-        """Let closed pairs begin to slip or to stick; return whether any did, on any rank.
+        """Let closed pairs begin to slip or to stick.
 
         Args:
             iterate: the present iterate.
             forces: trial forces [N].
             threshold: force that is noise [N].
             settled: whether the rows nearly balance for the present state of the pairs.
+
+        Returns:
+            Whether any did, on any rank.
         """
         rubbing = self._rubbing(iterate)
         changed = [part.update(rubbing, forces, threshold, settled) for part in self._friction]
@@ -178,16 +181,19 @@ class ContactSystem:
         rubbing = self._rubbing(iterate)
         return next((part.vectors(rubbing) for part in self._friction), None)
 
-    def augment(
+    def improve_multipliers(
         self, forces: FloatArray, closed: BoolArray, balanced: bool, enough: float
     ) -> bool:
-        """Improve multipliers that are no unknowns; return whether they changed, on any rank.
+        """Improve multipliers that are no unknowns.
 
         Args:
             forces: trial forces [N].
             closed: the present set of closed pairs.
             balanced: whether the rows balance with the present multipliers.
             enough: change of the forces that is not worth another solution [N].
+
+        Returns:
+            Whether they changed, on any rank.
         """
         changed = [part.augment(forces, closed, balanced, enough) for part in self._multipliers]
         return any(changed)
@@ -215,4 +221,4 @@ class ContactSystem:
         """Destroy the PETSc objects."""
         for memory in self._memories:
             memory.destroy()
-        self.pairs.destroy()
+        self.normal.destroy()

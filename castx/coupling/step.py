@@ -74,7 +74,7 @@ class CoupledProblem:
         self._dissipation = Dissipation(comm, heated)
         self.interfaces = Interfaces(interfaces, scheme)
         self.interfaces.begin(self._resistances([s.clipped() for s in self.interfaces.states]))
-        self._change = ThermalChange(comm, heat, self.volumes)
+        self._thermal_change = ThermalChange(comm, heat, self.volumes)
         # Nothing has moved yet, so that any step gives the stress of the initial state.
         self._update_bodies(self.interfaces.committed_step)
 
@@ -111,15 +111,22 @@ class CoupledProblem:
         for number in range(1, self._most_passes + 1):
             temperature_change = self._pass(time, step, substeps, guess, factors)
             thermal = self.interfaces.thermal()
-            found = self.interfaces.resistances = self._resistances(thermal)
+            found = self._resistances(thermal)
+            self.interfaces.resistances = found
             tried = _concatenated(self._resistances(guess, factors))
-            change = disagreement(self.comm, _concatenated(found), tried, self.interfaces.areas)
-            change = max(change, self._change.share(step * self._dissipation.update()))
+            of_resistances = disagreement(
+                self.comm, _concatenated(found), tried, self.interfaces.areas
+            )
+            of_heat = self._thermal_change.share(step * self._dissipation.update())
+            change = max(of_resistances, of_heat)
             if self._scheme != "iterated" or change <= self._tolerance:
                 self._require_finite()
-                solid = self._change.largest_of_solid_fraction()
-                mean = self._change.largest_of_mean_solid_fraction()
-                return StepChange(number, temperature_change, solid, mean)
+                return StepChange(
+                    passes=number,
+                    temperature=temperature_change,
+                    solid_fraction=self._thermal_change.largest_of_solid_fraction(),
+                    mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
+                )
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
@@ -170,7 +177,7 @@ class CoupledProblem:
         self.interfaces.commit(self._step)
         self.heat.commit()
         self._dissipation.commit()
-        self._change.commit()
+        self._thermal_change.commit()
         if self.mechanics is not None:
             self.mechanics.equilibrium.commit()
 
@@ -197,7 +204,7 @@ class CoupledProblem:
         """Restore a state as the committed one; collective."""
         restore_parts(self._parts(), arrays)
         self.rewind()
-        self._change.commit()
+        self._thermal_change.commit()
 
     def begin_stage(self, renewed: Collection[str]) -> None:
         """Start a stage with the committed state; collective.
@@ -209,7 +216,7 @@ class CoupledProblem:
         if self.mechanics is not None:
             self.mechanics.memory.begin_stage(renewed)
         self.rewind()
-        self._change.commit()
+        self._thermal_change.commit()
 
     def destroy(self) -> None:
         """Free the PETSc objects."""

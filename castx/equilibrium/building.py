@@ -199,7 +199,7 @@ def _inner_solvers(
 
     With `by_body` follow, for where multigrid is slow, factors for the bodies that flow.
     """
-    comm, pairs = bodies.layout.comm, balance.contact.pairs
+    comm, pairs = bodies.layout.comm, balance.contact.normal
     multipliers = isinstance(pairs, MultiplierContact)
     if direct:
         return [DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)]

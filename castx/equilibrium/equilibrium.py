@@ -136,6 +136,7 @@ class Equilibrium:
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""
+        self.balance.set_displacements(self.x)
         return self.balance.supports.norm(self.x.array_r, self.balance.rows(self.x))
 
     def largest_pull(self) -> float:
@@ -147,6 +148,7 @@ class Equilibrium:
 
     def supports(self) -> dict[str, Resultant]:
         """Return the support forces on each body, by its name; collective."""
+        self.balance.set_displacements(self.x)
         return self.balance.supports.on_bodies(self.x.array_r, self.balance.rows(self.x))
 
     def force_errors(self) -> dict[str, float]:

@@ -91,7 +91,8 @@ class MomentumBalance:
         self.gaps.set_time(time)
         for body in self.assembly.bodies:
             body.set_time(time)
-        self.iterate = self._pair_iterate(x, self.rows(x))
+        self.set_displacements(x)
+        self.iterate = self._pair_iterate(x)
         self.contact.begin(self.assembly.matrix())
         self.update_matrix()
         assert self.operator.matrix is not None
@@ -106,19 +107,23 @@ class MomentumBalance:
     def update_matrix(self, renewed: bool = False) -> None:
         """Update the matrix for the closed pairs, and for the present unknowns if `renewed`."""
         if renewed:
-            self.contact.pairs.update_bodies(self.assembly.matrix())
+            self.contact.normal.update_bodies(self.assembly.matrix())
         if renewed or self.contact.follows_set or self.operator.matrix is None:
             present = replace(self.iterate, closed=self.active.closed)
             self.operator.matrix = self.contact.matrix(present)
 
-    def rows(self, x: PETSc.Vec) -> FloatArray:
-        """Return the rows before the pairs act, and give the bodies their displacements."""
+    def set_displacements(self, x: PETSc.Vec) -> None:
+        """Move the bodies to the unknowns x."""
         self.contact.unknowns.displacements(x, self.assembly.unknowns)
+
+    def rows(self, x: PETSc.Vec) -> FloatArray:
+        """Return the rows before the pairs act, at the unknowns x of `set_displacements`."""
         return self.contact.unknowns.residual(x, self.assembly.residual())
 
-    def _pair_iterate(self, x: PETSc.Vec, rows: FloatArray) -> PairIterate:
-        """Return the iterate of unknowns x, whose displacements the bodies have."""
-        gaps = self.contact.pairs.gaps(x, self.assembly.unknowns)
+    def _pair_iterate(self, x: PETSc.Vec) -> PairIterate:
+        """Return the iterate at the unknowns x of `set_displacements`."""
+        rows = self.rows(x)
+        gaps = self.contact.normal.gaps(x, self.assembly.unknowns)
         return PairIterate(x, rows, gaps, self.active.closed, self.stiffness)
 
     def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> None:
@@ -127,15 +132,16 @@ class MomentumBalance:
         Raises:
             ConvergenceError: a law has no answer there.
         """
-        rows = self.rows(x)
+        self.set_displacements(x)
+        iterate = self._pair_iterate(x)
         self._evaluated = x.array_r.copy()
-        self._sum_up(self._pair_iterate(x, rows), f)
+        self._sum_up(iterate, f)
 
     @booked_as(RunPart.CONTACT)
     def _sum_up(self, iterate: PairIterate, f: PETSc.Vec) -> None:
         """Fill the residual from the rows of an iterate: pairs, supports, constrained unknowns."""
         x = iterate.x.array_r
-        self.iterate, self.trial_forces = iterate, self.contact.pairs.trial_forces(iterate)
+        self.iterate, self.trial_forces = iterate, self.contact.normal.trial_forces(iterate)
         rows = ConstrainedRows(iterate.rows.copy())
         for item in self.transform.prescribed:
             rows.constrain(item.local, x[item.local] - float(item.value(self._time)))
@@ -178,8 +184,9 @@ class MomentumBalance:
 
     def pair_values(self, x: PETSc.Vec) -> tuple[FloatArray, FloatArray]:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
-        iterate = self._pair_iterate(x, self.rows(x))
-        trial = self.contact.pairs.trial_forces(iterate)
+        self.set_displacements(x)
+        iterate = self._pair_iterate(x)
+        trial = self.contact.normal.trial_forces(iterate)
         return iterate.gaps, self._forces_of_pairs(iterate, trial)
 
     def _forces_of_pairs(self, iterate: PairIterate, trial: FloatArray) -> FloatArray:
@@ -190,7 +197,8 @@ class MomentumBalance:
 
     def along_surface(self, x: PETSc.Vec) -> FloatArray | None:
         """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
-        return self.contact.along_surface(self._pair_iterate(x, self.rows(x)))
+        self.set_displacements(x)
+        return self.contact.along_surface(self._pair_iterate(x))
 
     def adopt(self, other: MomentumBalance) -> None:
         """Take over the accepted time and pairs of another contact method."""
@@ -219,7 +227,8 @@ class MomentumBalance:
         for body in self.assembly.bodies:
             body.rewind()
             body.set_time(self._time)
-        self.rows(x)
+        self.set_displacements(x)
+        self.assembly.residual()  # which hands them to the bodies
 
     def destroy(self) -> None:
         """Destroy the PETSc objects; the bodies are their owner's."""

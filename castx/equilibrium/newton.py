@@ -110,7 +110,7 @@ class Newton:
         self._solver = NonlinearSolver(
             MECHANICS, PREFIX, self._residual, self._jacobian,
             vector=self._vector, matrix=self._matrix,
-            options={**defaults, **options}, converged=self._converged,
+            options={**defaults, **options}, converged=self._change_pairs_and_judge,
             step_rule=self._limit_step,
         )  # fmt: skip
         self._solver.snes.ksp.pc.setType("python")
@@ -187,7 +187,7 @@ class Newton:
         Pairs close and open.
         """
         self.balance.residual(x, self._vector)
-        changed = self._changes.change_set(x, self._vector)
+        changed = self._changes.update_pairs(x, self._vector)
         return self._vector.norm(), self.balance.convergence.is_met(self._vector) and not changed
 
     def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
@@ -215,25 +215,39 @@ class Newton:
 
     def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
         """Shorten a step that swings a body through another, or overshoots; say whether it did."""
-        stopped = self._changes.stop_at_contact(x, y)
-        if self.balance.assembly.is_linear and self.balance.contact.pairs.is_linear:
+        stopped = self._changes.shorten_to_contact(x, y)
+        if self.balance.assembly.is_linear and self.balance.contact.normal.is_linear:
             return stopped
         at_once = _at_once(self.balance, self._changes.foretell(x, y) is not None)
         return shorten_step(self._residual, x, y, snes, at_once) or stopped
 
-    def _converged(
+    def _change_pairs_and_judge(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
     ) -> Any:
+        """Change the state of the pairs at an iterate, then say whether it is the solution.
+
+        It changes the problem: pairs open, close and slip, multipliers improve, and the residual of
+        SNES is filled anew. SNES calls nothing else between the end of a line search and the next
+        Jacobian that may do so, and within a line search the problem has to be one function.
+
+        Args:
+            snes: the solver.
+            iteration: number of the iterate, 0: the first guess.
+            norms: of the iterate, of the step and of the residual.
+
+        Returns:
+            The reason to stop, or that the iteration goes on.
+        """
         reasons, limits = PETSc.SNES.ConvergedReason, self.balance.convergence
         if not np.isfinite(norms[2]):
             return compat.not_finite()
         x, f = snes.getSolution(), snes.getFunction()[0]
         if iteration > 0:
             self._linear_solves.append(snes.ksp.getIterationNumber())
-        changed = iteration > 0 and self._changes.change_set(x, f)
+        changed = iteration > 0 and self._changes.update_pairs(x, f)
         self._residuals.append(f.norm())
         balanced = limits.is_met(f)
-        if iteration > 0 and self._changes.augment(x, f, balanced and not changed):
+        if iteration > 0 and self._changes.improve_multipliers(x, f, balanced and not changed):
             self._augmentations.append(len(self._residuals))
             self._residuals.append(f.norm())
             balanced = limits.is_met(f)

@@ -66,7 +66,7 @@ class PairChanges:
         Returns:
             The forces [N], shape (pairs,); None: it foretells none.
         """
-        balance, pairs = self._balance, self._balance.contact.pairs
+        balance, pairs = self._balance, self._balance.contact.normal
         if pairs.follows_set or balance.contact.has_friction:
             return None
         if not balance.assembly.flows_by_rate:
@@ -81,14 +81,17 @@ class PairChanges:
         return self._foretold
 
     @booked_as(RunPart.CONTACT)
-    def change_set(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
-        """Close and open pairs and gates at the present iterate; return whether any did.
+    def update_pairs(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
+        """Close and open pairs and gates at the present iterate.
 
         Where friction changes its state, normal forces follow it first.
 
         Args:
             x: the iterate.
             f: its residual, filled anew if it has changed.
+
+        Returns:
+            Whether a pair or a gate has changed, on any rank.
         """
         balance, active, limits = self._balance, self._balance.active, self._balance.convergence
         improved = balance.assembly.improve_pressures()
@@ -97,7 +100,7 @@ class PairChanges:
         norm = f.norm()
         noise = max(min(NOISE_SHARE * limits.smallest, NOISE_FACTOR * norm), limits.rounding)
         slides = self._is_small(f)
-        if balance.contact.slide(balance.present(x), balance.trial_forces, noise, slides):
+        if balance.contact.update_friction(balance.present(x), balance.trial_forces, noise, slides):
             changed = True
             active.restart_cycle_detection()
         else:
@@ -108,7 +111,7 @@ class PairChanges:
             self._openings += before & ~active.closed
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
-            return limits.is_met(f) and self._release(x, f)
+            return limits.is_met(f) and self._release_bodies(x, f)
         balance.sum_up_again(x, f)
         return True
 
@@ -117,14 +120,17 @@ class PairChanges:
         limits = self._balance.convergence
         return bool(f.norm() <= SETTLED * max(limits.weakest, limits.smallest))
 
-    def _release(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
-        """Let go of bodies that closed pairs hold without force; return whether there were any.
+    def _release_bodies(self, x: PETSc.Vec, f: PETSc.Vec) -> bool:
+        """Open closed pairs that hold bodies without force.
 
         A wall that moves away would draw them along. On springs they stay where they were after
         the last accepted step, unless the pairs close again.
+
+        Returns:
+            Whether a body became free; the pairs are closed again if none did.
         """
         balance, active = self._balance, self._balance.active
-        if balance.contact.pairs.follows_set:
+        if balance.contact.normal.follows_set:
             return False  # pairs whose force follows their gap hold nothing without force
         floating = balance.supports.floating
         released = active.release(balance.trial_forces, balance.convergence.smallest)
@@ -171,7 +177,7 @@ class PairChanges:
         balance = self._balance
         return balance.active.violates(balance.trial_forces, balance.convergence.smallest)
 
-    def stop_at_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
+    def shorten_to_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.
 
         Returns:
@@ -187,17 +193,20 @@ class PairChanges:
         force = 2 * max(NOISE_SHARE * limits.smallest, limits.rounding)
         return self._first_contact.stop(springs, x, y, open_pairs, force, balance.stiffness)
 
-    def augment(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
-        """Improve the multipliers of the method, if it has any; return whether they changed.
+    def improve_multipliers(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
+        """Improve the multipliers of the method, if it has any.
 
         Args:
             x: the iterate.
             f: its residual, filled anew if it has changed.
             balanced: whether it is small enough.
+
+        Returns:
+            Whether they changed, on any rank.
         """
         balance, enough = self._balance, self._balance.convergence.smallest
         closed = balance.active.closed
-        if not balance.contact.augment(balance.trial_forces, closed, balanced, enough):
+        if not balance.contact.improve_multipliers(balance.trial_forces, closed, balanced, enough):
             return False
         balance.sum_up_again(x, f)
         return True

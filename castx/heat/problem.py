@@ -154,6 +154,7 @@ class HeatProblem:
         for k in range(1, substeps + 1):
             self._balance.exchanges.set_states(pairs, k / substeps, factors)
             again = k <= len(known)
+            # The pass before and its change go on, or else the last substep does.
             guess = known[k - 1] + 2.0 * changed - changed_before if again else 2.0 * state - before
             x = self._balance.begin(state, guess, time + k * size, size)
             report = self._solve(x)

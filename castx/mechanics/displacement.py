@@ -18,12 +18,12 @@ from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
-from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms, cell_stress
+from castx.mechanics.formulation import BodyUnknowns, Formulation, WeakForms, cell_stress
 from castx.mechanics.loads import BodyLoads
 from castx.stateful import Stateful
 
 
-class DisplacementFormulation:
+class DisplacementFormulation(Formulation):
     """Momentum balance of one body in its displacement alone.
 
     Args:
@@ -63,18 +63,6 @@ class DisplacementFormulation:
         """Assemble the derivative of the residual."""
         self.forms.assemble_jacobian(A)
 
-    def products(self) -> list[Product]:
-        """Return nothing: the assembled Jacobian is complete."""
-        return []
-
-    def coupled_products(self) -> list[Product]:
-        """Return nothing: it has no liquid."""
-        return []
-
-    def improve_pressures(self) -> bool:
-        """Return False: there are no multipliers."""
-        return False
-
     def mean_stress(self) -> FloatArray:
         """Return K (∇·u - e^θ) of the cells [Pa], shape (cells,)."""
         conditions = self._material.conditions
@@ -85,15 +73,6 @@ class DisplacementFormulation:
         """Return means of the mean stress round the local nodes [Pa], shape (nodes,)."""
         stress = cell_stress(self._material, self.mean_stress())
         return nodal_mean(self._unknowns.mesh, stress[:, :3].mean(axis=1))
-
-    @property
-    def has_pockets(self) -> bool:
-        """Return False: it has no liquid."""
-        return False
-
-    def liquid_totals(self) -> None:
-        """None: the body never is a liquid."""
-        return None
 
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step.

@@ -6,8 +6,9 @@ a constant of each cell (`castx.mechanics.q1p0`) or not at all (`castx.mechanics
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -187,8 +188,11 @@ class WeakForms:
         self._rows.assemble(A)
 
 
-class Formulation(Protocol):
+class Formulation(ABC):
     """The momentum balance of one body, with its pressure treated in one way.
+
+    A formulation without liquid and without multipliers has nothing to say beyond the abstract
+    methods.
 
     Attributes:
         forms: compiled weak forms of the balance.
@@ -196,6 +200,7 @@ class Formulation(Protocol):
 
     forms: WeakForms
 
+    @abstractmethod
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
         """Evaluate the material for a trial step; collective.
 
@@ -205,6 +210,7 @@ class Formulation(Protocol):
             step: time step [s].
         """
 
+    @abstractmethod
     def update(self) -> None:
         """Find stresses and tangents at the present unknowns.
 
@@ -212,34 +218,44 @@ class Formulation(Protocol):
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
 
+    @abstractmethod
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
 
+    @abstractmethod
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
         """Assemble the derivative of the residual, without `products`."""
 
     def products(self) -> list[Product]:
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
+        return []
 
     def coupled_products(self) -> list[Product]:
         """Return products of matrices with displacements beside the assembled Jacobian."""
+        return []
 
     def improve_pressures(self) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any."""
+        return False
 
+    @abstractmethod
     def mean_stress(self) -> FloatArray:
         """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""
 
+    @abstractmethod
     def nodal_pressure(self) -> FloatArray:
         """Return the pressure at the local nodes [Pa], shape (nodes,); collective."""
 
     @property
     def has_pockets(self) -> bool:
         """Whether there is trapped liquid in the trial step, whose pores may open and close."""
+        return False
 
     def liquid_totals(self) -> dict[str, float] | None:
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
+        return None
 
+    @abstractmethod
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.
 
@@ -247,9 +263,11 @@ class Formulation(Protocol):
             Whether the residual at the same unknowns is another one from now on.
         """
 
+    @abstractmethod
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
 
+    @abstractmethod
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the parts of the body that a checkpoint keeps, by their name there."""
 

@@ -27,14 +27,14 @@ from castx.domain.measures import cell_measure
 from castx.forms import kinematics, momentum, stabilisation
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.fixed_directions import FixedDirections
-from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms
+from castx.mechanics.formulation import BodyUnknowns, Formulation, Product, WeakForms
 from castx.mechanics.loads import BodyLoads
 from castx.mechanics.osgs import OrthogonalProjection
 from castx.mechanics.trapped_liquid import TrappedLiquid
 from castx.stateful import Stateful
 
 
-class MixedFormulation:
+class MixedFormulation(Formulation):
     """Momentum balance of one body in its displacement and pressure.
 
     Args:
@@ -160,10 +160,6 @@ class MixedFormulation:
     def coupled_products(self) -> list[Product]:
         """Return the products of the Jacobian of full pockets of trapped liquid."""
         return [self._pockets.stiffness.add_product]
-
-    def improve_pressures(self) -> bool:
-        """Return False: pressures are unknowns."""
-        return False
 
     def mean_stress(self) -> FloatArray:
         """Return means of the nodal pressures, or pressures of pockets, [Pa], shape (cells,)."""

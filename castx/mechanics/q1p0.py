@@ -29,7 +29,13 @@ from castx.domain.measures import cell_measure, nodal_mean
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
-from castx.mechanics.formulation import BodyUnknowns, Product, WeakForms, cell_stress
+from castx.mechanics.formulation import (
+    BodyUnknowns,
+    Formulation,
+    Product,
+    WeakForms,
+    cell_stress,
+)
 from castx.mechanics.loads import BodyLoads
 from castx.mechanics.trapped_liquid import TrappedLiquid
 from castx.stateful import Arrays, Saved, Stateful
@@ -38,7 +44,7 @@ SMALLEST_COMPRESSIBILITY = 1e-3
 """ĉ of an incompressible cell in units of 1/G: the error of p falls so fast in each iteration."""
 
 
-class Q1P0Formulation:
+class Q1P0Formulation(Formulation):
     """Momentum balance of one body in its displacement, with the pressures of `MeanDilatation`.
 
     Args:
@@ -111,10 +117,6 @@ class Q1P0Formulation:
         """Assemble the derivative of the residual."""
         self.forms.assemble_jacobian(A)
         self._mean.add_tangent(A)
-
-    def products(self) -> list[Product]:
-        """Return nothing: no pressure is an unknown."""
-        return []
 
     def coupled_products(self) -> list[Product]:
         """Return the products of the Jacobian of full pockets of trapped liquid."""

@@ -125,6 +125,9 @@ class Gaps:
         place = [i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
                  + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
                  for i in self.interfaces]
+        # Fractional part of a large multiple of a sine: the usual pseudo-random number of shaders,
+        # of unknown origin, with its factors 12.9898, 78.233 and 43758.5453. The others, and the
+        # factor 1e3 for places in metres, are any numbers that are no multiples of each other.
         sine = np.sin(_joined(place) * 1e3)
         return np.abs(sine * 43758.5453 % 1.0)
 

@@ -16,6 +16,7 @@ METHOD = ContactMethod(
     source="Chiumenti, section 7.2, λ(i+1) = λ(i) + t_n",
     advice="as `penalty`, without its error",
     unknowns=UnknownKind.DISPLACEMENTS,
+    computed_by="castx.contact.augmented.AugmentedMultipliers",
     keys=(
         PENALTY_KEY,
         Key(

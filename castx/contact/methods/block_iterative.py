@@ -16,6 +16,7 @@ METHOD = ContactMethod(
     source="Chiumenti, section 7.3, iterative solution of the arrow-shaped system",
     advice="where memory is short; slow for stiff contact",
     unknowns=UnknownKind.DISPLACEMENTS,
+    computed_by="castx.equilibrium.block_iterative.BlockIteration",
     keys=(
         PENALTY_KEY,
         Key(

@@ -16,6 +16,7 @@ METHOD = ContactMethod(
         "always, unless there is a reason: exact, and its solver does not feel the contact"
     ),
     unknowns=UnknownKind.GAPS,
+    computed_by="castx.contact.condensed.CondensedContact",
     exact=True,
     friction=True,
 )

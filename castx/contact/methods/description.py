@@ -99,6 +99,7 @@ class ContactMethod:
         source: where they stand: paper, section, equation.
         advice: when to use it.
         unknowns: what carries the contact among the unknowns.
+        computed_by: full name of the class in which its equations stand.
         keys: keys of the case file that it uses.
         pair_law: makes the law of the pairs of an interface from the values of all keys of the
             method; for forces that are a function of the gap.
@@ -117,6 +118,7 @@ class ContactMethod:
     source: str
     advice: str
     unknowns: UnknownKind
+    computed_by: str = "castx.contact.soft.SoftContact"
     keys: tuple[Key, ...] = ()
     pair_law: Callable[[Settings], PairLaw] | None = None
     exact: bool = False

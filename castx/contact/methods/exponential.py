@@ -83,6 +83,7 @@ METHOD = ContactMethod(
     source="softened contact with an exponential pressure-overclosure, as usual in contact codes",
     advice="for rough surfaces that touch at their peaks first",
     unknowns=UnknownKind.DISPLACEMENTS,
+    computed_by="castx.contact.soft.SoftContact",
     keys=(PENALTY_KEY, CLEARANCE),
     pair_law=exponential_pair_law,
 )

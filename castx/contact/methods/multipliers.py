@@ -11,5 +11,6 @@ METHOD = ContactMethod(
     source="Chiumenti, section 8, matrix form of the variation of Π_c = ∫ λ g dS",
     advice="to check `condensed`",
     unknowns=UnknownKind.MULTIPLIERS,
+    computed_by="castx.contact.multipliers.MultiplierContact",
     exact=True,
 )

@@ -75,6 +75,7 @@ METHOD = ContactMethod(
     source="Chiumenti, section 7.1, t_n = ε g_n",
     advice="for comparison with codes that have nothing else",
     unknowns=UnknownKind.DISPLACEMENTS,
+    computed_by="castx.contact.soft.SoftContact",
     keys=(PENALTY_KEY,),
     pair_law=linear_pair_law,
     friction=True,

@@ -11,6 +11,7 @@ METHOD = ContactMethod(
     source="Chiumenti, section 8, last paragraph",
     advice="moulds of sand, plaster, thick dies",
     unknowns=UnknownKind.GAPS,
+    computed_by="castx.contact.condensed.CondensedContact",
     exact=True,
     friction=True,
     fallback=False,

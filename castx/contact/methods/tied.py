@@ -11,6 +11,7 @@ METHOD = ContactMethod(
     source="Chiumenti, section 8, condensed multipliers of the last paragraph, in all directions",
     advice="inserts",
     unknowns=UnknownKind.TIED,
+    computed_by="castx.contact.condensed.CondensedContact",
     exact=True,
     fallback=False,
 )

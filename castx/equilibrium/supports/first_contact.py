@@ -53,7 +53,7 @@ class FirstContact:
         rigid = support.amplitudes(y.array_r) @ support.motions
         start, end = (self._gaps(x, step) for step in (y.array_r - rigid, y.array_r))
         depth = self._depth(x, len(start), force, stiffness)
-        if not self._contact.pairs.follows_set:
+        if not self._contact.normal.follows_set:
             largest = support.comm.allreduce(float(np.abs(y.array_r).max(initial=0.0)), op=MPI.MAX)
             depth = np.maximum(depth, ROUNDING * largest)
         share = share_until_contact(support.comm, start, end, open_pairs, depth)
@@ -65,7 +65,7 @@ class FirstContact:
         place, unknowns = x.duplicate(), self._unknowns.duplicate()
         place.array[:] = x.array_r - step
         self._contact.unknowns.displacements(place, unknowns)
-        gaps = self._contact.pairs.gaps(place, unknowns)
+        gaps = self._contact.normal.gaps(place, unknowns)
         for vector in (place, unknowns):
             vector.destroy()
         return gaps
@@ -74,7 +74,7 @@ class FirstContact:
         """Return the penetrations that give open pairs a force [m]."""
         rows, closed = np.zeros(x.getLocalSize()), np.zeros(pairs, dtype=bool)
         apart, through = (
-            self._contact.pairs.trial_forces(
+            self._contact.normal.trial_forces(
                 PairIterate(x, rows, np.full(pairs, gap), closed, stiffness)
             )
             for gap in (0.0, -1.0)

@@ -26,7 +26,7 @@ CLASSES = {
 @pytest.mark.parametrize("method", BETWEEN_DEFORMABLE)
 def test_class_of_the_contact(comm, method):
     contact = two_blocks(comm, method, solved=False).equilibrium.balance.contact
-    assert type(contact.pairs) is CLASSES[METHODS[method].unknowns]
+    assert type(contact.normal) is CLASSES[METHODS[method].unknowns]
 
 
 @pytest.mark.parametrize("method", sharp(FORCE_OF_GAP))
@@ -40,7 +40,7 @@ def test_a_given_penalty_is_a_spring_of_each_pair(comm, method):
     changed = type(balance.iterate)(
         balance.iterate.x, balance.iterate.rows, deeper, balance.iterate.closed, 1.0
     )
-    difference = balance.contact.pairs.trial_forces(changed) - balance.trial_forces
+    difference = balance.contact.normal.trial_forces(changed) - balance.trial_forces
     np.testing.assert_allclose(difference, 1e-6 * 3e11 * made.gaps.areas, rtol=1e-9)
 
 

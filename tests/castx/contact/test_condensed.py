@@ -14,7 +14,7 @@ from tests.small_contact import SOFT, STIFF, dense, of_all, two_blocks
 def test_matrix_against_dense_products(comm):
     made = two_blocks(comm)
     balance = made.equilibrium.balance
-    contact, assembly = balance.contact.pairs, balance.assembly
+    contact, assembly = balance.contact.normal, balance.assembly
     assert isinstance(contact, CondensedContact)
     A, P = assembly.matrix(), balance.transform.P
     contact.update_bodies(A)

@@ -15,7 +15,7 @@ def parts(comm):
     """Return the solved problem, its contact, P and B = -S ∂g/∂v in the units of the unknowns."""
     made = two_blocks(comm, "multipliers")
     balance = made.equilibrium.balance
-    contact = balance.contact.pairs
+    contact = balance.contact.normal
     assert isinstance(contact, MultiplierContact)
     P = dense(comm, balance.transform.P)
     B = -contact.unknowns.scales[:, None] * (dense(comm, made.gaps.matrix) @ P)

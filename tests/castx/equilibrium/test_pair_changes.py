@@ -34,7 +34,7 @@ def test_a_solution_keeps_its_pairs(comm, method):
     f, closed = x.duplicate(), balance.active.closed.copy()
     balance.residual(x, f)
     before = f.array_r.copy()
-    assert not PairChanges(balance).change_set(x, f)
+    assert not PairChanges(balance).update_pairs(x, f)
     np.testing.assert_array_equal(f.array_r, before)
     np.testing.assert_array_equal(balance.active.closed, closed)
 
@@ -47,7 +47,7 @@ def test_pairs_that_penetrate_close_and_the_residual_follows(comm, method):
     assert {True, False} == set(closed)
     down = pushed_down(made, 1e-3)
     balance.residual(down, f)
-    assert PairChanges(balance).change_set(down, f)
+    assert PairChanges(balance).update_pairs(down, f)
     assert everywhere(comm, balance.active.closed).all()
     found = f.array_r.copy()
     balance.residual(down, f)
@@ -61,7 +61,7 @@ def test_only_multipliers_that_are_no_unknowns_improve(comm, method):
     balance.begin(made.equilibrium.x, 0.0)
     down = pushed_down(made, 1e-6)
     balance.residual(down, f)
-    improved = PairChanges(balance).augment(down, f, balanced=True)
+    improved = PairChanges(balance).improve_multipliers(down, f, balanced=True)
     assert improved == METHODS[method].updates_multipliers
 
 
@@ -103,7 +103,7 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
         thresholds.append(threshold)
         return False
 
-    def slide(iterate, forces, threshold, settled):
+    def update_friction(iterate, forces, threshold, settled):
         thresholds.append(threshold)
         return False
 
@@ -112,7 +112,7 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
         assembly=SimpleNamespace(
             improve_pressures=lambda: False, unknowns=None, flows_by_rate=True
         ),
-        contact=SimpleNamespace(slide=slide, has_friction=False),
+        contact=SimpleNamespace(update_friction=update_friction, has_friction=False),
         convergence=SimpleNamespace(
             smallest=5.0, weakest=1e3, rounding=rounding, is_met=lambda f: False
         ),
@@ -121,7 +121,7 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
     )  # fmt: skip
     f: Any = SimpleNamespace(norm=lambda: residual)
     x: Any = None
-    assert not PairChanges(balance).change_set(x, f)
+    assert not PairChanges(balance).update_pairs(x, f)
     assert thresholds == pytest.approx([noise, noise], rel=1e-12)
 
 

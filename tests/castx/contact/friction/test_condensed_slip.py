@@ -18,7 +18,7 @@ def test_rows_that_slip_bear_the_row_of_the_gap(comm):
     """r_t + μ d r_n in the rows of pairs that slip under pressure, all others as they were."""
     made = two_blocks(comm, friction=0.3)
     balance = made.equilibrium.balance
-    normal = balance.contact.pairs.matrix(balance.present(made.equilibrium.x))
+    normal = balance.contact.normal.matrix(balance.present(made.equilibrium.x))
     sliding = SlidingRows(made.gaps, [0.3])
     along = np.array([[1.0], [-1.0], [1.0]])
     state = SlipState(
@@ -43,7 +43,7 @@ def test_friction_turns_with_the_motion_in_space(comm):
     )  # fmt: skip
     made.equilibrium.solve(0.0)
     balance, layout = made.equilibrium.balance, made.layout
-    normal = balance.contact.pairs.matrix(balance.present(made.equilibrium.x))
+    normal = balance.contact.normal.matrix(balance.present(made.equilibrium.x))
     sliding = SlidingRows(made.gaps, [0.3])
     count = len(sliding.rows)
     moved = 1e-6 * np.stack((np.cos(np.arange(count)), np.sin(np.arange(count))), axis=1)

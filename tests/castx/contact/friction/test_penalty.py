@@ -22,7 +22,7 @@ def friction_on(comm):
     sliding = SlidingRows(made.gaps, [FRICTION])
     friction = PenaltyFriction(
         balance.transform, list(made.bodies), made.gaps, sliding,
-        balance.contact.pairs.gap_matrix, lambda: np.full(3, SPRING),
+        balance.contact.normal.gap_matrix, lambda: np.full(3, SPRING),
     )  # fmt: skip
     friction.begin()
     return made, friction, sliding

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
@@ -119,3 +120,10 @@ def test_every_method_stands_in_a_notebook_and_in_the_random_castings(method):
     assert shown, f"no notebook shows {method!r}"
     robustness = (PROJECT / "bench/robustness.py").read_text()
     assert "names(lambda method: method.fallback)" in robustness, "bench/robustness.py: METHODS"
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_method_names_the_class_that_computes_it(name):
+    module, _, found = METHODS[name].computed_by.rpartition(".")
+    assert module.startswith(("castx.contact.", "castx.equilibrium."))
+    assert isinstance(getattr(import_module(module), found), type)
