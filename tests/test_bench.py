@@ -169,8 +169,9 @@ def test_faults_are_drawn_over_code_alone():
         (9, "2.0", "0.2"), (9, "2.0", "20.0"),
     ]  # fmt: skip
     for fault in found:
-        lines = fault.planted(SOURCE).splitlines(), SOURCE.splitlines()
-        assert [a for a, (new, old) in enumerate(zip(*lines), 1) if new != old] == [fault.line]
+        planted, lines = fault.planted(SOURCE).splitlines(), SOURCE.splitlines()
+        assert len(planted) == len(lines)
+        assert [n for n, old in enumerate(lines, 1) if planted[n - 1] != old] == [fault.line]
     with pytest.raises(ValueError, match="stands there"):
         found[0].planted("é" + SOURCE)
 
