@@ -147,6 +147,51 @@ def test_a_fault_that_stands_nowhere_or_twice_is_refused():
             fault.planted(code)
 
 
+SOURCE = '''"""At 20 °C: 1 + 2."""
+__all__ = [1]
+
+
+def f(x: Annotated[int, 7], share=0.5):
+    """Return 5."""
+    if x < 3 and x > 0:
+        raise ValueError("1" + str(9))
+    return max(x, 4) - 2.0  # "°" is two bytes: é - 1
+'''
+
+
+def test_faults_are_drawn_over_code_alone():
+    """Constants, comparisons, signs, extremes, joints, defaults; no texts, types or errors."""
+    bench = script("drawn_faults")
+    found = bench.candidates("a.py", SOURCE)
+    assert [(fault.line, fault.old, fault.new) for fault in found] == [
+        (5, "0.5", "0.05"), (5, "0.5", "5.0"), (7, "<", "<="), (7, "3", "4"), (7, "and", "or"),
+        (7, ">", ">="), (7, "0", "1"), (9, "max", "min"), (9, "4", "5"), (9, "-", "+"),
+        (9, "2.0", "0.2"), (9, "2.0", "20.0"),
+    ]  # fmt: skip
+    for fault in found:
+        planted, lines = fault.planted(SOURCE).splitlines(), SOURCE.splitlines()
+        assert len(planted) == len(lines)
+        assert [n for n, old in enumerate(lines, 1) if planted[n - 1] != old] == [fault.line]
+    with pytest.raises(ValueError, match="stands there"):
+        found[0].planted("é" + SOURCE)
+
+
+def test_a_draw_is_that_of_its_seed():
+    bench = script("drawn_faults")
+    first, again, other = (bench.drawn(200, seed) for seed in (1, 1, 2))
+    assert first == again != other and len(set(first)) == 200
+    for fault in first:
+        code = (BENCH.parent / fault.path).read_text(encoding="utf-8")
+        compile(fault.planted(code), fault.path, "exec")
+
+
+def test_a_drawn_fault_is_tried_by_its_own_tests_then_by_those_of_its_room():
+    stages = script("mutation").stages
+    own, room = "tests/castx/heat/test_balance.py", "tests/castx/heat"
+    assert stages("castx/heat/balance.py", whole=True) == [(own,), (room,), ("tests",)]
+    assert stages("castx/heat/balance.py", whole=False) == [(own,), (room,)]
+
+
 def test_faults_are_planted_where_python_finds_them(tmp_path):
     """In a copy that is imported in place of the checkout that is installed."""
     mutation = script("mutation")
