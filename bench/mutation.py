@@ -139,12 +139,12 @@ def outcome(checkout: Path, tests: Sequence[str], limit: float, ranks: int = 1) 
         RuntimeError: pytest did not run them.
     """
     code = UNINSTALLED + "import pytest; sys.exit(pytest.main(sys.argv[1:]))"
-    command = [sys.executable, "-B", "-c", code, "-x", "-q", "-p", "no:cacheprovider", *tests]
+    command = [sys.executable, "-B", "-c", code, "-x", "-q", "--all", "-p", "no:cacheprovider"]
     launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
     environment = {"OMPI_MCA_mpi_yield_when_idle": "1", **os.environ}
     with tempfile.TemporaryFile("w+") as said:
         running = subprocess.Popen(
-            launch + command, cwd=checkout, env=environment, stdout=said,
+            [*launch, *command, *tests], cwd=checkout, env=environment, stdout=said,
             stderr=subprocess.STDOUT, start_new_session=True,
         )  # fmt: skip
         try:
@@ -199,8 +199,7 @@ def stages(path: str, whole: bool) -> list[tuple[str, ...]]:
     """
     folder, _, name = path.rpartition("/")
     own, room = f"tests/{folder}/test_{name}", f"tests/{folder}"
-    found = [(own,)] if (CHECKOUT / own).is_file() else []
-    found += [(room,)] if (CHECKOUT / room).is_dir() else []
+    found: list[tuple[str, ...]] = [(test,) for test in (own, room) if (CHECKOUT / test).exists()]
     return found + [("tests",)] * whole
 
 

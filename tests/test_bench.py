@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import random
 import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
@@ -136,6 +137,28 @@ def test_faults_still_stand_where_the_list_says():
         if mutant.path.endswith(".py"):
             compile(mutant.planted(code), mutant.path, "exec")
         assert all((checkout / test.split("::")[0]).is_file() for test in mutant.tests), mutant
+
+
+def test_faults_of_ranks_are_for_the_rank_contract_to_notice():
+    of_ranks = [fault for fault in script("mutation").mutants() if fault.ranks > 1]
+    assert len(of_ranks) >= 40
+    outside = [
+        test
+        for fault in of_ranks
+        for test in fault.tests
+        if not in_contract(BENCH.parent / test.partition("::")[0], test.partition("::")[2])
+    ]
+    assert not outside
+
+
+def in_contract(file: Path, function: str) -> bool:
+    """Return whether a function of a file of tests is marked `ranks`, any if it is not named."""
+    return any(
+        function.partition("[")[0] in ("", node.name)
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef)
+        and "pytest.mark.ranks" in map(ast.unparse, node.decorator_list)
+    )
 
 
 def test_a_fault_that_stands_nowhere_or_twice_is_refused():

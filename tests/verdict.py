@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -85,10 +85,10 @@ def _durations(run: str, suite: ElementTree.Element) -> Iterator[Duration]:
 
 def slowest_files(durations: Sequence[Duration]) -> list[tuple[str, float]]:
     """Return the files whose tests took longest in all runs together, and their time [s]."""
-    files: Counter[str] = Counter()
+    files: dict[str, float] = defaultdict(float)
     for duration in durations:
-        files[duration.file] += duration.seconds  # type: ignore[assignment]
-    return files.most_common(SHOWN)
+        files[duration.file] += duration.seconds
+    return sorted(files.items(), key=lambda item: -item[1])[:SHOWN]
 
 
 def main(folder: Path, table: Path) -> int:

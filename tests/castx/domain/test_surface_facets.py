@@ -18,6 +18,7 @@ def mesh(request, comm):
     return MESHES[request.param](comm)
 
 
+@pytest.mark.ranks
 def test_facets_have_the_areas_of_assembled_forms(mesh):
     pairs = node_pairs(mesh, *NAMES)
     facets = surface_facets(mesh, mesh.bodies["casting"], "mould")

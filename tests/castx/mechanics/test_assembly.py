@@ -136,6 +136,7 @@ def test_displacements_are_told_from_pressures(comm, bodies):
     made.destroy()
 
 
+@pytest.mark.ranks
 def test_force_scales_are_the_larger_of_internal_forces_and_loads(comm, bodies):
     made, _ = assembled(comm, bodies)
     made.residual()

@@ -13,6 +13,7 @@ from tests.castx.mechanics.lone_bodies import slab
 AREAS = {"plane-strain": 0.01, "axisymmetric": 2 * np.pi * 0.02 * 0.01, "3d": 1e-4}
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_against_the_normal_of_a_flat_surface(comm, model):
     body = slab(comm, model)

@@ -74,6 +74,7 @@ def test_both_nodes_of_a_pair_are_at_its_point(name, interface, comm):
     assert np.array_equal(local, pairs.points)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", DESCRIPTIONS)
 def test_every_shared_node_is_paired_once_on_the_owner(name, interface, comm):
     mesh, pairs = interface(name)
@@ -218,6 +219,7 @@ def test_only_shared_facets_count_where_three_bodies_meet(comm, shared_tmp_path)
         node_pairs(mesh, "a", "c")
 
 
+@pytest.mark.ranks
 def test_a_body_without_thickness_between_its_sides_is_refused(comm, shared_tmp_path):
     file = shared_tmp_path / "slit.msh"
     if comm.rank == 0:

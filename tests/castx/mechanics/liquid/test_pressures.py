@@ -52,6 +52,7 @@ def test_pores_open_first_at_the_top_of_each_pocket(casting) -> None:
         np.testing.assert_allclose(pressures.limit[corners[part]], 2e5 - WEIGHT * depth, rtol=1e-12)
 
 
+@pytest.mark.ranks
 def test_at_the_start_liquid_is_at_rest_and_later_a_pocket_begins_where_it_was(casting) -> None:
     nodes = len(casting.points)
     everything = np.ones(len(casting.nodes.dofmap.list), dtype=bool)
