@@ -30,7 +30,7 @@ ORDER = [
     "thermodynamics",
     "foundry",
     "foundry/darcy foundry/identification",
-    "case/cad",
+    "case/cad case/fields",
     "case",
     "case/reading",
     "domain/cad",

@@ -163,6 +163,15 @@ class MaterialPoints:
         """Return s:ε̇_vp [W/m³], shape (points,)."""
         return np.asarray(self.response.work / self._step)
 
+    @property
+    def step_size(self) -> float:
+        """Size of the step of the present state [s]."""
+        return self._step
+
+    def plastic_increment(self) -> FloatArray:
+        """Return the equivalent plastic strain gained in the step, shape (points,)."""
+        return np.asarray(self.response.equivalent - self._start.equivalent)
+
     def saved(self) -> dict[str, Saved]:
         """Return the history, the strain out of the plane, and a field of T_sf.
 
