@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, StrictStr
 
 from castx.case.boundaries import surface_names
-from castx.case.fields.declaration import Place
+from castx.case.fields.declaration import FieldPlace
 from castx.case.fields.registry import output_fields, probed
 from castx.errors import CaseError
 from castx.input.entries import (
@@ -33,8 +33,8 @@ from castx.input.units import (
 )
 
 FIELDS = tuple(output_fields())
-BODY_QUANTITIES = probed(Place.NODE, Place.CELL)
-INTERFACE_QUANTITIES = probed(Place.PAIR)
+BODY_QUANTITIES = probed(FieldPlace.NODE, FieldPlace.CELL)
+INTERFACE_QUANTITIES = probed(FieldPlace.PAIR)
 DIMENSIONS = {
     name: field.dimension for name, field in output_fields().items() if field.dimension is not None
 }

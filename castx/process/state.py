@@ -12,14 +12,14 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.fields.declaration import OutputField, Place
+from castx.case.fields.declaration import OutputField, FieldPlace
 from castx.case.fields.registry import output_fields
 from castx.coupling.step import CoupledProblem
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError
-from castx.process.body_state import BodyState, PairsState
+from castx.process.field_state import FieldState, PairsState
 from castx.process.ejection import normal_force
 from castx.process.process import StageProblem
 from castx.results.quantities import CELLWISE, FOLLOWED_IN_CELLS
@@ -77,22 +77,22 @@ class State:
         Raises:
             CaseError: the field does not exist in this run.
         """
-        field = _read_field(name, Place.NODE, f"no nodal field {name!r} on body {body!r}")
+        field = _read_field(name, FieldPlace.NODE, f"no nodal field {name!r} on body {body!r}")
         if field.mechanical and body in self.now.rigid:
             return self._rigid_field(body, name)
-        return field.values(BodyState(self.problem, body, name))
+        return field.values(FieldState(self.problem, body, name))
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), tensors (cells, 6)."""
         if body in self.now.rigid and name in (*CELLWISE, *FOLLOWED_IN_CELLS):
             cells = len(self.mesh.bodies[body].nodes.dofmap.list)
             return np.zeros((cells, 6) if name in TENSORS else cells)
-        state = BodyState(self.problem, body, name)
+        state = FieldState(self.problem, body, name)
         if name == "mechanical_strain":
             return state.mechanics.mechanical_strain()
         if name == "coherent":
             return state.mechanics.coherent.astype(np.float64)
-        field = _read_field(name, Place.CELL, f"no cell field {name!r} on body {body!r}")
+        field = _read_field(name, FieldPlace.CELL, f"no cell field {name!r} on body {body!r}")
         return field.values(state)
 
     def _rigid_field(self, body: str, name: str) -> FloatArray:
@@ -108,7 +108,7 @@ class State:
 
     def paired(self, interface: str, name: str) -> FloatArray:
         """Return a field of the owned pairs of an interface, shape (pairs,)."""
-        field = _read_field(name, Place.PAIR, f"no field {name!r} on interface {interface!r}")
+        field = _read_field(name, FieldPlace.PAIR, f"no field {name!r} on interface {interface!r}")
         return field.values(PairsState(self.problem, interface))
 
     @cached_property
@@ -175,7 +175,7 @@ class State:
         return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
 
 
-def _read_field(name: str, place: Place, refusal: str) -> OutputField:
+def _read_field(name: str, place: FieldPlace, refusal: str) -> OutputField:
     field = output_fields().get(name)
     if field is None or field.read is None or field.place is not place:
         raise CaseError(refusal)

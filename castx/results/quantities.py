@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.fields.declaration import Place
+from castx.case.fields.declaration import FieldPlace
 from castx.case.fields.registry import output_fields, read_from_states
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 FOLLOWED_IN_CELLS = ("mechanical_strain", "coherent")
 """What cells have beside the fields that are written: see `Snapshot.cellwise`."""
 PRINCIPAL = ("largest_principal_stress", "smallest_principal_stress")
-CELLWISE = read_from_states(Place.CELL)
+CELLWISE = read_from_states(FieldPlace.CELL)
 MECHANICAL = tuple(name for name, field in output_fields().items() if field.mechanical)
 """What a run without mechanics does not have."""
 
@@ -28,7 +28,7 @@ PASSING = "passing_time_"
 MARGINS = "tearing_margin_"
 """Beginning of the names of the fields that `tearing_margin` stands for."""
 
-PAIRED = read_from_states(Place.PAIR)
+PAIRED = read_from_states(FieldPlace.PAIR)
 
 
 def parts(quantity: str, model: str) -> tuple[str, ...]:

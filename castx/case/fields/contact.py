@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.fields.declaration import OutputField, Place, Shown, StateView
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours, StateView
 from castx.input.units import HEAT_TRANSFER, LENGTH, STRESS
 
 
@@ -20,10 +20,10 @@ FIELDS = (
         name="gap",
         title="Gap",
         unit="m",
-        place=Place.PAIR,
+        place=FieldPlace.PAIR,
         read=lambda state: state.gap(),
         dimension=LENGTH,
-        shown=Shown(
+        shown=FieldColours(
             unit="µm",
             colours="YlGnBu",
             factor=1000000.0,
@@ -36,10 +36,10 @@ FIELDS = (
         name="contact_pressure",
         title="Contact pressure",
         unit="Pa",
-        place=Place.PAIR,
+        place=FieldPlace.PAIR,
         read=lambda state: state.contact_pressure(),
         dimension=STRESS,
-        shown=Shown(
+        shown=FieldColours(
             unit="MPa",
             colours="YlOrRd",
             factor=1e-06,
@@ -53,10 +53,10 @@ FIELDS = (
         name="heat_transfer_coefficient",
         title="Heat transfer coefficient",
         unit="W/m²/K",
-        place=Place.PAIR,
+        place=FieldPlace.PAIR,
         read=heat_transfer_coefficient,
         dimension=HEAT_TRANSFER,
-        shown=Shown(
+        shown=FieldColours(
             unit="W/m²/K",
             colours="YlOrRd",
             caption="On the surface of the casting.",
@@ -68,10 +68,10 @@ FIELDS = (
         name="first_opening",
         title="First opening of the gap",
         unit="s",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="s",
             colours="cividis",
             caption="On the surface of the casting, in plane pictures one cell wide.",

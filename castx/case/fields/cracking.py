@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 
 FIELDS = (
     OutputField(
         name="clyne_davies",
         title="Hot-tearing ratio of Clyne and Davies",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="",
             colours="YlOrRd",
             caption=(
@@ -28,10 +28,10 @@ FIELDS = (
         name="brittle_strain",
         title="Strain in the brittle range",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="%",
             colours="YlOrRd",
             factor=100.0,
@@ -50,10 +50,10 @@ FIELDS = (
         name="brittle_time",
         title="Time in the brittle range",
         unit="s",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="s",
             colours="cividis",
             caption="From f_s = 0.9 to 0.99.",
@@ -67,10 +67,10 @@ FIELDS = (
         name="brittle_strain_index",
         title="Strain in the brittle range over what the alloy bears",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="",
             colours="YlOrRd",
             caption=(
@@ -87,7 +87,7 @@ FIELDS = (
         name="tearing_margin",
         title="Tearing margin",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
     ),
@@ -95,10 +95,10 @@ FIELDS = (
         name="cold_crack_index",
         title="Cold-crack index",
         unit="1",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="",
             colours="YlOrRd",
             caption="Largest σ_1/R_m(T) since the metal was solid; above 1 it cracks.",

@@ -11,7 +11,7 @@ from castx.arrays import FloatArray
 from castx.input.units import Dimension
 
 
-class Place(Enum):
+class FieldPlace(Enum):
     """Where a field has its values."""
 
     NODE = "nodes"
@@ -61,7 +61,7 @@ class StateView(Protocol):
 
 
 @dataclass(frozen=True)
-class Shown:
+class FieldColours:
     """How the report shows a field as colours.
 
     Attributes:
@@ -110,13 +110,13 @@ class OutputField:
     name: str
     title: str
     unit: str
-    place: Place
+    place: FieldPlace
     read: Callable[[StateView], FloatArray] | None = None
     followed: bool = False
     dimension: Dimension | None = None
     mechanical: bool = False
     components: int = 1
-    shown: Shown | None = None
+    shown: FieldColours | None = None
 
     def values(self, state: StateView) -> FloatArray:
         """Return the field of a state."""

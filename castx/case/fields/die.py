@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 
 FIELDS = (
     OutputField(
         name="strain_range",
         title="Strain range of a cycle",
         unit="1",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="%",
             colours="YlOrRd",
             factor=100.0,
@@ -27,10 +27,10 @@ FIELDS = (
         name="life",
         title="Life, powers of ten",
         unit="1",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="",
             colours="RdYlGn",
             caption=(

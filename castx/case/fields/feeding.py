@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 
 FIELDS = (
     OutputField(
         name="pool",
         title="Pool",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
     ),
     OutputField(
         name="emptied",
         title="Emptied by feeding",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="%",
             colours="Blues",
             factor=100.0,
@@ -31,9 +31,9 @@ FIELDS = (
         name="feeding_path",
         title="Path to the nearest feeder",
         unit="m",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="mm",
             colours="cividis",
             factor=1000.0,

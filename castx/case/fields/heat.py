@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 from castx.input.units import Dimension, PURE_NUMBER, TEMPERATURE
 
 ENTHALPY = Dimension("an enthalpy per volume", "J/m^3", ("J/m^3", "MJ/m^3"))
@@ -12,10 +12,10 @@ FIELDS = (
         name="temperature",
         title="Temperature",
         unit="°C",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         read=lambda state: state.heat("temperature"),
         dimension=TEMPERATURE,
-        shown=Shown(
+        shown=FieldColours(
             unit="°C",
             colours="inferno",
             caption="The blue line is f_s = 0.5.",
@@ -28,10 +28,10 @@ FIELDS = (
         name="solid_fraction",
         title="Solid fraction",
         unit="1",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         read=lambda state: state.heat("solid_fraction"),
         dimension=PURE_NUMBER,
-        shown=Shown(
+        shown=FieldColours(
             unit="",
             colours="Blues",
             melting=True,
@@ -43,7 +43,7 @@ FIELDS = (
         name="enthalpy",
         title="Enthalpy",
         unit="J/m³",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         read=lambda state: state.heat("enthalpy"),
         dimension=ENTHALPY,
     ),
@@ -51,9 +51,9 @@ FIELDS = (
         name="heat_flux",
         title="Heat flux",
         unit="W/m²",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         followed=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="kW/m²",
             colours="inferno",
             factor=0.001,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 from castx.input.units import LENGTH
 
 FIELDS = (
@@ -10,7 +10,7 @@ FIELDS = (
         name="displacement",
         title="Displacement",
         unit="m",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         read=lambda state: state.displacement(),
         dimension=LENGTH,
         mechanical=True,
@@ -19,10 +19,10 @@ FIELDS = (
         name="deviation",
         title="Deviation from the nominal surface",
         unit="m",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         followed=True,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="mm",
             colours="RdBu_r",
             factor=1000.0,

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import import_module
 
 import castx.case.fields as room
-from castx.case.fields.declaration import OutputField, Place
+from castx.case.fields.declaration import OutputField, FieldPlace
 
 OTHERS = ("declaration", "registry")
 
@@ -40,12 +40,12 @@ def _enter(found: dict[str, OutputField], field: OutputField, module: str) -> No
     found[field.name] = field
 
 
-def probed(*places: Place) -> tuple[str, ...]:
+def probed(*places: FieldPlace) -> tuple[str, ...]:
     """Return the names of the fields at places that probes record."""
     fields = output_fields().values()
     return tuple(f.name for f in fields if f.dimension is not None and f.place in places)
 
 
-def read_from_states(place: Place) -> tuple[str, ...]:
+def read_from_states(place: FieldPlace) -> tuple[str, ...]:
     """Return the names of the fields at a place that are read from a state."""
     return tuple(f.name for f in output_fields().values() if f.read and f.place is place)

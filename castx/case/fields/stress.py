@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.fields.declaration import OutputField, Place, Shown
+from castx.case.fields.declaration import OutputField, FieldPlace, FieldColours
 from castx.foundry.cracking import principal_values
 from castx.input.units import PURE_NUMBER, STRESS
 
@@ -23,7 +23,7 @@ FIELDS = (
         name="stress",
         title="Stress",
         unit="Pa",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: state.stress(),
         dimension=STRESS,
         mechanical=True,
@@ -33,11 +33,11 @@ FIELDS = (
         name="von_mises",
         title="Von Mises stress",
         unit="Pa",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: von_mises(state.stress()),
         dimension=STRESS,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="MPa",
             colours="viridis",
             factor=1e-06,
@@ -49,11 +49,11 @@ FIELDS = (
         name="plastic_strain",
         title="Plastic strain",
         unit="1",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: state.plastic_strain(),
         dimension=PURE_NUMBER,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="%",
             colours="viridis",
             factor=100.0,
@@ -65,10 +65,10 @@ FIELDS = (
         name="largest_principal_stress",
         title="Largest principal stress",
         unit="Pa",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: principal_values(state.stress())[:, 0],
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="MPa",
             colours="viridis",
             factor=1e-06,
@@ -81,10 +81,10 @@ FIELDS = (
         name="smallest_principal_stress",
         title="Smallest principal stress",
         unit="Pa",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: principal_values(state.stress())[:, 2],
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="MPa",
             colours="viridis",
             factor=1e-06,
@@ -97,7 +97,7 @@ FIELDS = (
         name="point_stress",
         title="Point stress",
         unit="Pa",
-        place=Place.CELL,
+        place=FieldPlace.CELL,
         read=lambda state: state.point_stress(),
         mechanical=True,
         components=6,
@@ -106,11 +106,11 @@ FIELDS = (
         name="pressure",
         title="Pressure",
         unit="Pa",
-        place=Place.NODE,
+        place=FieldPlace.NODE,
         read=lambda state: state.pressure(),
         dimension=STRESS,
         mechanical=True,
-        shown=Shown(
+        shown=FieldColours(
             unit="MPa",
             colours="viridis",
             factor=1e-06,

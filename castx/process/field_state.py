@@ -23,7 +23,7 @@ class NoState:
 
 
 @dataclass(frozen=True)
-class BodyState(NoState):
+class FieldState(NoState):
     """Heat and mechanics of one body.
 
     Args:
