@@ -1,14 +1,18 @@
 """The registry of output fields: what it finds, and what it refuses."""
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import castx.case.fields
 from castx.case.fields import registry
 from castx.case.fields.declaration import FieldPlace, OutputField
 from castx.case.fields.registry import output_fields, probed, read_from_states
+from docs.generator.tables import TABLES
+from tests.castx.case.fields.samples import KnownState
 
 pytestmark = pytest.mark.serial
 PROJECT = Path(__file__).parents[4]
@@ -107,3 +111,46 @@ def test_every_field_is_read_by_a_test():
 def test_a_field_that_no_test_reads_is_named(tmp_path):
     (tmp_path / "test_one.py").write_text('state.nodal("casting", "known")  # not the "other one"')
     assert unread(["other", "known"], tmp_path) == ["other"]
+
+
+def rows(text, name):
+    """Return the cells of the table of a name in a page, by what the first one names."""
+    table = re.search(rf"<!-- table: {name} -->\n(.*?)<!-- end of table -->", text, re.S)
+    assert table is not None, f"the page has no table of {name}"
+    lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table[1].splitlines()]
+    return {cells[0].strip("`"): cells[1:] for cells in lines[2:]}
+
+
+MANUAL = (PROJECT / "docs/manual/results.md").read_text()
+FRESH = "".join(
+    f"<!-- table: {name} -->\n{TABLES[name]()}<!-- end of table -->\n"
+    for name in ("output fields", "probe quantities")
+)
+
+
+@pytest.mark.parametrize("page", [MANUAL, FRESH], ids=["manual", "generated"])
+@pytest.mark.parametrize("name", output_fields())
+def test_every_field_stands_in_the_table_of_the_manual(page, name):
+    field, found = output_fields()[name], rows(page, "output fields")
+    cure = "run bin/with-fenicsx python3 -m docs.generator.tables"
+    assert name in found, f"docs/manual/results.md lacks {name!r}: {cure}"
+    title, unit, place, mechanical = found[name]
+    assert (title, unit) == (field.title, field.unit)
+    assert place.split(",")[0] == field.place.value and (mechanical == "yes") == field.mechanical
+    quantities = rows(page, "probe quantities")
+    recorded = quantities["an interface" if field.place is FieldPlace.PAIR else "a body"][0]
+    assert (f"`{name}`" in recorded) == (field.dimension is not None)
+
+
+def test_the_example_for_contributors_is_a_whole_field():
+    """Uniaxial tension has a triaxiality of 1/3, pressure alone none, since it has no deviator."""
+    text = (PROJECT / "CONTRIBUTING.md").read_text().partition("## An output field\n")[2]
+    example = re.search(r"```python\n(.*?)```", text, re.S)
+    assert example is not None
+    defined = {"__name__": "example"}
+    exec(compile(example[1], "CONTRIBUTING.md", "exec"), defined)
+    (field,) = defined["FIELDS"]
+    assert field.omissions() == [] and field.name not in output_fields()
+    state = KnownState()
+    state.tensors = np.array([[6e6, 0, 0, 0, 0, 0], [0, -3e6, 0, 0, 0, 0], [5e6] * 3 + [0] * 3])
+    assert field.values(state) == pytest.approx([1 / 3, -1 / 3, 0.0])
