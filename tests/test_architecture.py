@@ -29,7 +29,7 @@ ORDER = [
     "materials",
     "foundry",
     "foundry/identification",
-    "case/cad",
+    "case/cad case/fields",
     "case",
     "case/reading",
     "domain/cad",

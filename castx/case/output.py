@@ -11,6 +11,8 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, StrictStr
 
 from castx.case.boundaries import surface_names
+from castx.case.fields.declaration import FieldPlace
+from castx.case.fields.registry import output_fields, probed
 from castx.errors import CaseError
 from castx.input.entries import (
     TEMPERATURES,
@@ -23,80 +25,18 @@ from castx.input.entries import (
 )
 from castx.input.problems import Problem, among, refuse
 from castx.input.units import (
-    HEAT_TRANSFER,
     LENGTH,
     PURE_NUMBER,
-    STRESS,
-    TEMPERATURE,
     TIME,
     Dimension,
     number,
 )
 
-FIELDS = (
-    "temperature",
-    "solid_fraction",
-    "displacement",
-    "stress",
-    "von_mises",
-    "plastic_strain",
-    "largest_principal_stress",
-    "smallest_principal_stress",
-    "point_stress",
-    "deviation",
-    "gap",
-    "contact_pressure",
-    "heat_transfer_coefficient",
-    "enthalpy",
-    "pressure",
-    "solidification_time",
-    "gradient",
-    "cooling_rate",
-    "niyama",
-    "front_speed",
-    "passing_times",
-    "arm_spacing",
-    "dimensionless_niyama",
-    "pore_fraction",
-    "clyne_davies",
-    "yield_strength",
-    "modulus",
-    "pool",
-    "brittle_strain",
-    "brittle_time",
-    "brittle_strain_index",
-    "tearing_margin",
-    "cold_crack_index",
-    "emptied",
-    "heat_flux",
-    "first_opening",
-    "feeding_path",
-    "strain_range",
-    "life",
-)
-BODY_QUANTITIES = (
-    "temperature",
-    "solid_fraction",
-    "enthalpy",
-    "displacement",
-    "pressure",
-    "stress",
-    "von_mises",
-    "plastic_strain",
-)
-INTERFACE_QUANTITIES = ("gap", "contact_pressure", "heat_transfer_coefficient")
+FIELDS = tuple(output_fields())
+BODY_QUANTITIES = probed(FieldPlace.NODE, FieldPlace.CELL)
+INTERFACE_QUANTITIES = probed(FieldPlace.PAIR)
 DIMENSIONS = {
-    "temperature": TEMPERATURE,
-    "solid_fraction": PURE_NUMBER,
-    "enthalpy": Dimension("an enthalpy per volume", "J/m^3", ("J/m^3", "MJ/m^3")),
-    "displacement": LENGTH,
-    "pressure": STRESS,
-    "stress": STRESS,
-    "von_mises": STRESS,
-    "plastic_strain": PURE_NUMBER,
-    "gap": LENGTH,
-    "contact_pressure": STRESS,
-    "heat_transfer_coefficient": HEAT_TRANSFER,
+    name: field.dimension for name, field in output_fields().items() if field.dimension is not None
 }
 """Of the quantities that probes record."""
 

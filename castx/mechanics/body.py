@@ -210,6 +210,7 @@ class BodyMechanics:
 
     def plastic_strain(self) -> FloatArray:
         """Return the equivalent viscoplastic strain of the cells, shape (cells,)."""
+        self._evaluate()
         return self.points.cell_means(self.material.response.equivalent)
 
     def nodal_plastic_power(self) -> FloatArray:

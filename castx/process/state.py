@@ -12,21 +12,25 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.fields.declaration import FieldPlace, OutputField
+from castx.case.fields.registry import output_fields
 from castx.coupling.step import CoupledProblem
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError
-from castx.foundry.cracking import principal_values
-from castx.mechanics.body import BodyMechanics, point_stress
 from castx.process.ejection import normal_force
+from castx.process.field_state import FieldState, PairsState
 from castx.process.process import StageProblem
-from castx.results.states.quantities import CELLWISE, FOLLOWED_IN_CELLS, PRINCIPAL
+from castx.results.states.quantities import CELLWISE, FOLLOWED_IN_CELLS
 from castx.results.states.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 
-TENSORS = ("stress", "point_stress", "mechanical_strain")
+TENSORS = (
+    "mechanical_strain",
+    *(name for name, field in output_fields().items() if field.components == 6),
+)
 START, NONE = ProcessState(), MappingProxyType[str, float]({})
 
 
@@ -73,45 +77,23 @@ class State:
         Raises:
             CaseError: the field does not exist in this run.
         """
-        heat = self.problem.heat
-        fields = {
-            "temperature": heat.temperature,
-            "enthalpy": heat.enthalpy,
-            "solid_fraction": heat.solid_fraction,
-        }
-        if name in fields:
-            if body not in fields[name]:
-                raise CaseError(f"no {name} in a run without the heat equation (coupling.scheme)")
-            return np.asarray(fields[name][body].x.array)
-        if body in self.now.rigid:
+        field = _read_field(name, FieldPlace.NODE, f"no nodal field {name!r} on body {body!r}")
+        if field.mechanical and body in self.now.rigid:
             return self._rigid_field(body, name)
-        mechanics = self._mechanics(body, name)
-        if name == "displacement":
-            values = mechanics.solution.x.array.reshape(-1, mechanics.block_size)
-            return np.asarray(values[:, : mechanics.dimension])
-        if name == "pressure":
-            return mechanics.nodal_pressure()
-        raise CaseError(f"no nodal field {name!r} on body {body!r}")
+        return field.values(FieldState(self.problem, body, name))
 
     def cellwise(self, body: str, name: str) -> FloatArray:
         """Return a field constant in each cell, with ghosts, shape (cells,), tensors (cells, 6)."""
-        if name not in CELLWISE and name not in FOLLOWED_IN_CELLS:
-            raise CaseError(f"no cell field {name!r} on body {body!r}")
-        if body in self.now.rigid:
+        if body in self.now.rigid and name in (*CELLWISE, *FOLLOWED_IN_CELLS):
             cells = len(self.mesh.bodies[body].nodes.dofmap.list)
             return np.zeros((cells, 6) if name in TENSORS else cells)
-        mechanics = self._mechanics(body, name)
-        if name == "point_stress":
-            return point_stress(mechanics)
-        if name == "plastic_strain":
-            return mechanics.plastic_strain()
+        state = FieldState(self.problem, body, name)
         if name == "mechanical_strain":
-            return mechanics.mechanical_strain()
+            return state.mechanics.mechanical_strain()
         if name == "coherent":
-            return mechanics.coherent.astype(np.float64)
-        if name in PRINCIPAL:
-            return principal_values(mechanics.stress())[:, 0 if name == PRINCIPAL[0] else 2]
-        return mechanics.stress() if name == "stress" else von_mises(mechanics.stress())
+            return state.mechanics.coherent.astype(np.float64)
+        field = _read_field(name, FieldPlace.CELL, f"no cell field {name!r} on body {body!r}")
+        return field.values(state)
 
     def _rigid_field(self, body: str, name: str) -> FloatArray:
         """Return the displacement of a rigid body; it has no pressure."""
@@ -124,23 +106,10 @@ class State:
             return np.zeros(nodes)
         raise CaseError(f"no nodal field {name!r} on body {body!r}")
 
-    def _mechanics(self, body: str, name: str) -> BodyMechanics:
-        if self.problem.mechanics is None:
-            raise CaseError(f"{name} of {body!r}: this run has no mechanics (coupling.scheme)")
-        return self.problem.mechanics.bodies[body]
-
     def paired(self, interface: str, name: str) -> FloatArray:
         """Return a field of the owned pairs of an interface, shape (pairs,)."""
-        interfaces = self.problem.interfaces
-        number = interfaces.number(interface)
-        if name == "gap":
-            return interfaces.states[number].gap
-        if name == "contact_pressure":
-            return interfaces.states[number].pressure
-        if name == "heat_transfer_coefficient":
-            with np.errstate(divide="ignore"):
-                return np.asarray(1.0 / interfaces.resistances[number])
-        raise CaseError(f"no field {name!r} on interface {interface!r}")
+        field = _read_field(name, FieldPlace.PAIR, f"no field {name!r} on interface {interface!r}")
+        return field.values(PairsState(self.problem, interface))
 
     @cached_property
     def totals(self) -> dict[str, float]:
@@ -206,9 +175,8 @@ class State:
         return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
 
 
-def von_mises(stress: FloatArray) -> FloatArray:
-    """Return √(3/2)‖s‖ [Pa] of stresses (n, 6) in the order xx, yy, zz, xy, xz, yz."""
-    mean = stress[:, :3].mean(axis=1, keepdims=True)
-    normal = np.sum((stress[:, :3] - mean) ** 2, axis=1)
-    shear = np.sum(stress[:, 3:] ** 2, axis=1)
-    return np.asarray(np.sqrt(1.5 * (normal + 2 * shear)))
+def _read_field(name: str, place: FieldPlace, refusal: str) -> OutputField:
+    field = output_fields().get(name)
+    if field is None or field.read is None or field.place is not place:
+        raise CaseError(refusal)
+    return field

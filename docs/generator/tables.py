@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from castx.case.fields.declaration import FieldPlace, OutputField
+from castx.case.fields.registry import output_fields, probed
 from castx.contact.methods.registry import method_table
 from castx.input.sourced import UNKNOWN_SOURCE
 from castx.materials.database import database_entry, database_names
@@ -134,6 +136,34 @@ def interfaces() -> str:
     return _table(head, rows)
 
 
+def fields() -> str:
+    """Return the table of all output fields."""
+    rows = [
+        (
+            f"`{field.name}`",
+            field.title,
+            field.unit,
+            _place(field),
+            "yes" if field.mechanical else "–",
+        )
+        for field in output_fields().values()
+    ]
+    return _table(("field", "what it is", "unit", "values at", "needs mechanics"), rows)
+
+
+def _place(field: OutputField) -> str:
+    """Return where a field has its values; tensors have six of them there."""
+    place = "" if field.place is None else field.place.value
+    return f"{place}, 6 parts" if field.components == 6 else place
+
+
+def probe_quantities() -> str:
+    """Return the table of what probes record on bodies and on interfaces."""
+    on_bodies = probed(FieldPlace.NODE, FieldPlace.CELL)
+    rows = [("a body", _names(on_bodies)), ("an interface", _names(probed(FieldPlace.PAIR)))]
+    return _table(("on", "quantities"), rows)
+
+
 def _range(number: SourcedNumber | None) -> str:
     """Return the range of a number, marked where the number has a source."""
     if number is None:
@@ -172,6 +202,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "hardening rule equations": hardening_rule_equations,
     "materials": materials,
     "interfaces": interfaces,
+    "output fields": fields,
+    "probe quantities": probe_quantities,
 }
 
 

@@ -52,6 +52,7 @@ class MaterialPoints:
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
         self._free_volume: FloatArray = np.zeros(points.cells)
+        self._gained: FloatArray = np.zeros(points.count)
         self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
         self._committed = None
 
@@ -163,6 +164,18 @@ class MaterialPoints:
         """Return s:ε̇_vp [W/m³], shape (points,)."""
         return np.asarray(self.response.work / self._step)
 
+    @property
+    def step_size(self) -> float:
+        """Size of the step of the present state [s]."""
+        return self._step
+
+    def plastic_increment(self) -> FloatArray:
+        """Return the equivalent plastic strain gained in the last accepted step, shape (points,).
+
+        Zero before the first one, and after `restore` until the next one.
+        """
+        return self._gained
+
     def saved(self) -> dict[str, Saved]:
         """Return the history, the strain out of the plane, and a field of T_sf.
 
@@ -177,6 +190,7 @@ class MaterialPoints:
     def restore(self, arrays: Arrays) -> None:
         """Restore the history with which the next step starts."""
         self.history, self._committed = self.history.restored(arrays), None
+        self._gained = np.zeros(self.points.count)
         self.thickness.restore(arrays, self.history.coherent)
         self._coherency = Coherency(self.history.coherent)
         if "stress_free" in arrays:
@@ -187,6 +201,7 @@ class MaterialPoints:
         """Accept the trial state as the start of the next step; collective."""
         strain, response = deviatoric(self._strain), self.response
         self.thickness.commit(self._strain)
+        self._gained = np.asarray(response.equivalent - self._start.equivalent)
         self.history = PointHistory(
             self._start.birth,
             response.plastic,

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.fields.declaration import FieldPlace
+from castx.case.fields.registry import output_fields, read_from_states
 
 if TYPE_CHECKING:
     from castx.results.states.snapshot import Snapshot
@@ -14,58 +16,11 @@ if TYPE_CHECKING:
 FOLLOWED_IN_CELLS = ("mechanical_strain", "coherent")
 """What cells have beside the fields that are written: see `Snapshot.cellwise`."""
 PRINCIPAL = ("largest_principal_stress", "smallest_principal_stress")
-CELLWISE = ("stress", "von_mises", "plastic_strain", *PRINCIPAL, "point_stress")
-CRACKING = (
-    "brittle_strain", "brittle_time", "brittle_strain_index", "tearing_margin", "cold_crack_index",
-)  # fmt: skip
-OF_INTERFACES = ("first_opening",)
-OF_DIES = ("strain_range", "life")
-MECHANICAL = (
-    "displacement", "pressure", "deviation", *CELLWISE, *CRACKING, *OF_INTERFACES, *OF_DIES,
-)  # fmt: skip
+CELLWISE = read_from_states(FieldPlace.CELL)
+MECHANICAL = tuple(name for name, field in output_fields().items() if field.mechanical)
 """What a run without mechanics does not have."""
 
-UNITS = {
-    "temperature": "°C",
-    "solid_fraction": "1",
-    "enthalpy": "J/m³",
-    "displacement": "m",
-    "pressure": "Pa",
-    "stress": "Pa",
-    "von_mises": "Pa",
-    "plastic_strain": "1",
-    "largest_principal_stress": "Pa",
-    "smallest_principal_stress": "Pa",
-    "point_stress": "Pa",
-    "deviation": "m",
-    "gap": "m",
-    "contact_pressure": "Pa",
-    "heat_transfer_coefficient": "W/m²/K",
-    "solidification_time": "s",
-    "gradient": "K/m",
-    "cooling_rate": "K/s",
-    "niyama": "K^½ s^½/m",
-    "front_speed": "m/s",
-    "passing_times": "s",
-    "arm_spacing": "m",
-    "dimensionless_niyama": "1",
-    "pore_fraction": "1",
-    "clyne_davies": "1",
-    "yield_strength": "Pa",
-    "modulus": "m",
-    "pool": "1",
-    "brittle_strain": "1",
-    "brittle_time": "s",
-    "brittle_strain_index": "1",
-    "tearing_margin": "1",
-    "cold_crack_index": "1",
-    "emptied": "1",
-    "heat_flux": "W/m²",
-    "first_opening": "s",
-    "feeding_path": "m",
-    "strain_range": "1",
-    "life": "1",
-}
+UNITS = {name: field.unit for name, field in output_fields().items()}
 """Unit of each field in the files."""
 
 PASSING = "passing_time_"
@@ -73,7 +28,7 @@ PASSING = "passing_time_"
 MARGINS = "tearing_margin_"
 """Beginning of the names of the fields that `tearing_margin` stands for."""
 
-PAIRED = ("gap", "contact_pressure", "heat_transfer_coefficient")
+PAIRED = read_from_states(FieldPlace.PAIR)
 
 
 def parts(quantity: str, model: str) -> tuple[str, ...]:

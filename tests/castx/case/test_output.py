@@ -56,7 +56,7 @@ def test_refused_output(keys, text):
         ({"at": 0}, "at: a list is needed"),
         ({"at": [0, "5 s"]}, r"at\[1\]: 's' is not a unit of length"),
         ({"quantities": []}, "quantities: at least 1 needed"),
-        ({"quantities": ["gap"]}, r"quantities\[0\]: unknown quantity of a body; allowed: temp"),
+        ({"quantities": ["gap"]}, r"quantities\[0\]: unknown quantity of a body; allowed: displ"),
         ({"quantities": ["presure"]}, r'quantities\[0\].*did you mean "pressure"\?'),
         ({"quantities": ["gap", "gap"]}, r"quantities\[0\]: unknown"),
         ({"quantities": ["stress", "stress"]}, r"quantities\[1\]: is there already"),

@@ -5,8 +5,8 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.case.fields.stress import von_mises
 from castx.errors import CaseError
-from castx.process.state import von_mises
 from tests import coupled_cases
 from tests.contact_methods import EXACT
 from tests.coupled_cases import cylinder, final_state, merged, ring
