@@ -42,7 +42,7 @@ def test_check_looks_at_patches_and_temperature_fields(comm, case_file, said):
     field = 'bodies.0.temperature={ file = "lost.vtu", field = "T" }'
     assert execute(["check", str(case_file), "--set", field], comm) == 2
     text = said()
-    assert "heat.patches[0] holds no node" in text
+    assert "heat.patches[0] adds no node" in text
     assert "initial temperature of 'casting': there is no file" in text
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,18 @@ def test_no_body_counts_as_softer_than_its_solid_as_a_whole(comm):
     np.testing.assert_array_equal(unchanged, soft)
     stiffer = made_of(made, unknown, (0.11 * soft.mean(), 0.0)).penalties(A)
     np.testing.assert_allclose(stiffer, 1.1 * soft, rtol=1e-12)
+
+
+@pytest.mark.ranks
+def test_the_mean_is_that_of_the_pairs_of_all_ranks(comm):
+    """Each rank alone finds the same number in the whole problem."""
+    penalties = []
+    for ranks in (comm, MPI.COMM_SELF):
+        made = two_blocks(ranks, "penalty")
+        stiffness = made_of(made, np.full(len(made.gaps.local), np.nan))
+        penalties.append(stiffness.penalties(made.equilibrium.balance.assembly.matrix()))
+    assert comm.allreduce(len(penalties[0])) >= comm.size
+    np.testing.assert_allclose(penalties[0], penalties[1][0], rtol=1e-12)
 
 
 @pytest.mark.ranks

@@ -101,6 +101,16 @@ def test_areas_and_area_vectors_of_the_nodes(model, cells, degree, comm):
     np.testing.assert_allclose(vectors[:, 1:], 0.0, atol=1e-12 * MANTLE[model])
 
 
+@pytest.mark.ranks
+def test_ghosts_have_the_areas_of_their_owners(comm):
+    body, side = casting(comm, "plane-strain")
+    index_map, areas = body.nodes.dofmap.index_map, nodal_areas(body, "plane-strain", side)
+    owned = comm.allgather(areas[: index_map.size_local])
+    everywhere = index_map.local_to_global(np.arange(len(areas), dtype=np.int32))
+    np.testing.assert_array_equal(areas, np.concatenate(owned)[everywhere])
+    assert areas.max(initial=0.0) > 0 or comm.size > 1
+
+
 def test_unknown_surfaces_are_refused(comm):
     body, _ = casting(comm, "plane-strain")
     for measured in (nodal_areas, nodal_area_vectors):

@@ -141,7 +141,7 @@ def test_a_process_is_restored_in_its_stage_with_what_was_set_aside():
 def test_a_checkpoint_of_other_stages_is_refused():
     run = process()
     run.proceed(3.0, lambda: TOTALS)
-    with pytest.raises(CaseError, match=r"in one that began at 3\.5 s"):
+    with pytest.raises(CaseError, match=r"its stage began at 3\.5 s"):
         process().prepare({**run.notes(), "start": 3.5})
 
 

@@ -88,7 +88,7 @@ class OneGap:
     follows_set = False
 
     @property
-    def pairs(self):
+    def normal(self):
         return self
 
     @property
