@@ -22,7 +22,8 @@ import numpy as np
 
 from castx.case.geometry import Geometry
 from castx.domain.mesh import CastingMesh, build_mesh
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.materials.description import MaterialDescription
 from castx.materials.material import Material
 from castx.mechanics.constitutive.law import Law

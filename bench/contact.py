@@ -24,7 +24,8 @@ import numpy as np
 from castx.case.geometry import Geometry
 from castx.contact.choice import Contact
 from castx.domain.mesh import build_mesh
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.materials.description import MaterialDescription
 from castx.materials.material import Material
 from castx.mechanics.constitutive.law import Law

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from drawn_faults import Fault
+    from bench.drawn_faults import Fault
 
 CHECKOUT = Path(__file__).resolve().parent.parent
 LIST = CHECKOUT / "bench" / "mutants.toml"

@@ -58,10 +58,10 @@ def draw(
             "position_x": 0.88, "position_y": 0.15, "height": 0.7,
         },
     )  # fmt: skip
-    plotter.set_background("white")  # type: ignore[arg-type]
+    plotter.set_background("white")
     middle = np.array(skin.center)
     plotter.camera_position = [middle + np.array(eye), middle, (0.0, 0.0, 1.0)]
-    plotter.reset_camera()  # type: ignore[call-arg]
+    plotter.reset_camera()
     plotter.camera.zoom(zoom)
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(file)

@@ -90,7 +90,7 @@ def casting(dice: random.Random, drawing: Drawing, size: float) -> int:
         drawing.words.append("hole")
     if dice.random() < 0.5:
         base = filleted(dice, drawing, base, size * dice.uniform(0.02, 0.08))
-    return base
+    return int(base)
 
 
 def with_boss(dice: random.Random, drawing: Drawing, base: int, sides: Sequence[float]) -> int:

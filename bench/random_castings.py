@@ -190,7 +190,8 @@ def weight(case: Case) -> float:
     volume = math.prod(shape.get("box", ()))
     if "radius" in shape:
         volume = math.pi * shape["radius"] ** 2 * shape["height"]
-    return float(database(alloy)["density"]["value"]) * volume * G * ("loads" in case)
+    density = float(database(alloy)["density"]["value"])
+    return float(density * volume * G * ("loads" in case))
 
 
 def toml(case: Mapping[str, Any]) -> Iterator[str]:

@@ -25,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
+from castx.arrays import FloatArray
 from castx.results.files.series import read_series
 
 CASE = """
@@ -110,7 +111,7 @@ def difference(one: Path, other: Path) -> float:
     return largest
 
 
-def relative(a: np.ndarray, b: np.ndarray) -> float:
+def relative(a: FloatArray, b: FloatArray) -> float:
     """Return the largest difference of two arrays over their largest value."""
     if a.shape != b.shape:
         return float("inf")

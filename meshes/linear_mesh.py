@@ -87,7 +87,8 @@ def compacted(mesh: LinearMesh) -> LinearMesh:
 def handedness(points: FloatArray, cells: LongArray) -> FloatArray:
     """Return the determinants of the edges at corner 0, positive in proper cells [m², m³]."""
     along = KINDS[points.shape[1], cells.shape[1]].along
-    return np.linalg.det(points[cells[:, along]] - points[cells[:, :1]])
+    determinants: FloatArray = np.linalg.det(points[cells[:, along]] - points[cells[:, :1]])
+    return determinants
 
 
 def oriented(points: FloatArray, cells: LongArray) -> LongArray:
@@ -125,4 +126,5 @@ def free_faces(mesh: LinearMesh) -> LongArray:
     _, first, count = np.unique(
         np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
     )
-    return faces[first[count == 1]]
+    outer: LongArray = faces[first[count == 1]]
+    return outer

@@ -16,7 +16,8 @@ from castx.case.geometry import Geometry
 from castx.contact.choice import Contact
 from castx.domain.mesh import CastingMesh, build_mesh
 from castx.domain.source import gmsh_session
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.materials.description import MaterialDescription
 from castx.materials.material import Material
 from castx.mechanics.constitutive.law import Law

@@ -9,10 +9,12 @@ import sys
 import tarfile
 import tomllib
 import zipfile
+from datetime import date
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.version import Version
 
 from castx.version import __version__
 from tests.test_architecture import LIBRARY, PROJECT, imported_modules, inside_castx
@@ -25,6 +27,8 @@ MODULES_OF = {
     "vtk": {"vtkmodules"},
 }
 """Modules of packages, where their names differ or they bring several."""
+KINDS = ["Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"]
+"""Kinds of changes, as Keep a Changelog has them."""
 CONDA_NAMES = {
     "dolfinx-solver-real": {"fenics-dolfinx", "petsc", "petsc4py"},
     "gmsh": {"python-gmsh"},
@@ -55,10 +59,36 @@ def test_the_conda_environment_has_the_same_packages():
     assert set(lines) == packages | channels | tools
 
 
-def test_the_newest_entry_of_the_changelog_and_the_citation_are_of_this_version():
-    headings = re.findall(r"^## \[(.+?)\]", (PROJECT / "CHANGELOG.md").read_text(), re.M)
-    released = [heading for heading in headings if heading != "Unreleased"]
-    assert released[0] == __version__
+def changelog() -> dict[str, str]:
+    """Return the entries of the changelog by their headings, such as "[0.1.0] - 2026-11-23"."""
+    _, *parts = re.split(r"^## (.+)\n", (PROJECT / "CHANGELOG.md").read_text(), flags=re.M)
+    return dict(zip(parts[::2], parts[1::2], strict=True))
+
+
+def test_the_changelog_begins_with_what_is_unreleased_and_goes_on_with_dated_versions():
+    unreleased, *released = changelog()
+    assert unreleased == "[Unreleased]"
+    forms = [re.fullmatch(r"\[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)", line) for line in released]
+    assert all(forms), f"CHANGELOG.md: a version is '## [0.1.0] - 2026-11-23': {released}"
+    entries = [(Version(form[1]), date.fromisoformat(form[2])) for form in forms if form]
+    assert entries == sorted(entries, reverse=True)
+
+
+@pytest.mark.parametrize(("heading", "text"), changelog().items())
+def test_an_entry_of_the_changelog_has_lists_below_its_kinds_of_changes(heading, text):
+    before, *parts = re.split(r"^### (.+)\n", text, flags=re.M)
+    kinds, lists = parts[::2], parts[1::2]
+    assert kinds == sorted(set(kinds), key=KINDS.index), f"{heading}: kinds are {KINDS}, in order"
+    assert "\n- " not in f"\n{before}", f"{heading}: a change stands below one of {KINDS}"
+    for kind, items in zip(kinds, lists, strict=True):
+        lines = [line for line in items.splitlines() if line]
+        assert lines and lines[0].startswith("- "), f"{heading}, {kind}: a list is needed"
+        assert not [line for line in lines if not line.startswith(("- ", "  "))], heading
+
+
+def test_the_newest_version_of_the_changelog_and_the_citation_are_of_this_version():
+    newest = re.findall(r"\[(.+?)\]", list(changelog())[1])
+    assert newest == [__version__]
     citation = (PROJECT / "CITATION.cff").read_text()
     assert re.findall(r"^version: (.+)$", citation, re.M) == [__version__]
 

@@ -30,7 +30,7 @@ def _substeps(value: Any) -> str | int:
         return "automatic"
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
         raise CaseError('"automatic" or a whole number from 1 to 1000 is needed')
-    return value
+    return int(value)
 
 
 def _tolerance(value: Any) -> str | float:

@@ -94,7 +94,9 @@ class Checkpoint:
         """Return type and shape of the whole array; collective."""
         values = saved.values
         if chunked is None:
-            return self._comm.bcast((values.dtype, values.shape))
+            kind: tuple[np.dtype[Any], tuple[int, ...]]
+            kind = self._comm.bcast((values.dtype, values.shape))
+            return kind
         # A rank without rows of its own may know nothing of their shape.
         form = (len(values) > 0, values.shape[1:], values.dtype.str)
         _, row, dtype = self._comm.allreduce(form, MPI.MAX)

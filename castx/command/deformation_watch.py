@@ -104,7 +104,8 @@ class DeformationWatch:
             own = (float(norms[worst]), cells.middles[worst])
         else:
             own = (0.0, np.zeros(snapshot.mesh.parent.geometry.dim))
-        return max(self._comm.allgather(own), key=lambda found: found[0])
+        all_ranks: list[tuple[float, FloatArray]] = self._comm.allgather(own)
+        return max(all_ranks, key=lambda found: found[0])
 
     def _largest(self, snapshot: Snapshot, body: str) -> float:
         """Return the largest displacement of the solid of a body on all ranks [m]."""

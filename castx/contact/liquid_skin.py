@@ -91,7 +91,7 @@ class LiquidSkin:
             touched = (side.get(self._values) > 0.0) & (side.weights > 0.0)
             solid[side.rows] &= touched.any(axis=1)
         self._released |= solid
-        return self._can_hold & ~self._released
+        return np.asarray(self._can_hold & ~self._released)
 
     def pressures(self) -> FloatArray:
         """Return the pressure of the liquid column at all rows [Pa], (rows,); collective.

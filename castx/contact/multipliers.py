@@ -84,7 +84,8 @@ class MultiplierUnknowns:
         """Return B v of owned unknowns x, in the units of `scales`, shape (pairs,)."""
         self._v.array[:] = x[: self.bodies.size_local]
         self.B.mult(self._v, self._pressures)
-        return self._pressures.array_r
+        changes: FloatArray = self._pressures.array_r
+        return changes
 
     def extended(self, v: FloatArray) -> FloatArray:
         """Return v with zero pressures behind it."""

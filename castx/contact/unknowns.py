@@ -49,7 +49,8 @@ class TransformedUnknowns:
     def residual(self, x: PETSc.Vec, r: PETSc.Vec) -> FloatArray:
         """Return the owned rows of Pᵀr."""
         self._P.multTranspose(r, self._rows)
-        return self._rows.array_r.copy()
+        rows: FloatArray = self._rows.array_r.copy()
+        return rows
 
     def extended(self, v: FloatArray) -> FloatArray:
         """Return v: there are no other unknowns."""

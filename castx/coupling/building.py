@@ -25,7 +25,8 @@ from castx.domain.measures import nodal_sum, nodal_volumes
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import initial_gap
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError, MeshError
 from castx.heat.body import HeatBody
 from castx.heat.building import heat_exchange, heat_tolerance, initial_state, surface_heats

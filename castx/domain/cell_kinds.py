@@ -81,7 +81,7 @@ class CellKind:
             points: in the reference cell, (points, dimension).
         """
         slopes = self.shape_functions(points)[1]
-        return np.einsum("cai,pak->cpik", corners, slopes)
+        return np.asarray(np.einsum("cai,pak->cpik", corners, slopes))
 
     def corner_volumes(self, corners: FloatArray) -> FloatArray:
         """Return det(∂x/∂ξ) at the corners of cells, at one point where it is constant.

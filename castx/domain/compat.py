@@ -142,4 +142,5 @@ def _parents(submesh: Mesh, dim: int, entity_map: Any) -> IntArray:
         return entity_map
     index_map = submesh.topology.index_map(dim)
     entities = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-    return entity_map.sub_topology_to_topology(entities, False)
+    parents: IntArray = entity_map.sub_topology_to_topology(entities, False)
+    return parents

@@ -55,7 +55,8 @@ def partition(midpoints: FloatArray, bodies: LongArray, across: LongArray, parts
 
 def _clusters(facing: LongArray, cells: int) -> LongArray:
     graph = coo_array((np.ones(len(facing), dtype=np.int8), tuple(facing.T)), shape=(cells, cells))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    numbers: LongArray = connected_components(graph, directed=False)[1].astype(np.int64)
+    return numbers
 
 
 def _best_half(

@@ -60,7 +60,7 @@ def normal_deviation(nominal: FloatArray, fitted: FloatArray, normals: FloatArra
         fitted: x without the rigid motion, of the same shape [m].
         normals: n of length 1, of the same shape.
     """
-    return np.einsum("ij,ij->i", fitted - nominal, normals)
+    return np.asarray(np.einsum("ij,ij->i", fitted - nominal, normals))
 
 
 def allowance(nominal: FloatArray, places: FloatArray) -> FloatArray:

@@ -85,7 +85,8 @@ class FreezingPath:
         pieces = self.law.pieces(self.solidus, self.liquidus)
         inside = [piece.start + (piece.end - piece.start) * shares for piece in pieces]
         ends = [[piece.end] for piece in pieces]
-        return np.unique(np.concatenate([[self.solidus, self.liquidus], *inside, *ends]))
+        bounds = [self.solidus, self.liquidus]
+        return np.asarray(np.unique(np.concatenate([bounds, *inside, *ends])))
 
     def between(self, low: FloatArray, high: FloatArray, weight: Weight) -> FloatArray:
         """Return ∫ w(f) dT of intervals (n,) on which f is smooth, by Gauss's rule of 5 points."""

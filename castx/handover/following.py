@@ -94,4 +94,5 @@ def _measure(corners: FloatArray, plane: bool) -> FloatArray:
     if plane:
         return np.asarray(np.cross(edges[:, 0], edges[:, -1])[:, 2])
     side, last = (2, 3) if corners.shape[1] == 8 else (1, 2)
-    return np.einsum("ci,ci->c", np.cross(edges[:, 0], edges[:, side]), edges[:, last])
+    area = np.cross(edges[:, 0], edges[:, side])
+    return np.asarray(np.einsum("ci,ci->c", area, edges[:, last]))

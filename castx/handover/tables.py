@@ -10,9 +10,9 @@ import pyvista
 
 from castx.arrays import FloatArray
 from castx.errors import CaseError
-from castx.foundry.followed.foundry_fields import PASSING
 from castx.handover.body_state import BodyState
 from castx.handover.text import write_lines
+from castx.results.states.quantities import PASSING
 
 LIQUIDUS, SOLIDUS = f"{PASSING}0.0", f"{PASSING}1.0"
 NODAL = {

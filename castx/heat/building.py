@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 from mpi4py import MPI
 
 import numpy as np
+import numpy.typing as npt
 
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
@@ -108,7 +109,7 @@ def heat_exchange(
 
 def _parts_of_pairs(
     interface: Interface, heat: InterfaceHeat, pairs: NodePairs, mesh: CastingMesh
-) -> np.ndarray:
+) -> npt.NDArray[np.intp]:
     """Return for each pair 0, or the number of its patch counted from 1."""
     part_of = np.zeros(len(pairs.areas), dtype=np.intp)
     for index, patch in reversed(list(enumerate(heat.patches))):

@@ -167,7 +167,7 @@ class PairExchange:
 
     def solid_slope(self) -> FloatArray:
         """Return the derivative of the heat over the solid fraction, shape (pairs,) [W]."""
-        return self._slopes()[SOLID]
+        return np.asarray(self._slopes()[SOLID])
 
     def derivatives(self, temperature_slope: PETSc.Vec) -> FloatArray:
         """Return the derivatives of the balances of all nodes of a pair over their unknowns.

@@ -130,7 +130,7 @@ def _common_knots(curves: Sequence[EnthalpyCurve]) -> FloatArray:
 def _plateaus(curve: EnthalpyCurve) -> FloatArray:
     """Return the temperatures at which a material melts isothermally."""
     T = curve.temperatures
-    return T[:-1][T[1:] == T[:-1]]
+    return np.asarray(T[:-1][T[1:] == T[:-1]])
 
 
 class NodeGroups:

@@ -195,7 +195,7 @@ class HeatProblem:
             part = self._layout.local_slice(number)
             change = np.abs(body.owned_temperature - body.curve.temperature(self._committed[part]))
             largest = max(largest, change[~self._unknowns.prescribed[part]].max(initial=0.0))
-        return max(self._comm.allgather(float(largest)))
+        return float(max(self._comm.allgather(float(largest))))
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states at the trial temperatures [W/m²/K].

@@ -90,7 +90,8 @@ class EnthalpyCurve:
     def _cell(self, knots: FloatArray, values: Any) -> npt.NDArray[np.intp]:
         """Return the number of the knot at which the cell of each value starts."""
         start = np.searchsorted(knots, values, side="right") - 1
-        return np.clip(start, 0, knots.size - 2)
+        cells: npt.NDArray[np.intp] = np.clip(start, 0, knots.size - 2)
+        return cells
 
     def _slope(self, knots: FloatArray, start: npt.NDArray[np.intp]) -> FloatArray:
         """Return the derivative over H of a quantity in the cells."""

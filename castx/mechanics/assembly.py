@@ -80,7 +80,7 @@ class BodyAssembly:
         state = self.layout.comm.allreduce(local, op=MPI.MAX)
         if state == FAILED:
             raise ConvergenceError(next(filter(None, self.layout.comm.allgather(failure))))
-        return state > 0
+        return bool(state > 0)
 
     @booked_as(RunPart.ASSEMBLY)
     def matrix(self) -> PETSc.Mat:

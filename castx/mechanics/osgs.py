@@ -91,7 +91,7 @@ class OrthogonalProjection:
         mirrored = self._mirrored
         projected[mirrored] = np.einsum("nij,nj->ni", self._in_planes, projected[mirrored])
         self._gradient.multTranspose(self._projected, self._force)
-        return self._scale**2 * self._force.array
+        return np.asarray(self._scale**2 * self._force.array)
 
 
 def _tangential(

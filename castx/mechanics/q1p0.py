@@ -267,7 +267,8 @@ class MeanDilatation:
         """Return the forces of other pressures of the cells [Pa], shape (cells,); collective."""
         self._cell_values.array[:] = pressure[: self._owned]
         self._matrix.multTranspose(self._cell_values, self._forces)
-        return self._forces.array_r.copy()
+        forces: FloatArray = self._forces.array_r.copy()
+        return forces
 
     def add_tangent(self, A: PETSc.Mat) -> None:
         """Add the derivative of `forces` to a matrix that has its entries."""

@@ -230,7 +230,7 @@ def _pixels(plotter: pyvista.Plotter, shown: FloatArray, places: FloatArray) -> 
     width, height = plotter.window_size
     scale = 0.5 * height / plotter.camera.parallel_scale
     middle = 0.5 * (shown.min(axis=0) + shown.max(axis=0))
-    return np.array([width, height]) / 2.0 + (places - middle) * [scale, -scale]
+    return np.asarray(np.array([width, height]) / 2.0 + (places - middle) * [scale, -scale])
 
 
 def _window(places: FloatArray) -> list[int]:
@@ -263,11 +263,14 @@ def _polygons(corners: FloatArray) -> pyvista.PolyData:
     numbers = np.arange(facets * count).reshape(-1, count)
     listed = np.column_stack([np.full(facets, count), numbers]).ravel()
     points = corners.reshape(-1, 3)
+    polygons: pyvista.PolyData
     if count == 2:
-        return pyvista.PolyData(points, lines=listed).clean()
+        polygons = pyvista.PolyData(points, lines=listed).clean()
+        return polygons
     # Facets come in both directions of turning, between which an edge would be seen.
-    found = pyvista.PolyData(points, faces=listed).clean()
-    return found.compute_normals(point_normals=False, consistent_normals=True)
+    polygons = pyvista.PolyData(points, faces=listed).clean()
+    polygons = polygons.compute_normals(point_normals=False, consistent_normals=True)
+    return polygons
 
 
 def _aim(

@@ -246,16 +246,18 @@ def add_lines(plotter: pyvista.Plotter, lines: pyvista.PolyData, colour: str, wi
 
 def outline(surface: pyvista.PolyData) -> pyvista.PolyData:
     """Return the boundary and the sharp edges of a surface."""
-    return surface.extract_feature_edges(
+    edges: pyvista.PolyData = surface.extract_feature_edges(
         feature_angle=40.0, manifold_edges=False, non_manifold_edges=False
     )
+    return edges
 
 
 def deformed(grid: pyvista.UnstructuredGrid, factor: float) -> pyvista.UnstructuredGrid:
     """Return a body with its displacements times a factor added to its points."""
     if factor == 0.0 or "displacement" not in grid.point_data:
         return grid
-    return grid.warp_by_vector("displacement", factor=factor)
+    moved: pyvista.UnstructuredGrid = grid.warp_by_vector("displacement", factor=factor)
+    return moved
 
 
 def exaggeration(view: View, grids: Mapping[str, pyvista.UnstructuredGrid]) -> float:

@@ -162,4 +162,5 @@ def interpolation_weights(kind: CellKind, corners: FloatArray, point: FloatArray
         place = place + change
         if np.abs(change).max() < SMALLEST_CHANGE:
             break
-    return kind.shape_functions(place)[0][0]
+    weights: FloatArray = kind.shape_functions(place)[0][0]
+    return weights

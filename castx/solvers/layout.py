@@ -51,7 +51,9 @@ class Layout:
         self.size_global = int(unknowns.sum())
         self.offsets = tuple(int(o) for o in np.cumsum(self._sizes) - self._sizes)
 
-    def dofs(self, body: int, nodes: ArrayLike, component: int | NDArray = 0) -> IntArray:
+    def dofs(
+        self, body: int, nodes: ArrayLike, component: int | NDArray[np.integer] = 0
+    ) -> IntArray:
         """Return the global numbers of one unknown of nodes, whichever rank owns them, shape (n,).
 
         Args:
@@ -63,7 +65,8 @@ class Layout:
         first = self._first_nodes[:, body]
         owner = np.searchsorted(first, nodes, side="right") - 1
         within = (nodes - first[owner]) * self.block_sizes[body] + component
-        return (self._starts[owner, body] + within).astype(np.int32)
+        numbers: IntArray = (self._starts[owner, body] + within).astype(np.int32)
+        return numbers
 
     def local_slice(self, body: int) -> slice:
         """Return where the unknowns of a body lie among those of this rank."""

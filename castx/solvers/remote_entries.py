@@ -29,7 +29,8 @@ class RemoteEntries:
     def get(self, vector: PETSc.Vec) -> FloatArray:
         """Return the entries of a vector, shape (entries,)."""
         self._scatter.scatter(vector, self._local, PETSc.InsertMode.INSERT)
-        return self._local.array_r.copy()
+        values: FloatArray = self._local.array_r.copy()
+        return values
 
     def put(self, values: FloatArray, vector: PETSc.Vec) -> None:
         """Set the entries of a vector to values, shape (entries,)."""

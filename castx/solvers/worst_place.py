@@ -49,4 +49,5 @@ def worst_place(comm: MPI.Intracomm, parts: Sequence[Part], unit: str) -> str:
             if not np.isfinite(size):
                 amount = "a residual is not a number"
             text = f"{amount} in {part.name} at ({place}) m"
-    return max(comm.allgather((size, text)))[1]
+    worst_of_all: tuple[float, str] = max(comm.allgather((size, text)))
+    return worst_of_all[1]

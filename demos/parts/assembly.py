@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 import gmsh
 import numpy as np
+import numpy.typing as npt
 
 from demos.parts.solids import Point, quiet, within
 from demos.parts.step_names import with_names
@@ -147,7 +148,7 @@ def _order_of(step: Path, assembly: Assembly) -> list[str]:
     return [names[place] for place in places]
 
 
-def _measures(solid: int) -> np.ndarray:
+def _measures(solid: int) -> npt.NDArray[np.float64]:
     """Return the edge of a cube of the same volume, and the centre of mass."""
     volume = gmsh.model.occ.getMass(3, solid)
     return np.array([np.cbrt(volume), *gmsh.model.occ.getCenterOfMass(3, solid)])

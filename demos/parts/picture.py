@@ -37,7 +37,7 @@ def draw(
             lines = away.extract_feature_edges(25, boundary_edges=False)
             plotter.add_mesh(lines, color="black", line_width=1.2)
         plotter.camera_position = [view, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
-        plotter.reset_camera()  # type: ignore[call-arg]
+        plotter.reset_camera()
         plotter.enable_anti_aliasing("ssaa")
         plotter.screenshot(file)
         plotter.close()

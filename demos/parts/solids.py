@@ -12,6 +12,7 @@ from math import tau
 
 import gmsh
 import numpy as np
+import numpy.typing as npt
 
 Point = tuple[float, float, float]
 FLAT = (0.0, 0.0, 0.0)
@@ -47,22 +48,22 @@ def quiet() -> Iterator[None]:
 def box(low: Point, high: Point) -> int:
     """Return the box between two corners."""
     size = (end - start for start, end in zip(low, high, strict=True))
-    return gmsh.model.occ.addBox(*low, *size)
+    return int(gmsh.model.occ.addBox(*low, *size))
 
 
 def cylinder(foot: Point, axis: Point, radius: float) -> int:
     """Return a cylinder from the middle of its foot along an axis."""
-    return gmsh.model.occ.addCylinder(*foot, *axis, radius)
+    return int(gmsh.model.occ.addCylinder(*foot, *axis, radius))
 
 
 def cone(foot: Point, axis: Point, radii: tuple[float, float]) -> int:
     """Return a frustum from the middle of its foot, with the radii there and at its end."""
-    return gmsh.model.occ.addCone(*foot, *axis, *radii)
+    return int(gmsh.model.occ.addCone(*foot, *axis, *radii))
 
 
 def torus(middle: Point, ring: float, radius: float) -> int:
     """Return a ring about the direction z, whose section has a radius."""
-    return gmsh.model.occ.addTorus(*middle, ring, radius)
+    return int(gmsh.model.occ.addTorus(*middle, ring, radius))
 
 
 def face(points: Sequence[Point]) -> int:
@@ -70,20 +71,20 @@ def face(points: Sequence[Point]) -> int:
     occ = gmsh.model.occ
     corners = [occ.addPoint(*point) for point in points]
     lines = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
-    return occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    return int(occ.addPlaneSurface([occ.addCurveLoop(lines)]))
 
 
 def prism(points: Sequence[Point], along: Point) -> int:
     """Return the solid that a polygon passes over as it moves."""
     swept = gmsh.model.occ.extrude([(2, face(points))], *along)
-    return next(tag for dimension, tag in swept if dimension == 3)
+    return next(int(tag) for dimension, tag in swept if dimension == 3)
 
 
 def turned(profile: Sequence[tuple[float, float]]) -> int:
     """Return the solid of a polygon in (r, z) turned about the axis z."""
     points = [(r, 0.0, z) for r, z in profile]
     swept = gmsh.model.occ.revolve([(2, face(points))], *FLAT, 0.0, 0.0, 1.0, tau)
-    return next(tag for dimension, tag in swept if dimension == 3)
+    return next(int(tag) for dimension, tag in swept if dimension == 3)
 
 
 def fused(first: int, *others: int) -> int:
@@ -148,7 +149,7 @@ def on_cylinder(curves: Sequence[int], radius: float) -> list[int]:
     return [tag for tag in curves if np.abs(radii_along(tag) - radius).max() < 1e-3]
 
 
-def radii_along(curve: int) -> np.ndarray:
+def radii_along(curve: int) -> npt.NDArray[np.float64]:
     """Return the distances from the axis z of some points of a curve."""
     low, high = gmsh.model.getParametrizationBounds(1, curve)
     places = np.linspace(low[0], high[0], 5)

@@ -36,7 +36,7 @@ def execute(name: str) -> Notebook:
     Args:
         name: file name under demos/.
     """
-    notebook = jupytext.read(DEMOS / name)
+    notebook: Notebook = jupytext.read(DEMOS / name)
     place = {"metadata": {"path": str(DEMOS)}}
     nbclient.NotebookClient(
         notebook, timeout=SECONDS, kernel_name="python3", resources=place

@@ -27,7 +27,8 @@ from typing import Any
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from castx.errors import ConvergenceError
+from castx.proof.verification.coupled.expanding_bars import Bars
 from tests.coupled_cases import cylinder, merged, simulation
-from tests.verification.test_v19_bars import Bars, case
+from tests.verification.test_v19_bars import case
 
 pytestmark = pytest.mark.sampled
 

@@ -32,7 +32,7 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
-from castx.equilibrium.equilibrium import EquilibriumReport
+from castx.equilibrium.newton import EquilibriumReport
 from castx.mechanics.constitutive import response
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.constitutive.response import SMALLEST_SECANT

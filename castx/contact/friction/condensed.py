@@ -75,7 +75,8 @@ class CondensedFriction:
 
     def _limits(self, forces: FloatArray) -> FloatArray:
         """Return the largest forces along the surface [N]."""
-        return self._sliding.coefficient * np.maximum(forces[self._sliding.rows], 0.0)
+        normal = np.maximum(forces[self._sliding.rows], 0.0)
+        return np.asarray(self._sliding.coefficient * normal)
 
     def impose(self, iterate: PairIterate, forces: FloatArray, rows: ConstrainedRows) -> None:
         """Constrain the motions that stick, and let slipping pairs bear their friction."""

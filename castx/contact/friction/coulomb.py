@@ -8,6 +8,7 @@ Mechanics, 2nd ed. 2006, chapter 5).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,9 @@ from castx.contact.kinematics.gaps import Gaps
 def unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
     """Return vectors over their lengths, and others where they vanish, shape (n, dimension)."""
     size = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, size, out=otherwise.copy(), where=size > 0)
+    directions = otherwise.copy()
+    np.divide(vectors, size, out=directions, where=size > 0)
+    return directions
 
 
 def forward(vectors: FloatArray, before: FloatArray) -> FloatArray:
@@ -57,7 +60,8 @@ class SlidingRows:
 
     def primary_motion(self) -> FloatArray:
         """Return the motion of rigid primary bodies along the tangents [m]."""
-        return np.einsum("nkd,nd->nk", self.tangents, self._gaps.primary_motion[self.rows])
+        motion = self._gaps.primary_motion[self.rows]
+        return np.asarray(np.einsum("nkd,nd->nk", self.tangents, motion))
 
     def vectors(self, tractions: FloatArray) -> FloatArray:
         """Return forces along the tangents (n, dimension - 1) as vectors of all rows [N]."""
@@ -66,7 +70,7 @@ class SlidingRows:
         return found
 
 
-def _of_all(gaps: Gaps, name: str) -> npt.NDArray:
+def _of_all(gaps: Gaps, name: str) -> npt.NDArray[Any]:
     """Return an array of all rows; tied ones have no tangents and get zeros or -1."""
     parts = []
     width = max(getattr(i, name).shape[1] for i in gaps.interfaces)

@@ -34,7 +34,7 @@ class BasisMatrices:
         self._duals = [self._fill_frames(b) for b in range(len(self._rows))]
 
     def _first(self, b: int) -> int:
-        return self._layout.first + self._layout.local_slice(b).start
+        return self._layout.first + int(self._layout.local_slice(b).start)
 
     def _fill_frames(self, b: int) -> FloatArray:
         """Fill the frames of the nodes of a body; return their dual bases as columns."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -159,5 +160,7 @@ def fill_directions(
             B.setValues(row, numbers, entries)
 
 
-def _joined(parts: Sequence[npt.NDArray], dtype: npt.DTypeLike = np.float64) -> npt.NDArray:
+def _joined(
+    parts: Sequence[npt.NDArray[Any]], dtype: npt.DTypeLike = np.float64
+) -> npt.NDArray[Any]:
     return np.concatenate([np.zeros(0, dtype=dtype), *parts])

@@ -13,7 +13,7 @@ from castx.solvers.layout import Layout
 def owned_nodes(layout: Layout, b: int) -> int:
     """Return the number of nodes of a body that this rank owns."""
     part = layout.local_slice(b)
-    return (part.stop - part.start) // layout.block_sizes[b]
+    return int(part.stop - part.start) // layout.block_sizes[b]
 
 
 @dataclass

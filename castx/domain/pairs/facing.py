@@ -84,7 +84,7 @@ def _opposite(points: FloatArray, found: ClosestPoints, facets: SurfaceFacets) -
     beside = offset - np.sum(offset * normal, axis=1, keepdims=True) * normal
     size = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)
     far = np.linalg.norm(beside, axis=1) > OVERHANG * size
-    return ~(far & _at_edge(found, facets))
+    return np.asarray(~(far & _at_edge(found, facets)))
 
 
 def _at_edge(found: ClosestPoints, facets: SurfaceFacets) -> BoolArray:

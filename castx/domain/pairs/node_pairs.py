@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from dolfinx import la
-from numpy.typing import NDArray
 
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.domain.measures import nodal_area_vectors, nodal_areas
@@ -177,7 +176,7 @@ def _nodes_at_vertices(mesh: CastingMesh, body: BodyMesh) -> LongArray:
 
 
 def _check_normals(
-    mesh: CastingMesh, body: BodyMesh, local: NDArray, bad: BoolArray
+    mesh: CastingMesh, body: BodyMesh, local: IntArray, bad: BoolArray
 ) -> None:
     points = mesh.comm.allgather(body.points[local[bad]])
     found = np.concatenate(points)

@@ -80,7 +80,9 @@ class FirstContact:
             for gap in (0.0, -1.0)
         )
         resistance = through - apart
-        return np.divide(force, resistance, out=np.full(pairs, np.inf), where=resistance > 0)
+        ratios = np.full(pairs, np.inf)
+        np.divide(force, resistance, out=ratios, where=resistance > 0)
+        return ratios
 
 
 def share_until_contact(

@@ -83,11 +83,12 @@ class ControlVolumes:
             parts: cell and corner of each part.
             values: at their points, (parts, points).
         """
-        return self.at_nodes(parts, (self.volumes[parts] * values).sum(axis=1)) / self._total
+        sums = (self.volumes[parts] * values).sum(axis=1)
+        return np.asarray(self.at_nodes(parts, sums) / self._total)
 
     def means(self, parts: tuple[LongArray, LongArray], values: FloatArray) -> FloatArray:
         """Return means over control volumes, (nodes,), arguments as for `shares`; collective."""
-        return self.added([self.shares(parts, values)])[0]
+        return np.asarray(self.added([self.shares(parts, values)])[0])
 
 
 def corner_points(kind: basix.CellType) -> tuple[FloatArray, FloatArray]:

@@ -213,7 +213,9 @@ class Excess:
                     values = np.where(counted, sizes * terms, 0.0).sum(axis=1)
                     sums.append(self._volumes.at_nodes(of.index, values))
         products, squares = self._volumes.added(sums).reshape(len(parts), 2, 2, -1).swapaxes(0, 2)
-        return np.divide(products, squares, out=np.zeros_like(products), where=squares > 0.0)
+        slopes: FloatArray = np.zeros_like(products)
+        np.divide(products, squares, out=slopes, where=squares > 0.0)
+        return slopes
 
 
 class Front:
@@ -379,7 +381,9 @@ class Front:
                      for values in (weights * steep, weights)]  # fmt: skip
         added = self._volumes.added(sums)
         total, counted = added[::2].sum(axis=0), added[1::2].sum(axis=0)
-        return np.divide(total, counted, out=np.full_like(total, np.nan), where=frozen)
+        means: FloatArray = np.full_like(total, np.nan)
+        np.divide(total, counted, out=means, where=frozen)
+        return means
 
 
 def seen_from_solid(

@@ -45,7 +45,7 @@ class Window:
         low, high = np.minimum(start, end), np.maximum(start, end)
         inside = np.clip(high, self.end, self.begin) - np.clip(low, self.end, self.begin)
         resting = ((start >= self.end) & (start < self.begin)).astype(np.float64)
-        return np.divide(inside, high - low, out=resting, where=high > low)
+        return np.asarray(np.divide(inside, high - low, out=resting, where=high > low))
 
     def enters(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Return whether nodes come from the liquid into the range, or through it, (nodes,)."""

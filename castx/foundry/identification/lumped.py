@@ -35,7 +35,7 @@ class LumpedCooling:
         return self.ambient + (self.start - self.ambient) * self._left(time)
 
     def _left(self, time: FloatArray) -> FloatArray:
-        return np.exp(-self.coefficient * np.asarray(time) / self.capacity)
+        return np.asarray(np.exp(-self.coefficient * np.asarray(time) / self.capacity))
 
     def sensitivity(self, time: FloatArray) -> FloatArray:
         """Return changes by ln h and by T_0 [K and 1], (times, 2)."""

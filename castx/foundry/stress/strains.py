@@ -157,8 +157,9 @@ class BodyStrains:
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()
         total = sums[:, -1:]
-        return np.divide(sums[:, :-1], total, out=np.zeros((len(sums), count - 1)),
-                         where=total > 0.0)  # fmt: skip
+        means = np.zeros((len(sums), count - 1))
+        np.divide(sums[:, :-1], total, out=means, where=total > 0.0)
+        return means
 
     def _gained(self, until: float) -> tuple[FloatArray, FloatArray]:
         """Return strain (nodes, 7) and time [s] of a range, not a number if it is not passed."""

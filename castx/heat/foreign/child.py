@@ -104,12 +104,11 @@ def read_vtu(path: Path) -> vtkUnstructuredGrid:
 
     faults: list[str] = []
 
-    @calldata_type(VTK_STRING)
     def note(_: Any, __: str, text: str) -> None:
         faults.append(text)
 
     reader = vtkXMLUnstructuredGridReader()
-    reader.AddObserver("ErrorEvent", note)
+    reader.AddObserver("ErrorEvent", calldata_type(VTK_STRING)(note))
     reader.SetFileName(str(path))
     reader.Update()
     if faults or reader.GetErrorCode():
@@ -229,7 +228,7 @@ def dimension_of(kind: int) -> int:
     """Return the dimension of cells of a kind."""
     cell = vtkGenericCell()
     cell.SetCellType(kind)
-    return cell.GetCellDimension()
+    return int(cell.GetCellDimension())
 
 
 def check_cells(grid: vtkUnstructuredGrid) -> None:

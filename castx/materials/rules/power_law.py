@@ -56,7 +56,7 @@ class PowerLaw:
 
     def logarithm(self, stress: FloatArray) -> FloatArray:
         """Return ln Δγ of the increment with V(Δγ) = stress, shape (points,)."""
-        return -(np.log(self.resistance) - np.log(stress)) / self.power
+        return np.asarray(-(np.log(self.resistance) - np.log(stress)) / self.power)
 
     def logarithm_of_half(self) -> FloatArray:
         """Return ln Δγ of the increment with V(Δγ) = 1/2, shape (points,)."""

@@ -64,7 +64,8 @@ class IntegrationPoints:
         return self.cells * self.per_cell
 
     def _cell_type(self) -> basix.CellType:
-        return getattr(basix.CellType, self._kind.name)
+        kind: basix.CellType = getattr(basix.CellType, self._kind.name)
+        return kind
 
     def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
         element = basix.ufl.quadrature_element(

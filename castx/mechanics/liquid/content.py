@@ -160,7 +160,8 @@ class Content:
     def _totals(self, *values: FloatArray) -> FloatArray:
         owned = len(self._volumes)
         mine = np.array([self._volumes @ each[:owned] for each in values])
-        return self._comm.allreduce(mine, op=MPI.SUM)
+        totals: FloatArray = self._comm.allreduce(mine, op=MPI.SUM)
+        return totals
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state and the booked volumes."""

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.solvers.inner.entries import diagonal
 
 STIFF = 30.0
@@ -71,9 +71,9 @@ class StiffPart:
         self._right, self._solution = block.createVecRight(), block.createVecRight()
         self._items = [rows, block, ksp, self._right, self._solution]
 
-    def _stiff(self, part: np.ndarray, size: int, of_unknowns: FloatArray) -> np.ndarray:
+    def _stiff(self, part: IntArray, size: int, of_unknowns: FloatArray) -> IntArray:
         """Return the owned unknowns of the stiff nodes of a body, none if they are too many."""
-        numbers = part.reshape(-1, size)
+        numbers: IntArray = part.reshape(-1, size)
         # Diagonals of pressures are negative.
         stiffness = of_unknowns[numbers].max(axis=1, initial=0.0)
         softest = float(np.where(stiffness > 0, stiffness, np.inf).min(initial=np.inf))
@@ -82,7 +82,8 @@ class StiffPart:
         count, all_of_body = self._comm.allreduce(counts, op=MPI.SUM)
         if count > max(CHEAP, min(LARGEST_SHARE * all_of_body, MOST)):
             stiff[:] = False
-        return numbers[stiff].ravel()
+        found: IntArray = numbers[stiff].ravel()
+        return found
 
     @property
     def exists(self) -> bool:

@@ -12,7 +12,7 @@ from castx.report import browser_scene as module
 from castx.report.browser_scene import reduced, scene, shown_range, shown_times
 from castx.report.packing import LEVELS, unpacked
 from castx.report.topics import Topic
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 
 pytestmark = pytest.mark.serial
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from castx.report.moments import moments
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 
 pytestmark = pytest.mark.serial
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from castx.process.simulation import Simulation
 from castx.transfer.conductance import PRIMARY, SECONDARY, Faces
 from castx.transfer.pair_state import PairState
 from castx.transfer.user_law import UserLaw
-from tests.coupled_cases import Path, cylinder, merged
+from tests.coupled_cases import cylinder, merged
 
 
 def limited(gap, pressure, hot, cold, time):

@@ -88,7 +88,7 @@ class ChilledAlloy:
         """Return Ny*."""
         interval = self.half_space.liquidus - self.half_space.solidus
         feeding = self.depression / (self.viscosity * self.contraction * interval)
-        return self.arm_spacing(x) * self.half_space.niyama(AT) * np.sqrt(feeding)
+        return np.asarray(self.arm_spacing(x) * self.half_space.niyama(AT) * np.sqrt(feeding))
 
     def pore_fraction(self, x: FloatArray) -> FloatArray:
         """Return the volume of pores over the volume of solid."""

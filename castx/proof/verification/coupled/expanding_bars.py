@@ -89,7 +89,7 @@ class Bars:
         h = self.closed + self.slope * Tc
         if gap > 0:
             h = min(h, self.gas / gap) if self.law == "limited" else 1 / (1 / h + gap / self.gas)
-        return h + (p / self.hardness) ** self.exponent / self.contact_resistance
+        return float(h + (p / self.hardness) ** self.exponent / self.contact_resistance)
 
     @property
     def contact_resistance(self) -> float:
@@ -97,7 +97,7 @@ class Bars:
         if self.roughness is None:
             return self.resistance
         depth = 0.5 * (self.roughness[0] ** 2 + self.roughness[1] ** 2) ** 0.5
-        return depth / self.gas + self.coating[0] / self.coating[1]
+        return float(depth / self.gas + self.coating[0] / self.coating[1])
 
     def _radiation(self, Tc: float, Tm: float) -> float:
         if self.emissivities is None:
@@ -106,7 +106,7 @@ class Bars:
         fourth = (Tc + 273.15) ** 4 - (Tm + 273.15) ** 4
         return 5.670374419e-8 * fourth / (1 / e1 + 1 / e2 - 1)
 
-    def heat(self) -> dict:
+    def heat(self) -> dict[str, Any]:
         """Return the law as a case describes it."""
         pressure = {"hardness": self.hardness, "exponent": self.exponent}
         heat = {"law": self.law, "closed": self.closed, "gas_conductivity": self.gas,

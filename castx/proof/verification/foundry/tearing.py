@@ -131,7 +131,7 @@ class Scheil:
     def clyne_davies(self) -> float:
         """CSC by temperatures."""
         late, middle, early = (liquid ** (self.partition - 1) for liquid in (0.01, 0.1, 0.6))
-        return (late - middle) / (middle - early)
+        return float((late - middle) / (middle - early))
 
 
 ALLOYS = (Scheil(0.13, 1.0), Scheil(0.17, 1.0))

@@ -116,7 +116,7 @@ class FreezingRange:
     def temperature(self, x: FloatArray, time: float) -> FloatArray:
         """Return the temperature at distances x from the wall [°C]."""
         eta = np.minimum(np.asarray(x) / np.sqrt(time), FARTHEST)
-        temperature = np.empty_like(eta)
+        temperature: FloatArray = np.empty_like(eta)
         for part in reversed(self.parts):
             inside = eta <= part.t[-1]
             if inside.any():

@@ -70,7 +70,8 @@ class Hollow:
     def pressure(self, front: float) -> float:
         """Return p for a plastic radius."""
         d, ratio = self.dimension, (front / self.outer) ** self.dimension
-        return self._difference * ((d - 1) * np.log(front / self.inner) + (d - 1) / d * (1 - ratio))
+        plastic, elastic = (d - 1) * np.log(front / self.inner), (d - 1) / d * (1 - ratio)
+        return float(self._difference * (plastic + elastic))
 
     @property
     def first_yield(self) -> float:

@@ -26,7 +26,8 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.case.geometry import Geometry
 from castx.domain.mesh import build_mesh
-from castx.equilibrium.problem import MechanicalProblem, MechanicsSettings
+from castx.equilibrium.building import MechanicsSettings
+from castx.equilibrium.problem import MechanicalProblem
 from castx.forms.kinematics import deviator, strain
 from castx.materials.description import MaterialDescription
 from castx.materials.material import Material

@@ -21,7 +21,7 @@ from castx.report.page.charts import (
     run_sections,
     solidification,
 )
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 
 pytestmark = pytest.mark.serial
 

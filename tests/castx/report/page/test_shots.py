@@ -22,7 +22,7 @@ from castx.report.page.shots import (
 )
 from castx.report.pictures import View
 from castx.report.summary.finding import Finding, Shown
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 
 pytestmark = pytest.mark.serial
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pyvista
 
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 
 TIME = np.array([0.0, 1.0, 2.0, 3.0])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from castx.report.summary.freezing import LAST_LIQUID, STILL_LIQUID, earlier, freezing
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 from tests.castx.report.summary.fake_run import TIME, run
 
 pytestmark = pytest.mark.serial

@@ -5,7 +5,7 @@ import pytest
 
 from castx.errors import CaseError
 from castx.report.summary.gaps import gaps
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 from tests.castx.report.summary.fake_run import TIME, run
 
 pytestmark = pytest.mark.serial

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from castx.report.summary.rows import further_rows, numeric_rows, steps_text
-from castx.results.reading import Columns
+from castx.results.files.run_tables import Columns
 from tests.castx.report.summary.fake_run import TIME, run
 
 pytestmark = pytest.mark.serial
