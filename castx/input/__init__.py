@@ -4,5 +4,5 @@ Public: `units.Dimension`, `units.number`, `entries.Description`, `entries.Quant
 `entries.Tabulated`, `entries.Choice`, `entries.Whole`, `entries.Name`, `variation.Variation`,
 `variation.Varying`, `problems.Problem`, `problems.Refusal`, `overrides.apply_overrides`,
 `coordinates.coordinate`, `registry.declarations`, `printable.printable`,
-`toml_text.parse_toml`, `sourced.UNKNOWN_SOURCE`.
+`toml_text.parse_toml`, `sourced.UNKNOWN_SOURCE`, `child_process.run_apart`.
 """

@@ -1,4 +1,5 @@
 """From a case file to a checked case.
 
-Public: `read.load_case`, `read.read_case`, `changes.refuse_changes`.
+Public: `read.load_case`, `read.read_case`, `changes.refuse_changes`,
+`changed_keys.ChangedKey`.
 """

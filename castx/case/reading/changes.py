@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from castx.case.reading.changed_keys import CHANGED_KEYS, ChangedKey, with_new_names
 from castx.errors import CaseError
-from castx.input.problems import KeyPath, dotted, show
+from castx.input.problems import KeyPath, Refusal, dotted, show, summary
 
 ALLOWED: tuple[KeyPath, ...] = (
     ("name",),
@@ -24,17 +25,27 @@ ALLOWED: tuple[KeyPath, ...] = (
 ABSENT = object()
 
 
-def refuse_changes(before: Mapping[str, Any], now: Mapping[str, Any], source: str) -> None:
+def refuse_changes(
+    before: Mapping[str, Any],
+    now: Mapping[str, Any],
+    source: str,
+    changed: Sequence[ChangedKey] = CHANGED_KEYS,
+) -> None:
     """Refuse to go on with a case whose model or steps have changed.
 
     Args:
         before: keys and values of the case of the checkpoint.
         now: those of the case.
         source: the checkpoint, for the message.
+        changed: keys with new names, which an earlier version wrote under their old ones.
 
     Raises:
         CaseError: lists the keys that differ and may not.
     """
+    try:
+        before, _ = with_new_names(before, changed)
+    except Refusal as refusal:
+        raise CaseError(summary(source, refusal.problems, before)) from None
     changes = [
         f"{dotted(path)} = {_shown(new)} (it was {_shown(old)})"
         for path, old, new in differences(before, now)

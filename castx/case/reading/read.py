@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from castx.case.case import Case
 from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
+from castx.case.reading.changed_keys import CHANGED_KEYS, ChangedKey, with_new_names
 from castx.case.reading.normals import with_normals
 from castx.case.reading.stages import stage_problems
 from castx.case.reading.written_out import written_out
@@ -16,6 +18,8 @@ from castx.errors import CaseError
 from castx.input.overrides import apply_overrides, shortened
 from castx.input.problems import Refusal, summary
 from castx.input.toml_text import parse_toml, refuse_too_deep
+
+_log = logging.getLogger(__name__)
 
 _LARGEST_FILE = 4_000_000  # bytes
 
@@ -60,22 +64,32 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
     return read_case(changed, path, remark)
 
 
-def read_case(data: Mapping[str, Any], path: Path, remark: str = "") -> Case:
+def read_case(
+    data: Mapping[str, Any],
+    path: Path,
+    remark: str = "",
+    changed: Sequence[ChangedKey] = CHANGED_KEYS,
+) -> Case:
     """Return the case described by keys and values.
 
     Args:
         data: content of a case file.
         path: of the case file; mesh and field files are relative to its folder.
         remark: shown behind the path in messages.
+        changed: keys with new names; an old name is read for one minor version, with a warning.
 
     Raises:
         CaseError: the content cannot be accepted; the message shows all problems found.
     """
+    source = f"{path} {remark}".strip()
     try:
+        data, warnings = with_new_names(data, changed)
         case = Case.read(data)
         _refuse_contradictions(case)
     except Refusal as refusal:
-        raise CaseError(summary(f"{path} {remark}".strip(), refusal.problems, data)) from None
+        raise CaseError(summary(source, refusal.problems, data)) from None
+    for warning in warnings:
+        _log.warning("%s: %s", source, warning)
     return _completed(case, path).with_source(path, written_out(data))
 
 
