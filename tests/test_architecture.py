@@ -22,7 +22,7 @@ ORDER = [
     "forms meshes meshes/cad",
     "input",
     "transfer",
-    "transfer/laws",
+    "transfer/laws transfer/conditions",
     "contact/methods",
     "materials/rules",
     "materials/flow_rules materials/hardening",

@@ -32,19 +32,22 @@ def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleTy
             yield import_module(f"{package}.{entry.name}")
 
 
-def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
+def declarations(
+    package: str, variable: str, kind: type[D], besides: Collection[str] = ()
+) -> dict[str, D]:
     """Return the declarations in the files of a package, by name in alphabetical order.
 
     Args:
         package: full name of the package.
         variable: name of the variable that holds the declaration in each file.
         kind: class of the declarations.
+        besides: names of modules that declare nothing.
 
     Raises:
         TypeError: a file declares nothing, or a name that is not its own.
     """
     found = {}
-    for module in modules_of(package):
+    for module in modules_of(package, besides):
         declared = getattr(module, variable, None)
         if not isinstance(declared, kind):
             raise TypeError(f"{module.__name__} declares no {variable} = {kind.__name__}(...)")

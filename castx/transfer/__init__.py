@@ -1,6 +1,6 @@
 """Heat-transfer coefficient of a node pair as a function of gap, pressure, temperature and time.
 
-`laws` has one file for each law; `database` is interfaces of metal and mould with sources and
+`laws` has one file for each law, `conditions` one for each heat condition of a surface; `database` is interfaces of metal and mould with sources and
 ranges, and `naming` how a case names one.
 
 Public: `conductance.Conductance`, `conductance.ConductionLaw`, `conductance.Faces`,

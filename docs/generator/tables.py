@@ -7,7 +7,7 @@ A table stands in a page between `<!-- table: NAME -->` and `<!-- end of table -
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -18,7 +18,9 @@ from castx.input.sourced import UNKNOWN_SOURCE
 from castx.materials.database import database_entry, database_names
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES, RuleRow, rule_table
 from castx.report.interface_law import heat_transfer_coefficient
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.database import SourcedNumber, interface_entry, interface_names
+from castx.transfer.declaration import HeatKey
 from castx.transfer.registry import law_table
 
 PROJECT = Path(__file__).parents[2]
@@ -56,6 +58,26 @@ def heat_laws() -> str:
 def heat_law_equations() -> str:
     """Return the formulas of all gap heat laws and where they stand."""
     return _equations(law_table(), "castx/transfer/laws")
+
+
+def surface_heat_conditions() -> str:
+    """Return the table of all heat conditions of surfaces."""
+    rows = [
+        (f"`{kind.name}`", f"{kind.formula}<br>{kind.summary}", "<br>".join(_meanings(kind.keys)))
+        for kind in heat_conditions().values()
+    ]
+    return _table(("`type`", "flux q into the body [W/m²], or temperature", "keys"), rows)
+
+
+def _meanings(keys: Iterable[HeatKey[object]]) -> Iterator[str]:
+    for key in keys:
+        default = "" if key.default is None else f" = {key.default:g}"
+        yield f"{_keys([key.text])}{default}: {key.meaning}"
+
+
+def heat_condition_equations() -> str:
+    """Return the formulas of all heat conditions and where they stand."""
+    return _equations(heat_conditions().values(), "castx/transfer/conditions")
 
 
 class _Row(Protocol):
@@ -196,6 +218,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "contact method equations": contact_method_equations,
     "heat laws": heat_laws,
     "heat law equations": heat_law_equations,
+    "heat conditions": surface_heat_conditions,
+    "heat condition equations": heat_condition_equations,
     "flow rules": flow_rules,
     "flow rule equations": flow_rule_equations,
     "hardening rules": hardening_rules,
