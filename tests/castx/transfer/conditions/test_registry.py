@@ -22,8 +22,13 @@ pytestmark = pytest.mark.serial
 CONDITIONS = list(heat_conditions().values())
 FLUXES = [kind for kind in CONDITIONS if kind.flux is not None]
 KEYS = [(kind, key) for kind in CONDITIONS for key in kind.keys]
-NAMED = {"ids": lambda value: value.name}
 TEMPERATURES = np.array([-40.0, 80.0, 300.0, 650.0, 1300.0])
+
+
+def named(value):
+    return value.name
+
+
 
 
 def test_every_file_of_the_room_is_a_condition():
@@ -38,7 +43,7 @@ def test_keys_of_conditions_are_fields_of_the_case():
     assert len(set(key_names())) == len(key_names())
 
 
-@pytest.mark.parametrize("kind", CONDITIONS, **NAMED)
+@pytest.mark.parametrize("kind", CONDITIONS, ids=named)
 def test_a_case_takes_every_condition_with_usual_numbers(kind):
     for choose in (min, max):
         condition = HeatCondition.read(kind.example(choose))
@@ -46,7 +51,7 @@ def test_a_case_takes_every_condition_with_usual_numbers(kind):
         assert set(condition.given.values) == {key.name for key in kind.keys}
 
 
-@pytest.mark.parametrize("kind, key", KEYS, **NAMED)
+@pytest.mark.parametrize("kind, key", KEYS, ids=named)
 def test_every_key_acts(kind, key):
     """Without it the condition is refused; at both ends of its usual range heat differs."""
     case = kind.example()
@@ -62,13 +67,13 @@ def test_every_key_acts(kind, key):
     assert (np.abs(high - low) > 0.01 * np.abs(low)).any()
 
 
-@pytest.mark.parametrize("kind, key", KEYS, **NAMED)
+@pytest.mark.parametrize("kind, key", KEYS, ids=named)
 def test_a_number_has_a_unit_and_refuses_others(kind, key):
     with pytest.raises(CaseError, match=f"{key.name}: 'mol' is not a unit of"):
         HeatCondition.read({**kind.example(), key.name: "3 mol"})
 
 
-@pytest.mark.parametrize("kind", CONDITIONS, **NAMED)
+@pytest.mark.parametrize("kind", CONDITIONS, ids=named)
 def test_keys_of_other_conditions_are_refused(kind):
     for other in CONDITIONS:
         for key in other.keys:
@@ -78,7 +83,7 @@ def test_keys_of_other_conditions_are_refused(kind):
                     HeatCondition.read({**kind.example(), key.name: key.usual[0]})
 
 
-@pytest.mark.parametrize("kind", FLUXES, **NAMED)
+@pytest.mark.parametrize("kind", FLUXES, ids=named)
 def test_slopes_of_fluxes_by_differences(kind):
     law, T, step = flux_law(**kind.example()), TEMPERATURES, 1e-3
     flux, slope = law(2.0, 6.0, T)
@@ -87,7 +92,7 @@ def test_slopes_of_fluxes_by_differences(kind):
     np.testing.assert_allclose(slope, rise, rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FLUXES if AMBIENT in kind.keys], **NAMED)
+@pytest.mark.parametrize("kind", [kind for kind in FLUXES if AMBIENT in kind.keys], ids=named)
 def test_heat_goes_to_the_colder_side_and_faster_the_colder_it_is(kind):
     case = kind.example() | {AMBIENT.name: 300.0}
     flux, slope = flux_law(**case)(0.0, 1.0, np.array([100.0, 299.0, 300.0, 301.0, 900.0]))
@@ -100,7 +105,7 @@ def over_time(key) -> bool:
 
 
 @pytest.mark.parametrize(
-    "kind, key", [(kind, key) for kind, key in KEYS if kind.flux and over_time(key)], **NAMED
+    "kind, key", [(kind, key) for kind, key in KEYS if kind.flux and over_time(key)], ids=named
 )
 def test_what_is_given_over_time_enters_by_its_mean(kind, key):
     """From 2 to 6 s: the mean is the value at 4 s."""
@@ -111,10 +116,10 @@ def test_what_is_given_over_time_enters_by_its_mean(kind, key):
     np.testing.assert_allclose(found, mean, rtol=1e-12)
 
 
-@pytest.mark.parametrize("kind", CONDITIONS, **NAMED)
+@pytest.mark.parametrize("kind", CONDITIONS, ids=named)
 def test_temperatures_that_a_condition_names_are_those_of_the_case(kind):
     numbers = [key.name for key in kind.keys if key.unit == "degC"]
-    given = dict.fromkeys(numbers, [[0.0, 15.0], [9.0, 95.0]])
+    given = {name: [[0.0, 15.0], [9.0, 95.0]] for name in numbers}
     found = HeatCondition.read({**kind.example(), **given}).temperatures
     assert [(t.values.min(), t.values.max()) for t in found] == [(15.0, 95.0)] * len(numbers)
     assert all(isinstance(table, Table) for table in found)
