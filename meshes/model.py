@@ -1,8 +1,10 @@
-"""Discrete gmsh models of nodes, cells and named faces."""
+"""Discrete gmsh models of nodes, cells and named faces.
+
+gmsh is imported where it is used: generators are declared, and cases checked, without it.
+"""
 
 from collections.abc import Callable, Sequence
 
-import gmsh
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
@@ -51,6 +53,8 @@ def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surfa
         surfaces: pairs of name and predicate on points; a free face belongs to the first whose
             predicate is true for all its nodes. Faces between two bodies get no name.
     """
+    import gmsh
+
     dim = mesh.dimension
     for region, body in enumerate(bodies):
         cells = mesh.cells[mesh.regions == region]
@@ -64,6 +68,8 @@ def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surfa
 
 
 def _add_group(dim: int, tag: int, name: str, cells: LongArray, points: FloatArray | None) -> None:
+    import gmsh
+
     gmsh.model.addDiscreteEntity(dim, tag)
     if points is not None:
         coordinates = np.zeros((len(points), 3))

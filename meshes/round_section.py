@@ -1,8 +1,10 @@
-"""Plan of round bodies: a quarter disc in rings, mirrored to a half or a full disc."""
+"""Plan of round bodies: a quarter disc in rings, mirrored to a half or a full disc.
+
+gmsh is imported where it is used: generators are declared, and cases checked, without it.
+"""
 
 from collections.abc import Sequence
 
-import gmsh
 import numpy as np
 
 from castx.meshes.grading import Sizing
@@ -37,6 +39,8 @@ def disc(
 
 
 def _quarter_triangles(radii: Radii, sizing: Sizing) -> LinearMesh:
+    import gmsh
+
     previous = gmsh.model.getCurrent()
     gmsh.model.add("quarter disc")
     try:
@@ -51,6 +55,8 @@ def _quarter_triangles(radii: Radii, sizing: Sizing) -> LinearMesh:
 
 
 def _draw_rings(radii: Radii) -> list[int]:
+    import gmsh
+
     geo = gmsh.model.geo
     centre = geo.addPoint(0, 0, 0)
     on_x = [geo.addPoint(r, 0, 0) if r > 0 else centre for r in radii]
@@ -79,12 +85,16 @@ def _set_sizes(radii: Radii, sizing: Sizing) -> None:
         extent = outside if distance > 0 else inside
         return float(sizing.at(np.minimum(abs(distance), extent), extent))
 
+    import gmsh
+
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.option.setNumber("Mesh.Algorithm", 6)
     gmsh.model.mesh.setSizeCallback(wanted)
 
 
 def _read_rings(surfaces: Sequence[int]) -> LinearMesh:
+    import gmsh
+
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     points = coordinates.reshape(-1, 3)[:, :2].copy()
     index = np.zeros(int(tags.max()) + 1, dtype=np.int64)

@@ -19,10 +19,10 @@ PROJECT = Path(__file__).parents[1]
 # The rooms of castx from the ground: a module imports from its own room and from those before it.
 ORDER = [
     "arrays errors version tables stateful environment ranks form_rows profiling",
-    "forms meshes meshes/cad",
+    "forms meshes meshes/cad meshes/generators",
     "input",
     "transfer",
-    "transfer/laws",
+    "transfer/laws transfer/conditions",
     "contact/methods",
     "materials/rules",
     "materials/flow_rules materials/hardening",
@@ -325,7 +325,8 @@ def test_packages_of_the_build_are_the_folders_on_disk():
     build = tomllib.loads((PROJECT / "pyproject.toml").read_text())["tool"]["setuptools"]
     folders = {path.parent for path in python_files("castx") if path.name == "__init__.py"}
     on_disk = {".".join(folder.relative_to(PROJECT).parts) for folder in folders}
-    assert set(build["packages"]) == on_disk | {"castx.forms", "castx.meshes", "castx.meshes.cad"}
+    meshes = {"castx.meshes", "castx.meshes.cad", "castx.meshes.generators"}
+    assert set(build["packages"]) == on_disk | {"castx.forms"} | meshes
     for package, folder in build["package-dir"].items():
         assert (PROJECT / folder / "__init__.py").is_file()
         assert (PROJECT / package.replace(".", "/")).resolve() == PROJECT / folder

@@ -14,6 +14,7 @@ from castx.contact.methods.registry import METHODS
 from castx.input.entries import Description
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES
 from castx.proof.verification.registry import VERIFICATIONS
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.registry import gap_heat_laws
 from docs.generator.rooms import rooms, rows
 from docs.generator.tables import pages, with_tables
@@ -78,7 +79,8 @@ def test_equations_stand_where_the_page_says(formula, file, name):
 
 
 def registered() -> list[str]:
-    return [*METHODS, *gap_heat_laws(), *FLOW_RULES, *(rule.name for rule in HARDENING_RULES)]
+    laws = (*gap_heat_laws(), *heat_conditions())
+    return [*METHODS, *laws, *FLOW_RULES, *(rule.name for rule in HARDENING_RULES)]
 
 
 @pytest.mark.parametrize("page", ["equations.md", "manual"])

@@ -9,21 +9,19 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, ValidationInfo, field_validator
 
 from castx.errors import CaseError
-from castx.input.entries import Choice, Description, Quantity, over_time
+from castx.input.entries import Choice, Description, Quantity, over_time, with_entries
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import (
     ACCELERATION,
     FORCE,
-    HEAT_FLUX,
-    HEAT_TRANSFER,
     LENGTH,
-    PURE_NUMBER,
     STIFFNESS,
     STRESS,
-    TEMPERATURE,
 )
-from castx.input.variation import Variation, Varying
 from castx.tables import Table
+from castx.transfer.conditions.declaration import HeatConditionKind
+from castx.transfer.conditions.registry import heat_conditions, key_names
+from castx.transfer.declaration import Given
 
 DIRECTIONS = ("x", "y", "z", "r", "normal", "all")
 LOADS = ("pressure", "traction", "clamp")
@@ -31,55 +29,50 @@ LOADS = ("pressure", "traction", "clamp")
 CONDITIONS = ("heat", "displacement", *LOADS)
 """Kinds of conditions on a surface."""
 
-_NEEDED: dict[str, tuple[str, ...]] = {
-    "insulated": (),
-    "temperature": ("value",),
-    "flux": ("value",),
-    "convection": ("coefficient", "ambient"),
-    "radiation": ("emissivity", "ambient"),
-}
-FLUXES = ("flux", "convection", "radiation")
-"""Types of heat conditions that give a flux; several may act on one surface."""
-COEFFICIENT = Varying(
-    Quantity(HEAT_TRANSFER, least=0.0), ("temperature", "time"), ("film", "surface"), rows=True
-)
 _MOST_CONDITIONS = 20
 
 
+def _heat_number(value: Any, info: ValidationInfo) -> Any:
+    """Return the value of a key of a heat condition as its type reads it."""
+    kind = heat_conditions().get(info.data.get("type", ""))
+    key = kind.key(str(info.field_name)) if kind is not None else None
+    return value if key is None else key.read(value)  # refused with the type, or as not used
+
+
+@with_entries({name: (_heat_number, None) for name in key_names()})
 class HeatCondition(Description):
-    """Heat through a surface; every number may be a table over time.
+    """Heat through a surface, with a number for each key of its type.
 
     Attributes:
-        type: kind of the condition.
-        value: temperature [°C] or heat flux into the body [W/m²], by the type.
-        coefficient: of convection [W/m²/K]; it may instead vary over the temperature of the film,
-            (T + ambient)/2, or of the surface.
-        ambient: temperature of the surroundings, for convection and radiation [°C].
-        emissivity: of the surface, for radiation.
+        type: a name of `heat_conditions`, which say what numbers it has beside.
     """
 
-    type: Annotated[str, Choice(tuple(_NEEDED))]
-    value: Table | None = None
-    coefficient: Annotated[Variation | None, COEFFICIENT] = None
-    ambient: Annotated[Table | None, over_time(TEMPERATURE)] = None
-    emissivity: Annotated[Table | None, over_time(PURE_NUMBER, above=0.0, most=1.0)] = None
+    type: Annotated[str, Choice(tuple(heat_conditions()))]
 
-    @field_validator("value", mode="plain")
-    @classmethod
-    def _read_value(cls, value: Any, info: ValidationInfo) -> Table | None:
-        if "type" not in info.data:  # refused already
-            return None
-        dimension = HEAT_FLUX if info.data["type"] == "flux" else TEMPERATURE
-        return over_time(dimension).read(value)
+    @property
+    def declared(self) -> HeatConditionKind:
+        """The declaration of the type."""
+        return heat_conditions()[self.type]
+
+    @property
+    def given(self) -> Given:
+        """The numbers that the case gives."""
+        names = self.model_fields_set - {"type"}
+        return Given({name: getattr(self, name) for name in names})
+
+    @property
+    def temperatures(self) -> list[Table]:
+        """The temperatures that it names, over time [°C]."""
+        return self.declared.temperatures(self.given)
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield numbers that the type lacks or cannot use."""
-        needed = _NEEDED[self.type]
-        for key in ("value", "coefficient", "ambient", "emissivity"):
-            if key in needed and getattr(self, key) is None:
+        kind, given = self.declared, self.model_fields_set - {"type"}
+        for key in key_names():
+            if key in kind.needed and key not in given:
                 yield Problem((key,), f"missing; heat of type {self.type!r} needs it")
-            if key not in needed and getattr(self, key) is not None:
-                used = ", ".join(needed) or "no numbers"
+            if key in given and kind.key(key) is None:
+                used = ", ".join(own.name for own in kind.keys) or "no numbers"
                 yield Problem((key,), f"heat of type {self.type!r} uses {used}")
 
 
@@ -217,10 +210,9 @@ class Boundary(Description):
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield heat conditions that exclude each other, and a boundary without any condition."""
-        types = [condition.type for condition in self.heat]
-        for alone in ("insulated", "temperature"):
-            if alone in types and len(types) > 1:
-                yield Problem(("heat",), f"type {alone!r} excludes every other heat condition")
+        alone = sorted({heat.type for heat in self.heat if heat.declared.flux is None})
+        for name in alone if len(self.heat) > 1 else ():
+            yield Problem(("heat",), f"type {name!r} excludes every other heat condition")
         if not any(getattr(self, kind) for kind in CONDITIONS):
             yield Problem((), f"says nothing; give {', '.join(CONDITIONS[:-1])} or clamp")
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,53 +13,27 @@ from castx.case.cad.geometry import CadGeometry, is_cad_file
 from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Quantity
 from castx.input.problems import Problem, Refusal, among, refuse
+from castx.input.registry import declarations
 from castx.input.units import LENGTH, PURE_NUMBER
-
-PLANE_MODELS = ("plane-strain", "plane-stress", "generalised-plane-strain")
-MODELS = ("3d", "axisymmetric", *PLANE_MODELS)
+from castx.meshes.generators.declaration import (
+    COMMON_ARGUMENTS,
+    MODELS,
+    Argument,
+    ArgumentKind,
+    Generator,
+)
 
 _AXES = {"3d": ("x", "y", "z"), "axisymmetric": ("r", "z")}
 _PLANE_AXES = ("x", "y")
 _GENERATORS_LATER = ("plate_in_mould", "wheel_in_die", "engine_block_in_die")
 _MOST_CELLS = 2e8
+_MOST_LENGTHS = 100
 _LENGTH = Quantity(LENGTH, above=0.0)
-_BORE = Quantity(LENGTH, least=0.0)
 
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument of a generator.
-
-    Args:
-        read: returns the checked value in SI, or raises `CaseError`.
-        needed: models in which it must be given.
-        models: models in which it may be given.
-    """
-
-    read: Callable[[Any], Any]
-    needed: tuple[str, ...] = MODELS
-    models: tuple[str, ...] = MODELS
-
-
-@dataclass(frozen=True)
-class Generator:
-    """Arguments of a generator and names in its mesh.
-
-    Args:
-        models: models it can be meshed for.
-        arguments: its own arguments by name; every generator also takes `COMMON_ARGUMENTS`.
-        surfaces: by body; which of them exist depends on model and arguments.
-        extents: outer dimensions in the plane, or in space, from the arguments.
-        check: yields contradictions of the arguments, by argument.
-    """
-
-    models: tuple[str, ...]
-    arguments: dict[str, Argument]
-    surfaces: dict[str, tuple[str, ...]]
-    extents: Callable[[dict[str, Any]], list[float]]
-    check: Callable[[dict[str, Any], str], Iterator[tuple[str, str]]] = field(
-        default=lambda arguments, model: iter(())
-    )
+GENERATORS: Mapping[str, Generator] = declarations(
+    "castx.meshes.generators", "GENERATOR", Generator, ("declaration",), hyphens=False
+)
+"""The generators of `castx.meshes.generators` by the words of a case file."""
 
 
 def _truth(value: Any) -> bool:
@@ -72,132 +45,44 @@ def _truth(value: Any) -> bool:
 def _sides(value: Any) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or len(value) not in (2, 3):
         raise CaseError("two lengths [width, height] are needed, and the depth as third in 3-D")
-    sides = []
-    for index, side in enumerate(value):
+    return _each_length(value)
+
+
+def _lengths(value: Any) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or not 2 <= len(value) <= _MOST_LENGTHS:
+        raise CaseError(f"a list of 2 to {_MOST_LENGTHS} lengths is needed")
+    return _each_length(value)
+
+
+def _each_length(values: Sequence[Any]) -> tuple[float, ...]:
+    found = []
+    for index, value in enumerate(values):
         try:
-            sides.append(_LENGTH.read(side))
+            found.append(_LENGTH.read(value))
         except CaseError as error:
             raise refuse(str(error), index) from None
-    return tuple(sides)
+    return tuple(found)
 
 
-def _blocks(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
-    upper, base = arguments["upper"], arguments["base"]
-    dimension = 3 if model == "3d" else 2
-    for name, sides in (("upper", upper), ("base", base)):
-        if len(sides) != dimension:
-            yield name, f"the model {model!r} needs {dimension} lengths"
-    for index, what in ((0, "wide"), (2, "deep")):
-        if len(upper) == len(base) > index and upper[index] > base[index] * (1.0 + 1e-9):
-            yield "upper", f"the base must be at least as {what} as the upper block"
-    if model == "axisymmetric" and not arguments.get("symmetry", True):
-        yield "symmetry", "an axisymmetric mesh lies in r >= 0; leave it true"
-
-
-def _box(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
-    dimension = 3 if model == "3d" else 2
-    if len(arguments["box"]) != dimension:
-        yield "box", f"the model {model!r} needs {dimension} lengths"
-
-
-def _box_extents(arguments: dict[str, Any]) -> list[float]:
-    width, height, *depth = arguments["box"]
-    walls = 2 * arguments["wall"]
-    above = walls if arguments.get("lid", False) else arguments["wall"]
-    return [width + walls, height + above, *(side + walls for side in depth)]
-
-
-def _radii(arguments: dict[str, Any], model: str) -> Iterator[tuple[str, str]]:
-    if arguments.get("core_bore", 0.0) >= arguments["core_radius"]:
-        yield "core_bore", "must be smaller than core_radius"
-    if arguments["core_radius"] >= arguments["outer_radius"]:
-        yield "outer_radius", "must be larger than core_radius"
-
-
-_DEPTH = Argument(_LENGTH.read, needed=("3d",), models=("3d",))
-_SECTOR = Argument(Choice(("full", "half", "quarter")).read, needed=(), models=("3d",))
-_PLAIN = Argument(_LENGTH.read)
-_ROUND = ("symmetry-x", "symmetry-y")
-_BAR = ("far", "bottom", "top", "front", "back")
-
-COMMON_ARGUMENTS = {
-    "size": _PLAIN,
-    "interface_size": Argument(_LENGTH.read, needed=()),
-    "order_of_growth": Argument(Quantity(PURE_NUMBER, above=0.0, most=10.0).read, needed=()),
-    "cells": Argument(Choice(("simplices", "quadrilaterals")).read, needed=()),
+_READERS: Mapping[ArgumentKind, Callable[[Any], Any]] = {
+    ArgumentKind.LENGTH: _LENGTH.read,
+    ArgumentKind.LENGTH_OR_ZERO: Quantity(LENGTH, least=0.0).read,
+    ArgumentKind.SIDES: _sides,
+    ArgumentKind.LENGTHS: _lengths,
+    ArgumentKind.EXPONENT: Quantity(PURE_NUMBER, above=0.0, most=10.0).read,
+    ArgumentKind.YES_OR_NO: _truth,
 }
 
-GENERATORS = {
-    "slab": Generator(
-        models=MODELS,
-        arguments={"length": _PLAIN, "width": _PLAIN, "depth": _DEPTH},
-        surfaces={"casting": ("wall", *_BAR)},
-        extents=lambda a: [a["length"], a["width"], *([a["depth"]] if "depth" in a else [])],
-    ),
-    "two_slabs": Generator(
-        models=("3d", *PLANE_MODELS),
-        arguments={"length": _PLAIN, "mould_length": _PLAIN, "width": _PLAIN, "depth": _DEPTH},
-        surfaces={"casting": _BAR, "mould": _BAR},
-        extents=lambda a: [
-            a["length"] + a["mould_length"],
-            a["width"],
-            *([a["depth"]] if "depth" in a else []),
-        ],
-    ),
-    "cylinder_in_mould": Generator(
-        models=("3d", "axisymmetric"),
-        arguments={
-            "radius": _PLAIN,
-            "height": _PLAIN,
-            "wall": _PLAIN,
-            "floor": Argument(_BORE.read, needed=()),
-            "sector": _SECTOR,
-        },
-        surfaces={
-            "casting": ("base", "top", *_ROUND),
-            "mould": ("outside", "base", "top", *_ROUND),
-        },
-        extents=lambda a: [a["radius"] + a["wall"], a["height"] + a.get("floor", 0.0)],
-    ),
-    "stacked_blocks": Generator(
-        models=MODELS,
-        arguments={
-            "upper": Argument(_sides),
-            "base": Argument(_sides),
-            "symmetry": Argument(_truth, needed=()),
-        },
-        surfaces={"upper": ("top", "side", *_ROUND), "base": ("bottom", "side", "shelf", *_ROUND)},
-        extents=lambda a: [a["base"][0], a["base"][1] + a["upper"][1], *a["base"][2:]],
-        check=_blocks,
-    ),
-    "box_in_mould": Generator(
-        models=("3d", *PLANE_MODELS),
-        arguments={
-            "box": Argument(_sides),
-            "wall": _PLAIN,
-            "lid": Argument(_truth, needed=()),
-        },
-        surfaces={"casting": ("top",), "mould": ("outside", "base", "top")},
-        extents=_box_extents,
-        check=_box,
-    ),
-    "core_in_ring": Generator(
-        models=MODELS,
-        arguments={
-            "core_radius": _PLAIN,
-            "core_bore": Argument(_BORE.read, needed=()),
-            "outer_radius": _PLAIN,
-            "height": Argument(_LENGTH.read, needed=("3d", "axisymmetric")),
-            "sector": _SECTOR,
-        },
-        surfaces={
-            "core": ("bore", "base", "top", *_ROUND),
-            "casting": ("outside", "base", "top", *_ROUND),
-        },
-        extents=lambda a: [a["outer_radius"], a.get("height", a["outer_radius"])],
-        check=_radii,
-    ),
-}
+
+def read_argument(argument: Argument, value: Any) -> Any:
+    """Return the value of an argument of a generator in SI.
+
+    Raises:
+        CaseError: it is not of the kind of the argument.
+    """
+    if argument.kind is ArgumentKind.CHOICE:
+        return Choice(argument.choices).read(value)
+    return _READERS[argument.kind](value)
 
 
 def _generator(value: Any) -> str:
@@ -251,7 +136,7 @@ class Geometry(Description):
                 for key in unknown
             ]
         else:
-            description["arguments"], problems = _read_arguments(generator, model, given)
+            description["arguments"], problems = read_arguments(generator, model, given)
         if problems:
             raise Refusal(problems)
         return description
@@ -273,7 +158,7 @@ class Geometry(Description):
         return (*_AXES.get(self.model, _PLANE_AXES), "normal", "all")
 
     @property
-    def surfaces(self) -> dict[str, tuple[str, ...]] | None:
+    def surfaces(self) -> Mapping[str, tuple[str, ...]] | None:
         """Bodies of a generated mesh with the surfaces they can have; None for a file."""
         return GENERATORS[self.generator].surfaces if self.generator is not None else None
 
@@ -292,7 +177,7 @@ class Geometry(Description):
             known = among("", generator.models, what="its models")
             yield Problem(("model",), f"{self.generator} is not made for this model; {known}")
             return
-        for argument, text in generator.check(self.arguments, self.model):
+        for argument, text in generator.problems(self.arguments, self.model):
             yield Problem((argument,), text)
         yield from self._size_problems(generator)
 
@@ -300,7 +185,7 @@ class Geometry(Description):
         size = self.arguments["size"]
         if self.arguments.get("interface_size", size) > size:
             yield Problem(("interface_size",), f"must not exceed size, {size:g} m")
-        extents = generator.extents(self.arguments)
+        extents = generator.outer_dimensions(self.arguments)
         extents += [max(extents)] * (self.gdim - len(extents))
         cells = prod(max(extent / size, 1.0) for extent in extents)
         if cells > _MOST_CELLS:
@@ -318,7 +203,7 @@ def _with_cad(data: dict[str, Any]) -> dict[str, Any]:
     return {**own, "cad": CadGeometry.read(given)}
 
 
-def _read_arguments(
+def read_arguments(
     generator: Generator, model: str, given: dict[str, Any]
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Return the checked arguments, and the problems of the others."""
@@ -334,7 +219,7 @@ def _read_arguments(
             problems.append(Problem((name,), text))
         else:
             try:
-                arguments[name] = known[name].read(value)
+                arguments[name] = read_argument(known[name], value)
             except Refusal as error:
                 problems.extend(error.inside(name).problems)
             except CaseError as error:

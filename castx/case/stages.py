@@ -9,13 +9,15 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
-from castx.case.boundaries import COEFFICIENT, Boundary
+from castx.case.boundaries import Boundary
 from castx.errors import CaseError
-from castx.input.entries import Description, EntryName, Quantity, Whole, over_time
+from castx.input.entries import Description, EntryName, Quantity, Whole
 from castx.input.problems import Problem, Refusal
-from castx.input.units import PURE_NUMBER, TEMPERATURE, TEMPERATURE_DIFFERENCE, TIME
+from castx.input.units import PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
 from castx.input.variation import Variation
 from castx.tables import Table
+from castx.transfer.conditions.convection import COEFFICIENT
+from castx.transfer.conditions.keys import AMBIENT
 
 SLACK = 1e-9
 """Relative difference below which two times are the same."""
@@ -51,13 +53,13 @@ class Spray(Description):
     Attributes:
         on: surfaces "body/surface", or bodies with all their surfaces but symmetry planes; by
             default the surfaces that removed bodies have left bare.
-        coefficient: of convection over time or temperature, as in `HeatCondition` [W/m²/K].
+        coefficient: of convection over time or temperature, as of a surface [W/m²/K].
         ambient: temperature of the fluid over time [°C].
     """
 
     on: Annotated[tuple[str, ...], Field(max_length=_MOST_NAMES)] = ()
-    coefficient: Annotated[Variation, COEFFICIENT]
-    ambient: Annotated[Table, over_time(TEMPERATURE)]
+    coefficient: Annotated[Variation, COEFFICIENT.entry]
+    ambient: Annotated[Table, AMBIENT.entry]
 
 
 class Stage(Description):

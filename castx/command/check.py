@@ -313,7 +313,7 @@ def temperature_range(case: Case) -> tuple[float, float]:
     later = [boundary for stage in case.stages for boundary in stage.boundaries]
     for boundary in (*case.boundaries, *later):
         for heat in boundary.heat:
-            tables.append(heat.value if heat.type == "temperature" else heat.ambient)
+            tables += heat.temperatures
     for table in tables:
         if table is not None:
             found += [float(table.values.min()), float(table.values.max())]

@@ -93,7 +93,7 @@ def _refusal(
 
 def _box(geometry: Geometry, size: float) -> float:
     """Return the number of cubes of a size in a box round a generated geometry."""
-    extents = GENERATORS[str(geometry.generator)].extents(geometry.arguments)
+    extents = GENERATORS[str(geometry.generator)].outer_dimensions(geometry.arguments)
     extents += [max(extents)] * (geometry.gdim - len(extents))
     return prod(max(extent / size, 1.0) for extent in extents)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from castx.arrays import FloatArray, LongArray
 from castx.case.cad.geometry import CadGeometry
-from castx.case.geometry import Geometry
+from castx.case.geometry import GENERATORS, Geometry
 from castx.domain import compat
 from castx.domain.cad.description import part_of
 from castx.domain.cad.guarded import meshed_apart
@@ -23,7 +23,6 @@ from castx.domain.gmsh_import import NamedMesh, read_model
 from castx.errors import MeshError
 from castx.input.problems import among
 from castx.meshes.cad.report import Report
-from castx.meshes.generators import GENERATORS
 
 OF_MESHIO = {
     "interval": "line", "triangle": "triangle", "quadrilateral": "quad", "tetrahedron": "tetra",
@@ -196,7 +195,7 @@ def _generate(geometry: Geometry) -> None:
     name = str(geometry.generator)
     if name not in GENERATORS:
         raise MeshError(f"there is no generator {name!r}; {among(name, list(GENERATORS))}")
-    generator = GENERATORS[name]
+    generator = GENERATORS[name].mesh
     arguments = {"model": geometry.model, **geometry.arguments}
     try:
         inspect.signature(generator).bind(**arguments)

@@ -74,12 +74,13 @@ _Extended = TypeVar("_Extended", bound=Description)
 
 
 def with_entries(
-    entries: Mapping[str, tuple[Callable[[Any], Any], Any]],
+    entries: Mapping[str, tuple[Callable[..., Any], Any]],
 ) -> Callable[[type[_Extended]], type[_Extended]]:
     """Return a decorator that adds entries to a description.
 
     Args:
-        entries: of each name the function that reads its value, and the default.
+        entries: of each name the function that reads its value, which may ask for pydantic's
+            `ValidationInfo` as well, and the default.
     """
     fields: dict[str, Any] = {
         name: (Annotated[Any, PlainValidator(read)], default)

@@ -14,7 +14,7 @@ class Declaration(Protocol):
 
     @property
     def name(self) -> str:
-        """Name in the case file; that of the file, with hyphens for underscores."""
+        """Name in the case file; that of the file, mostly with hyphens for underscores."""
 
 
 D = TypeVar("D", bound=Declaration)
@@ -32,23 +32,33 @@ def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleTy
             yield import_module(f"{package}.{entry.name}")
 
 
-def declarations(package: str, variable: str, kind: type[D]) -> dict[str, D]:
+def declarations(
+    package: str,
+    variable: str,
+    kind: type[D],
+    besides: Collection[str] = (),
+    *,
+    hyphens: bool = True,
+) -> dict[str, D]:
     """Return the declarations in the files of a package, by name in alphabetical order.
 
     Args:
         package: full name of the package.
         variable: name of the variable that holds the declaration in each file.
         kind: class of the declarations.
+        besides: names of modules that declare nothing.
+        hyphens: whether names have hyphens where those of files have underscores.
 
     Raises:
         TypeError: a file declares nothing, or a name that is not its own.
     """
     found = {}
-    for module in modules_of(package):
+    for module in modules_of(package, besides):
         declared = getattr(module, variable, None)
         if not isinstance(declared, kind):
             raise TypeError(f"{module.__name__} declares no {variable} = {kind.__name__}(...)")
-        expected = module.__name__.rpartition(".")[2].replace("_", "-")
+        file = module.__name__.rpartition(".")[2]
+        expected = file.replace("_", "-") if hyphens else file
         if declared.name != expected:
             text = f"{variable}.name is {declared.name!r}, not {expected!r} as its file is called"
             raise TypeError(f"{module.__name__}: {text}")

@@ -8,6 +8,7 @@ from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, HeatCo
 from castx.case.case import Case
 from castx.case.stages import Spray, Stage
 from castx.errors import CaseError
+from castx.transfer.conditions.convection import CONDITION as CONVECTION
 
 Surfaces = Mapping[str, Sequence[str]]
 """Names of the surfaces of each body; those towards another body bear its name."""
@@ -110,7 +111,7 @@ def sprayed_surfaces(
 
 
 def _cooled(on: str, spray: Spray) -> Boundary:
-    cooling = HeatCondition(
-        type="convection", coefficient=spray.coefficient, ambient=spray.ambient
+    cooling = HeatCondition.read(
+        {"type": CONVECTION.name, "coefficient": spray.coefficient, "ambient": spray.ambient}
     )
     return Boundary(on=on, heat=(cooling,))

@@ -1,7 +1,8 @@
-"""Heat-transfer coefficient of a node pair as a function of gap, pressure, temperature and time.
+"""Heat through interfaces and surfaces: coefficients of node pairs, and conditions of surfaces.
 
-`laws` has one file for each law; `database` is interfaces of metal and mould with sources and
-ranges, and `naming` how a case names one.
+`laws` has one file for each law h(gap, pressure, temperature, time), `conditions` one for each
+heat condition of a surface; `database` is interfaces of metal and mould with sources and ranges,
+and `naming` how a case names one.
 
 Public: `conductance.Conductance`, `conductance.ConductionLaw`, `conductance.Faces`,
 `declaration.GapHeatLaw`, `declaration.Given`, `declaration.HeatKey`,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Generic, Literal, Self, TypeVar, cast
 
-from castx.input.entries import Quantity
+from castx.input.entries import Quantity, Tabulated
 from castx.input.problems import Problem
 from castx.input.registry import refuse_incomplete
 from castx.input.variation import Variation, Varying
@@ -22,7 +22,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 @dataclass(frozen=True, eq=False)
 class HeatKey(Generic[T_co]):
-    """A key of the case file that describes the heat transfer at an interface.
+    """A key of the case file that describes the heat transfer at an interface or a surface.
 
     Attributes:
         name: as a case file writes it.
@@ -47,7 +47,7 @@ class HeatKey(Generic[T_co]):
         Raises:
             TypeError: with what is missing.
         """
-        what = f"the key {self.name!r} of a gap heat law"
+        what = f"the heat key {self.name!r}"
         refuse_incomplete(what, self, ("name", "meaning", "entry", "usual"))
 
     def varying_over(self, *over: str) -> Self:
@@ -66,21 +66,36 @@ class HeatKey(Generic[T_co]):
                 return self.entry
 
     @property
+    def is_number(self) -> bool:
+        """Whether its value is a number or a table of it."""
+        return isinstance(self.entry, Quantity | Tabulated | Varying)
+
+    def read(self, value: object) -> object:
+        """Return the checked value of a key that is a number or a table of it.
+
+        Raises:
+            CaseError: the value is refused.
+        """
+        assert isinstance(self.entry, Quantity | Tabulated | Varying)
+        return self.entry.read(value)
+
+    @property
     def unit(self) -> str:
         """SI unit; "": it has none, or there are several numbers."""
-        kind = self.entry.value if isinstance(self.entry, Varying) else self.entry
+        kind = self.entry.value if isinstance(self.entry, Varying | Tabulated) else self.entry
         return kind.dimension.unit if isinstance(kind, Quantity) else ""
 
     @property
     def text(self) -> str:
         """Name and unit: "closed [W/m²/K]"."""
         unit = self.unit.replace("^2", "²").replace("^3", "³").replace("*", " ")
+        unit = unit.replace("degC", "°C")
         return f"{self.name} [{unit}]" if unit else self.name
 
 
 @dataclass(frozen=True)
 class Given:
-    """Values of the keys that an interface, or a part of it, gives to its law.
+    """Values of the keys that an interface, a part of it or a surface gives to its law.
 
     Args:
         values: numbers in SI, tables and tables of keys, by key.

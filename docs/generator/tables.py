@@ -6,19 +6,25 @@ A table stands in a page between `<!-- table: NAME -->` and `<!-- end of table -
 
 from __future__ import annotations
 
+import inspect
+import json
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
 from castx.case.fields.declaration import FieldPlace, OutputField
 from castx.case.fields.registry import output_fields, probed
+from castx.case.geometry import GENERATORS
 from castx.contact.methods.registry import method_table
 from castx.input.sourced import UNKNOWN_SOURCE
 from castx.materials.database import database_entry, database_names
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES, RuleRow, rule_table
+from castx.meshes.generators.declaration import MODELS, Generator
 from castx.report.interface_law import heat_transfer_coefficient
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.database import SourcedNumber, interface_entry, interface_names
+from castx.transfer.declaration import HeatKey
 from castx.transfer.registry import law_table
 
 PROJECT = Path(__file__).parents[2]
@@ -56,6 +62,52 @@ def heat_laws() -> str:
 def heat_law_equations() -> str:
     """Return the formulas of all gap heat laws and where they stand."""
     return _equations(law_table(), "castx/transfer/laws")
+
+
+def surface_heat_conditions() -> str:
+    """Return the table of all heat conditions of surfaces."""
+    rows = [
+        (f"`{kind.name}`", f"{kind.formula}<br>{kind.summary}", "<br>".join(_meanings(kind.keys)))
+        for kind in heat_conditions().values()
+    ]
+    return _table(("`type`", "flux q into the body [W/m²], or temperature", "keys"), rows)
+
+
+def _meanings(keys: Iterable[HeatKey[object]]) -> Iterator[str]:
+    for key in keys:
+        default = "" if key.default is None else f" = {key.default:g}"
+        yield f"{_keys([key.text])}{default}: {key.meaning}"
+
+
+def heat_condition_equations() -> str:
+    """Return the formulas of all heat conditions and where they stand."""
+    return _equations(heat_conditions().values(), "castx/transfer/conditions")
+
+
+def generators() -> str:
+    """Return the table of all generators of meshes."""
+    rows = []
+    for name, generator in GENERATORS.items():
+        models = ", ".join(f'`"{model}"`' for model in generator.models)
+        surfaces = "<br>".join(
+            f"{body}: {_names(surfaces)}" for body, surfaces in generator.surfaces.items()
+        )
+        what = f"{generator.summary}<br>{'all models' if generator.models == MODELS else models}"
+        rows.append((f"`{name}`", what, "<br>".join(_arguments(generator)), surfaces))
+    return _table(("`generator`", "what it is", "arguments", "bodies and surfaces"), rows)
+
+
+def _arguments(generator: Generator) -> Iterator[str]:
+    """Yield the arguments of a generator with their defaults and the models that have them."""
+    parameters = inspect.signature(generator.mesh).parameters
+    for name, argument in generator.arguments.items():
+        default = parameters[name].default
+        given = default is inspect.Parameter.empty or default is None
+        value = "" if given else f" = {json.dumps(default)}"
+        models = argument.needed if given else argument.models
+        only = [model for model in generator.models if model in models]
+        where = "" if len(only) == len(generator.models) else f" ({', '.join(only)})"
+        yield f"`{name}`{value}: {argument.meaning}{where}"
 
 
 class _Row(Protocol):
@@ -196,6 +248,9 @@ TABLES: dict[str, Callable[[], str]] = {
     "contact method equations": contact_method_equations,
     "heat laws": heat_laws,
     "heat law equations": heat_law_equations,
+    "generators": generators,
+    "heat conditions": surface_heat_conditions,
+    "heat condition equations": heat_condition_equations,
     "flow rules": flow_rules,
     "flow rule equations": flow_rule_equations,
     "hardening rules": hardening_rules,

@@ -15,7 +15,7 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.materials.flow import VISCOPLASTIC
-from castx.meshes.generators import GENERATORS
+from castx.meshes.generators.box_in_mould import box_in_mould
 from tests.coupled_cases import simulation
 
 pytestmark = pytest.mark.sampled
@@ -45,7 +45,7 @@ def write_mesh(comm, path: Path, model: str, matrix: FloatArray, renumbered: boo
         gmsh.initialize()
         gmsh.option.setNumber("General.Terminal", 0)
         try:
-            GENERATORS["box_in_mould"](model=model, **SHAPES[model])
+            box_in_mould(model=model, **SHAPES[model])
             placed = np.column_stack([matrix, np.zeros(3)])
             gmsh.model.mesh.affineTransform(placed.ravel())
             if np.linalg.det(matrix) < 0:

@@ -20,7 +20,7 @@ import pytest
 
 from castx.domain.partition import partition
 from castx.domain.source import gmsh_session
-from castx.meshes.blocks import stacked_blocks
+from castx.meshes.generators.stacked_blocks import stacked_blocks
 from tests import coupled_cases
 from tests.contact_methods import EXACT
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring

@@ -16,7 +16,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.equilibrium.newton import EquilibriumReport
 from castx.equilibrium.problem import MechanicalProblem
-from castx.meshes.generators import GENERATORS
+from castx.meshes.generators.stacked_blocks import stacked_blocks
 from tests.contact_methods import EXACT
 from tests.elastic_bodies import (
     body,
@@ -74,7 +74,7 @@ MOVED = {
 
 def draw(model: str, frame: Frame) -> None:
     upper, base = BLOCKS[model]
-    GENERATORS["stacked_blocks"](model=model, upper=upper, base=base, size=0.005, symmetry=False)
+    stacked_blocks(model=model, upper=upper, base=base, size=0.005, symmetry=False)
     matrix = np.column_stack([frame.rotation, frame.shift]) * frame.length
     gmsh.model.mesh.affineTransform(matrix.ravel())
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from castx.case.bodies import Body
 from castx.case.case import Case
-from castx.case.geometry import PLANE_MODELS
 from castx.errors import CaseError
 from castx.foundry.alloy import NEEDED, OF_THE_MUSH, missing
 from castx.input.problems import Problem, Refusal, among
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.meshes.generators.declaration import PLANE_MODELS
 
 
 def foundry_problems(case: Case) -> Iterator[Problem]:

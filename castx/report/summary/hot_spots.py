@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from castx.case.geometry import PLANE_MODELS
+from castx.meshes.generators.declaration import PLANE_MODELS
 from castx.results.states.quantities import parts
 
 MOST_ROWS = 10

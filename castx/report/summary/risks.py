@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.geometry import PLANE_MODELS
 from castx.foundry.suction import CUT_OFFS
+from castx.meshes.generators.declaration import PLANE_MODELS
 from castx.report.summary.finding import Finding, Shown
 from castx.report.summary.freezing import earlier
 from castx.results.reading import Results

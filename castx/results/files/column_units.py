@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from castx.case.geometry import PLANE_MODELS
+from castx.meshes.generators.declaration import PLANE_MODELS
 
 UNITS = {
     "time": "s", "step": "s", "wall": "s",

@@ -16,7 +16,7 @@ from castx.errors import CaseError, MeshError
 from castx.materials.description import Liquid
 from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material
-from castx.meshes.ring import core_in_ring
+from castx.meshes.generators.core_in_ring import core_in_ring
 from tests import coupled_cases
 from tests.coupled_cases import final_state, ring
 

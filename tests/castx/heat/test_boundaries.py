@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from castx.heat.boundaries import SurfaceFlux, flux_law
+from castx.heat.boundaries import SurfaceFlux
 from castx.input.variation import Variation
 from castx.tables import Table
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.radiation import STEFAN_BOLTZMANN
 from tests.castx.heat.heat_cases import (
     SERIES,
@@ -72,44 +73,26 @@ def test_coefficient_over_film_or_surface_temperature(comm, of, h):
     assert heat.totals()["mould/outside.power"] == pytest.approx(-area * h * 250.0, rel=1e-4)
 
 
-CONDITIONS = {
-    "flux": {"value": [[0.0, 100.0], [10.0, 300.0]]},
-    "convection": {"coefficient": [[0.0, 50.0], [10.0, 90.0]], "ambient": [[0, 20], [10, 40]]},
-    "radiation": {"emissivity": [[0.0, 0.2], [10.0, 0.6]], "ambient": 500.0},
-}
-
-
-@pytest.mark.serial
-def test_what_is_given_over_time_enters_by_its_mean():
-    """From 2 to 6 s: the means are those at 4 s."""
-    T = np.array([100.0, 900.0])
-    flux, convection, radiation = (law_of(kind)(2.0, 6.0, T)[0] for kind in CONDITIONS)
-    assert flux == pytest.approx([180.0, 180.0])
-    assert convection == pytest.approx(66.0 * (28.0 - T))
-    assert radiation == pytest.approx(0.36 * STEFAN_BOLTZMANN * (773.15**4 - (T + 273.15) ** 4))
-
-
-def law_of(kind, **numbers):
-    return flux_law(surface_heat("mould/outside", kind, **(numbers or CONDITIONS[kind])).condition)
-
-
-@pytest.mark.serial
-@pytest.mark.parametrize(
-    "law",
-    [
-        *(law_of(kind) for kind in CONDITIONS),
-        *(
-            law_of("convection", ambient=50.0, coefficient={
-                "over": "temperature", "table": [[0, 10], [400, 90], [900, 20]], "of": of,
-            })
-            for of in ("film", "surface")
-        ),
-    ],
-)  # fmt: skip
-def test_slopes_of_fluxes_by_differences(law):
-    T, step = np.array([80.0, 300.0, 650.0, 1300.0]), 1e-3
-    rise = (law(2.0, 6.0, T + step)[0] - law(2.0, 6.0, T - step)[0]) / (2 * step)
-    np.testing.assert_allclose(law(2.0, 6.0, T)[1], rise, rtol=1e-6, atol=1e-9)
+@pytest.mark.parametrize("kind", heat_conditions().values(), ids=lambda kind: kind.name)
+def test_every_condition_acts_in_a_heat_problem(comm, kind):
+    """The power is that of the flux at the temperature of the surface at the end of the step."""
+    mesh = cylinder(comm)
+    condition = surface_heat("mould/outside", **kind.example())
+    heat = problem_under_law(mesh, {"law": "none"}, surfaces=[condition])
+    advanced(heat, mesh, [1e-4])
+    totals, given = heat.totals(), condition.condition.given
+    assert totals["energy_error"] < 1e-7
+    if kind.insulates:
+        assert "mould/outside.power" not in totals
+        return
+    outside = heat.temperature["mould"].x.array[mesh.bodies["mould"].surface_nodes("outside")]
+    everywhere = np.concatenate(comm.allgather(outside))
+    if kind.temperature is not None:
+        assert np.abs(everywhere - kind.temperature(given)(0.0)).max() < 1e-9
+        return
+    flux, _ = kind.flux(given)(0.0, 1e-4, np.array([everywhere.mean()]))
+    expected = 2 * np.pi * 0.05 * 0.06 * flux[0]
+    assert totals["mould/outside.power"] == pytest.approx(expected, rel=0.01)
 
 
 def test_nodes_share_a_surface_by_their_areas(comm):

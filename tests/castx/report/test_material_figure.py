@@ -12,7 +12,7 @@ from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.report.material_figure import RATES, Diagram, material_diagrams, write_figure
-from tests.castx.flow_reference import REFERENCES
+from tests.castx.flow_reference import reference
 
 pytestmark = pytest.mark.serial
 
@@ -86,7 +86,7 @@ def test_the_stress_of_flow_of_every_rule_is_drawn(law) -> None:
     material = Material("own", MaterialDescription.read(keys))
     stress = 1e6 * at(diagrams(material)["stress of flow"], 450.0, line=RATES.index(1e-4))
     f = stress - 4e7 * rule.threshold
-    assert REFERENCES[law].rate(f, rule.example, 450.0) == pytest.approx(1e-4, rel=2e-2)
+    assert reference(law).rate(f, rule.example, 450.0) == pytest.approx(1e-4, rel=2e-2)
 
 
 @pytest.mark.parametrize("ending", [".png", ".svg", ".PDF"])

@@ -24,7 +24,7 @@ def test_a_law_without_one_of_its_texts_is_refused(lacking):
 def test_all_that_is_missing_is_named_at_once():
     with pytest.raises(TypeError, match="law 'new' declares no summary, no formula, no source, no"):
         GapHeatLaw(name="new")
-    with pytest.raises(TypeError, match="key 'g0' of a gap heat law declares no entry, no usual"):
+    with pytest.raises(TypeError, match="heat key 'g0' declares no entry, no usual"):
         HeatKey("g0", "decay length")
 
 

@@ -16,7 +16,7 @@ from castx.mechanics.constitutive.law import ELASTIC, Law
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
-from tests.castx.flow_reference import REFERENCES
+from tests.castx.flow_reference import reference
 from tests.elastic_bodies import (
     STRESS_FREE,
     elastic,
@@ -267,7 +267,7 @@ def test_a_pulled_bar_flows_at_its_rate(comm, name):
         made.equilibrium.solve(k * step)
         made.equilibrium.commit()
     overstress = stresses(comm, made, "casting")[:, 0] - (YIELD if rule.threshold else 0.0)
-    found = [REFERENCES[name].rate(f, rule.example, temperature) for f in overstress]
+    found = [reference(name).rate(f, rule.example, temperature) for f in overstress]
     np.testing.assert_allclose(found, rate, rtol=1e-3)
 
 

@@ -27,13 +27,13 @@ from castx.mechanics.constitutive.return_mapping import (
 from tests.castx.flow_reference import (
     LAWS,
     PLASTIC_FLOW,
-    REFERENCES,
     Numbers,
     Tensor,
     components,
     implicit_step,
     integrate,
     norm,
+    reference,
     tensor,
 )
 from tests.castx.materials.descriptions import alloy
@@ -95,7 +95,7 @@ def materials(draw: st.DrawFn, law: str, rate: float = 1e-3) -> Numbers:
         saturation=draw(either) * SCALE * draw(st.floats(0.1, 2.0)),
         saturation_rate=draw(st.floats(1.0, 300.0)),
         kinematic=draw(either) * draw(st.floats(1e7, 1e10)),
-        values={} if law == PLASTIC_FLOW else REFERENCES[law].drawn(draw, stress, rate, 300.0),
+        values={} if law == PLASTIC_FLOW else reference(law).drawn(draw, stress, rate, 300.0),
     )
 
 

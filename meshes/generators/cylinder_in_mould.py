@@ -3,6 +3,13 @@
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.meshes.generators.declaration import (
+    LENGTH,
+    LENGTH_OR_ZERO,
+    SECTOR,
+    SYMMETRY_PLANES,
+    Generator,
+)
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import fill_model, plane, round_surface
@@ -82,3 +89,22 @@ def _levels(height: float, floor: float, sizing: Sizing) -> FloatArray:
 
 def _body(in_wall: BoolArray, in_floor: BoolArray) -> LongArray:
     return np.where(in_wall | in_floor, MOULD, CASTING)
+
+
+GENERATOR = Generator(
+    mesh=cylinder_in_mould,
+    summary="A cylinder in a sleeve, or in a cup where the mould has a floor.",
+    models=("3d", "axisymmetric"),
+    arguments={
+        "radius": LENGTH.of("of the casting", 0.03),
+        "height": LENGTH.of("of the casting and of the mould's wall", 0.06),
+        "wall": LENGTH.of("thickness of the mould's wall", 0.02),
+        "floor": LENGTH_OR_ZERO.of("thickness of the mould's floor", 0.0),
+        "sector": SECTOR,
+    },
+    surfaces={
+        "casting": ("base", "top", *SYMMETRY_PLANES),
+        "mould": ("outside", "base", "top", *SYMMETRY_PLANES),
+    },
+    extents=lambda a: [a["radius"] + a["wall"], a["height"] + a.get("floor", 0.0)],
+)

@@ -1,7 +1,18 @@
 """A ring cast around a core."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from castx.meshes.generators.declaration import (
+    LENGTH,
+    LENGTH_OR_ZERO,
+    MODELS,
+    SECTOR,
+    SYMMETRY_PLANES,
+    Arguments,
+    Generator,
+)
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, LinearMesh, checked_cells
 from castx.meshes.model import Surface, fill_model, plane, round_surface
@@ -91,3 +102,30 @@ def _surfaces(model: str, radii: Radii, height: float | None, sector: str) -> li
         round_surface("bore", radii[0], tolerance),
     ]
     return surfaces
+
+
+def _problems(arguments: Arguments, model: str) -> Iterator[tuple[str, str]]:
+    if arguments.get("core_bore", 0.0) >= arguments["core_radius"]:
+        yield "core_bore", "must be smaller than core_radius"
+    if arguments["core_radius"] >= arguments["outer_radius"]:
+        yield "outer_radius", "must be larger than core_radius"
+
+
+GENERATOR = Generator(
+    mesh=core_in_ring,
+    summary="A ring cast round a core; plane models mesh a quarter of its section.",
+    models=MODELS,
+    arguments={
+        "core_radius": LENGTH.of("of the interface", 0.03),
+        "core_bore": LENGTH_OR_ZERO.of("radius of the core's bore", 0.01),
+        "outer_radius": LENGTH.of("of the casting", 0.06),
+        "height": LENGTH.of("of both bodies", 0.04, needed=("3d", "axisymmetric")),
+        "sector": SECTOR,
+    },
+    surfaces={
+        "core": ("bore", "base", "top", *SYMMETRY_PLANES),
+        "casting": ("outside", "base", "top", *SYMMETRY_PLANES),
+    },
+    extents=lambda a: [a["outer_radius"], a.get("height", a["outer_radius"])],
+    problems=_problems,
+)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.meshes.ring import core_in_ring
+from castx.meshes.generators.core_in_ring import core_in_ring
 from tests.meshes.gmsh_meshes import BOTH, edges, generated, refused, scaled_jacobians
 
 pytestmark = pytest.mark.serial

@@ -1,45 +1,12 @@
-"""Slabs and stacked blocks: places of bodies and nodes, symmetry, refusals."""
+"""Stacked blocks: places of nodes, symmetry, refusals."""
 
 import numpy as np
 import pytest
 
-from castx.meshes.blocks import slab, stacked_blocks, two_slabs
-from castx.meshes.grading import Sizing, graded
+from castx.meshes.generators.stacked_blocks import stacked_blocks
 from tests.meshes.gmsh_meshes import BOTH, cell_set, generated, refused
 
 pytestmark = pytest.mark.serial
-
-BAR = {"length": 0.1, "width": 0.02}
-
-
-@BOTH
-def test_a_slab_is_refined_towards_its_wall(cells):
-    sizes = {"size": 0.01, "interface_size": 0.002, "order_of_growth": 2.0}
-    mesh = generated(slab, ["casting"], model="3d", depth=0.01, cells=cells, **BAR, **sizes)
-    along = np.unique(np.round(mesh.points[:, 0], 12))
-    np.testing.assert_allclose(along, graded(0.1, Sizing(0.01, 0.002, 2.0)), atol=1e-12)
-    assert mesh.points.min(axis=0) == pytest.approx([0.0, 0.0, 0.0])
-    assert mesh.points.max(axis=0) == pytest.approx([0.1, 0.02, 0.01])
-    names = ("wall", "far", "bottom", "top", "back", "front")
-    assert sorted(mesh.surface_names) == sorted(names)
-    for axis, (low, high) in enumerate([names[:2], names[2:4], names[4:]]):
-        for name, value in ((low, 0.0), (high, [0.1, 0.02, 0.01][axis])):
-            faces = mesh.faces[mesh.face_surfaces == mesh.surface_names.index(name)]
-            assert len(faces) > 0
-            np.testing.assert_allclose(mesh.points[faces][:, :, axis], value, atol=1e-12)
-
-
-@BOTH
-def test_two_slabs_meet_at_zero(cells):
-    mesh = generated(
-        two_slabs, ["casting", "mould"], model="plane-strain", mould_length=0.05, size=0.005,
-        cells=cells, **BAR,
-    )  # fmt: skip
-    middle = mesh.points[mesh.cells].mean(axis=1)
-    assert np.array_equal(mesh.bodies, (middle[:, 0] < 0).astype(int))
-    sides = mesh.points[mesh.cells][:, :, 0]
-    assert not ((sides.min(axis=1) < -1e-12) & (sides.max(axis=1) > 1e-12)).any()
-    assert (mesh.points[:, 0].min(), mesh.points[:, 0].max()) == pytest.approx((-0.05, 0.1))
 
 
 @BOTH
@@ -81,20 +48,6 @@ def test_full_blocks_are_mirror_images_of_the_symmetric_model(model, upper, base
     assert cell_set(blocks[True]) < full
     assert full == cell_set(blocks[False], sign)
     assert len(full) == 2 ** (dim - 1) * len(cell_set(blocks[True]))
-
-
-@pytest.mark.parametrize(
-    "arguments, text",
-    [
-        ({"model": "3d"}, 'the model "3d" needs a depth'),
-        ({"model": "3d", "depth": -1.0}, "depth must be positive"),
-        ({"model": "plane-strain", "length": 0.0}, "length must be positive"),
-    ],
-)
-@pytest.mark.parametrize("generator", [slab, two_slabs])
-def test_impossible_slabs_are_refused(generator, arguments, text):
-    rest = {} if generator is slab else {"mould_length": 1.0}
-    refused(generator, text, **{"length": 1.0, "width": 1.0, **rest, **arguments})
 
 
 @pytest.mark.parametrize(

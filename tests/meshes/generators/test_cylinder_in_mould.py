@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.meshes.cylinder import cylinder_in_mould
+from castx.meshes.generators.cylinder_in_mould import cylinder_in_mould
 from tests.meshes.gmsh_meshes import BOTH, cell_set, edges, generated, refused, scaled_jacobians
 
 pytestmark = pytest.mark.serial

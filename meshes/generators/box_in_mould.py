@@ -1,10 +1,18 @@
 """A box in a mould."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from castx.arrays import FloatArray, LongArray
+from castx.meshes.generators.declaration import (
+    LENGTH,
+    PLANE_MODELS,
+    SIDES,
+    YES_OR_NO,
+    Arguments,
+    Generator,
+)
 from castx.meshes.grading import Sizing, graded, require_positive
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
 from castx.meshes.model import everything_else, fill_model, plane
@@ -105,3 +113,31 @@ def _line(positions: FloatArray, value: float) -> int:
 def _body(middle: FloatArray, half: float, height: float) -> LongArray:
     outside = (middle[:, 0] > half) | (middle[:, 1] < 0) | (middle[:, 1] > height)
     return np.where(outside, MOULD, CASTING)
+
+
+def _problems(arguments: Arguments, model: str) -> Iterator[tuple[str, str]]:
+    dimension = 3 if model == "3d" else 2
+    if len(arguments["box"]) != dimension:
+        yield "box", f"the model {model!r} needs {dimension} lengths"
+
+
+def _extents(arguments: Arguments) -> list[float]:
+    width, height, *depth = arguments["box"]
+    walls = 2 * arguments["wall"]
+    above = walls if arguments.get("lid", False) else arguments["wall"]
+    return [width + walls, height + above, *(side + walls for side in depth)]
+
+
+GENERATOR = Generator(
+    mesh=box_in_mould,
+    summary="A box in a mould, which may have a lid.",
+    models=("3d", *PLANE_MODELS),
+    arguments={
+        "box": SIDES.of("[width, height, (depth)] of the casting", (0.06, 0.04, 0.05)),
+        "wall": LENGTH.of("thickness of the mould", 0.02),
+        "lid": YES_OR_NO.of("close the mould by a lid of the same thickness", False),
+    },
+    surfaces={"casting": ("top",), "mould": ("outside", "base", "top")},
+    extents=_extents,
+    problems=_problems,
+)

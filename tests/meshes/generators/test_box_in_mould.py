@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.meshes.box import box_in_mould
+from castx.meshes.generators.box_in_mould import box_in_mould
 from tests.meshes.gmsh_meshes import BOTH, cell_set, generated, refused
 
 pytestmark = pytest.mark.serial
