@@ -419,7 +419,7 @@ def test_bad_descriptions_are_refused(comm):
     casting = HeatBody("casting", material(ALUMINIUM), 670.0)
     with pytest.raises(CaseError, match="each of the bodies casting, mould once, got casting"):
         HeatProblem(mesh, [casting])
-    with pytest.raises(CaseError, match="type: unknown; allowed: insulated, temperature"):
+    with pytest.raises(CaseError, match="type: unknown; allowed: convection, flux, insulated"):
         surface_heat("casting/wall", "chill")
     with pytest.raises(CaseError, match="value: missing; heat of type 'flux' needs it"):
         surface_heat("casting/wall", "flux")
