@@ -1,14 +1,16 @@
-"""Liquid at the wall: pairs that cannot open, since metal that is not coherent follows the wall.
+"""Liquid at the wall: pairs that resist opening, since metal that does not bear follows the wall.
 
 A liquid cannot leave a wall: the air would have to pass through it, and what the wall leaves free
-is filled by metal that flows there. So a pair is held closed, whatever the sign of its force, as
-long as no cell at one of its nodes is coherent. The cells decide, not the solid fraction of the
-node, since they carry the stress: held with a coherent cell, a pair would store a suction in it,
-and released with none, the liquid would leave the wall. At a chilled wall the node is ahead of its
-cells by up to the whole freezing range.
+is filled by metal that flows there. So a closed pair may be pulled, until a void opens at the wall:
 
-A pair that melts again closes again. One that was given a gap that is positive without any
-displacement never is held: there is no metal at that wall.
+    −p_c ≤ (1 − w) p_v,
+
+with p_c the contact pressure, p_v the depression at which melt lets go (`Material.wall_suction`)
+and w the share of the metal of its node that bears stress (`Material.bearing_share`), of two bodies
+the smaller one. The solid surface, w = 1, leaves its wall without being pulled, and everything is
+continuous on the way there. A pair that has let go is free until it closes by itself; where all its
+metal has melted again it closes at once. One that was given a gap that is positive without any
+displacement is never held: there is no metal at that wall.
 """
 
 from __future__ import annotations
@@ -19,7 +21,6 @@ from dataclasses import dataclass
 from petsc4py import PETSc
 
 import numpy as np
-from dolfinx import la
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.kinematics.gaps import Gaps
@@ -28,6 +29,9 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.liquid.regions import CellRegions
 from castx.solvers.layout import Layout
 from castx.solvers.remote_entries import RemoteEntries
+
+ROUNDING = 1e-12
+"""Of the sum of the weights of a row."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +54,7 @@ class _Side:
 
 
 class LiquidSkin:
-    """Finds the pairs that a liquid holds closed, and the pressure of its column there.
-
-    A pair that was released keeps free until the end of the step: heat and mechanics would
-    alternate otherwise, since a gap delays the freezing that opened it.
+    """Finds the pulls that liquid bears at the pairs, and the pressure of its column there.
 
     Args:
         layout: numbering of the unknowns of all bodies.
@@ -65,9 +66,9 @@ class LiquidSkin:
         self._layout, self._bodies = layout, list(bodies)
         self._regions = {b.name: CellRegions(b.mesh) for b in bodies if not b.is_compressible}
         self._can_hold = gaps.free & (gaps.at_rest <= 0.0)
+        self._areas = gaps.areas
         self._values = layout.create_vector()
         self._sides = list(self._find_sides(gaps))
-        self._released: BoolArray = np.zeros(len(gaps.free), dtype=bool)
 
     def _find_sides(self, gaps: Gaps) -> Iterator[_Side]:
         numbers = {b.name: n for n, b in enumerate(self._bodies) if b.name in self._regions}
@@ -81,17 +82,25 @@ class LiquidSkin:
                     entries = tuple(RemoteEntries(self._values, of) for of in dofs)
                     yield _Side(part, entries, shares[index])
 
-    def held(self) -> BoolArray:
-        """Return the rows held closed in the present state of the bodies, (rows,); collective."""
-        if not self._sides:
-            return np.zeros_like(self._can_hold)
-        self._fill([_coherent_nodes(body) for body in self._bodies])
-        solid = np.ones(len(self._can_hold), dtype=bool)
-        for side in self._sides:
-            touched = (side.get(self._values) > 0.0) & (side.weights > 0.0)
-            solid[side.rows] &= touched.any(axis=1)
-        self._released |= solid
-        return np.asarray(self._can_hold & ~self._released)
+    def pulls(self) -> tuple[FloatArray, BoolArray]:
+        """Return the largest pulls of the rows in the present state of the bodies; collective.
+
+        Returns:
+            Pulls that liquid bears [N], shape (rows,), and whether nothing bears at the node.
+        """
+        suction, liquid = np.zeros((2, len(self._can_hold)))
+        shares = [1.0 - body.material.conditions.nodes.share for body in self._bodies]
+        depressions = [body.material.law.material.wall_suction for body in self._bodies]
+        for found, nodal in (
+            (liquid, shares),
+            (suction, [p * share for p, share in zip(depressions, shares, strict=True)]),
+        ):
+            self._fill(nodal)
+            for side in self._sides:
+                here = np.sum(side.get(self._values) * side.weights, axis=1)
+                found[side.rows] = np.maximum(found[side.rows], here)
+        pulls = np.where(self._can_hold, suction * self._areas, 0.0)
+        return pulls, self._can_hold & (liquid > 1.0 - ROUNDING)
 
     def pressures(self) -> FloatArray:
         """Return the pressure of the liquid column at all rows [Pa], (rows,); collective.
@@ -121,25 +130,9 @@ class LiquidSkin:
             return np.zeros_like(head)
         return column_pressure(self._regions[body.name], ~body.coherent, head)
 
-    def forget(self) -> None:
-        """Begin another step, in which no pair has been released."""
-        self._released[:] = False
-
     def destroy(self) -> None:
         """Destroy the PETSc objects."""
         for side in self._sides:
             for entry in side.entries:
                 entry.destroy()
         self._values.destroy()
-
-
-def _coherent_nodes(body: BodyMechanics) -> FloatArray:
-    """Return 1 at local nodes with a coherent cell on any rank, 0 at others; collective."""
-    index_map = body.mesh.nodes.dofmap.index_map
-    if body.is_compressible:
-        return np.ones(index_map.size_local + index_map.num_ghosts)
-    flags = la.vector(index_map, 1, dtype=np.int32)
-    flags.array[:] = 0
-    flags.array[body.cell_nodes[body.coherent].ravel()] = 1
-    flags.scatter_reverse(la.InsertMode.add)
-    return np.asarray(flags.array > 0, dtype=np.float64)

@@ -66,7 +66,7 @@ class DisplacementFormulation(Formulation):
     def mean_stress(self) -> FloatArray:
         """Return K (∇·u - e^θ) of the cells [Pa], shape (cells,)."""
         conditions = self._material.conditions
-        change = self._material.dilatation - conditions.thermal_strain
+        change = self._material.dilatation - self._material.thermal_strain.x.array
         return np.asarray(change / conditions.compressibility)
 
     def nodal_pressure(self) -> FloatArray:
@@ -80,7 +80,7 @@ class DisplacementFormulation(Formulation):
         Returns:
             False: the residual stays.
         """
-        self._material.commit()
+        self._material.commit(self.mean_stress())
         return False
 
     def rewind(self) -> None:

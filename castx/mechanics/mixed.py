@@ -188,7 +188,7 @@ class MixedFormulation(Formulation):
         Returns:
             False: the residual stays.
         """
-        self._material.commit()
+        self._material.commit(self.mean_stress(), self._pockets.hold_volume)
         self._pockets.commit(self.nodal_pressure, self._material.dilatation)
         return False
 

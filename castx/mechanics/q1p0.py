@@ -153,7 +153,7 @@ class Q1P0Formulation(Formulation):
         Returns:
             True: the multipliers are better ones.
         """
-        self._material.commit()
+        self._material.commit(self.mean_stress(), self._pockets.hold_volume)
         self._mean.commit()
         self._pockets.commit(self.nodal_pressure, self._material.dilatation)
         return True
