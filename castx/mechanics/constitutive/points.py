@@ -106,15 +106,16 @@ class MaterialPoints:
         self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
 
     def _secant(self, c: Conditions) -> FloatArray:
-        """Return the shear modulus G of the stabilisation τ, known at the start of the step.
+        """Return the shear modulus G of the stabilisation τ.
 
-        A cell that holds any solid has that of the solid: with a mean of both, or with the share
-        at the end of the step, the pressures of the front would follow each pass.
+        A cell that has held any solid since the start of the step has that of the solid: with a
+        mean of both, or by what freezes in the step, the pressures of the front would follow each
+        pass between heat and mechanics.
         """
         solid = self._start.softening * c.shear_modulus
         if c.liquid_modulus is None:
             return solid
-        return np.where(c.shares.start > 0, solid, c.liquid_modulus)
+        return np.where(c.shares.carried > 0, solid, c.liquid_modulus)
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.

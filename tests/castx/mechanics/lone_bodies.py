@@ -19,7 +19,7 @@ PLANE_MODELS = ("plane-strain", "generalised-plane-strain", "plane-stress", "axi
 MODELS = (*PLANE_MODELS, "3d")
 MELTING: dict[str, Any] = {
     "solidus": 600.0,
-    "liquidus": 600.0,
+    "liquidus": 650.0,
     "latent_heat": 4e5,
     "liquid": {"viscosity": 2e6, "coherency": 0.7},
 }
