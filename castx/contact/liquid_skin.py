@@ -1,16 +1,19 @@
 """Liquid at the wall: pairs that resist opening, since metal that does not bear follows the wall.
 
 A liquid cannot leave a wall: the air would have to pass through it, and what the wall leaves free
-is filled by metal that flows there. So a closed pair may be pulled, until a void opens at the wall:
+is filled by metal that flows there. Solid that is pulled lets go, where a void opens in what is
+left of the liquid. So a closed pair bears a pull,
 
-    −p_c ≤ (1 − w) p_v,
+    −w p_c ≤ (1 − w) p_v,
 
 with p_c the contact pressure, p_v the depression at which melt lets go (`Material.wall_suction`)
 and w the share of the metal of its node that bears stress (`Material.bearing_share`), of two bodies
-the smaller one. The solid surface, w = 1, leaves its wall without being pulled, and everything is
-continuous on the way there. A pair that has let go is free until it closes by itself; where all its
-metal has melted again it closes at once. One that was given a gap that is positive without any
-displacement is never held: there is no metal at that wall.
+the smaller one. That share of a pull comes from the solid; the rest is due to the viscosity of the
+liquid, a number that keeps the problem solvable. The solid surface, w = 1, leaves its wall without
+being pulled, a liquid never does, and everything is continuous between them. A pair that has let go
+is free until it closes by itself; where all its metal has melted again it closes at once. One that
+was given a gap that is positive without any displacement is never held: there is no metal at that
+wall.
 """
 
 from __future__ import annotations
@@ -29,10 +32,6 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.liquid.regions import CellRegions
 from castx.solvers.layout import Layout
 from castx.solvers.remote_entries import RemoteEntries
-
-ROUNDING = 1e-12
-"""Of the sum of the weights of a row."""
-
 
 @dataclass(frozen=True)
 class _Side:
@@ -86,21 +85,17 @@ class LiquidSkin:
         """Return the largest pulls of the rows in the present state of the bodies; collective.
 
         Returns:
-            Pulls that liquid bears [N], shape (rows,), and whether nothing bears at the node.
+            Pulls that liquid bears [N], shape (rows,), infinite where no metal of one side bears
+            stress, and whether that is so.
         """
-        suction, liquid = np.zeros((2, len(self._can_hold)))
-        shares = [1.0 - body.material.conditions.nodes.share for body in self._bodies]
-        depressions = [body.material.law.material.wall_suction for body in self._bodies]
-        for found, nodal in (
-            (liquid, shares),
-            (suction, [p * share for p, share in zip(depressions, shares, strict=True)]),
-        ):
-            self._fill(nodal)
-            for side in self._sides:
-                here = np.sum(side.get(self._values) * side.weights, axis=1)
-                found[side.rows] = np.maximum(found[side.rows], here)
-        pulls = np.where(self._can_hold, suction * self._areas, 0.0)
-        return pulls, self._can_hold & (liquid > 1.0 - ROUNDING)
+        largest = np.zeros(len(self._can_hold))
+        self._fill([_pressures_of_pull(body) for body in self._bodies])
+        for side in self._sides:
+            values, own = side.get(self._values), side.weights > 0.0
+            here = np.where(own, values, np.inf).min(axis=1)
+            largest[side.rows] = np.maximum(largest[side.rows], here)
+        pulls = np.where(self._can_hold, largest * self._areas, 0.0)
+        return pulls, self._can_hold & np.isinf(largest)
 
     def pressures(self) -> FloatArray:
         """Return the pressure of the liquid column at all rows [Pa], (rows,); collective.
@@ -136,3 +131,10 @@ class LiquidSkin:
             for entry in side.entries:
                 entry.destroy()
         self._values.destroy()
+
+
+def _pressures_of_pull(body: BodyMechanics) -> FloatArray:
+    """Return p_v (1 − w)/w of the local nodes of a body [Pa], infinite where nothing bears."""
+    share = body.material.conditions.nodes.share
+    liquid = body.material.law.material.wall_suction * (1.0 - share)
+    return np.divide(liquid, share, out=np.full(len(share), np.inf), where=share > 0.0)

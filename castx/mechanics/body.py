@@ -187,7 +187,7 @@ class BodyMechanics:
         stress = cell_stress(self.material, self.formulation.mean_stress())
         size = np.linalg.norm(stress[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
         G = self.points.cell_means(self.material.conditions.shear_modulus)
-        size += THERMAL_SHARE * 2 * G * np.abs(self.material.conditions.contracted)
+        size += THERMAL_SHARE * 2 * G * np.abs(self.material.contracted)
         forces = (size * self._force_of_stress)[: self.owned_cells]
         mine = _on_corners(self.mesh, forces)[: self.owned_nodes]
         load = self.formulation.forms.load

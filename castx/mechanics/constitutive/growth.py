@@ -75,11 +75,13 @@ class CellVolume(NamedTuple):
         free: E in θ = w p/K + E, the volumetric strain without pressure.
         dilatation: θ.
         mean_stress: p [Pa].
+        contracted: sum of all de^θ.
     """
 
     free: FloatArray
     dilatation: FloatArray
     mean_stress: FloatArray
+    contracted: FloatArray
 
     def grown(
         self, start: FloatArray, end: FloatArray, compressibility: FloatArray, change: FloatArray

@@ -55,7 +55,6 @@ class Conditions(NamedTuple):
         share: w in the cells, shape (cells,).
         solid_compressibility: 1/K of the solid in the cells [1/Pa], shape (cells,).
         contraction: de^θ over the step, shape (cells,).
-        contracted: strain of contraction of the solid since it was free of strain, likewise.
         nodes: metal of the nodes at the end of the step.
     """
 
@@ -68,7 +67,6 @@ class Conditions(NamedTuple):
     share: FloatArray
     solid_compressibility: FloatArray
     contraction: FloatArray
-    contracted: FloatArray
     nodes: MetalNodes
 
     @property
@@ -177,8 +175,7 @@ class Law:
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
             np.mean(start.share[corners], axis=1), share, compressibility,
-            contraction(points, start, end), weighted_means(points, end.contraction, end.share),
-            end,
+            contraction(points, start, end), end,
         )  # fmt: skip
 
     def _liquid(

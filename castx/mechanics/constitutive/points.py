@@ -47,7 +47,8 @@ class MaterialPoints:
         self.history = self._start = PointHistory.initial(points)
         nodes = len(points.node_numbering.numbers)
         self._nodes = law.initial_nodes(nodes, liquid=starts_liquid)
-        self._volume = CellVolume(*np.zeros((3, points.cells)))
+        self._volume = CellVolume(*np.zeros((4, points.cells)))
+        self._contracted = self._volume.contracted
         self._conditions: Conditions | None = None
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
@@ -90,6 +91,7 @@ class MaterialPoints:
         c = self.law.conditions(self.points, temperature, solid_fraction, step, self._nodes)
         self.thickness.begin(c.coherent)
         self._use(self.history, c, step)
+        self._contracted = self._volume.contracted + c.contraction
         self.compressibility.x.array[:] = c.compressibility
         self.thermal_strain.x.array[:] = self._volume.grown(
             c.start_share, c.share, c.solid_compressibility, c.contraction
@@ -108,14 +110,13 @@ class MaterialPoints:
     def _secant(self, c: Conditions) -> FloatArray:
         """Return the shear modulus G of the stabilisation τ.
 
-        A cell that has held any solid since the start of the step has that of the solid: with a
-        mean of both, or by what freezes in the step, the pressures of the front would follow each
-        pass between heat and mechanics.
+        A point that holds any solid has that of the solid: with a mean of both the pressures of the
+        front would follow each pass between heat and mechanics.
         """
         solid = self._start.softening * c.shear_modulus
         if c.liquid_modulus is None:
             return solid
-        return np.where(c.shares.carried > 0, solid, c.liquid_modulus)
+        return np.where(c.shares.end > 0, solid, c.liquid_modulus)
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.
@@ -152,11 +153,16 @@ class MaterialPoints:
         """Volumetric strain of the cells, shape (cells,)."""
         return self.points.cell_means(self._strain[:, :3].sum(axis=1))
 
+    @property
+    def contracted(self) -> FloatArray:
+        """Volumetric strain by which the solid of the cells has contracted, shape (cells,)."""
+        return self._contracted
+
     def mechanical_strain(self) -> FloatArray:
-        """Return ε - e^θ/3 1 of the cells, beyond thermal strain and pores, shape (cells, 6)."""
+        """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
         strain = self.points.cell_means(self._strain)
         strain = np.pad(strain, ((0, 0), (0, 6 - strain.shape[1])))
-        strain[:, :3] -= self.thermal_strain.x.array[:, None] / 3.0
+        strain[:, :3] -= self.contracted[:, None] / 3.0
         return strain
 
     def plastic_power(self) -> FloatArray:
@@ -227,7 +233,7 @@ class MaterialPoints:
         free = self.thermal_strain.x.array.copy()
         dilatation = self.dilatation.copy()
         kept = free if pooled is None else np.where(pooled, dilatation, free)
-        self._volume = CellVolume(kept, dilatation, mean_stress.copy())
+        self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free
 
@@ -240,5 +246,6 @@ class MaterialPoints:
         if self._committed is not None:
             start, conditions, step, compressibility, free = self._committed
             self._use(start, conditions, step)
+            self._contracted = self._volume.contracted
             self.compressibility.x.array[:] = compressibility
             self.thermal_strain.x.array[:] = free

@@ -105,7 +105,7 @@ def test_liquid_follows_its_wall_and_the_skin_leaves_it(comm, method, order):
     assert not frozen.closed.any()
     assert total(comm, frozen) == pytest.approx(0.0, abs=1e-9)
     # A solid would have been drawn by 2 MPa to follow.
-    assert np.abs(made.bodies["upper"].stress()).max() < 1.0
+    assert np.abs(made.bodies["upper"].stress()[:, [0, 1, 3]]).max() < 1.0
     molten = step(made, 2.0, LIQUID)
     assert molten.closed.all()
     if not soft:
@@ -129,7 +129,7 @@ def test_liquid_follows_a_rigid_wall_and_the_skin_leaves_it(comm, method):
     frozen = step(made, 2.0, SOLID)
     assert not frozen.closed.any()
     np.testing.assert_allclose(frozen.gap, 2 * PULL - stretched + relief(stretched), rtol=1e-5)
-    assert np.abs(made.bodies["upper"].stress()).max() < 1.0
+    assert np.abs(made.bodies["upper"].stress()[:, [0, 1, 3]]).max() < 1.0
     assert step(made, 2.0, LIQUID).closed.all()
 
 
@@ -168,7 +168,7 @@ def test_both_sides_have_to_be_coherent(comm):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_the_share_of_a_node_decides_how_far_its_pair_is_pulled(comm, order, model):
-    """(1 − w) p_v S, with the atmosphere where no depression is given; what has melted closes."""
+    """p_v S (1 − w)/w, with the atmosphere where no depression is given; what has melted closes."""
     for given, depression in ({}, 1.01e5), ({"cavitation": 2e4}, 2e4):
         made = drawn_apart(comm, order, model=model, alloy={**ALLOY, **given})
         part = made.bodies["upper"]
@@ -181,8 +181,9 @@ def test_the_share_of_a_node_decides_how_far_its_pair_is_pulled(comm, order, mod
         pulls, molten = skin.pulls()
         index = gaps.interfaces[0].index
         share = np.clip((fraction(made.pairs[0].points[index]) - 0.7) / 0.3, 0.0, 1.0)
-        expected = (1 - share) * depression * gaps.areas
-        np.testing.assert_allclose(pulls, np.where(gaps.free, expected, 0.0), rtol=1e-9, atol=1e-9)
+        with np.errstate(divide="ignore"):
+            expected = (1 - share) / share * depression * gaps.areas
+        np.testing.assert_allclose(pulls, np.where(gaps.free, expected, 0.0), rtol=1e-9)
         np.testing.assert_array_equal(molten, gaps.free & (share == 0.0))
         spread = everywhere(comm, share)
         assert spread.min() == 0.0 and spread.max() > 0.0
@@ -190,25 +191,23 @@ def test_the_share_of_a_node_decides_how_far_its_pair_is_pulled(comm, order, mod
 
 
 @pytest.mark.serial
-def test_melt_lets_go_of_its_wall_where_a_void_opens(comm):
-    """A thick melt would pull harder than its depression: it is left behind by a gap."""
-    for cavitation, closed in ((2000.0, True), (1000.0, False)):
-        made = drawn_apart(comm, alloy={**ALLOY, "cavitation": cavitation})
-        state = step(made, 1.0, LIQUID)
-        assert VISCOUS_FORCE / WIDTH == pytest.approx(1333.3, rel=1e-4)
-        assert state.closed.all() == closed and state.closed.any() == closed
-        if not closed:
-            np.testing.assert_allclose(state.gap, PULL, rtol=1e-3)
-            assert total(comm, state) == 0.0
-
-
-@pytest.mark.serial
 def test_a_skin_half_solid_bears_half_the_pull(comm):
-    """Held as long as the force of its liquid and solid is below (1 − w) p_v, else it is free."""
-    for cavitation, closed in ((1e9, True), (100.0, False)):
-        made = drawn_apart(comm, alloy={**ALLOY, "cavitation": cavitation})
+    """Drawn by 10 µm, it pulls with w E' ε; below p_v (1 − w)/w it follows, else it is free."""
+    w, poisson = 0.5, 0.33
+    G, K = 7e9 / (2 * (1 + poisson)), 7e9 / (3 * (1 - 2 * poisson))
+    soft, stiff = w * G, K / w
+    young, own = 9 * stiff * soft / (3 * stiff + soft), (3 * stiff - 2 * soft) / (6 * stiff + 2 * soft)
+    pull = young / (1 - own**2) * PULL / HEIGHT
+    for factor, closed in ((1.02, True), (0.98, False)):
+        alloy = {**ALLOY, "cavitation": factor * pull, "liquid": {**ALLOY["liquid"], "viscosity": 1.0}}
+        made = drawn_apart(comm, alloy=alloy)
         step(made, 0.0, (590.0, 0.85))
-        assert step(made, 1.0, (590.0, 0.85)).closed.all() == closed
+        state = step(made, 1.0, (590.0, 0.85))
+        assert state.closed.all() == state.closed.any() == closed
+        if closed:
+            assert total(comm, state) == pytest.approx(-pull * WIDTH, rel=1e-3)
+        else:
+            np.testing.assert_allclose(state.gap, PULL, rtol=1e-4)
 
 
 @pytest.mark.serial

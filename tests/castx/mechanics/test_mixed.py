@@ -153,7 +153,7 @@ def test_cells_have_the_mean_of_their_nodal_pressures(comm):
 
 @pytest.mark.parametrize(
     ("start", "end", "solid"),
-    [(0.0, 0.0, False), (0.7, 1.0, False), (0.85, 0.9, True), (0.85, 1.0, True),
+    [(0.0, 0.0, False), (0.0, 0.75, True), (0.7, 1.0, True), (0.85, 0.9, True),
      (1.0, 0.75, True), (1.0, 0.7, False)],
 )  # fmt: skip
 def test_the_stabilisation_takes_the_modulus_of_the_phase(comm, start, end, solid):

@@ -62,8 +62,9 @@ def test_values_of_the_solid_are_means_over_it(points):
 
 
 VOLUME = CellVolume(
-    np.array([1e-3, 1e-3, -2e-3]), np.array([3e-3, 1.5e-3, 0.0]), np.array([2e7, -5e7, 1e6])
-)
+    np.array([1e-3, 1e-3, -2e-3]), np.array([3e-3, 1.5e-3, 0.0]), np.array([2e7, -5e7, 1e6]),
+    np.zeros(3),
+)  # fmt: skip
 SOFT = np.array([2e-11, 1e-11, 1.5e-11])
 
 

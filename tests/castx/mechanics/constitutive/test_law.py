@@ -43,7 +43,7 @@ def test_elastic_coefficients_over_temperature(points):
         c.compressibility, np.mean(3 * (1 - 2 * POISSON) / E[corners], axis=1), rtol=1e-12
     )
     strain = 3 * 2e-5 * (temperature - 20.0)
-    np.testing.assert_allclose(c.contracted, np.mean(strain[corners], axis=1), rtol=1e-12)
+    assert not c.contraction.any()
     cold = law.initial_nodes(nodes, liquid=False)
     c = law.conditions(points, temperature, np.ones(nodes), 0.5, cold)
     np.testing.assert_allclose(c.contraction, np.mean(strain[corners], axis=1), rtol=1e-12)
