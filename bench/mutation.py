@@ -1,6 +1,7 @@
 """Do the tests notice a small fault in the code?
 
-    bin/with-fenicsx python3 bench/mutation.py [--only TEXT …] [--limit SECONDS] [--draw NUMBER]
+    bin/with-fenicsx python3 bench/mutation.py [--only TEXT …] [--ranks NUMBER] [--limit SECONDS]
+    bin/with-fenicsx python3 bench/mutation.py --draw NUMBER [--seed NUMBER]
 
 Plants the faults of bench/mutants.toml one after the other in a copy of this checkout, runs the
 tests that should notice, and prints those that no test did. A fault replaces one line or a part of
@@ -239,6 +240,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--only", nargs="+", default=[""], help="those whose file or text has one")
+    parser.add_argument("--ranks", type=int, help="those whose tests run on so many ranks")
     parser.add_argument("--limit", type=float, default=600.0, help="for the tests of one [s]")
     parser.add_argument("--draw", type=int, help="number of faults drawn at random in their place")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
@@ -251,7 +253,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return try_drawn(
             drawn(given.draw, given.seed), given.results, given.limit, given.whole
         )
-    chosen = [m for m in mutants() if any(text in str(m) for text in given.only)]
+    chosen = [
+        mutant
+        for mutant in mutants()
+        if any(text in str(mutant) for text in given.only)
+        and given.ranks in (None, mutant.ranks)
+    ]
     counts: Counter[tuple[str, bool]] = Counter()
     survivors = []
     with tempfile.TemporaryDirectory() as folder:

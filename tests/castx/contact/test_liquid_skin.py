@@ -28,6 +28,7 @@ from tests.elastic_bodies import (
     generated,
     problem,
 )
+from tests.partitions import PARTITION, scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -157,6 +158,16 @@ def test_both_sides_have_to_be_coherent(comm):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_cells_at_a_pair_decide(comm, order, model):
+    assert_cells_at_a_pair_decide(comm, order, model)
+
+
+@pytest.mark.ranks
+def test_cells_of_other_ranks_decide_too(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, scattered)
+    assert_cells_at_a_pair_decide(comm, ORDERS[0], "plane-strain")
+
+
+def assert_cells_at_a_pair_decide(comm, order, model):
     """Held are the pairs of the upper block none of whose cells has a mean of 0.7 or more."""
     made = drawn_apart(comm, order, model=model)
     part = made.bodies["upper"]

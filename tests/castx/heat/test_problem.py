@@ -273,6 +273,16 @@ def test_largest_temperature_change_leaves_out_prescribed_nodes(comm):
     assert report.largest_temperature_change < largest(comm, state(heat, mesh) - old)
 
 
+@pytest.mark.ranks
+def test_largest_temperature_change_is_that_of_all_ranks(comm):
+    mesh = cylinder(comm, size=1e-2)
+    heat = problem(mesh, "none")
+    old = state(heat, mesh).copy()
+    report = heat.advance(0.0, 5.0, [None])
+    expected = largest(comm, state(heat, mesh) - old)
+    assert comm.allgather(report.largest_temperature_change) == [expected] * comm.size
+
+
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
 def test_linear_solvers_agree(comm, linear):
     mesh = cylinder(comm)

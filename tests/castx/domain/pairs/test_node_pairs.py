@@ -14,6 +14,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import MeshError
+from tests.partitions import PARTITION, scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -72,6 +73,18 @@ def test_both_nodes_of_a_pair_are_at_its_point(name, interface, comm):
         assert np.abs(points - pairs.points).max(initial=0.0) < 1e-15
     local = mesh.bodies["casting"].points[pairs.secondary_local]
     assert np.array_equal(local, pairs.points)
+
+
+@pytest.mark.ranks
+def test_pairs_are_found_where_no_rank_has_both_sides(comm, monkeypatch):
+    """Owners of a node and of its vertex differ where neighbouring cells go to different ranks."""
+    monkeypatch.setattr(PARTITION, scattered)
+    mesh = casting_and_mould(DESCRIPTIONS["box"], comm)
+    pairs = node_pairs(mesh, "casting", "mould")
+    points = coordinates_by_number(mesh.bodies["mould"], comm)
+    np.testing.assert_allclose(points[pairs.primary_nodes], pairs.points, atol=1e-15)
+    assert (pairs.primary_nodes >= 0).all()
+    assert total(comm, pairs.areas) == pytest.approx(2 * (6e-4 + 1.2e-3 + 8e-4))
 
 
 @pytest.mark.ranks

@@ -1,0 +1,34 @@
+"""Ways of giving cells to ranks that code of several ranks has to stand, in place of good ones.
+
+Each takes the arguments of `castx.domain.partition.partition`. A test puts one in its place before
+it builds a mesh: `monkeypatch.setattr(PARTITION, scattered)`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from castx.arrays import FloatArray, LongArray
+
+PARTITION = "castx.domain.mesh.partition"
+
+
+def scattered(
+    midpoints: FloatArray, bodies: LongArray, across: LongArray, parts: int
+) -> LongArray:
+    """Give neighbouring cells to different ranks, and part the cells at an interface."""
+    return np.arange(len(bodies)) % parts
+
+
+def on_the_last(
+    midpoints: FloatArray, bodies: LongArray, across: LongArray, parts: int
+) -> LongArray:
+    """Give all cells to the last rank, and none to the others."""
+    return np.full(len(bodies), parts - 1)
+
+
+def body_by_body(
+    midpoints: FloatArray, bodies: LongArray, across: LongArray, parts: int
+) -> LongArray:
+    """Give each body to one rank, which leaves the others without cells of it."""
+    return bodies.astype(np.int64) % parts
