@@ -91,6 +91,25 @@ def test_noise_beside_the_largest_force_changes_nothing(comm):
     assert active.update(np.array([1e9, -1.0, 1e-5]))
 
 
+@pytest.mark.ranks
+def test_noise_beside_the_largest_force_of_any_rank_changes_nothing(comm):
+    here = slice(0, 1) if comm.rank == comm.size - 1 else slice(1, 3)
+    count = len(np.arange(3)[here])
+    active = ActiveSet(
+        comm, np.array([0.0, 0.0, 1.0])[here], np.ones(count, dtype=bool), np.ones(count) / 3
+    )
+    assert not active.update(np.array([1e9, -1e-5, 1e-5])[here])
+
+
+@pytest.mark.ranks
+def test_a_pull_on_one_rank_is_that_of_all(comm):
+    last = comm.rank == comm.size - 1
+    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.ones(1))
+    forces = np.array([-3.0 if last else 1.0])
+    assert active.largest_pull(forces) == 3.0
+    assert active.violates(forces, 1.0) and not active.violates(forces, 4.0)
+
+
 def test_rewind_returns_to_the_committed_set(comm):
     active = ActiveSet(comm, np.array([0.0, 1.0]), np.ones(2, dtype=bool), np.array([0.2, 0.7]))
     active.update(np.array([-1.0, 1.0]))
