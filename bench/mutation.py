@@ -256,8 +256,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = [
         mutant
         for mutant in mutants()
-        if any(text in str(mutant) for text in given.only)
-        and given.ranks in (None, mutant.ranks)
+        if any(text in str(mutant) for text in given.only) and given.ranks in (None, mutant.ranks)
     ]
     counts: Counter[tuple[str, bool]] = Counter()
     survivors = []

@@ -19,6 +19,7 @@ from castx.command.check import (
     temperature_range,
 )
 from castx.command.cli import execute
+from tests.partitions import PARTITION, on_the_last
 
 
 @pytest.mark.ranks
@@ -29,6 +30,13 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
         assert name in text
     assert "warning: steel-H13 (mould) has data for less than the temperatures of the case" in text
     assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
+
+
+@pytest.mark.ranks
+def test_check_counts_on_ranks_without_cells(comm, case_file, said, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    assert execute(["check", str(case_file)], comm) == 0
+    assert "9 pairs" in said()
 
 
 @pytest.mark.ranks

@@ -83,3 +83,16 @@ def test_a_body_freezes_by_volume(comm):
 def test_without_the_heat_equation_nothing_moves(comm):
     heat = SimpleNamespace(enthalpy={}, solid_fraction=fields({"casting": [0.0]}))
     assert ThermalChange(comm, heat, {"casting": np.ones(1)}).share(0.0) == 0.0
+
+
+@pytest.mark.ranks
+def test_a_rank_without_nodes_sees_the_change_of_others(comm):
+    last = comm.rank == comm.size - 1
+    heat = SimpleNamespace(
+        enthalpy=fields({"casting": [10.0] if last else []}),
+        solid_fraction=fields({"casting": [0.0] if last else []}),
+    )
+    change = ThermalChange(comm, heat, {"casting": np.ones(int(last))})
+    heat.solid_fraction["casting"].x.array[:] = 0.25
+    assert change.largest_of_solid_fraction() == 0.25
+    assert change.largest_of_mean_solid_fraction() == 0.25

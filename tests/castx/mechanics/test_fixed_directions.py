@@ -8,6 +8,7 @@ import pytest
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
 from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
+from tests.partitions import PARTITION, on_the_last
 
 
 def cylinder(comm, sector: str):
@@ -47,7 +48,10 @@ def test_a_condition_on_a_symmetry_plane_takes_its_place(comm):
 
 
 @pytest.mark.ranks
-def test_axis_has_no_radial_motion(comm):
+@pytest.mark.parametrize("spread", [False, True])
+def test_axis_has_no_radial_motion(comm, monkeypatch, spread):
+    if not spread:  # ranks without cells
+        monkeypatch.setattr(PARTITION, on_the_last)
     mesh = blocks(comm, "axisymmetric", symmetry=True)
     found = fixed_directions(mesh.bodies["base"], "axisymmetric", [fixed("bottom", "z")])
     axis = next(f for f in found if f.name == "base axis")

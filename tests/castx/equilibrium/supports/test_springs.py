@@ -189,13 +189,30 @@ def test_a_machine_holds_a_die_that_has_left_its_mould(comm, method):
 
 @pytest.mark.ranks
 def test_springs_carry_a_resultant_of_any_motion(comm):
-    """The spring on the mean motion of volume V has the stiffness k V."""
+    """The spring on the mean motion of volume V has the stiffness k V.
+
+    Every rank has unknowns that the motion moves.
+    """
     springs = Springs(comm)
-    mine = np.arange(6)[comm.rank :: comm.size]
+    mine = np.array_split(np.arange(6), comm.size)[comm.rank]
     floating = FloatingMotions(
         springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm
     )
     support = floating.find(np.zeros(len(mine), dtype=bool))
+    shift = 5.0 * springs.motions[0, mine]
+    total = comm.allreduce(float(springs.motions[0, mine] @ support.force(shift)))
+    assert total == pytest.approx(2.0 * 6.0 * 5.0, rel=1e-12)
+
+
+@pytest.mark.ranks
+def test_a_rank_without_unknowns_pins_nothing(comm):
+    springs = Springs(comm)
+    mine = np.arange(6)[: 6 if comm.rank == comm.size - 1 else 0]
+    floating = FloatingMotions(
+        springs.motions[:, mine], (springs.volumes * springs.motions)[:, mine], 2.0, comm
+    )
+    support = floating.find(np.zeros(len(mine), dtype=bool))
+    assert len(support.pins) == (2 if len(mine) else 0)
     shift = 5.0 * springs.motions[0, mine]
     total = comm.allreduce(float(springs.motions[0, mine] @ support.force(shift)))
     assert total == pytest.approx(2.0 * 6.0 * 5.0, rel=1e-12)
