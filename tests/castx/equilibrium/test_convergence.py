@@ -26,6 +26,7 @@ def without_rounding(limits: ForceConvergence, made, pair_forces=None) -> None:
     limits.update(made.equilibrium.x, np.zeros(size), given)
 
 
+@pytest.mark.ranks
 def test_each_body_is_measured_by_the_forces_on_it(comm):
     made = two_blocks(comm)
     limits = limits_of(made, 1e-3)
