@@ -56,7 +56,8 @@ def test_stiff_nodes_are_solved_for_with_all_their_unknowns(comm):
 
 @pytest.mark.ranks
 def test_ranks_without_stiff_nodes_take_part(comm):
-    stiff = np.arange(NODES * comm.size) >= NODES * comm.size - 2
+    few = 2 if comm.size == 1 else NODES  # the last rank has no soft node
+    stiff = np.arange(NODES * comm.size) >= NODES * comm.size - few
     dense = soft_with(comm, stiff)
     part, A = set_up(comm, dense)
     right = vector(comm, np.ones(len(dense)))
