@@ -14,7 +14,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.source import write_mesh
 from castx.domain.summary import mesh_summary
 from castx.errors import MeshError
-from tests.partitions import PARTITION, scattered
+from tests.partitions import PARTITION, thinly_scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -324,7 +324,11 @@ def test_a_generator_that_fails_is_reported_on_all_ranks(comm):
 @pytest.mark.parametrize(
     "generator, arguments, text",
     [
-        ("sphere", {}, "no generator 'sphere'; known: box_in_mould, core_in_ring, cylinder_in_mould, slab"),
+        (
+            "sphere",
+            {},
+            "no generator 'sphere'; known: box_in_mould, core_in_ring, cylinder_in_mould, slab",
+        ),
         (
             "slab",
             {"length": 1.0, "width": 1.0, "size": 1.0, "lenght": 1.0},
@@ -344,7 +348,7 @@ def test_unknown_generators_and_arguments_are_named(generator, arguments, text, 
 @pytest.mark.ranks
 def test_nodes_of_a_surface_are_known_to_ranks_without_its_facets(comm, monkeypatch):
     """A rank may have a node at the floor, and no cell with a facet there."""
-    monkeypatch.setattr(PARTITION, scattered)
+    monkeypatch.setattr(PARTITION, thinly_scattered)
     arguments = {"length": 0.04, "width": 0.02, "depth": 0.02, "size": 0.01}
     description = {"generator": "slab", "model": "3d", **arguments}
     body = build_mesh(Geometry.model_validate(description), ["casting"], comm).bodies["casting"]

@@ -14,7 +14,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import MeshError
-from tests.partitions import PARTITION, scattered
+from tests.partitions import PARTITION, thinly_scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -76,15 +76,16 @@ def test_both_nodes_of_a_pair_are_at_its_point(name, interface, comm):
 
 
 @pytest.mark.ranks
-def test_pairs_are_found_where_no_rank_has_both_sides(comm, monkeypatch):
-    """Owners of a node and of its vertex differ where neighbouring cells go to different ranks."""
-    monkeypatch.setattr(PARTITION, scattered)
+def test_pairs_are_found_where_a_rank_has_one_side_alone(comm, monkeypatch):
+    """The owner of a vertex may have the node of one body, and has to hear of that of the other."""
+    monkeypatch.setattr(PARTITION, thinly_scattered)
     mesh = casting_and_mould(DESCRIPTIONS["box"], comm)
-    pairs = node_pairs(mesh, "casting", "mould")
-    points = coordinates_by_number(mesh.bodies["mould"], comm)
-    np.testing.assert_allclose(points[pairs.primary_nodes], pairs.points, atol=1e-15)
-    assert (pairs.primary_nodes >= 0).all()
-    assert total(comm, pairs.areas) == pytest.approx(2 * (6e-4 + 1.2e-3 + 8e-4))
+    for names in (("casting", "mould"), ("mould", "casting")):
+        pairs = node_pairs(mesh, *names)
+        points = coordinates_by_number(mesh.bodies[names[1]], comm)
+        assert (pairs.primary_nodes >= 0).all()
+        np.testing.assert_allclose(points[pairs.primary_nodes], pairs.points, atol=1e-15)
+        assert total(comm, pairs.areas) == pytest.approx(2 * (6e-4 + 1.2e-3 + 8e-4))
 
 
 @pytest.mark.ranks
