@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.contact.kinematics.active_set import ActiveSet
+from castx.contact.kinematics.active_set import ActiveSet, Pivoting
 from tests.elastic_bodies import everywhere
 
 
@@ -103,11 +103,23 @@ def test_noise_beside_the_largest_force_of_any_rank_changes_nothing(comm):
 
 @pytest.mark.ranks
 def test_a_pull_on_one_rank_is_that_of_all(comm):
-    last = comm.rank == comm.size - 1
-    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.ones(1))
-    forces = np.array([-3.0 if last else 1.0])
+    """The last rank alone has a pair."""
+    forces = np.full(1 if comm.rank == comm.size - 1 else 0, -3.0)
+    active = ActiveSet(comm, np.zeros_like(forces), forces < 0.0, np.ones_like(forces))
     assert active.largest_pull(forces) == 3.0
     assert active.violates(forces, 1.0) and not active.violates(forces, 4.0)
+
+
+@pytest.mark.ranks
+def test_once_a_set_returns_the_worst_pair_of_all_ranks_changes_alone(comm):
+    violation = np.array([1.0 + comm.rank])
+    pivoting = Pivoting(comm, np.array([0.1 + 0.01 * comm.rank]))
+    closed = np.zeros(1, dtype=bool)
+    pivoting.begin(closed)
+    assert pivoting.next(closed, violation).all()
+    changed = pivoting.next(~closed, violation)
+    assert pivoting.one_by_one
+    assert changed.tolist() == [comm.rank == comm.size - 1]
 
 
 def test_rewind_returns_to_the_committed_set(comm):
