@@ -81,7 +81,10 @@ def refuse_uniform(comm):
         placed(comm, {"upper": [fixed("top", "y"), uniform]})
 
 
-def test_refuses_a_pair_that_only_the_primary_could_open(comm):
+@pytest.mark.ranks
+def test_refuses_a_pair_that_only_the_primary_could_open(comm, monkeypatch):
+    """Also on ranks without pairs."""
+    monkeypatch.setattr(PARTITION, on_the_last)
     with pytest.raises(CaseError, match="the conditions of 'upper' hold its node"):
         placed(comm, {"upper": [fixed("base", "all")]})
 
