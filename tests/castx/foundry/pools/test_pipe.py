@@ -140,7 +140,7 @@ def test_under_a_skin_nothing_sinks(comm):
 def test_what_freezes_on_one_rank_sinks_on_all(comm, monkeypatch):
     """The outermost nodes freeze, β of their volume lacks, and the pool is one."""
     monkeypatch.setattr(PARTITION, along_x)
-    mesh = cylinder_mesh(comm)
+    mesh = cylinder_mesh(comm, size=2e-3)
     body = mesh.bodies["casting"]
     pipe, outside = BodyPipe(body, mesh.model, metal()), body.points[:, 0] > RADIUS - 1e-9
     for fraction in (0.0, 0.5):
