@@ -141,7 +141,7 @@ def test_faults_still_stand_where_the_list_says():
 
 def test_faults_of_ranks_are_for_the_rank_contract_to_notice():
     of_ranks = [fault for fault in script("mutation").mutants() if fault.ranks > 1]
-    assert len(of_ranks) >= 40
+    assert len(of_ranks) >= 120
     outside = [
         test
         for fault in of_ranks
