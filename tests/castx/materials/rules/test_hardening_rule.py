@@ -54,3 +54,5 @@ def test_incomplete_rules_are_refused() -> None:
         replace(rules["linear"], curve=rules["voce"].curve)
     with pytest.raises(TypeError, match="'voce': a back stress needs a modulus"):
         replace(rules["voce"], isotropic=False)
+    with pytest.raises(TypeError, match="'voce' has several keys, and declares no title for them"):
+        replace(rules["voce"], title="")
