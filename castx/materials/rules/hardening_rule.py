@@ -86,6 +86,8 @@ class HardeningRule:
             raise TypeError(f"rule {self.name!r} needs modulus or curve, and not both")
         if self.curve is not None and not self.isotropic:
             raise TypeError(f"rule {self.name!r}: a back stress needs a modulus, not a curve")
+        if needed := [key.name for key in self.keys if key.default is None]:
+            raise TypeError(f"rule {self.name!r} declares no default of {', '.join(needed)}, as 0")
         if len(self.keys) > 1 and not self.title:
             raise TypeError(f"rule {self.name!r} has several keys, and declares no title for them")
 
