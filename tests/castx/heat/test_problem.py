@@ -19,6 +19,7 @@ from castx.heat.interface import HeatExchange
 from castx.heat.problem import HeatProblem
 from castx.input.variation import Variation
 from castx.tables import Table
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.pair_state import PairState
 from tests.castx.heat.heat_cases import (
     ALUMINIUM,
@@ -432,7 +433,7 @@ def test_bad_descriptions_are_refused(comm):
     casting = HeatBody("casting", material(ALUMINIUM), 670.0)
     with pytest.raises(CaseError, match="each of the bodies casting, mould once, got casting"):
         HeatProblem(mesh, [casting])
-    with pytest.raises(CaseError, match="type: unknown; allowed: convection, flux, insulated"):
+    with pytest.raises(CaseError, match=f"type: unknown; allowed: {', '.join(heat_conditions())}"):
         surface_heat("casting/wall", "chill")
     with pytest.raises(CaseError, match="value: missing; heat of type 'flux' needs it"):
         surface_heat("casting/wall", "flux")
