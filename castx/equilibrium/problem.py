@@ -92,14 +92,20 @@ class MechanicalProblem:
     @property
     def gaps(self) -> Gaps:
         """The pairs of all interfaces."""
-        return self.equilibrium.gaps
+        return self.equilibrium.present.gaps
+
+    def pair_values(self) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
+        present = self.equilibrium.present
+        return present.balance.pair_values(present.x)
 
     @booked_as(RunPart.CONTACT)
     def contact_states(self) -> list[PairState]:
         """Return the contact states of the pairs of each interface; collective."""
-        gaps, forces = self.equilibrium.pair_values()
-        closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
-        column = self.equilibrium.liquid_pressures()
+        present = self.equilibrium.present
+        gaps, forces = self.pair_values()
+        closed, friction = present.active.closed, present.balance.along_surface(present.x)
+        column = present.liquid_pressures()
         return [
             contact_state(
                 interface, gaps[part], forces[part], closed[part],
