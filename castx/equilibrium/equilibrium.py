@@ -21,8 +21,8 @@ from castx.profiling import RunPart, booked_as
 class Procedure(Protocol):
     """Solves the balance of forces."""
 
-    def begin(self, x: PETSc.Vec, time: float) -> None:
-        """Take over the state of the bodies at a time [s]."""
+    def begin(self) -> None:
+        """Prepare for a solution: the balance has begun another one."""
 
     def solve(self, x: PETSc.Vec) -> EquilibriumReport:
         """Solve for the unknowns x from where they are.
@@ -98,7 +98,8 @@ class Equilibrium:
         Raises:
             ConvergenceError: the iteration did not converge.
         """
-        self._procedure.begin(self.x, time)
+        self.balance.begin(self.x, time)
+        self._procedure.begin()
         return self._procedure.solve(self.x)
 
     @booked_as(RunPart.SOLVE)
