@@ -323,7 +323,11 @@ def test_a_generator_that_fails_is_reported_on_all_ranks(comm):
 @pytest.mark.parametrize(
     "generator, arguments, text",
     [
-        ("sphere", {}, "no generator 'sphere'; known: box_in_mould, core_in_ring, cylinder_in_mould, slab"),
+        (
+            "sphere",
+            {},
+            "no generator 'sphere'; known: box_in_mould, core_in_ring, cylinder_in_mould, slab",
+        ),
         (
             "slab",
             {"length": 1.0, "width": 1.0, "size": 1.0, "lenght": 1.0},
