@@ -30,7 +30,7 @@ def without_rounding(limits: ForceConvergence, made, pair_forces=None) -> None:
 def test_each_body_is_measured_by_the_forces_on_it(comm):
     made = two_blocks(comm)
     limits = limits_of(made, 1e-3)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     without_rounding(limits, made, forces)
     top, side = 1e6 * 0.02, 2e5 * 0.03
     assert np.hypot(top, side) < limits.acting[0] < top + 2 * side
@@ -77,7 +77,7 @@ def test_a_resultant_counts_though_each_of_its_forces_is_small(comm):
     made = two_blocks(comm)
     balance, f = made.equilibrium.balance, made.equilibrium.x.duplicate()
     limits = limits_of(made, 0.02)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     without_rounding(limits, made, forces)
     part, size = made.layout.local_slice(0), balance.assembly.bodies[0].block_size
     rows = np.zeros(part.stop - part.start).reshape(-1, size)

@@ -44,7 +44,7 @@ def floating_block(comm, method: str = "condensed", **settings) -> MechanicalPro
 
 def dense_operator(comm, made: MechanicalProblem) -> np.ndarray:
     """Return the matrix of the operator, all rows on all ranks."""
-    equilibrium = made.equilibrium
+    equilibrium = made.equilibrium.present
     x, y = equilibrium.x.duplicate(), equilibrium.x.duplicate()
     first, last = x.getOwnershipRange()
     columns = []

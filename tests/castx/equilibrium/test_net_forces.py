@@ -25,7 +25,7 @@ def net_of(made) -> NetForces:
 @pytest.mark.parametrize("method", EXACT)
 def test_what_acts_is_the_load_or_else_the_contact(comm, method):
     made = two_blocks(comm, method)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     found = net_of(made).acting(forces)
     upper = made.equilibrium.balance.assembly.bodies[0]
     load = upper.formulation.forms.load.reshape(-1, upper.block_size)[:, :2]
@@ -77,7 +77,7 @@ def test_springs_of_a_machine_count_with_the_contact(comm):
         made.equilibrium.solve(0.0)
         borne = made.clamp_totals()["upper/top.clamp_force"]
         assert borne > force + 1e4
-        _, forces = made.equilibrium.pair_values()
+        _, forces = made.pair_values()
         found = net_of(made).acting(forces)
         expected = of_upper * borne if force == 0.0 else of_upper
         assert found == pytest.approx([expected, borne], rel=1e-9)
