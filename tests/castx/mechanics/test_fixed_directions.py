@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError
-from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions, parallel
 from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
 
 
@@ -22,6 +22,14 @@ def located(comm, body, directions):
     d = body.mesh.geometry.dim
     points = body.nodes.tabulate_dof_coordinates()[directions.nodes, :d]
     return everywhere(comm, points), everywhere(comm, directions.directions)
+
+
+@pytest.mark.serial
+def test_parallel_are_directions_a_millionth_apart():
+    angles = np.array([0.0, 5e-7, 2e-6, 1e-3, 1.0, np.pi - 5e-7, np.pi - 2e-6])
+    directions = np.column_stack([np.sin(angles), 0.0 * angles, np.cos(angles)])
+    found = parallel(directions, np.array([0.0, 0.0, 1.0]))
+    assert found.tolist() == [True, True, False, False, False, True, False]
 
 
 def test_axes_and_values(comm):

@@ -62,6 +62,16 @@ def test_refused(coefficient, given, text):
         UserLaw(coefficient, given)
 
 
+@pytest.mark.serial
+def test_a_law_may_jump_at_closure_by_less_than_a_millionth():
+    def jumping(share):
+        return lambda g, p, hot, cold, t: np.where(g > 0, 1.0 - share, 1.0) * 900.0
+
+    UserLaw(jumping(3e-7))
+    with pytest.raises(CaseError, match="jumps at closure"):
+        UserLaw(jumping(3e-6))
+
+
 def heats(comm, data, laws=None) -> list[float]:
     run = Simulation.from_case(read_case(data, Path("case.toml")), comm, laws)
     return [state.totals["casting/mould.heat"] for state in run]
