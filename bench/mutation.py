@@ -116,12 +116,27 @@ def copy_of_checkout(folder: Path) -> Path:
             shutil.copytree(source, target / name, symlinks=True)  # castx/forms is ../forms
         else:
             shutil.copy(source, target / name)
+    _site(target).mkdir()
+    own = f"{UNINSTALLED} sys.path.insert(0, {str(target)!r})\n"
+    (_site(target) / "sitecustomize.py").write_text(own, encoding="utf-8")
     code = "import castx.errors as a, castx.forms.heat as b; print(a.__file__, b.__file__)"
-    command = [sys.executable, "-c", UNINSTALLED + code]
-    found = subprocess.run(command, cwd=target, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, "-P", "-c", code], env=_environment(target), capture_output=True, text=True
+    )
     if found.stdout.count(str(target)) != 2:
         raise RuntimeError(f"the copy is not what is imported: {found.stdout}{found.stderr}")
     return target
+
+
+def _site(checkout: Path) -> Path:
+    """Return the folder whose start-up file lets processes import from a copy of the checkout."""
+    return checkout.with_name(f"{checkout.name}-site")
+
+
+def _environment(checkout: Path) -> dict[str, str]:
+    """Return the environment of processes that run a copy of the checkout, and of their own."""
+    waiting = {"OMPI_MCA_mpi_yield_when_idle": "1"}
+    return {**waiting, **os.environ, "PYTHONPATH": str(_site(checkout))}
 
 
 def outcome(checkout: Path, tests: Sequence[str], limit: float, ranks: int = 1) -> str:
@@ -155,11 +170,10 @@ def _said(command: Sequence[str], checkout: Path, limit: float) -> Said:
     Raises:
         RuntimeError: pytest did not run any tests.
     """
-    environment = {"OMPI_MCA_mpi_yield_when_idle": "1", **os.environ}
     with tempfile.TemporaryFile("w+") as said:
         running = subprocess.Popen(
-            command, cwd=checkout, env=environment, stdout=said, stderr=subprocess.STDOUT,
-            start_new_session=True,
+            command, cwd=checkout, env=_environment(checkout), start_new_session=True,
+            stdout=said, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
             code_of_exit = running.wait(limit)
@@ -288,7 +302,7 @@ def _chosen_outcome(checkout: Path, tests: Sequence[str], limit: float) -> Said:
         file.flush()
         code = "from bench.mutation import run_chosen; from pathlib import Path; "
         code += "sys.exit(run_chosen(Path(sys.argv[1])))"
-        return _said([sys.executable, "-B", "-c", UNINSTALLED + code, file.name], checkout, limit)
+        return _said([sys.executable, "-c", UNINSTALLED + code, file.name], checkout, limit)
 
 
 def try_drawn(chosen: Sequence[Fault], folder: Path, results: Path, most: float) -> int:
