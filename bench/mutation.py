@@ -51,8 +51,8 @@ UNINSTALLED = (
     "sys.meta_path[:] = [f for f in sys.meta_path if 'editable' not in str(f.__module__)]; "
 )
 """Python code that forgets the checkout that is installed, so that the folder it runs in counts."""
-PORTIONS = (20.0, 60.0)
-"""Time of the first and the second portion of tests that try a drawn fault [s]."""
+PORTIONS = (3.0, 15.0, 60.0)
+"""Time of the first portions of tests that try a drawn fault [s]."""
 START, SLOWDOWN = 120.0, 6.0
 """Time that tests of a drawn fault may take: this [s], and so many times what they take else."""
 NO_TESTS = (2, 3, 4, 5)
@@ -335,7 +335,9 @@ def try_drawn(chosen: Sequence[Fault], folder: Path, results: Path, most: float)
             line = {"fault": name, **said._asdict(), "tried": tried, "tests": len(tests)}
             file.write(json.dumps(line, ensure_ascii=False) + "\n")
             file.flush()
-            print(f"{time.strftime('%H:%M:%S')}  {said.verdict:18}  {name}  {said.test}")
+            print(
+                f"{time.strftime('%H:%M:%S')}  {said.verdict:18}  {name}  {said.test}", flush=True
+            )
     survivors = [name for name, said in verdicts.items() if said == SURVIVED]
     print(f"{len(verdicts) - len(survivors)} of {len(verdicts)} caught; survivors:")
     print(*(f"  {name}" for name in survivors), sep="\n")

@@ -72,6 +72,19 @@ def test_a_law_may_jump_at_closure_by_less_than_a_millionth():
         UserLaw(jumping(3e-6))
 
 
+@pytest.mark.serial
+@pytest.mark.parametrize("argument, limit", [(0, 2e-3), (1, 2e8), (2, 1600.0), (3, 1600.0)])
+def test_a_law_is_tried_up_to_the_largest_values_that_castings_have(argument, limit):
+    """Gap, pressure and both temperatures: it may be wrong beyond, and not just below."""
+
+    def wrong_beyond(value):
+        return lambda *given: np.where(given[argument] > value, -1.0, 900.0)
+
+    UserLaw(wrong_beyond(1.01 * limit))
+    with pytest.raises(CaseError, match="finite and not negative"):
+        UserLaw(wrong_beyond(0.9 * limit))
+
+
 def heats(comm, data, laws=None) -> list[float]:
     run = Simulation.from_case(read_case(data, Path("case.toml")), comm, laws)
     return [state.totals["casting/mould.heat"] for state in run]

@@ -22,7 +22,7 @@ def test_rows_that_slip_bear_the_row_of_the_gap(comm):
     sliding = SlidingRows(made.gaps, [0.3])
     along = np.array([[1.0], [-1.0], [1.0]])
     state = SlipState(
-        np.array([True, True, False]), np.array([5.0, 0.0, 5.0]), along, np.zeros((3, 1))
+        np.array([True, True, False]), np.array([5e-6, 0.0, 5e-6]), along, np.zeros((3, 1))
     )
     layout = balance.transform.layout
     found = matrix_with_slip(

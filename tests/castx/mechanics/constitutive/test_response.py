@@ -108,7 +108,8 @@ def test_the_mixture_shares_its_stress(points):
     np.testing.assert_allclose(mixture.stress, expected, rtol=1e-10, atol=1e-3)
     np.testing.assert_allclose(mixture.work, w * solid.work, rtol=1e-12)
     np.testing.assert_array_equal(mixture.equivalent, solid.equivalent)
-    assert solid.equivalent.min() > 0
+    np.testing.assert_array_equal(mixture.plastic, solid.plastic)
+    assert solid.equivalent.min() > 0 and not liquid.plastic.any()
 
 
 def test_softening_is_the_secant_modulus(points):
