@@ -22,7 +22,7 @@ from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -33,23 +33,43 @@ FOLDER = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "castx
 RECORDED = ("castx", "forms", "meshes")
 
 
+class Record(NamedTuple):
+    """What one run of the tests noted.
+
+    Attributes:
+        tests: names of those that passed.
+        columns: of the places, file and line.
+        executed: a bit for each test and place, eight places a byte, (tests, bytes).
+    """
+
+    tests: tuple[str, ...]
+    columns: dict[tuple[str, int], int]
+    executed: npt.NDArray[np.uint8]
+
+    def tests_of(self, place: tuple[str, int]) -> set[str]:
+        """Return the tests that execute a line of a file."""
+        if place not in self.columns:
+            return set()
+        byte, bit = divmod(self.columns[place], 8)
+        return {self.tests[k] for k in np.flatnonzero(self.executed[:, byte] & (128 >> bit))}
+
+
 class ExecutedLines:
     """Which tests execute a line, and how long they take.
 
     Attributes:
         seconds: of each test that passes [s].
+
+    Args:
+        records: of all runs that shared the tests.
+        seconds: of each test [s].
+        digests: of the files whose lines were recorded.
     """
 
     def __init__(
-        self, lines: dict[str, set[tuple[str, int]]], seconds: dict[str, float],
-        digests: dict[str, str],
-    ) -> None:  # fmt: skip
-        self.seconds = seconds
-        self._digests = digests
-        self._tests: dict[tuple[str, int], list[str]] = {}
-        for test, executed in lines.items():
-            for place in executed:
-                self._tests.setdefault(place, []).append(test)
+        self, records: Sequence[Record], seconds: dict[str, float], digests: dict[str, str]
+    ) -> None:
+        self._records, self.seconds, self._digests = records, seconds, digests
 
     def knows(self, path: str, code: str) -> bool:
         """Return whether a file still is what it was when its lines were recorded."""
@@ -57,7 +77,10 @@ class ExecutedLines:
 
     def tests_of(self, path: str, lines: Iterable[int]) -> set[str]:
         """Return the tests that execute any of the lines of a file."""
-        return {test for line in lines for test in self._tests.get((path, line), ())}
+        found: set[str] = set()
+        for line in lines:
+            found.update(*(record.tests_of((path, line)) for record in self._records))
+        return found
 
 
 class LineRecorder:
@@ -159,7 +182,7 @@ class LineRecorder:
         paths = sorted({path for path, _ in places})
         np.savez_compressed(
             file,
-            tests=np.array(tests, dtype=str),
+            tests=np.frombuffer("\n".join(tests).encode(), dtype=np.uint8),
             seconds=np.array([self.seconds[test] for test in tests]),
             paths=np.array([path for path, _ in places], dtype=str),
             lines=np.array([line for _, line in places], dtype=int),
@@ -182,28 +205,20 @@ def read(folder: Path = FOLDER) -> ExecutedLines:
     Raises:
         FileNotFoundError: there is nothing in the folder.
     """
-    lines: dict[str, set[tuple[str, int]]] = {}
+    records: list[Record] = []
     seconds: dict[str, float] = {}
     digests: dict[str, str] = {}
     for file in sorted(folder.glob("*.npz")):
         with np.load(file) as found:
-            _take(found, lines, seconds)
+            tests = tuple(found["tests"].tobytes().decode().split("\n"))
+            places = zip(found["paths"].tolist(), found["lines"].tolist(), strict=True)
+            columns = {place: column for column, place in enumerate(places)}
+            records.append(Record(tests, columns, found["executed"]))
+            seconds |= dict(zip(tests, found["seconds"].tolist(), strict=True))
             digests |= dict(zip(found["files"].tolist(), found["digests"].tolist(), strict=True))
-    if not lines:
+    if not records:
         raise FileNotFoundError(f"{folder}: no lines are recorded, run bench/executed_lines.py")
-    return ExecutedLines(lines, seconds, digests)
-
-
-def _take(found: Any, lines: dict[str, set[tuple[str, int]]], seconds: dict[str, float]) -> None:
-    """Add what one run noted."""
-    places = list(zip(found["paths"].tolist(), found["lines"].tolist(), strict=True))
-    rows: npt.NDArray[np.uint8] = found["executed"]
-    for test, duration, row in zip(
-        found["tests"].tolist(), found["seconds"].tolist(), rows, strict=True
-    ):
-        executed = np.flatnonzero(np.unpackbits(row, count=len(places)))
-        lines[test] = {places[index] for index in executed}
-        seconds[test] = duration
+    return ExecutedLines(records, seconds, digests)
 
 
 def record(file: Path, tests: Sequence[str]) -> int:

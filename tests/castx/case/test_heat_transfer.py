@@ -64,6 +64,14 @@ def patched(**keys):
             {"law": "limited", "closed": 50, "open": {"over": "gap", "table": [[0, 40], [1, 2]]}},
             "open: 40 W/m²/K at gap 0, but closed is 50: the law would jump",
         ),
+        (
+            {
+                "law": "limited",
+                "closed": {"over": "temperature", "table": [[0, 10], [500, 50], [900, 20]]},
+                "open": {"over": "gap", "table": [[0, 40], [1, 2]]},
+            },
+            "open: 40 W/m²/K at gap 0, but closed is 50: the law would jump",
+        ),
         ({"law": "series", "closed": 5, "gas_conductivity": 1, "open": 3}, "open: the law 'seri"),
         ({**LIMITED, "radiation": {"emissivities": [0.3]}}, "radiation.emissivities: at least 2"),
         ({**LIMITED, "radiation": {"emissivities": [0.3, 0]}}, r"emissivities\[1\]: must be"),

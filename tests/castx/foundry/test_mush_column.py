@@ -42,6 +42,10 @@ def test_suction_by_shrinkage_is_exact_on_any_mesh(elements):
     np.testing.assert_allclose(found, [910.5686, 1429.1846], rtol=1e-7)
 
 
+def test_a_fed_end_has_no_suction():
+    assert strip(3)[1][-1] == 0.0
+
+
 def test_suction_by_strain_and_its_falling_error():
     wanted = np.array([803.0116, 1260.9495])
     errors = []

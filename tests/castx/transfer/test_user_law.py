@@ -73,6 +73,15 @@ def test_a_law_may_jump_at_closure_by_less_than_a_millionth():
 
 
 @pytest.mark.serial
+def test_one_bad_sample_is_enough():
+    def once(g, p, hot, cold, t):
+        return np.where(hot == hot.max(), -1.0, 900.0)
+
+    with pytest.raises(CaseError, match="finite and not negative"):
+        UserLaw(once)
+
+
+@pytest.mark.serial
 @pytest.mark.parametrize("argument, limit", [(0, 2e-3), (1, 2e8), (2, 1600.0), (3, 1600.0)])
 def test_a_law_is_tried_up_to_the_largest_values_that_castings_have(argument, limit):
     """Gap, pressure and both temperatures: it may be wrong beyond, and not just below."""

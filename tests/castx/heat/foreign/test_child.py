@@ -39,6 +39,13 @@ def test_cells_of_other_dimensions_are_left_out_with_their_points(tmp_path):
     np.testing.assert_allclose((values[0], distances[0]), (3.0 * 1.6 - 0.2, np.hypot(0.4, 0.8)))
 
 
+@pytest.mark.parametrize("dimension, words", [(2, "triangles or quad"), (3, "tetrahedra, hexa")])
+def test_cells_of_no_fitting_dimension_are_refused(tmp_path, dimension, words):
+    path = saved(tmp_path / "a.vtu", [("line", [[0, 1], [1, 3]])])
+    with pytest.raises(child.Refused, match=f"the model needs cells that are {words}"):
+        child.values_at(path, "T", np.zeros((1, dimension)))
+
+
 def test_of_a_series_the_last_moment_counts(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where meshio puts the numbers
     path, triangles = tmp_path / "a.xdmf", [("triangle", np.array([[0, 1, 2], [1, 3, 2]]))]
@@ -52,7 +59,7 @@ def test_of_a_series_the_last_moment_counts(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", child.VTK_NUMBERS)
 def test_cells_of_meshio_are_those_of_vtk(tmp_path, name):
-    """meshio writes a cell of the kind, and VTK says what it has read."""
+    """Meshio writes a cell of the kind, and VTK says what it has read."""
     number = child.VTK_NUMBERS[name]
     cell = vtkGenericCell()
     cell.SetCellType(number)
