@@ -179,7 +179,9 @@ class LineRecorder:
         executed = np.zeros((len(tests), len(places)), dtype=bool)
         for row, test in enumerate(tests):
             executed[row, [number[place] for place in self.lines[test]]] = True
-        paths = sorted({path for path, _ in places})
+        files = [
+            file for name in RECORDED for file in sorted((self._checkout / name).rglob("*.py"))
+        ]
         np.savez_compressed(
             file,
             tests=np.frombuffer("\n".join(tests).encode(), dtype=np.uint8),
@@ -187,10 +189,8 @@ class LineRecorder:
             paths=np.array([path for path, _ in places], dtype=str),
             lines=np.array([line for _, line in places], dtype=int),
             executed=np.packbits(executed, axis=1),
-            files=np.array(paths, dtype=str),
-            digests=np.array(
-                [digest((self._checkout / path).read_text("utf-8")) for path in paths], dtype=str
-            ),
+            files=np.array([file.relative_to(self._checkout).as_posix() for file in files]),
+            digests=np.array([digest(file.read_text(encoding="utf-8")) for file in files]),
         )
 
 

@@ -4,9 +4,9 @@
 
 They are the tests that execute it, by the record of `bench/executed_lines.py`. A constant of a
 module, a field of a class and a default of an argument take effect where they are used: for them it
-is the tests that execute a function which names them. Where nothing is recorded it is the tests
-beside the path and those of its room. Tests beside the path come first, then those of the room,
-then the cheapest files.
+is the tests that execute a function which names them, and those of the room, since registries name
+nothing. Where nothing is recorded it is those of the room, too. Tests beside the path come first,
+then those of the room, then the cheapest files.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ class LineTests:
     def __call__(self, path: str, line: int) -> list[str]:
         """Return the tests of a line, in the order in which they are to be tried."""
         found: set[str] = set()
-        if self._executed.knows(path, self._codes[path]):
+        known = self._executed.knows(path, self._codes[path])
+        if known:
             found = self._executed.tests_of(path, [line]) or self._executed.tests_of(
                 path, _statement(ast.parse(self._codes[path]), line)
             )
-            if not found:
-                found = self._users(path, line)
         own, room = _beside(path)
         if not found:
             found = {test for test in self._executed.seconds if test.startswith((own, room))}
+            found |= self._users(path, line) if known else set()
         return self._ordered(found, own, room)
 
     def _users(self, path: str, line: int) -> set[str]:

@@ -226,7 +226,7 @@ def test_a_drawn_fault_stays_drawn_when_other_lines_change(tmp_path):
     assert len(changes["before"] & changes["after"]) >= 98
 
 
-LIBRARY = '''LIMIT = 0.5
+LIBRARY = '''from castx.inner.b import LIMIT
 
 
 def twice(x, factor=2):
@@ -277,12 +277,13 @@ def recorded(tmp_path_factory):
     if sys.version_info < (3, 12):
         pytest.skip("sys.monitoring came with Python 3.12")
     checkout = tmp_path_factory.mktemp("recorded")
-    for folder in ("castx", "tests/castx", "bench"):
+    for folder in ("castx/inner", "tests/castx", "bench"):
         (checkout / folder).mkdir(parents=True)
     for name in ("mutation", "executed_lines"):
         shutil.copy(BENCH / f"{name}.py", checkout / "bench")
     (checkout / "castx" / "__init__.py").touch()
     (checkout / "castx" / "a.py").write_text(LIBRARY)
+    (checkout / "castx" / "inner" / "b.py").write_text("OTHER = 1\nLIMIT = 0.5\n")
     (checkout / "tests" / "castx" / "test_a.py").write_text(TESTS)
     code = (
         f"{mutation.UNINSTALLED} from pathlib import Path; from bench.executed_lines import record;"
@@ -312,8 +313,8 @@ def test_a_fault_is_tried_by_the_tests_of_its_line(recorded):
     first, second, none = (f"tests/castx/test_a.py::test_{name}" for name in
                            ("first", "second", "none"))  # fmt: skip
     assert tests_of("castx/a.py", 13) == [second]
-    assert tests_of("castx/a.py", 1) == [second]  # what names the constant
-    assert set(tests_of("castx/a.py", 4)) == {first, second}  # a default: the function
+    assert tests_of("castx/inner/b.py", 2) == [second]  # what names the constant
+    assert set(tests_of("castx/a.py", 4)) == {first, second, none}  # a default, and the room
     assert set(tests_of("castx/a.py", 6)) == {first, second}  # within a statement
     assert set(tests_of("castx/a.py", 16)) == {first, second, none}  # no test: the room
 
@@ -323,13 +324,14 @@ def test_a_drawn_fault_is_caught_by_a_test_that_is_named(recorded):
     tests = sorted(lines.seconds)
     code = (checkout / "castx" / "a.py").read_text()
     for fault, said in (
-        (drawn_faults.Fault("castx/a.py", 1, 8, 11, "0.5", "5.0"), "caught"),
+        (drawn_faults.Fault("castx/inner/b.py", 2, 18, 21, "0.5", "5.0"), "caught"),
         (drawn_faults.Fault("castx/a.py", 16, len(code) - 2, len(code) - 1, "1", "2"), "survived"),
     ):
         found, tried = mutation.verdict(fault, tests, lines.seconds, checkout, 60.0)
         assert found.verdict == said and tried == 3
         assert found.test == ("tests/castx/test_a.py::test_second" if said == "caught" else "")
         assert (checkout / "castx" / "a.py").read_text() == code
+        assert (checkout / "castx" / "inner" / "b.py").read_text().endswith("LIMIT = 0.5\n")
 
 
 def test_tests_are_tried_in_portions_that_grow():
