@@ -40,6 +40,12 @@ def test_patches_take_what_they_do_not_change():
     np.testing.assert_array_equal(ring.patches[0].contains(space, {}), [True])
 
 
+@pytest.mark.parametrize("coefficient", [1e-6, 0.5])
+def test_a_coefficient_may_be_as_small_as_wanted(coefficient):
+    heat = InterfaceHeat.read({"law": "constant", "closed": coefficient})
+    assert heat.closed.table(0.0) == coefficient
+
+
 def patched(**keys):
     return {**LIMITED, "patches": [keys]}
 

@@ -49,6 +49,11 @@ def test_a_face_below_the_tolerance_is_mended_with_its_neighbours(tmp_path):
             "casting: 3 edges and faces below geometry.tolerance, 1e-06 m, men"
         )
         assert [len(gmsh.model.getEntities(dim)) for dim in range(4)] == [16, 24, 12, 2]
+        assert all(
+            len(gmsh.model.getAdjacencies(dim, tag)[0])
+            for dim in range(3)
+            for _, tag in gmsh.model.getEntities(dim)
+        )
         refuse_small([solid.tag for solid in solids], 1e-6)
         volumes = [gmsh.model.occ.getMass(3, solid.tag) for solid in solids]
         assert volumes == pytest.approx([2000.0, 125.0], rel=1e-4)

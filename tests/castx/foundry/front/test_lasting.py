@@ -84,6 +84,18 @@ def test_temperatures_are_linear_in_quarters_of_a_step(comm):
     np.testing.assert_allclose(lasting.durations, 60.0 * (first - last) / whole, rtol=1e-5)
 
 
+@pytest.mark.serial
+def test_a_tenth_of_a_kelvin_below_all_ranges_they_have_ended(comm):
+    body = slab_mesh(comm, 2e-3, 6e-3).bodies["casting"]
+    lasting, nodes = lasting_of(body, (0.1, 0.4)), np.ones(len(body.points))
+    end = LIQUIDUS - width(0.0, 0.4)
+    hot, above, below = (Curve().enthalpy(T * nodes) for T in (650.0, end + 0.1, end - 0.1))
+    lasting.follow(hot, above, 1.0)
+    assert np.isnan(lasting.ended(above)).all()
+    lasting.follow(above, below, 1.0)
+    assert np.isfinite(lasting.ended(below)).all()
+
+
 def test_what_melts_again_begins_anew(comm):
     body = slab_mesh(comm, 2e-3, 6e-3).bodies["casting"]
     lasting = lasting_of(body)
