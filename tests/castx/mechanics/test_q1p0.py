@@ -208,17 +208,3 @@ def test_multipliers_make_a_liquid_keep_its_volume(comm):
     assert part.improve_pressures()
     second = part.stress()[:, :3].mean(axis=1)
     np.testing.assert_allclose(second, 2 * first, rtol=1e-9, atol=1e-6 * np.abs(first).max())
-
-
-def test_an_accepted_liquid_is_evaluated_anew(comm):
-    """Its pressure is the better multiplier, to which the same dilatation is added once more."""
-    part = alone(
-        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
-        starts_liquid=True,
-    )  # fmt: skip
-    begin(part, 640.0, 0.0)
-    part.solution.x.array[:] = 1e-6 * random_field(part, 1.7)
-    first = part.stress()[:, :3].mean(axis=1)
-    part.commit()
-    accepted = part.stress()[:, :3].mean(axis=1)
-    np.testing.assert_allclose(accepted, 2 * first, rtol=1e-9, atol=1e-6 * np.abs(first).max())
