@@ -99,6 +99,18 @@ def test_a_factor_multiplies_the_resistance_at_the_end_of_a_step(comm):
     assert one == pytest.approx(other, rel=1e-9)
 
 
+@pytest.mark.serial
+def test_the_sum_of_amounts_is_that_of_the_heat_of_the_pairs(comm):
+    mesh = cylinder(comm)
+    balance = balance_under_law(mesh, SERIES)
+    balance.exchanges.set_states([open_pairs(mesh)], 0.7)
+    x = balance.layout.create_vector()
+    x.array[:] = balance.begin(*2 * [balance.unknowns.enthalpies()], 3.0, 1.0)
+    balance.evaluate(x)
+    amounts = [np.abs(e.heat().sum(axis=0)).sum() for e in balance.exchanges.under_law]
+    assert balance.exchanges.add_heat(x) == pytest.approx(sum(amounts), rel=1e-12)
+
+
 def test_coefficients_at_the_present_temperatures(comm):
     mesh = cylinder(comm)
     heat = problem_under_law(mesh, {"law": "constant", "closed": FALLING})

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError
-from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions, parallel
+from castx.mechanics.fixed_directions import (
+    SurfaceDisplacement,
+    axes_of,
+    fixed_directions,
+    parallel,
+)
 from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
 
 
@@ -30,6 +35,14 @@ def test_parallel_are_directions_a_millionth_apart():
     directions = np.column_stack([np.sin(angles), 0.0 * angles, np.cos(angles)])
     found = parallel(directions, np.array([0.0, 0.0, 1.0]))
     assert found.tolist() == [True, True, False, False, False, True, False]
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "model, names", [("3d", "xyz"), ("axisymmetric", "rz"), ("plane-strain", "xy")]
+)
+def test_axes_are_numbered_in_the_order_of_the_coordinates(model, names):
+    assert axes_of(model) == {name: number for number, name in enumerate(names)}
 
 
 def test_axes_and_values(comm):
