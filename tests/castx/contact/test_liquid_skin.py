@@ -233,6 +233,20 @@ def test_a_liquid_rubs_at_no_wall(comm, method):
     assert friction["solid"] > 1.0
 
 
+@pytest.mark.serial
+@pytest.mark.parametrize("order", ORDERS)
+def test_of_two_liquids_at_a_pair_the_higher_column_presses(comm, order):
+    """The lower one begins at the pair, where its own column has no height."""
+    metal, weight = elastic(7e9, 0.33, **ALLOY), (0.0, -7000.0 * 9.81)
+    liquid = body(metal, starts_liquid=True, body_force=weight)
+    held = {"upper": [fixed("top")], "base": [fixed("bottom")]}
+    made = problem(blocks(comm), {"upper": liquid, "base": liquid}, held, [Contact(*order)])
+    step(made, 1.0, LIQUID, LIQUID)
+    pressures = made.equilibrium.balance.skin.pressures()
+    assert pressures.size
+    np.testing.assert_allclose(pressures, 7000.0 * 9.81 * HEIGHT, rtol=1e-12)
+
+
 @pytest.mark.ranks
 @pytest.mark.parametrize("formulation", ["mixed", "q1p0"])
 @pytest.mark.parametrize("order", ORDERS)

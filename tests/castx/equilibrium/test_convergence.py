@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.equilibrium.convergence import NET_SHARE, ForceConvergence, worst_row
+from castx.equilibrium.convergence import ForceConvergence, worst_row
 from castx.equilibrium.net_forces import NetForces
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem
 from tests.small_contact import STIFF, two_blocks
@@ -69,7 +69,17 @@ def test_net_forces_far_below_the_internal_ones_are_not_resolved(comm):
     forces = np.full(len(made.gaps.local), 1e-9)
     without_rounding(limits, made, forces)
     internal = made.equilibrium.balance.assembly.force_scales()
-    assert limits.acting[1] == pytest.approx(NET_SHARE * internal[1], rel=1e-12)
+    assert limits.acting[1] == pytest.approx(1e-7 * internal[1], rel=1e-12)
+
+
+def test_a_weight_of_a_millionth_of_the_internal_forces_is_resolved(comm):
+    """Hot castings weigh no more."""
+    made = two_blocks(comm)
+    limits = limits_of(made, 1e-3)
+    internal = made.equilibrium.balance.assembly.force_scales()
+    pairs = comm.allreduce(len(made.gaps.local))
+    without_rounding(limits, made, np.full(len(made.gaps.local), 1e-6 * internal[1] / pairs))
+    assert limits.acting[1] == pytest.approx(1e-6 * internal[1], rel=1e-12)
 
 
 def test_a_resultant_counts_though_each_of_its_forces_is_small(comm):

@@ -34,6 +34,16 @@ def test_what_acts_is_the_load_or_else_the_contact(comm, method):
     assert net_of(made).acting(0.0 * forces)[1] == 0.0
 
 
+@pytest.mark.serial
+def test_a_load_of_a_micronewton_is_one(comm):
+    made = two_blocks(comm)
+    load = made.equilibrium.balance.assembly.bodies[0].formulation.forms.load
+    _, forces = made.equilibrium.pair_values()
+    before = net_of(made).acting(forces)[0]
+    load *= 1e-6 / before
+    assert net_of(made).acting(forces)[0] == pytest.approx(1e-6, rel=1e-12)
+
+
 @pytest.mark.ranks
 @pytest.mark.parametrize("method", EXACT)
 def test_what_is_missing_is_the_resultant_on_the_nodes(comm, method):

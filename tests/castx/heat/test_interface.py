@@ -210,3 +210,15 @@ def test_perfect_contact_and_none_have_fixed_coefficients(comm):
         described = [HeatExchange("casting/mould", node_pairs(mesh, "casting", "mould"), kind)]
         assert (coefficients(described, faces, [state])[0] == expected).all()
         assert not balance.exchanges.flows().any()
+
+
+@pytest.mark.serial
+def test_the_sum_of_amounts_is_that_of_the_heat_of_the_pairs(comm):
+    mesh = cylinder(comm)
+    balance = balance_under_law(mesh, SERIES)
+    balance.exchanges.set_states([open_pairs(mesh)], 0.7)
+    x = balance.layout.create_vector()
+    x.array[:] = balance.begin(*2 * [balance.unknowns.enthalpies()], 3.0, 1.0)
+    balance.evaluate(x)
+    amounts = [np.abs(e.heat().sum(axis=0)).sum() for e in balance.exchanges.under_law]
+    assert balance.exchanges.add_heat(x) == pytest.approx(sum(amounts), rel=1e-12)

@@ -26,7 +26,7 @@ def test_rows_that_slip_bear_the_row_of_the_gap(comm, monkeypatch, side):
     normal = balance.contact.normal.matrix(balance.present(made.equilibrium.x))
     sliding = SlidingRows(made.gaps, [0.3])
     x = side * made.pairs[0].points[made.gaps.interfaces[0].index[sliding.rows], 0]
-    along, force = np.where(x > 0.0, side, -side)[:, None], np.where(np.abs(x) > 0.005, 5.0, 0.0)
+    along, force = np.where(x > 0.0, side, -side)[:, None], np.where(np.abs(x) > 0.005, 5e-6, 0.0)
     state = SlipState(x > -0.005, force, along, np.zeros((len(x), 1)))
     turning = np.ones(len(x), dtype=bool)
     found = matrix_with_slip(normal, layout, made.gaps, sliding, state, turning, 1e9)

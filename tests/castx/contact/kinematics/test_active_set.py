@@ -89,6 +89,9 @@ def test_noise_beside_the_largest_force_changes_nothing(comm):
     above = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
     assert above.update(np.array([1e9, -2.1, 1e-5]), 2.0)
     assert active.update(np.array([1e9, -1.0, 1e-5]))
+    small = ActiveSet(comm, np.zeros(2), np.ones(2, dtype=bool), np.ones(2) / 2)
+    assert not small.update(np.array([1e-9, -0.9e-21]))
+    assert small.update(np.array([1e-9, -1.1e-21]))
 
 
 @pytest.mark.ranks

@@ -108,7 +108,8 @@ def test_the_mixture_shares_its_stress(points):
     np.testing.assert_allclose(mixture.stress, expected, rtol=1e-10, atol=1e-3)
     np.testing.assert_allclose(mixture.work, w * solid.work, rtol=1e-12)
     np.testing.assert_array_equal(mixture.equivalent, solid.equivalent)
-    assert solid.equivalent.min() > 0
+    np.testing.assert_array_equal(mixture.plastic, solid.plastic)
+    assert solid.equivalent.min() > 0 and not liquid.plastic.any()
 
 
 def test_softening_is_the_secant_modulus(points):
@@ -126,6 +127,11 @@ def test_softening_is_the_secant_modulus(points):
     # At least a thousandth: the pressure of what has no stiffness left would not be smoothed.
     weak = found._replace(stress=1e-6 * found.stress)
     np.testing.assert_allclose(secant_softening(weak, c, start, strain), 1e-3, rtol=1e-12)
+    # Far below one pascal, too.
+    tiny = strains(points, 1e-13)
+    half = respond(c, start, tiny)
+    half = half._replace(stress=0.5 * half.stress)
+    np.testing.assert_allclose(secant_softening(half, c, start, tiny), 0.5, rtol=1e-12)
     still = np.zeros((points.count, 4))
     assert np.all(secant_softening(respond(c, start, still), c, start, still) == 1.0)
 
