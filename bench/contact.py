@@ -90,7 +90,7 @@ def measure(size: float) -> tuple[str, ...]:
     report = made.equilibrium.solve(1.0)
     solved = time.process_time()
     cells = sum(b.mesh.mesh.topology.index_map(3).size_global for b in made.bodies.values())
-    closed = made.equilibrium.active.closed
+    closed = made.equilibrium.present.active.closed
     pairs, touching = comm.allreduce(np.array([len(closed), np.count_nonzero(closed)]))
     cpu = comm.allreduce(np.array([ready - begin, solved - ready]))
     memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024

@@ -3,15 +3,30 @@
     bin/with-fenicsx python3 bench/drawn_faults.py [NUMBER] [--seed SEED]
 
 Prints the faults of a draw; `bench/mutation.py --draw` plants them and runs the tests.
+
+A fault is one of these:
+
+- a decimal number ten times or a tenth as large, 0.0 as 1.0;
+- a whole number increased by one, from ten on ten times or a tenth as large; True for False;
+- a comparison turned round, `<` into `>=` and `==` into `!=`. Equality of decimal numbers hardly
+  ever happens, so that `<=` for `<` is drawn only where counts are compared;
+- `+` for `-`, a sign left out, `and` for `or`, the largest for the smallest.
+
+What no answer can depend on is left out: texts and what is computed for them, messages of errors
+and of the log, annotations, `frozen` and `strict`, and `usual`, the values that tests draw.
+
+Each candidate has a number that follows from the seed and from its line as it is written; the
+lowest ones are drawn. So a change of other lines changes nothing about a fault that was drawn.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import random
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,15 +36,21 @@ ROOMS = (
     "castx/coupling", "castx/heat", "castx/foundry",
 )  # fmt: skip
 COMPARISONS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.Lt: ("<", "<="), ast.LtE: ("<=", "<"), ast.Gt: (">", ">="), ast.GtE: (">=", ">"),
+    ast.Lt: ("<", ">="), ast.LtE: ("<=", ">"), ast.Gt: (">", "<="), ast.GtE: (">=", "<"),
     ast.Eq: ("==", "!="), ast.NotEq: ("!=", "=="),
 }  # fmt: skip
+BOUNDARIES: dict[type[ast.AST], tuple[str, str]] = {
+    ast.Lt: ("<", "<="), ast.LtE: ("<=", "<"), ast.Gt: (">", ">="), ast.GtE: (">=", ">"),
+}  # fmt: skip
+COUNTED = ("size", "ndim", "rank", "count", "dim")
 SIGNS: dict[type[ast.AST], tuple[str, str]] = {ast.Add: ("+", "-"), ast.Sub: ("-", "+")}
 JOINTS: dict[type[ast.AST], tuple[str, str]] = {ast.And: ("and", "or"), ast.Or: ("or", "and")}
 EXTREMES = {
     "min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "fmin": "fmax",
     "fmax": "fmin", "argmin": "argmax", "argmax": "argmin",
 }  # fmt: skip
+LOGGED = ("debug", "info", "warning", "error", "exception", "warn")
+WITHOUT_ANSWER = ("frozen", "strict", "usual")
 
 
 class Fault(NamedTuple):
@@ -87,9 +108,7 @@ class _Source:
         line = self.data.count(b"\n", 0, start) + 1
         return Fault(self.path, line, start, start + len(old.encode()), old, new)
 
-    def between(
-        self, left: ast.expr, right: ast.expr, change: tuple[str, str]
-    ) -> Iterator[Fault]:
+    def between(self, left: ast.expr, right: ast.expr, change: tuple[str, str]) -> Iterator[Fault]:
         """Yield the fault of an operator between two operands."""
         place = self.data.find(change[0].encode(), self.end(left), self.start(right))
         if place >= 0:
@@ -99,12 +118,12 @@ class _Source:
 def other_numbers(value: complex | bool) -> tuple[str, ...]:
     """Return what stands for a number in its faults: ten times as much, a tenth.
 
-    Of 0 it is 1, of a count the next one, and the opposite of a truth.
+    Of 0 it is 1, of a count below ten the next one, and the opposite of a truth.
     """
     if isinstance(value, bool):
         return (str(not value),)
     if isinstance(value, int):
-        return (str(value + 1),)
+        return (str(10 * value), str(value // 10)) if value >= 10 else (str(value + 1),)
     if isinstance(value, float):
         return (repr(10.0 * value), repr(value / 10.0)) if value else ("1.0",)
     return ()
@@ -119,20 +138,30 @@ def candidates(path: str, code: str) -> list[Fault]:
 
 def drawn(number: int, seed: int, checkout: Path = CHECKOUT) -> list[Fault]:
     """Return faults drawn from all rooms, each candidate as likely as any other."""
-    files = sorted(file for room in ROOMS for file in (checkout / room).rglob("*.py"))
-    every = [
-        fault
-        for file in files
-        for fault in candidates(
-            file.relative_to(checkout).as_posix(), file.read_text(encoding="utf-8")
-        )
-    ]
-    return random.Random(seed).sample(every, min(number, len(every)))
+    every: list[tuple[str, Fault]] = []
+    for file in (file for room in ROOMS for file in (checkout / room).rglob("*.py")):
+        code = file.read_text(encoding="utf-8")
+        found = candidates(file.relative_to(checkout).as_posix(), code)
+        every += zip(_numbers(seed, found, code.splitlines()), found, strict=True)
+    return [fault for _, fault in sorted(every)[:number]]
+
+
+def _numbers(seed: int, faults: Sequence[Fault], lines: Sequence[str]) -> Iterator[str]:
+    """Yield the numbers of the faults of a file, by which they are drawn."""
+    times: Counter[tuple[str, str, str]] = Counter()
+    for fault in faults:
+        name = (lines[fault.line - 1].strip(), fault.old, fault.new)
+        times[name] += 1
+        yield sha256(repr((seed, fault.path, *name, times[name])).encode()).hexdigest()
 
 
 def _code(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what is computed: no annotations, error texts, imports for types, `__all__`."""
+    """Yield what is computed for an answer, as the docstring of the file says."""
     if isinstance(node, ast.Raise | ast.Assert | ast.JoinedStr):
+        return
+    if isinstance(node, ast.keyword) and node.arg in WITHOUT_ANSWER:
+        return
+    if isinstance(node, ast.Call | ast.Subscript) and _is_said(node):
         return
     if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
         return
@@ -147,6 +176,32 @@ def _code(node: ast.AST) -> Iterator[ast.AST]:
                 yield from _code(child)
 
 
+def _is_said(node: ast.Call | ast.Subscript) -> bool:
+    """Return whether a node is a message of the log or a type of literals."""
+    match node:
+        case ast.Call(func=ast.Attribute(attr=name)):
+            return name in LOGGED
+        case ast.Subscript(value=ast.Name(id="Literal")):
+            return True
+    return False
+
+
+def _is_count(node: ast.expr) -> bool:
+    """Return whether a value is a count for certain: a length, a size, a whole number."""
+    match node:
+        case ast.Constant(value=value):
+            return isinstance(value, int) and not isinstance(value, bool)
+        case ast.Call(func=ast.Name(id="len")):
+            return True
+        case ast.Attribute(attr=name):
+            return name in COUNTED
+        case ast.Subscript(value=ast.Attribute(attr="shape")):
+            return True
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub() | ast.Mult(), right=right):
+            return _is_count(left) and _is_count(right)
+    return False
+
+
 def _faults(source: _Source, node: ast.AST) -> Iterator[Fault]:
     """Yield the faults of one node."""
     match node:
@@ -158,6 +213,8 @@ def _faults(source: _Source, node: ast.AST) -> Iterator[Fault]:
             for before, kind, after in zip([left, *others], ops, others, strict=False):
                 if type(kind) in COMPARISONS:
                     yield from source.between(before, after, COMPARISONS[type(kind)])
+                if type(kind) in BOUNDARIES and _is_count(before) and _is_count(after):
+                    yield from source.between(before, after, BOUNDARIES[type(kind)])
         case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as kind, right=right):
             yield from source.between(left, right, SIGNS[type(kind)])
         case ast.BoolOp(op=kind, values=[first, second, *_]):

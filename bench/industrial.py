@@ -82,7 +82,7 @@ def measure(case: Case, law: str) -> tuple[str, ...]:
     cuts = newton = linear = 0
     force_error = energy_error = 0.0
     for state in simulation:
-        counters, errors = state.counters, mechanics.equilibrium.force_errors()
+        counters, errors = state.counters, mechanics.equilibrium.shown.force_errors()
         cuts += counters.cutbacks
         newton += counters.mechanics_iterations
         linear += counters.linear_iterations
@@ -94,7 +94,7 @@ def measure(case: Case, law: str) -> tuple[str, ...]:
     memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024
     meshes = [body.mesh.topology for body in simulation.mesh.bodies.values()]
     cells = sum(mesh.index_map(mesh.dim).size_global for mesh in meshes)
-    unknowns = mechanics.equilibrium.x.getSize()
+    unknowns = mechanics.equilibrium.present.x.getSize()
     pairs = comm.allreduce(len(mechanics.gaps.initial))
     simulation.destroy()
     return (

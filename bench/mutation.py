@@ -1,20 +1,25 @@
 """Do the tests notice a small fault in the code?
 
-    bin/with-fenicsx python3 bench/mutation.py [--only TEXT …] [--limit SECONDS] [--draw NUMBER]
+    bin/with-fenicsx python3 bench/mutation.py [--only TEXT …] [--ranks NUMBER] [--limit SECONDS]
+    bin/with-fenicsx python3 bench/mutation.py --draw NUMBER [--seed NUMBER]
 
 Plants the faults of bench/mutants.toml one after the other in a copy of this checkout, runs the
 tests that should notice, and prints those that no test did. A fault replaces one line or a part of
 it: a sign, a factor, a threshold, a tolerance, a default. A fault with `ranks = 2` leaves out what
 the ranks owe each other; its tests run under mpirun, and ranks that wait for ever have caught it.
 
-With --draw the faults come from bench/drawn_faults.py instead: --draw 400 --seed 1.
+With --draw the faults come from bench/drawn_faults.py instead: --draw 400 --seed 1. Each is tried
+by the tests of one rank that execute its line, nearest and cheapest first; bench/line_tests.py
+finds them in what bench/executed_lines.py has recorded. A run that was ended goes on later.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -23,16 +28,23 @@ import tempfile
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
 
 if TYPE_CHECKING:
     from bench.drawn_faults import Fault
 
 CHECKOUT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(CHECKOUT))
 LIST = CHECKOUT / "bench" / "mutants.toml"
-COPIED = ("castx", "forms", "meshes", "tests", "docs", "demos", "bench", "pyproject.toml")
+COPIED = (
+    "castx", "forms", "meshes", "tests", "docs", "demos", "bench", "bin", "deploy", "validation",
+    ".ci", "pyproject.toml", "ARCHITECTURE.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md",
+    "COPYING", "COPYING.LESSER", "Dockerfile", "MANIFEST.in", "README.md", "environment.yml",
+)  # fmt: skip
 SURVIVED, CAUGHT, HANGS = "survived", "caught", "caught (too slow)"
 UNTRIED = "tests fail anyway"
 UNINSTALLED = (
@@ -40,6 +52,10 @@ UNINSTALLED = (
     "sys.meta_path[:] = [f for f in sys.meta_path if 'editable' not in str(f.__module__)]; "
 )
 """Python code that forgets the checkout that is installed, so that the folder it runs in counts."""
+PORTIONS = (3.0, 15.0, 60.0)
+"""Time of the first portions of tests that try a drawn fault [s]."""
+START, SLOWDOWN = 120.0, 6.0
+"""Time that tests of a drawn fault may take: this [s], and so many times what they take else."""
 NO_TESTS = (2, 3, 4, 5)
 """Exit codes of pytest that say nothing about the fault unless it breaks the import."""
 
@@ -77,23 +93,6 @@ class Mutant(NamedTuple):
         return code.replace(self.text, self.replacement)
 
 
-class Planted(NamedTuple):
-    """A drawn fault, and the tests that should notice on one rank."""
-
-    fault: Fault
-    tests: tuple[str, ...]
-    ranks: int = 1
-
-    @property
-    def path(self) -> str:
-        """Path of the file, relative to the checkout."""
-        return self.fault.path
-
-    def planted(self, code: str) -> str:
-        """Return the code with the fault."""
-        return self.fault.planted(code)
-
-
 def mutants() -> list[Mutant]:
     """Return all faults of the list."""
     files = tomllib.loads(LIST.read_text(encoding="utf-8"))["files"]
@@ -118,12 +117,27 @@ def copy_of_checkout(folder: Path) -> Path:
             shutil.copytree(source, target / name, symlinks=True)  # castx/forms is ../forms
         else:
             shutil.copy(source, target / name)
+    _site(target).mkdir()
+    own = f"{UNINSTALLED} sys.path.insert(0, {str(target)!r})\n"
+    (_site(target) / "sitecustomize.py").write_text(own, encoding="utf-8")
     code = "import castx.errors as a, castx.forms.heat as b; print(a.__file__, b.__file__)"
-    command = [sys.executable, "-c", UNINSTALLED + code]
-    found = subprocess.run(command, cwd=target, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, "-P", "-c", code], env=_environment(target), capture_output=True, text=True
+    )
     if found.stdout.count(str(target)) != 2:
         raise RuntimeError(f"the copy is not what is imported: {found.stdout}{found.stderr}")
     return target
+
+
+def _site(checkout: Path) -> Path:
+    """Return the folder whose start-up file lets processes import from a copy of the checkout."""
+    return checkout.with_name(f"{checkout.name}-site")
+
+
+def _environment(checkout: Path) -> dict[str, str]:
+    """Return the environment of processes that run a copy of the checkout, and of their own."""
+    waiting = {"OMPI_MCA_mpi_yield_when_idle": "1"}
+    return {**waiting, **os.environ, "PYTHONPATH": str(_site(checkout))}
 
 
 def outcome(checkout: Path, tests: Sequence[str], limit: float, ranks: int = 1) -> str:
@@ -141,31 +155,47 @@ def outcome(checkout: Path, tests: Sequence[str], limit: float, ranks: int = 1) 
     code = UNINSTALLED + "import pytest; sys.exit(pytest.main(sys.argv[1:]))"
     command = [sys.executable, "-B", "-c", code, "-x", "-q", "--all", "-p", "no:cacheprovider"]
     launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-    environment = {"OMPI_MCA_mpi_yield_when_idle": "1", **os.environ}
+    return _said([*launch, *command, *tests], checkout, limit).verdict
+
+
+class Said(NamedTuple):
+    """What a run of pytest says: the verdict, and the test that failed first, if any."""
+
+    verdict: str
+    test: str = ""
+
+
+def _said(command: Sequence[str], checkout: Path, limit: float) -> Said:
+    """Return what a run of pytest says in a copy of the checkout.
+
+    Raises:
+        RuntimeError: pytest did not run any tests.
+    """
     with tempfile.TemporaryFile("w+") as said:
         running = subprocess.Popen(
-            [*launch, *command, *tests], cwd=checkout, env=environment, stdout=said,
-            stderr=subprocess.STDOUT, start_new_session=True,
+            command, cwd=checkout, env=_environment(checkout), start_new_session=True,
+            stdout=said, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
             code_of_exit = running.wait(limit)
         except subprocess.TimeoutExpired:
             os.killpg(running.pid, signal.SIGKILL)
             running.wait()
-            return HANGS
+            return Said(HANGS)
         said.seek(0)
         text = said.read()
     if code_of_exit in NO_TESTS and "Error" not in text:
-        raise RuntimeError(f"pytest did not run {' '.join(tests)}:\n{text}")
-    return SURVIVED if code_of_exit == 0 else CAUGHT
+        raise RuntimeError(f"{' '.join(command)} ran no tests:\n{text}")
+    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", text, re.MULTILINE)
+    return Said(SURVIVED if code_of_exit == 0 else CAUGHT, failed.group(1) if failed else "")
 
 
 def tried(
-    chosen: Sequence[Mutant] | Sequence[Planted],
+    chosen: Sequence[Mutant],
     checkout: Path,
     limit: float,
     passes: dict[tuple[tuple[str, ...], int], bool],
-) -> Iterator[tuple[Mutant | Planted, str]]:
+) -> Iterator[tuple[Mutant, str]]:
     """Yield each fault and what the tests say of it; they have to pass without any.
 
     Args:
@@ -190,44 +220,126 @@ def tried(
             file.write_text(code, encoding="utf-8")
 
 
-def stages(path: str, whole: bool) -> list[tuple[str, ...]]:
-    """Return the tests that try a file one after the other: its own, its room's, all of them.
+class Chosen:
+    """Plugin of pytest that runs certain tests alone, in their order.
 
     Args:
-        path: of the file, relative to the checkout.
-        whole: whether all tests are tried in the end.
+        names: of the tests.
     """
-    folder, _, name = path.rpartition("/")
-    own, room = f"tests/{folder}/test_{name}", f"tests/{folder}"
-    found: list[tuple[str, ...]] = [(test,) for test in (own, room) if (CHECKOUT / test).exists()]
-    return found + [("tests",)] * whole
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._order = {name: place for place, name in enumerate(names)}
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Leave the others out."""
+        items[:] = sorted(
+            (item for item in items if item.nodeid in self._order),
+            key=lambda item: self._order[item.nodeid],
+        )
 
 
-def try_drawn(chosen: Sequence[Fault], results: Path, limit: float, whole: bool) -> int:
+def run_chosen(file: Path) -> int:
+    """Run the tests whose names stand in a file as JSON, until one fails."""
+    names: list[str] = json.loads(file.read_text(encoding="utf-8"))
+    files = dict.fromkeys(name.partition("::")[0] for name in names)
+    arguments = ["-x", "-q", "-p", "no:cacheprovider", *files]
+    return int(pytest.main(arguments, plugins=[Chosen(names)]))
+
+
+def portions(tests: Sequence[str], seconds: Mapping[str, float]) -> Iterator[list[str]]:
+    """Yield tests in portions, each of which takes longer than the one before.
+
+    Args:
+        tests: in the order in which they are tried.
+        seconds: that each takes without a fault.
+    """
+    limits, portion, total = iter(PORTIONS), list[str](), 0.0
+    limit = next(limits)
+    for test in tests:
+        if portion and total + seconds[test] > limit:
+            yield portion
+            portion, total, limit = [], 0.0, next(limits, math.inf)
+        portion.append(test)
+        total += seconds[test]
+    if portion:
+        yield portion
+
+
+def verdict(
+    fault: Fault, tests: Sequence[str], seconds: Mapping[str, float], checkout: Path, most: float
+) -> tuple[Said, int]:
+    """Return what tests say of a drawn fault, and how many of them were tried.
+
+    Args:
+        fault: that is planted.
+        tests: in the order in which they are tried.
+        seconds: that each takes without a fault.
+        checkout: copy of the checkout.
+        most: time of the tests without a fault, beyond which no more are tried [s].
+    """
+    file = checkout / fault.path
+    code = file.read_text(encoding="utf-8")
+    tried, spent = 0, 0.0
+    try:
+        file.write_text(fault.planted(code), encoding="utf-8")
+        for portion in portions(tests, seconds):
+            planned = sum(seconds[test] for test in portion)
+            if tried and spent + planned > most:
+                break
+            said = _chosen_outcome(checkout, portion, START + SLOWDOWN * planned)
+            tried, spent = tried + len(portion), spent + planned
+            if said.verdict != SURVIVED:
+                return said, tried
+    finally:
+        file.write_text(code, encoding="utf-8")
+    return Said(SURVIVED), tried
+
+
+def _chosen_outcome(checkout: Path, tests: Sequence[str], limit: float) -> Said:
+    """Return what some tests say in a copy of the checkout."""
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(tests, file)
+        file.flush()
+        code = "from bench.mutation import run_chosen; from pathlib import Path; "
+        code += "sys.exit(run_chosen(Path(sys.argv[1])))"
+        return _said([sys.executable, "-c", UNINSTALLED + code, file.name], checkout, limit)
+
+
+def try_drawn(chosen: Sequence[Fault], folder: Path, results: Path, most: float) -> int:
     """Try drawn faults, write each verdict as a line of JSON, print the survivors.
 
     Faults that stand in the results already are not tried again.
+
+    Args:
+        chosen: the faults.
+        folder: where `bench/executed_lines.py` has left its record.
+        results: file of the verdicts.
+        most: time of the tests of one fault, beyond which no more are tried [s].
     """
+    from bench.executed_lines import read
+    from bench.line_tests import LineTests
+
     known = results.read_text(encoding="utf-8").splitlines() if results.exists() else []
     verdicts = {said["fault"]: said["verdict"] for said in map(json.loads, known)}
-    passes: dict[tuple[tuple[str, ...], int], bool] = {}
-    with tempfile.TemporaryDirectory() as folder, results.open("a", encoding="utf-8") as file:
-        checkout = copy_of_checkout(Path(folder))
+    executed = read(folder)
+    with tempfile.TemporaryDirectory() as place, results.open("a", encoding="utf-8") as file:
+        checkout = copy_of_checkout(Path(place))
+        tests_of = LineTests(executed, checkout)
         for fault in chosen:
             name = f"{fault} (byte {fault.start})"
             if name in verdicts:
                 continue
-            verdict = SURVIVED
-            for tests in stages(fault.path, whole):
-                mutant = Planted(fault, tests)
-                verdict = next(said for _, said in tried([mutant], checkout, limit, passes))
-                if verdict in (CAUGHT, HANGS):
-                    break
-            verdicts[name] = verdict
-            file.write(json.dumps({"fault": name, "verdict": verdict}) + "\n")
+            tests = tests_of(fault.path, fault.line)
+            said, tried = verdict(fault, tests, executed.seconds, checkout, most)
+            verdicts[name] = said.verdict
+            line = {"fault": name, **said._asdict(), "tried": tried, "tests": len(tests)}
+            file.write(json.dumps(line, ensure_ascii=False) + "\n")
             file.flush()
-            print(f"{time.strftime('%H:%M:%S')}  {verdict:18}  {name}", flush=True)
-    survivors = [name for name, said in verdicts.items() if said not in (CAUGHT, HANGS)]
+            print(
+                f"{time.strftime('%H:%M:%S')}  {said.verdict:18}  {name}  {said.test}", flush=True
+            )
+    survivors = [name for name, said in verdicts.items() if said == SURVIVED]
     print(f"{len(verdicts) - len(survivors)} of {len(verdicts)} caught; survivors:")
     print(*(f"  {name}" for name in survivors), sep="\n")
     return int(bool(survivors))
@@ -239,24 +351,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--only", nargs="+", default=[""], help="those whose file or text has one")
+    parser.add_argument("--ranks", type=int, help="those whose tests run on so many ranks")
     parser.add_argument("--limit", type=float, default=600.0, help="for the tests of one [s]")
     parser.add_argument("--draw", type=int, help="number of faults drawn at random in their place")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--results", type=Path, default=Path("drawn.jsonl"), help="of the draw")
-    parser.add_argument("--whole", action="store_true", help="try all tests on what survives")
+    parser.add_argument("--most", type=float, default=math.inf, help="of tests of one drawn [s]")
+    parser.add_argument("--lines", type=Path, help="record of executed lines, for the draw")
     given = parser.parse_args(arguments)
     if given.draw:
-        from drawn_faults import drawn  # beside this script
+        from bench.drawn_faults import drawn
+        from bench.executed_lines import FOLDER
 
-        return try_drawn(
-            drawn(given.draw, given.seed), given.results, given.limit, given.whole
-        )
-    chosen = [m for m in mutants() if any(text in str(m) for text in given.only)]
+        chosen = drawn(given.draw, given.seed)
+        return try_drawn(chosen, given.lines or FOLDER, given.results, given.most)
+    listed = [
+        mutant
+        for mutant in mutants()
+        if any(text in str(mutant) for text in given.only) and given.ranks in (None, mutant.ranks)
+    ]
     counts: Counter[tuple[str, bool]] = Counter()
     survivors = []
     with tempfile.TemporaryDirectory() as folder:
         checkout = copy_of_checkout(Path(folder))
-        for mutant, said in tried(chosen, checkout, given.limit, {}):
+        for mutant, said in tried(listed, checkout, given.limit, {}):
             print(f"{time.strftime('%H:%M:%S')}  {said:18}  {mutant}", flush=True)
             room = mutant.path.rpartition("/")[0].removeprefix("castx/").partition("/")[0]
             counts[room, said in (CAUGHT, HANGS)] += 1
@@ -265,7 +383,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for room in sorted({name for name, _ in counts}):
         caught = counts[room, True]
         print(f"{room:12} {caught:4} of {caught + counts[room, False]:4} caught")
-    print(f"{len(chosen) - len(survivors)} of {len(chosen)} caught; survivors:")
+    print(f"{len(listed) - len(survivors)} of {len(listed)} caught; survivors:")
     print(*(f"  {mutant}" for mutant in survivors), sep="\n")
     return int(bool(survivors))
 

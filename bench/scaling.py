@@ -84,7 +84,7 @@ def measure(changes: Sequence[str]) -> tuple[str, ...]:
     )
     mechanics = simulation.problem.mechanics
     assert mechanics is not None
-    unknowns = mechanics.equilibrium.x.getSize()
+    unknowns = mechanics.equilibrium.present.x.getSize()
     linear = counts["linear_iterations"] / max(counts["mechanics_iterations"], 1)
     totals = state.totals
     simulation.destroy()

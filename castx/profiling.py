@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable
+from contextlib import ContextDecorator
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import wraps
 from pathlib import Path
-from typing import ParamSpec, TypeVar
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -21,9 +19,6 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import FloatArray
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 REST = "Main Stage"
 """PETSc's stage for all that is in no other one."""
@@ -69,22 +64,21 @@ class PartCost:
     reductions: float
 
 
-def booked_as(part: RunPart) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Return a decorator that lets PETSc book a function as a part of the run."""
+class booked_as(ContextDecorator):
+    """Decorator of a function, or context of some lines, that PETSc books as a part of the run.
 
-    def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        @wraps(function)
-        def booked(*arguments: P.args, **options: P.kwargs) -> R:
-            stage = PETSc.Log.Stage(stage_name(part))
-            stage.push()
-            try:
-                return function(*arguments, **options)
-            finally:
-                stage.pop()
+    Args:
+        part: of the run.
+    """
 
-        return booked
+    def __init__(self, part: RunPart) -> None:
+        self._name = stage_name(part)
 
-    return decorate
+    def __enter__(self) -> None:
+        PETSc.Log.Stage(self._name).push()
+
+    def __exit__(self, *_: object) -> None:
+        PETSc.Log.Stage(self._name).pop()
 
 
 def stage_name(part: RunPart) -> str:

@@ -35,6 +35,8 @@ for profile, examples in (("quick", 25), ("all", 100)):
 
 GRACE_SECONDS = 30.0
 WORLD = MPI.COMM_WORLD
+CLAIMS = pytest.StashKey[str | None]()
+"""Folder in which the runs that share the tests leave their claims; None: nothing is shared."""
 # The exchange between ranks must never be taken for a message of the test itself.
 VERDICTS = WORLD.Dup()
 
@@ -97,7 +99,8 @@ def runs_everything(config: pytest.Config) -> bool:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """Leave printing and result files to rank 0."""
+    """Leave printing and result files to rank 0; runs that a test starts share nothing."""
+    config.stash[CLAIMS] = os.environ.pop("CASTX_TEST_CLAIMS", None)
     hypothesis.settings.load_profile("all" if runs_everything(config) else "quick")
     compiled_forms.keep()
     if WORLD.rank > 0:
@@ -120,7 +123,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
     """Leave a test to the run that has claimed its file, if several runs share them."""
-    folder = os.environ.get("CASTX_TEST_CLAIMS")
+    folder = item.config.stash[CLAIMS]
     if folder is None or selection.is_own(item, Path(folder)):
         return None
     # The test before left standing what this one would have needed.

@@ -171,12 +171,12 @@ def at(comm: MPI.Intracomm, made: MechanicalProblem, name: str, *place: float) -
 
 def pressures(comm: MPI.Intracomm, made: MechanicalProblem) -> FloatArray:
     """Return the contact pressures of all pairs of all ranks [Pa]."""
-    return everywhere(comm, made.equilibrium.pair_values()[1] / made.gaps.areas)
+    return everywhere(comm, made.pair_values()[1] / made.gaps.areas)
 
 
 def gaps(comm: MPI.Intracomm, made: MechanicalProblem) -> FloatArray:
     """Return the gaps of all pairs of all ranks [m]."""
-    return everywhere(comm, made.equilibrium.pair_values()[0])
+    return everywhere(comm, made.pair_values()[0])
 
 
 def stresses(comm: MPI.Intracomm, made: MechanicalProblem, name: str) -> FloatArray:

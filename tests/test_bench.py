@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ast
 import random
+import shutil
+import subprocess
+import sys
 import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -12,6 +15,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from bench import drawn_faults, executed_lines, line_tests, mutation
 from castx.case.reading.read import load_case
 
 pytestmark = pytest.mark.serial
@@ -141,7 +145,7 @@ def test_faults_still_stand_where_the_list_says():
 
 def test_faults_of_ranks_are_for_the_rank_contract_to_notice():
     of_ranks = [fault for fault in script("mutation").mutants() if fault.ranks > 1]
-    assert len(of_ranks) >= 40
+    assert len(of_ranks) >= 120
     outside = [
         test
         for fault in of_ranks
@@ -174,22 +178,24 @@ SOURCE = '''"""At 20 °C: 1 + 2."""
 __all__ = [1]
 
 
-def f(x: Annotated[int, 7], share=0.5):
+@dataclass(frozen=True)
+def f(x: Annotated[int, 7], share=0.5, n=20, kind=Literal[3]):
     """Return 5."""
-    if x < 3 and x > 0:
+    if x < 3.5 and len(x) > 0:
         raise ValueError("1" + str(9))
+    log.info("%g", 1.5 * x)
     return max(x, 4) - 2.0  # "°" is two bytes: é - 1
 '''
 
 
 def test_faults_are_drawn_over_code_alone():
     """Constants, comparisons, signs, extremes, joints, defaults; no texts, types or errors."""
-    bench = script("drawn_faults")
-    found = bench.candidates("a.py", SOURCE)
+    found = drawn_faults.candidates("a.py", SOURCE)
     assert [(fault.line, fault.old, fault.new) for fault in found] == [
-        (5, "0.5", "0.05"), (5, "0.5", "5.0"), (7, "<", "<="), (7, "3", "4"), (7, "and", "or"),
-        (7, ">", ">="), (7, "0", "1"), (9, "max", "min"), (9, "4", "5"), (9, "-", "+"),
-        (9, "2.0", "0.2"), (9, "2.0", "20.0"),
+        (6, "0.5", "0.05"), (6, "0.5", "5.0"), (6, "20", "2"), (6, "20", "200"),
+        (8, "<", ">="), (8, "3.5", "0.35"), (8, "3.5", "35.0"), (8, "and", "or"), (8, ">", "<="),
+        (8, ">", ">="), (8, "0", "1"), (11, "max", "min"), (11, "4", "5"), (11, "-", "+"),
+        (11, "2.0", "0.2"), (11, "2.0", "20.0"),
     ]  # fmt: skip
     for fault in found:
         planted, lines = fault.planted(SOURCE).splitlines(), SOURCE.splitlines()
@@ -200,19 +206,138 @@ def test_faults_are_drawn_over_code_alone():
 
 
 def test_a_draw_is_that_of_its_seed():
-    bench = script("drawn_faults")
-    first, again, other = (bench.drawn(200, seed) for seed in (1, 1, 2))
-    assert first == again != other and len(set(first)) == 200
+    first, again, other = (drawn_faults.drawn(200, seed) for seed in (1, 1, 2))
+    assert first == again and len(set(first)) == 200 and len({*first, *other}) > 350
     for fault in first:
         code = (BENCH.parent / fault.path).read_text(encoding="utf-8")
         compile(fault.planted(code), fault.path, "exec")
 
 
-def test_a_drawn_fault_is_tried_by_its_own_tests_then_by_those_of_its_room():
-    stages = script("mutation").stages
-    own, room = "tests/castx/heat/test_balance.py", "tests/castx/heat"
-    assert stages("castx/heat/balance.py", whole=True) == [(own,), (room,), ("tests",)]
-    assert stages("castx/heat/balance.py", whole=False) == [(own,), (room,)]
+def test_a_drawn_fault_stays_drawn_when_other_lines_change(tmp_path):
+    folder = tmp_path / "forms"
+    folder.mkdir()
+    code = "".join(f"a{n} = {n}.5 + b{n}\n" for n in range(200))
+    changes = {}
+    for name, text in (("before", code), ("after", code.replace("a7 = 7.5 + b7\n", "c = 1.0\n\n"))):
+        (folder / "a.py").write_text(text)
+        lines = text.splitlines()
+        found = drawn_faults.drawn(100, 1, tmp_path)
+        changes[name] = {(lines[f.line - 1], f.old, f.new) for f in found}
+    assert len(changes["before"] & changes["after"]) >= 98
+
+
+LIBRARY = '''from castx.inner.b import LIMIT
+
+
+def twice(x, factor=2):
+    """Return a multiple."""
+    return (
+        factor
+        * x
+    )
+
+
+def limited(x):
+    return min(x, LIMIT)
+
+
+def never():
+    return 1
+'''
+TESTS = """import pytest
+
+from castx.a import limited, twice
+
+
+@pytest.fixture(scope="module")
+def four():
+    return twice(2)
+
+
+def test_first(four):
+    assert four == 4
+
+
+def test_second(four):
+    assert limited(four) == 0.5
+
+
+def test_fails():
+    assert twice(2) == 5
+
+
+def test_none():
+    pass
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """Return a small checkout and the record of its lines."""
+    if sys.version_info < (3, 12):
+        pytest.skip("sys.monitoring came with Python 3.12")
+    checkout = tmp_path_factory.mktemp("recorded")
+    for folder in ("castx/inner", "tests/castx", "bench"):
+        (checkout / folder).mkdir(parents=True)
+    for name in ("mutation", "executed_lines"):
+        shutil.copy(BENCH / f"{name}.py", checkout / "bench")
+    (checkout / "castx" / "__init__.py").touch()
+    (checkout / "castx" / "a.py").write_text(LIBRARY)
+    (checkout / "castx" / "inner" / "b.py").write_text("OTHER = 1\nLIMIT = 0.5\n")
+    (checkout / "tests" / "castx" / "test_a.py").write_text(TESTS)
+    code = (
+        f"{mutation.UNINSTALLED} from pathlib import Path; from bench.executed_lines import record;"
+        "record(Path('lines.npz'), ['tests'])"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=checkout, check=True, capture_output=True)
+    return checkout, executed_lines.read(checkout)
+
+
+def test_a_record_says_which_tests_execute_a_line(recorded):
+    """A fixture of the module counts for all that ask for it; tests that fail do not count."""
+    _, lines = recorded
+    first, second, none = (f"tests/castx/test_a.py::test_{name}" for name in
+                           ("first", "second", "none"))  # fmt: skip
+    assert set(lines.seconds) == {first, second, none}
+    assert lines.tests_of("castx/a.py", [7]) == {first, second}
+    assert lines.tests_of("castx/a.py", [13]) == {second}
+    assert lines.tests_of("castx/a.py", [1, 4, 16]) == set()
+    assert 0.0 <= lines.seconds[none] <= sum(lines.seconds.values()) < 60.0
+    with pytest.raises(FileNotFoundError, match="no lines are recorded"):
+        executed_lines.read(BENCH)
+
+
+def test_a_fault_is_tried_by_the_tests_of_its_line(recorded):
+    checkout, lines = recorded
+    tests_of = line_tests.LineTests(lines, checkout)
+    first, second, none = (f"tests/castx/test_a.py::test_{name}" for name in
+                           ("first", "second", "none"))  # fmt: skip
+    assert tests_of("castx/a.py", 13) == [second]
+    assert tests_of("castx/inner/b.py", 2) == [second]  # what names the constant
+    assert set(tests_of("castx/a.py", 4)) == {first, second, none}  # a default, and the room
+    assert set(tests_of("castx/a.py", 6)) == {first, second}  # within a statement
+    assert set(tests_of("castx/a.py", 16)) == {first, second, none}  # no test: the room
+
+
+def test_a_drawn_fault_is_caught_by_a_test_that_is_named(recorded):
+    checkout, lines = recorded
+    tests = sorted(lines.seconds)
+    code = (checkout / "castx" / "a.py").read_text()
+    for fault, said in (
+        (drawn_faults.Fault("castx/inner/b.py", 2, 18, 21, "0.5", "5.0"), "caught"),
+        (drawn_faults.Fault("castx/a.py", 16, len(code) - 2, len(code) - 1, "1", "2"), "survived"),
+    ):
+        found, tried = mutation.verdict(fault, tests, lines.seconds, checkout, 60.0)
+        assert found.verdict == said and tried == 3
+        assert found.test == ("tests/castx/test_a.py::test_second" if said == "caught" else "")
+        assert (checkout / "castx" / "a.py").read_text() == code
+        assert (checkout / "castx" / "inner" / "b.py").read_text().endswith("LIMIT = 0.5\n")
+
+
+def test_tests_are_tried_in_portions_that_grow():
+    seconds = {"a": 2.0, "b": 0.5, "c": 14.0, "d": 30.0, "e": 29.0, "f": 50.0, "g": 900.0}
+    found = ["".join(portion) for portion in mutation.portions("abcdefg", seconds)]
+    assert found == ["ab", "c", "de", "fg"]
 
 
 def test_faults_are_planted_where_python_finds_them(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 
@@ -90,6 +91,26 @@ def test_a_file_that_another_run_has_claimed_leaves_the_others_as_they_are(tmp_p
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert found.returncode == 0, found.stdout
+
+
+TWICE = """
+import subprocess, sys, pytest
+pytest.main(sys.argv[1:])
+subprocess.run([sys.executable, "-m", "pytest", *sys.argv[1:]])
+"""
+"""A run of pytest whose process starts another one, as tests of the tests do."""
+
+
+def test_a_run_that_a_test_starts_claims_nothing_and_leaves_nothing_out(tmp_path):
+    file = "tests/castx/test_errors.py"
+    found = subprocess.run(
+        [sys.executable, "-c", TWICE, "-q", "-p", "no:cacheprovider", file],
+        env={**os.environ, "CASTX_TEST_CLAIMS": str(tmp_path)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    first, second = re.findall(r"(\d+) passed", found.stdout)
+    assert first == second, found.stdout
+    assert [path.name for path in tmp_path.iterdir()] == [file.replace("/", ".")]
 
 
 def names_of_files(tests: list[str]) -> set[str]:

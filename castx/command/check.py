@@ -273,8 +273,8 @@ def faces_text(interface: Interface, pairs: NodePairs, comm: MPI.Intracomm) -> s
         comm: the ranks.
     """
     count = comm.allreduce(len(pairs.areas), op=MPI.SUM)
-    least = comm.allreduce(float(pairs.gap.min(initial=np.inf)), op=MPI.MIN)
-    most = comm.allreduce(float(pairs.gap.max(initial=-np.inf)), op=MPI.MAX)
+    least = comm.allreduce(float(pairs.meshed_gap.min(initial=np.inf)), op=MPI.MIN)
+    most = comm.allreduce(float(pairs.meshed_gap.max(initial=-np.inf)), op=MPI.MAX)
     areas = area_text(pairs, comm)
     sizes = f"{count} nodes face facets, {areas}, meshed gap {least:.3g} to {most:.3g} m"
     laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"

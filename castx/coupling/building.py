@@ -24,7 +24,6 @@ from castx.coupling.temperatures import Temperatures
 from castx.domain.measures import nodal_sum, nodal_volumes
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.node_pairs import NodePairs
-from castx.domain.pairs.pairing import initial_gap
 from castx.equilibrium.building import MechanicsSettings
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError, MeshError
@@ -71,13 +70,12 @@ def build_problem(
     materials = {b.name: find_material(b.material, case.materials) for b in case.bodies}
     scheme = case.coupling.scheme
     contacts = [i for i in case.interfaces if i.contact.method != "none"]
-    gaps = {i.name: initial_gap(i, pairs[i.name]) for i in case.interfaces}
     mechanics, counters = None, StepCounters()
     known = temperatures
     if scheme != "mechanical" and known is None:
         known = initial_state(case.bodies, mesh)
     if scheme != "thermal" and any(b.law != "rigid" for b in case.bodies):
-        placed = [(pairs[i.name], gaps[i.name]) for i in contacts]
+        placed = [pairs[i.name] for i in contacts]
         free = {b.name: _stress_free(b, mesh, materials[b.name], known) for b in case.bodies}
         mechanics = _mechanics(case, mesh, materials, free, contacts, placed, counters)
     own = dict(laws or {})
@@ -96,7 +94,6 @@ def build_problem(
         CoupledInterface(
             interface.name,
             pairs[interface.name],
-            gaps[interface.name],
             contacts.index(interface) if mechanics is not None and interface in contacts else None,
         )
         for interface in case.interfaces
@@ -184,7 +181,7 @@ def _mechanics(
     materials: dict[str, Material],
     stress_free: dict[str, StressFreeState],
     contacts: list[Interface],
-    pairs: list[tuple[NodePairs, FloatArray]],
+    pairs: list[NodePairs],
     counters: StepCounters,
 ) -> MechanicalProblem:
     bodies = {

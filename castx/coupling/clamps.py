@@ -14,10 +14,10 @@ from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.errors import CaseError
 from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.fixed_directions import (
-    PARALLEL,
     SurfaceDisplacement,
     axes_of,
     fixed_directions,
+    parallel,
 )
 from castx.mechanics.press_direction import press_direction
 from castx.tables import Table
@@ -78,6 +78,5 @@ def _is_held(
     free[nodes[nodes < owned]] = True
     for fixed in fixed_directions(body, model, conditions):
         if fixed.value is not None:
-            along = np.abs(fixed.directions @ direction) > 1.0 - PARALLEL
-            free[fixed.nodes[along]] = False
+            free[fixed.nodes[parallel(fixed.directions, direction)]] = False
     return not body.mesh.comm.allreduce(bool(free.any()), op=MPI.LOR)

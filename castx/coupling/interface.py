@@ -23,13 +23,11 @@ class CoupledInterface:
     Attributes:
         name: "secondary/primary".
         pairs: its node pairs.
-        initial_gap: gaps without displacement [m], shape (pairs,).
         contact: number of the interface among those with contact; None: it has none.
     """
 
     name: str
     pairs: NodePairs
-    initial_gap: FloatArray
     contact: int | None
 
 
@@ -140,6 +138,6 @@ class Interfaces:
 
 def initial_state(interface: CoupledInterface) -> PairState:
     """Return the state of the pairs of an interface before anything moves."""
-    gap = interface.initial_gap.copy()
+    gap = interface.pairs.gap.copy()
     force = np.zeros_like(interface.pairs.area_vectors)
     return PairState(gap, np.zeros(len(gap)), gap <= 0, force)

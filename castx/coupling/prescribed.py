@@ -10,7 +10,7 @@ from dolfinx import fem
 
 from castx.arrays import FloatArray
 from castx.domain.mesh import CastingMesh
-from castx.heat.interface import HeatExchange
+from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.problem import HeatReport
 from castx.materials.material import Material
 from castx.stateful import Arrays, Saved, number
@@ -80,13 +80,11 @@ class PrescribedTemperatures:
 
         It is infinite in perfect contact and zero where no heat crosses.
         """
-        fixed = {"perfect": np.inf, "none": 0.0}
-        return [
-            np.full(len(state.gap), fixed[exchange.kind])
-            if exchange.kind != "law"
-            else exchange.law(state, self._faces(exchange, len(state.gap))).coefficient.value
+        faces = [
+            self._faces(exchange, len(state.gap)) if exchange.kind == "law" else None
             for exchange, state in zip(self._exchanges, pairs, strict=True)
         ]
+        return coefficients(self._exchanges, faces, pairs)
 
     def _faces(self, exchange: HeatExchange, count: int) -> Faces:
         secondary = self._bodies[exchange.pairs.secondary]

@@ -161,7 +161,7 @@ class CoupledProblem:
                 self.counters.unbalanced += 1
                 equilibrium.finish(time + step)
             self.interfaces.update(self.mechanics.contact_states())
-            self.counters.frozen_pairs = equilibrium.active.frozen_pairs()
+            self.counters.frozen_pairs = equilibrium.present.active.frozen_pairs()
             self.counters.fallbacks = equilibrium.fallbacks
         return report.largest_temperature_change
 

@@ -58,8 +58,7 @@ def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
         np.einsum("fi,fi->f", normals, middles[cells] - centres)
         for cells in (cell, across[cell, face])
     ]
-    smallest = 1e-12 * np.abs(heights).max(axis=0)
-    folded = np.flatnonzero(heights[0] * heights[1] > smallest**2)
+    folded = np.flatnonzero(heights[0] * heights[1] > 0.0)
     if folded.size:
         raise MeshError(
             f"{source}: {folded.size} pairs of neighbouring elements lie over each other, the "

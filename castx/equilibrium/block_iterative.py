@@ -48,9 +48,9 @@ class BlockIteration:
         self._make_finishing = make_finishing
         self._finishing: Newton | None = None
 
-    def begin(self, x: PETSc.Vec, time: float) -> None:
-        """Take over the state of the bodies at a time [s]."""
-        self._newton.begin(x, time)
+    def begin(self) -> None:
+        """Expire preconditioners that do not fit what the balance has begun."""
+        self._newton.begin()
 
     def solve(self, x: PETSc.Vec) -> EquilibriumReport:
         """Sweep over the blocks of the unknowns x; leave them at the start if a block fails.
@@ -93,7 +93,8 @@ class BlockIteration:
         """
         if self._finishing is None:
             self._finishing = self._make_finishing()
-        self._finishing.begin(x, time)
+        self._finishing.balance.begin(x, time)
+        self._finishing.begin()
         return self._finishing.solve(x)
 
     def forget(self) -> None:

@@ -116,7 +116,7 @@ class DeformableBodies:
 def build_methods(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[tuple[NodePairs, FloatArray]],
+    pairs: Sequence[NodePairs],
     settings: MechanicsSettings,
 ) -> Equilibrium | FallbackMethods:
     """Return the equilibrium of bodies with contact, by several methods if there are fallbacks.
@@ -124,7 +124,7 @@ def build_methods(
     Args:
         bodies: the bodies.
         contacts: interfaces with contact.
-        pairs: their node pairs, and the gaps of these without displacements [m], shape (pairs,).
+        pairs: their node pairs.
         settings: how to solve.
 
     Raises:
@@ -141,17 +141,16 @@ def build_methods(
 def _build_equilibrium(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[tuple[NodePairs, FloatArray]],
+    pairs: Sequence[NodePairs],
     settings: MechanicsSettings,
 ) -> Equilibrium:
     method = common_method(contacts)
-    rows = [InterfaceRows(p, c.treatment) for c, (p, _) in zip(contacts, pairs, strict=True)]
+    rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
     transform = ConstraintTransform(
         bodies.layout, bodies.names, bodies.parts[0].dimension, bodies.fixed, rows,
         [body.axial for body in bodies.parts],
     )  # fmt: skip
-    initial = [gap for _, gap in pairs]
-    gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, initial, bodies.rigid)
+    gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, bodies.rigid)
     contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.moduli)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
     floating = _floating(bodies, transform, contact, springs) if settings.support else None

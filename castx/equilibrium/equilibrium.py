@@ -21,8 +21,8 @@ from castx.profiling import RunPart, booked_as
 class Procedure(Protocol):
     """Solves the balance of forces."""
 
-    def begin(self, x: PETSc.Vec, time: float) -> None:
-        """Take over the state of the bodies at a time [s]."""
+    def begin(self) -> None:
+        """Prepare for a solution: the balance has begun another one."""
 
     def solve(self, x: PETSc.Vec) -> EquilibriumReport:
         """Solve for the unknowns x from where they are.
@@ -69,6 +69,16 @@ class Equilibrium:
         return self
 
     @property
+    def present(self) -> Equilibrium:
+        """The equilibrium by the method at work: this one."""
+        return self
+
+    @property
+    def shown(self) -> Equilibrium:
+        """The equilibrium of the last solution: this one."""
+        return self
+
+    @property
     def gaps(self) -> Gaps:
         """The pairs of all interfaces."""
         return self.balance.gaps
@@ -88,7 +98,8 @@ class Equilibrium:
         Raises:
             ConvergenceError: the iteration did not converge.
         """
-        self._procedure.begin(self.x, time)
+        self.balance.begin(self.x, time)
+        self._procedure.begin()
         return self._procedure.solve(self.x)
 
     @booked_as(RunPart.SOLVE)
@@ -119,20 +130,12 @@ class Equilibrium:
         """Number of methods that have failed in this step: none before this one."""
         return 0
 
-    def pair_values(self) -> tuple[FloatArray, FloatArray]:
-        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
-        return self.balance.pair_values(self.x)
-
     def liquid_pressures(self) -> FloatArray:
         """Return the pressures of liquid columns at all rows [Pa]; collective."""
         held = self.active.held
         if not self.balance.assembly.layout.comm.allreduce(bool(held.any()), op=MPI.LOR):
             return np.zeros(len(held))
         return np.where(held, self.balance.skin.pressures(), 0.0)
-
-    def along_surface(self) -> FloatArray | None:
-        """Return the friction on the secondary nodes of all rows [N]; None: there is none."""
-        return self.balance.along_surface(self.x)
 
     def support_force(self) -> float:
         """Return the norm of the forces of the supports [N]."""

@@ -123,9 +123,8 @@ class Newton:
         self._augmentations: list[int] = []
         self._linear_solves: list[int] = []
 
-    def begin(self, x: PETSc.Vec, time: float) -> None:
-        """Take over the state of the bodies at a time [s]."""
-        self.balance.begin(x, time)
+    def begin(self) -> None:
+        """Expire preconditioners that do not fit what the balance has begun."""
         # Elastic constants change little in a step, but freezing multiplies them.
         if not self.balance.assembly.is_elastic:
             for preconditioner in self._preconditioner.all:

@@ -36,8 +36,7 @@ class MechanicalProblem:
         contacts: interfaces with contact.
         settings: how to solve.
         counters: of the step, to which the solution adds.
-        pairs: node pairs of each contact and their gaps without displacements [m], shape (pairs,);
-            None: those that the contacts describe.
+        pairs: node pairs of each contact; None: those that the contacts describe.
 
     Raises:
         CaseError: contact methods that cannot be combined.
@@ -51,7 +50,7 @@ class MechanicalProblem:
         contacts: Sequence[Contact],
         settings: MechanicsSettings,
         counters: StepCounters | None = None,
-        pairs: Sequence[tuple[NodePairs, FloatArray]] | None = None,
+        pairs: Sequence[NodePairs] | None = None,
     ) -> None:
         check_bodies(contacts, bodies)
         names = list(bodies)
@@ -73,8 +72,10 @@ class MechanicalProblem:
             [body.space.dofmap.index_map for body in parts],
             [body.block_size for body in parts],
         )
-        placed = _described_pairs(mesh, contacts) if pairs is None else pairs
-        self.pairs = [found for found, _ in placed]
+        if pairs is None:
+            described = [Facing(c.secondary, c.primary, c.pairing, c.initial_gap) for c in contacts]
+            pairs = pairs_of(mesh, described)
+        self.pairs = list(pairs)
         self.rigid = {
             n: rigid_body(n, mesh.model, displacements.get(n, ()))
             for n in mesh.bodies
@@ -86,20 +87,26 @@ class MechanicalProblem:
         deformable = DeformableBodies(
             names, self._assembly, fixed, self.rigid, length, moduli, counters or StepCounters()
         )
-        self.equilibrium = build_methods(deformable, contacts, placed, settings)
+        self.equilibrium = build_methods(deformable, contacts, self.pairs, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 
     @property
     def gaps(self) -> Gaps:
         """The pairs of all interfaces."""
-        return self.equilibrium.gaps
+        return self.equilibrium.present.gaps
+
+    def pair_values(self) -> tuple[FloatArray, FloatArray]:
+        """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
+        present = self.equilibrium.present
+        return present.balance.pair_values(present.x)
 
     @booked_as(RunPart.CONTACT)
     def contact_states(self) -> list[PairState]:
         """Return the contact states of the pairs of each interface; collective."""
-        gaps, forces = self.equilibrium.pair_values()
-        closed, friction = self.equilibrium.active.closed, self.equilibrium.along_surface()
-        column = self.equilibrium.liquid_pressures()
+        present = self.equilibrium.present
+        gaps, forces = self.pair_values()
+        closed, friction = present.active.closed, present.balance.along_surface(present.x)
+        column = present.liquid_pressures()
         return [
             contact_state(
                 interface, gaps[part], forces[part], closed[part],
@@ -121,17 +128,6 @@ class MechanicalProblem:
         """Destroy the PETSc objects."""
         self.equilibrium.destroy()
         self._assembly.destroy()
-
-
-def _described_pairs(
-    mesh: CastingMesh, contacts: Sequence[Contact]
-) -> list[tuple[NodePairs, FloatArray]]:
-    """Return the pairs of contacts and their gaps without displacements [m]; collective."""
-    found = pairs_of(mesh, [Facing(c.secondary, c.primary, c.pairing) for c in contacts])
-    return [
-        (pairs, pairs.gap + contact.initial_gap(pairs.points))
-        for contact, pairs in zip(contacts, found, strict=True)
-    ]
 
 
 def _closed_surfaces(

@@ -81,7 +81,7 @@ class FreezingPath:
         permeability vanishes and integrals over its inverse grow beyond all bounds.
         """
         graded = np.geomspace(SMALLEST, 0.5, GRADED)
-        shares = np.unique(np.concatenate([[0.0], graded, np.linspace(0.0, 1.0, EVEN + 1)]))
+        shares = np.unique(np.concatenate([graded, np.linspace(0.0, 1.0, EVEN + 1)]))
         pieces = self.law.pieces(self.solidus, self.liquidus)
         inside = [piece.start + (piece.end - piece.start) * shares for piece in pieces]
         ends = [[piece.end] for piece in pieces]

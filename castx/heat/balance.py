@@ -17,12 +17,10 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray
 from castx.heat.body import ThermalBody
 from castx.heat.boundaries import SurfaceFlux, SurfaceTemperature
-from castx.heat.interface import HeatExchange
-from castx.heat.interfaces import Exchanges
+from castx.heat.interface import Exchanges, HeatExchange
 from castx.heat.jacobian import HeatJacobian
 from castx.heat.perfect_contact import NodeGroups, gather_links
 from castx.solvers.layout import Layout
-from castx.transfer.pair_state import PairState
 
 ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 """Balance below which the residual is round-off, relative to the terms that cancel in it."""
@@ -77,7 +75,6 @@ class HeatUnknowns:
         create = layout.create_vector
         self.enthalpy, self.slope = create(), create()
         self.temperature, self.temperature_slope = create(), create()
-        self._given, self._reaction = create(), create()
         self._temperatures, self._interfaces = tuple(temperatures), len(exchanges)
         self.groups = self._join_nodes(exchanges)
         self._find_prescribed()
@@ -87,8 +84,10 @@ class HeatUnknowns:
         links = gather_links(self.layout.comm, self.layout, names, exchanges)
         if not len(links.dofs):
             return None
-        self._reaction.array[:] = self.volumes
-        return NodeGroups(links, self._interfaces, self.bodies, self._reaction)
+        volumes = self._vector(self.volumes)
+        groups = NodeGroups(links, self._interfaces, self.bodies, volumes)
+        volumes.destroy()
+        return groups
 
     def _find_prescribed(self) -> None:
         """Find nodes of prescribed temperature and unknowns that solve no balance."""
@@ -97,24 +96,33 @@ class HeatUnknowns:
             self._condition_of[self.start_of(condition.body) + condition.nodes] = number
         self.conditioned: BoolArray = self._condition_of >= 0
         self.prescribed = self.conditioned
-        self._set_given(0.0)
         fixed = self.prescribed.copy()
         if self.groups is not None:
-            prescribed = ~np.isnan(self.groups.first_of(self._given))
+            given, marks = self._vector(self._given_at(0.0)), self._vector(self.prescribed)
+            self._fed_members = self.groups.first_places(given)
+            prescribed = self._fed_members >= 0
             fixed[self.groups.idle] = True
             fixed[self.groups.firsts] = prescribed
-            self._reaction.array[:] = self.prescribed
-            self.groups.mark(prescribed, self._reaction)
-            self.prescribed = self._reaction.array_r > 0.5
+            self.groups.mark(prescribed, marks)
+            self.prescribed = marks.array_r > 0.5
+            given.destroy()
+            marks.destroy()
         self.fixed = np.flatnonzero(fixed)
+
+    def _vector(self, values: FloatArray | BoolArray) -> PETSc.Vec:
+        """Return a vector of values at the owned nodes; the caller destroys it."""
+        vector = self.layout.create_vector()
+        vector.array[:] = values
+        return vector
 
     def start_of(self, body: ThermalBody) -> int:
         """Return the place of the first node of a body among the owned nodes."""
         return int(self.parts[self.bodies.index(body)].start)
 
-    def _set_given(self, time: float) -> None:
-        values = [condition.temperature(time) for condition in self._temperatures]
-        self._given.array[:] = np.array([*values, np.nan])[self._condition_of]
+    def _given_at(self, time: float) -> FloatArray:
+        """Return prescribed temperatures of the owned nodes at a time [s], NaN at other nodes."""
+        values = np.array([*(c.temperature(time) for c in self._temperatures), np.nan])
+        return np.asarray(values[self._condition_of])
 
     def enthalpies(self) -> FloatArray:
         """Return a copy of the enthalpies of the owned nodes of all bodies [J/m³]."""
@@ -132,15 +140,15 @@ class HeatUnknowns:
             guess: enthalpies of the nodes as far as they are known [J/m³].
             time: end of the step [s]; prescribed temperatures are those of this time.
         """
-        self._set_given(time)
-        given = self._given.array_r
-        x = guess.copy()
+        x, given = guess.copy(), self._given_at(time)
         for body, part in zip(self.bodies, self.parts, strict=True):
             known = ~np.isnan(given[part])
             x[part][known] = body.curve.enthalpy(given[part][known])
         if self.groups is not None:
             self.enthalpy.array[:] = guess
-            means = self.groups.means_at(self.groups.first_of(self._given))
+            there = self._vector(given)
+            means = self.groups.means_at(self.groups.first_of(there))
+            there.destroy()
             free = np.isnan(means)
             means[free] = self.groups.means(self.enthalpy)[free]
             x[self.groups.firsts] = means
@@ -171,13 +179,12 @@ class HeatUnknowns:
         """
         if self.groups is None:
             return np.zeros(self._interfaces)
-        before, taken = self.enthalpies(), self.layout.create_vector()
+        before = self.enthalpies()
         self.enthalpy.array[:] = before
         self.groups.set_members(self.groups.means(self.enthalpy), self.enthalpy, self.slope)
         self.set_enthalpies(self.enthalpy.array_r)
-        taken.array[:] = self.volumes * (self.enthalpy.array_r - before)
-        self._given.array[:] = np.nan
-        through = self.groups.heat_through(taken, self._given, self._reaction)
+        taken = self._vector(self.volumes * (self.enthalpy.array_r - before))
+        through, _ = self.groups.heat_through(taken, np.full(len(self.groups.firsts), -1))
         taken.destroy()
         return through
 
@@ -198,14 +205,16 @@ class HeatUnknowns:
             What each prescribed temperature feeds, and what passes through perfect contact at each
             interface.
         """
-        self._reaction.array[:] = balance.array_r
+        reaction = balance.copy()
         through: FloatArray = np.zeros(self._interfaces)
         if self.groups is not None:
-            through = self.groups.heat_through(balance, self._given, self._reaction)
+            through, feeding = self.groups.heat_through(balance, self._fed_members)
+            self.groups.set_at_members(feeding, reaction)
         fed = [
-            self._reaction.array_r[self._condition_of == number].sum()
+            reaction.array_r[self._condition_of == number].sum()
             for number in range(len(self._temperatures))
         ]
+        reaction.destroy()
         return np.array(fed), through
 
 
@@ -239,6 +248,7 @@ class HeatBalance:
         self.residual, self._balance = layout.create_vector(), layout.create_vector()
         self._column = layout.create_vector()
         self._present: FloatArray | None = None
+        self._storage = self._through = 0.0  # amounts on this rank at the last evaluation [W]
         self.previous = unknowns.enthalpies()
         self.dissipation: FloatArray = np.zeros(layout.size_local)
         self.exchanges = Exchanges(layout, self._balance, bodies, exchanges)
@@ -250,12 +260,6 @@ class HeatBalance:
     def _span(self) -> tuple[float, float]:
         """Start and end of the step [s]."""
         return self.time - self.step, self.time
-
-    def coefficients(self, states: Sequence[PairState]) -> list[FloatArray]:
-        """Return h of pairs in these states at the present temperatures [W/m²/K]."""
-        self.unknowns.read_temperatures()
-        self.exchanges.update_faces(self.unknowns.temperature, self.time)
-        return self.exchanges.coefficients(states)
 
     def set_dissipation(self, powers: Mapping[str, FloatArray]) -> None:
         """Set the heat of plastic work at the owned nodes of bodies [W]; zero in other bodies."""
@@ -294,6 +298,11 @@ class HeatBalance:
         if not self.layout.comm.allreduce(there, op=MPI.LAND):
             self._set(x)
 
+    def fill_residual(self, x: PETSc.Vec, residual: PETSc.Vec) -> None:
+        """Fill the residual: balances summed over the groups; zero where the unknown is fixed."""
+        self.evaluate(x)
+        self.unknowns.gather(self._balance, residual)
+
     def evaluate(self, x: PETSc.Vec) -> None:
         """Evaluate the balance of every node without heat of groups and prescribed temperatures."""
         unknowns = self.unknowns
@@ -313,15 +322,11 @@ class HeatBalance:
             balance[unknowns.start_of(flux.body) + flux.nodes] -= heat
             through += np.abs(heat).sum()
         through += self.exchanges.add_heat(self._balance)
-        self._moved = np.abs(storage).sum(), through
-
-    def gather_residual(self, residual: PETSc.Vec) -> None:
-        """Sum the balances over the groups; zero where the unknown is fixed."""
-        self.unknowns.gather(self._balance, residual)
+        self._storage, self._through = float(np.abs(storage).sum()), float(through)
 
     def sums(self) -> BalanceSums:
-        """Return the sums over all ranks that decide on convergence."""
-        storage, through = self._moved
+        """Return the sums over all ranks that decide on convergence, at the last residual."""
+        storage, through = self._storage, self._through
         through += np.abs(self._balance.array_r[self.unknowns.conditioned]).sum()
         contents = self.unknowns.volumes * self.unknowns.enthalpy.array_r
         rounding = np.abs(contents).sum() / self.step
@@ -346,17 +351,18 @@ class HeatBalance:
 
     def solid_columns(self, x: PETSc.Vec) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
         """Return the columns of U and V that solid fractions add to the Jacobian, J + U Vᵀ."""
-        feedback, unknowns = self.exchanges.feedback, self.unknowns
-        if not feedback.exchanges:
+        unknowns = self.unknowns
+        if not self.exchanges.fed_back:
             return []
         self._return_to(x)
         columns = []
-        for exchange in feedback.exchanges:
+        for exchange in self.exchanges.fed_back:
             u, v = self.residual.duplicate(), self.residual.duplicate()
             self._column.array[:] = 0.0
             exchange.add_heat(exchange.solid_slope(), self._column)
             unknowns.gather(self._column, u)
-            feedback.mean_slope(exchange, unknowns.slope, self._column)
+            slope = unknowns.slope
+            self.exchanges.feedback.mean_slope(exchange.secondary, slope, self._column)
             unknowns.gather(self._column, v)
             columns.append((u, v))
         return columns

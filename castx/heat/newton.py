@@ -10,7 +10,7 @@ import numpy as np
 
 from castx.domain import compat
 from castx.heat.balance import HeatBalance
-from castx.heat.interfaces import couple_step
+from castx.heat.solid_feedback import couple_step
 from castx.solvers.inner.options import FACTORS, solves_directly
 from castx.solvers.line_search import critical_part
 
@@ -63,8 +63,7 @@ def default_options(linear: str, unknowns: int, dimension: int) -> dict[str, Any
 
 def residual(balance: HeatBalance, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
     """Fill the residual."""
-    balance.evaluate(x)
-    balance.gather_residual(F)
+    balance.fill_residual(x, F)
 
 
 def jacobian(
@@ -104,8 +103,7 @@ def shorten_cycling_step(
 
     def work(part: float) -> float:
         trial.waxpy(-part, y, x)
-        balance.evaluate(trial)
-        balance.gather_residual(force)
+        balance.fill_residual(trial, force)
         return float(force.dot(change))
 
     balance.evaluate(x)

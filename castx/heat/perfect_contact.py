@@ -227,6 +227,10 @@ class NodeGroups:
         """Return for each group the first entry of its members that is not NaN, else NaN."""
         return self._first(self._remote.get(given))[0]
 
+    def first_places(self, given: PETSc.Vec) -> LongArray:
+        """Return the place of that entry among the members of this rank's groups, -1: none."""
+        return self._first(self._remote.get(given))[1]
+
     def _first(self, values: FloatArray) -> tuple[FloatArray, LongArray]:
         """Return the first number of each group and its place among the members, -1 if none."""
         places = np.where(np.isnan(values), len(values), np.arange(len(values)))
@@ -240,24 +244,26 @@ class NodeGroups:
         """Set the members of chosen groups to 1 and all other members to 0."""
         self._remote.put(groups[self._groups].astype(np.float64), vector)
 
-    def heat_through(
-        self, balance: PETSc.Vec, given: PETSc.Vec, reaction: PETSc.Vec
-    ) -> FloatArray:
-        """Return the heat through each interface on this rank [W], secondary to primary.
+    def set_at_members(self, values: FloatArray, vector: PETSc.Vec) -> None:
+        """Set the entries of the members of this rank's groups; collective."""
+        self._remote.put(values, vector)
+
+    def heat_through(self, balance: PETSc.Vec, fed: LongArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heat through each interface, and that which feeds groups, on this rank [W].
 
         Args:
             balance: heat that leaves each node, without that through perfect contact.
-            given: prescribed temperatures, NaN elsewhere.
-            reaction: receives the heat that a prescribed temperature feeds into a group, at the
-                first member that has one; zero at the other members.
+            fed: place of the member of each group that a prescribed temperature feeds, -1: none.
+
+        Returns:
+            Heat from secondary to primary, shape (interfaces,); heat that feeds each member of this
+            rank's groups, zero but at those places.
         """
         left = self._remote.get(balance)
-        _, places = self._first(self._remote.get(given))
-        fixed = np.flatnonzero(places >= 0)
-        fed = np.zeros_like(left)
-        fed[places[fixed]] = self._sums(left)[fixed]
-        self._remote.put(fed, reaction)
-        return np.asarray(self._flow_weights @ (left - fed))
+        fixed = np.flatnonzero(fed >= 0)
+        feeding = np.zeros_like(left)
+        feeding[fed[fixed]] = self._sums(left)[fixed]
+        return np.asarray(self._flow_weights @ (left - feeding)), feeding
 
     def _sums(self, values: FloatArray) -> FloatArray:
         """Return the sums over the members of each group."""

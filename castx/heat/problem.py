@@ -15,7 +15,7 @@ from castx.errors import CaseError, ConvergenceError
 from castx.heat.balance import HeatBalance, HeatUnknowns
 from castx.heat.body import HeatBody, ThermalBody
 from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
-from castx.heat.interface import HeatExchange
+from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.profiling import RunPart, booked_as
@@ -79,6 +79,7 @@ class HeatProblem:
         counters: StepCounters | None = None,
     ) -> None:
         self._comm = mesh.comm
+        self._exchanges = tuple(exchanges)
         self._balance = heat_balance(mesh, bodies, exchanges, surfaces)
         self._unknowns, self._bodies = self._balance.unknowns, self._balance.bodies
         self._layout = self._balance.layout
@@ -198,14 +199,17 @@ class HeatProblem:
         return float(max(self._comm.allgather(float(largest))))
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
-        """Return h of pairs in these states at the trial temperatures [W/m²/K].
+        """Return h of pairs in these states at the trial temperatures [W/m²/K]; collective.
 
         It is infinite in perfect contact and zero where no heat crosses.
 
         Args:
             pairs: state of the pairs of each interface.
         """
-        return self._balance.coefficients(pairs)
+        self._unknowns.read_temperatures()
+        temperature, time = self._unknowns.temperature, self._balance.time
+        faces = self._balance.exchanges.faces_at(temperature, time)
+        return coefficients(self._exchanges, faces, pairs)
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""

@@ -26,10 +26,20 @@ def modules_of(package: str, besides: Collection[str] = ()) -> Iterator[ModuleTy
     Args:
         package: full name of the package.
         besides: names of modules that are left out.
+
+    Raises:
+        TypeError: a declaration is not complete; with the name of its module.
     """
     for entry in iter_modules(import_module(package).__path__):
         if entry.name not in besides:
-            yield import_module(f"{package}.{entry.name}")
+            yield _imported(f"{package}.{entry.name}")
+
+
+def _imported(name: str) -> ModuleType:
+    try:
+        return import_module(name)
+    except TypeError as error:
+        raise TypeError(f"{name}: {error}") from error
 
 
 def declarations(

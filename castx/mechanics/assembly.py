@@ -39,7 +39,7 @@ class BodyAssembly:
         self.layout, self.bodies = layout, list(bodies)
         self.unknowns = layout.create_vector()
         self.residual_vector = layout.create_vector()
-        self._blocks = [body.create_jacobian() for body in bodies]
+        self._blocks = [body.formulation.forms.create_jacobian() for body in bodies]
         count = range(len(bodies))
         diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
         self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
@@ -61,7 +61,7 @@ class BodyAssembly:
             return self.residual_vector
         values = self.residual_vector.array
         for b, body in enumerate(self.bodies):
-            values[self.layout.local_slice(b)] = body.present_residual()
+            values[self.layout.local_slice(b)] = body.formulation.residual()
         return self.residual_vector
 
     def _update_points(self) -> bool:
@@ -90,7 +90,7 @@ class BodyAssembly:
         """
         for b, (body, block) in enumerate(zip(self.bodies, self._blocks, strict=True)):
             if not body.is_linear or body.trials != self._trials[b]:
-                body.assemble_jacobian(block)
+                body.formulation.assemble_jacobian(block)
                 self._trials[b] = body.trials
         self._nest.assemble()
         if self._matrix is None:
@@ -141,7 +141,7 @@ class BodyAssembly:
 
     def corrections(self) -> list[Correction]:
         """Return the pressure part of the Jacobian that the matrix lacks, from OSGS."""
-        return self._on_parts([body.products() for body in self.bodies])
+        return self._on_parts([body.formulation.products() for body in self.bodies])
 
     def coupled_corrections(self) -> list[Correction]:
         """Return the products of the trapped liquid with displacements."""

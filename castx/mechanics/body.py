@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from petsc4py import PETSc
-
 import numpy as np
 from dolfinx import fem
 
@@ -18,7 +16,7 @@ from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.displacement import DisplacementFormulation
 from castx.mechanics.fixed_directions import FixedDirections
-from castx.mechanics.formulation import BodyUnknowns, Formulation, Product, cell_stress
+from castx.mechanics.formulation import BodyUnknowns, Formulation, cell_stress
 from castx.mechanics.loads import BodyLoads
 from castx.mechanics.mixed import MixedFormulation
 from castx.mechanics.q1p0 import Q1P0Formulation
@@ -147,10 +145,6 @@ class BodyMechanics:
         if not self.is_evaluated:
             self.update_points()
 
-    def present_residual(self) -> FloatArray:
-        """Return the residual for the stresses that `update_points` found; collective."""
-        return self.formulation.residual()
-
     def residual(self) -> FloatArray:
         """Return internal minus external forces of the owned unknowns; collective.
 
@@ -158,19 +152,7 @@ class BodyMechanics:
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
         self.update_points()
-        return self.present_residual()
-
-    def create_jacobian(self) -> PETSc.Mat:
-        """Return an unassembled matrix for `assemble_jacobian`."""
-        return self.formulation.forms.create_jacobian()
-
-    def assemble_jacobian(self, A: PETSc.Mat) -> None:
-        """Assemble the derivative of the residual, without `products`."""
-        self.formulation.assemble_jacobian(A)
-
-    def products(self) -> list[Product]:
-        """Return the parts of the Jacobian on pressures that are applied without a matrix."""
-        return self.formulation.products()
+        return self.formulation.residual()
 
     def improve_pressures(self) -> bool:
         """Take the pressures of this rank for the multipliers; return whether there are any."""

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import nodal_area_vectors
 from castx.domain.mesh import BodyMesh
 from castx.errors import CaseError
@@ -53,6 +53,12 @@ class FixedDirections:
         here = found >= 0
         e = self.directions[found[here]]
         vectors[here] -= np.sum(vectors[here] * e, axis=1, keepdims=True) * e
+
+
+def parallel(directions: FloatArray, direction: FloatArray) -> BoolArray:
+    """Return a mask of the unit vectors that lie along another one, shape (n,)."""
+    across = directions - np.outer(directions @ direction, direction)
+    return np.asarray(np.linalg.norm(across, axis=1) < PARALLEL)
 
 
 @dataclass(frozen=True)

@@ -138,13 +138,11 @@ class State:
     def _balance_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
         axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")
         about = "xyz" if self.mesh.model == "3d" else "z"
-        found = {
-            "support_force": mechanics.equilibrium.support_force(),
-            "largest_pull": mechanics.equilibrium.largest_pull(),
-        }
-        for name, error in mechanics.equilibrium.force_errors().items():
+        shown = mechanics.equilibrium.shown
+        found = {"support_force": shown.support_force(), "largest_pull": shown.largest_pull()}
+        for name, error in shown.force_errors().items():
             found[f"{name}.force_error"] = error
-        for name, (force, moment) in mechanics.equilibrium.supports().items():
+        for name, (force, moment) in shown.supports().items():
             for axis, value in zip(axes, force, strict=True):
                 # In an axisymmetric model nothing supports the radius.
                 if axis != " ":

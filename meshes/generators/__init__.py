@@ -1,8 +1,7 @@
 """Geometries with arguments, one in each file: what a case may say of it, and how it is meshed.
 
 Public: `declaration.Generator`, `declaration.Argument`, `declaration.COMMON_ARGUMENTS`,
-`slab.slab`, `two_slabs.two_slabs`, `stacked_blocks.stacked_blocks`, `box_in_mould.box_in_mould`,
-`cylinder_in_mould.cylinder_in_mould`, `core_in_ring.core_in_ring`.
+`slab.slab`, `slab.GENERATOR`, and in each other file the function of its name and its declaration.
 
 A generator fills the current gmsh model with linear cells, simplices or quadrilaterals and
 hexahedra, whose physical volumes are the bodies and whose physical surfaces are the named faces. It

@@ -93,8 +93,8 @@ def complies(state: State, weight: float) -> None:
     """
     comm, mechanics = state.mesh.comm, state.problem.mechanics
     assert mechanics is not None
-    gaps, forces = mechanics.equilibrium.pair_values()
-    solid = ~mechanics.equilibrium.active.held
+    gaps, forces = mechanics.pair_values()
+    solid = ~mechanics.equilibrium.present.active.held
     gaps, forces = everywhere(comm, gaps[solid]), everywhere(comm, forces[solid])
     assert forces.min(initial=0.0) > -1e-3 * weight
     assert gaps.min(initial=0.0) > -1e-12

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import random
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ import pytest
 
 import castx.meshes.generators
 from castx.case.geometry import GENERATORS, Geometry
+from castx.errors import CaseError
 from castx.meshes.generators.declaration import COMMON_ARGUMENTS
 from tests.meshes.gmsh_meshes import generated
 
@@ -34,6 +36,12 @@ def test_a_case_is_checked_without_gmsh():
 
 
 @pytest.mark.parametrize("name", GENERATORS)
+def test_a_generator_leaves_gmsh_to_the_model_that_it_fills(name):
+    path = Path(castx.meshes.generators.__path__[0]) / f"{name}.py"
+    assert "import gmsh" not in path.read_text()
+
+
+@pytest.mark.parametrize("name", GENERATORS)
 def test_arguments_are_those_of_the_function(name):
     """What has a default may be left out in some model, everything else is needed in all."""
     generator = GENERATORS[name]
@@ -49,10 +57,10 @@ def test_arguments_are_those_of_the_function(name):
 
 
 @cache
-def example(name, model, cells="simplices", size=0.01):
+def example(name, model, cells="simplices", size=0.01, **sizes):
     """Return the mesh of the example of a generator as a case file asks for it."""
     generator = GENERATORS[name]
-    given = {**generator.example(model), "cells": cells, "size": size}
+    given = {**generator.example(model), "cells": cells, "size": size, **sizes}
     arguments = Geometry.read(given).arguments
     return generated(generator.mesh, list(generator.surfaces), model=model, **arguments)
 
@@ -63,6 +71,8 @@ def test_bodies_have_proper_cells_and_share_nodes(name, model, cells):
     mesh = example(name, model, cells)
     bodies = list(GENERATORS[name].surfaces)
     nodes = [set(mesh.cells[mesh.bodies == body].ravel()) for body in range(len(bodies))]
+    dimension = mesh.points.shape[1]
+    assert mesh.cells.shape[1] == (dimension + 1 if cells == "simplices" else 2**dimension)
     assert all(nodes), f"a body of {bodies} has no cells"
     for own, other in pairwise(nodes):
         assert len(own & other) >= mesh.points.shape[1], f"bodies of {bodies} do not touch"
@@ -109,3 +119,46 @@ def test_outer_dimensions_hold_the_mesh(name, model):
 def test_sizes_bound_the_cells(name, model):
     coarse, fine = (example(name, model, size=size) for size in (0.01, 0.005))
     assert len(fine.cells) > 2 * len(coarse.cells)
+
+
+@pytest.mark.parametrize("name, model", VARIANTS)
+def test_sizes_at_the_interface_and_their_growth_act(name, model):
+    slow = {"interface_size": 0.004, "order_of_growth": 3.0}
+    meshes = (example(name, model, **sizes) for sizes in ({}, {"interface_size": 0.004}, slow))
+    uniform, graded, slowly_graded = (len(mesh.cells) for mesh in meshes)
+    assert uniform < graded < slowly_graded
+
+
+def varied(dice: random.Random, value: object) -> object:
+    """Return a value of an argument that a case may give: other lengths, and more or fewer."""
+    match value:
+        case bool():
+            return dice.random() < 0.5
+        case int() | float():
+            return value * dice.choice((0.2, 0.5, 1.0, 2.0, 5.0))
+        case list() | tuple():
+            count = dice.choice((len(value) - 1, len(value), len(value), len(value) + 1))
+            return [varied(dice, dice.choice(value)) for _ in range(count)]
+        case _:
+            return value
+
+
+@pytest.mark.parametrize("name, model", VARIANTS)
+def test_a_case_refuses_what_cannot_be_meshed(name, model):
+    """What is read without a problem is meshed; `problems` says before gmsh what contradicts."""
+    generator, dice, meshed = GENERATORS[name], random.Random(f"{name} {model}"), 0
+    given = generator.example(model)
+    for _ in range(300):
+        own = {key: varied(dice, given[key]) for key in generator.arguments if key in given}
+        try:
+            arguments = Geometry.read({**given, **own, "size": 0.05}).arguments
+        except CaseError:
+            continue
+        try:
+            generated(generator.mesh, list(generator.surfaces), model=model, **arguments)
+        except ValueError as error:
+            pytest.fail(f"{own}: `problems` of {name} does not say that {error}")
+        meshed += 1
+        if meshed == 10:
+            return
+    pytest.fail(f"only {meshed} of 300 drawn sets of arguments of {name} are accepted")

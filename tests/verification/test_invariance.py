@@ -92,7 +92,7 @@ class Solved:
         d = self.made.pairs[0].points.shape[1]
         points = everywhere(comm, self.frame.back(self.made.pairs[0].points))
         unit = self.frame.stress * self.frame.length ** (d - 1)
-        forces = everywhere(comm, self.made.equilibrium.pair_values()[1])
+        forces = everywhere(comm, self.made.pair_values()[1])
         return sorted_by_place(points, np.asarray(forces / unit))
 
     def motion(self, comm, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -136,7 +136,7 @@ def solved(
 def assert_same(comm, found: Solved, expected: Solved, tolerance: float) -> None:
     points, forces = expected.forces(comm)
     assert 0 < np.count_nonzero(forces) < len(forces)
-    assert found.made.equilibrium.balance.operator.support is not None
+    assert found.made.equilibrium.present.balance.operator.support is not None
     np.testing.assert_allclose(found.forces(comm)[0], points, atol=1e-9)
     np.testing.assert_allclose(found.forces(comm)[1], forces, atol=tolerance * forces.max())
     for name in expected.made.bodies:

@@ -35,7 +35,7 @@ def reaction(
     )
     made.equilibrium.solve(0.0)
     assert pressures(comm, made).min() >= 0.0
-    forces = everywhere(comm, made.equilibrium.pair_values()[1])
+    forces = everywhere(comm, made.pair_values()[1])
     return float(forces.sum()), int(np.count_nonzero(forces))
 
 

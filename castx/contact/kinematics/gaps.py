@@ -38,7 +38,6 @@ class Gaps:
         layout: numbering of the displacements of all bodies.
         body_names: names of the bodies in the order of the layout; others are rigid.
         interfaces: rows of the pairs of each interface.
-        initial: gaps without displacement of the pairs of each interface [m].
         rigid: rigid bodies by name.
     """
 
@@ -47,13 +46,10 @@ class Gaps:
         layout: Layout,
         body_names: Sequence[str],
         interfaces: Sequence[PairRows],
-        initial: Sequence[FloatArray],
         rigid: Mapping[str, RigidBody],
     ) -> None:
         self.interfaces, self._rigid = list(interfaces), dict(rigid)
-        self.at_rest = _joined(
-            [given[i.index] for given, i in zip(initial, interfaces, strict=True)]
-        )
+        self.at_rest = _joined([i.pairs.gap[i.index] for i in interfaces])
         self.local = _joined([i.local for i in interfaces], np.int32)
         self.tied = _joined(
             [np.full(len(i.local), i.treatment is Treatment.TIED) for i in interfaces], np.bool_

@@ -39,6 +39,7 @@ class NodePairs:
         named_surface: of the secondary body; empty: the one shared with the primary body.
         primary_area: of that part of the primary surface which faces the secondary one, of all
             ranks [m²]; None: both are one surface.
+        given_gap: (n,) gap that counts beside the meshed one [m], negative: interference.
     """
 
     secondary: str
@@ -56,6 +57,7 @@ class NodePairs:
     distances: FloatArray | None = None
     named_surface: str = ""
     primary_area: float | None = None
+    given_gap: FloatArray | float = 0.0
 
     @property
     def partners(self) -> tuple[LongArray, FloatArray]:
@@ -70,9 +72,14 @@ class NodePairs:
         return self.named_surface or self.primary
 
     @property
-    def gap(self) -> FloatArray:
+    def meshed_gap(self) -> FloatArray:
         """Distance of the surfaces as they are meshed [m], shape (n,)."""
         return np.zeros(len(self.areas)) if self.distances is None else self.distances
+
+    @property
+    def gap(self) -> FloatArray:
+        """Gap without displacement, meshed and given [m], shape (n,)."""
+        return np.asarray(self.meshed_gap + self.given_gap)
 
     @property
     def name(self) -> str:

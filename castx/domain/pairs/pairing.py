@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
-
-import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.contact import Pairing
@@ -24,11 +23,13 @@ class Facing(NamedTuple):
         secondary: name of the body whose nodes carry the pairs.
         primary: name of the other body.
         rule: how nodes find partners and normals.
+        initial_gap: gap that counts beside the meshed one at points (n, dimension) [m]; None: none.
     """
 
     secondary: str
     primary: str
     rule: Pairing
+    initial_gap: Callable[[FloatArray], FloatArray] | None = None
 
 
 def case_pairs(
@@ -39,14 +40,12 @@ def case_pairs(
     Raises:
         MeshError: as in `pairs_of`.
     """
-    facing = [Facing(i.secondary, i.primary, i.contact.pairing_rule) for i in interfaces]
+    facing = [
+        Facing(i.secondary, i.primary, i.contact.pairing_rule, i.contact.initial_gap.at)
+        for i in interfaces
+    ]
     found = pairs_of(mesh, facing)
     return {item.name: pairs for item, pairs in zip(interfaces, found, strict=True)}
-
-
-def initial_gap(interface: Interface, pairs: NodePairs) -> FloatArray:
-    """Return the initial gaps of pairs, meshed and given by the case [m]."""
-    return np.asarray(pairs.gap + interface.contact.initial_gap.at(pairs.points))
 
 
 def pairs_of(mesh: CastingMesh, facing: Sequence[Facing]) -> list[NodePairs]:
@@ -61,12 +60,20 @@ def pairs_of(mesh: CastingMesh, facing: Sequence[Facing]) -> list[NodePairs]:
             other surface; on all ranks.
     """
     faces = [item for item in facing if item.rule.kind == "node-to-face"]
-    by_faces = iter(shared_pairs(mesh, [face_interface(mesh, *item) for item in faces]))
-    return [next(by_faces) if item in faces else _matching(mesh, item) for item in facing]
+    by_faces = iter(shared_pairs(mesh, [face_interface(mesh, *item[:3]) for item in faces]))
+    return [
+        _with_gap(next(by_faces) if item in faces else _matching(mesh, item), item)
+        for item in facing
+    ]
+
+
+def _with_gap(pairs: NodePairs, facing: Facing) -> NodePairs:
+    given = facing.initial_gap
+    return pairs if given is None else replace(pairs, given_gap=given(pairs.points))
 
 
 def _matching(mesh: CastingMesh, facing: Facing) -> NodePairs:
-    secondary, primary, rule = facing
+    secondary, primary, rule, _ = facing
     if rule.normals == "patches":
         return pairs_by_patch(mesh, secondary, primary, rule.sharp_angle)
     # Matching surfaces have the same facets on both sides, and so the same normals.

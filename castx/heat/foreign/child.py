@@ -37,7 +37,7 @@ CORNERS = {
 VTK_NUMBERS = {
     "vertex": 1, "line": 3, "triangle": 5, "quad": 9, "tetra": 10, "hexahedron": 12, "wedge": 13,
     "pyramid": 14, "line3": 21, "triangle6": 22, "quad8": 23, "tetra10": 24, "hexahedron20": 25,
-    "wedge15": 26, "pyramid13": 27, "quad9": 28, "hexahedron27": 29, "wedge18": 32,
+    "quad9": 28, "hexahedron27": 29, "wedge18": 32,
 }  # fmt: skip
 """VTK's numbers of meshio's cells."""
 

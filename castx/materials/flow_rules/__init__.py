@@ -1,4 +1,4 @@
 """The flow rules, one file each: how fast a material flows at an overstress.
 
-Public: `bingham.RULE`, `norton.RULE`, `perzyna.RULE`.
+Public: `perzyna.RULE`, and the object of the same name in each other file.
 """

@@ -57,7 +57,7 @@ class HardeningRule:
 
     Attributes:
         name: of the file.
-        title: name for people, "" for a rule that its keys name.
+        title: name for people, "" for a rule that its one key names.
         summary: the rule in one sentence.
         formula: isotropic hardening R(ξ) or back stress β.
         source: author, year, and where the rule is printed.
@@ -86,6 +86,10 @@ class HardeningRule:
             raise TypeError(f"rule {self.name!r} needs modulus or curve, and not both")
         if self.curve is not None and not self.isotropic:
             raise TypeError(f"rule {self.name!r}: a back stress needs a modulus, not a curve")
+        if needed := [key.name for key in self.keys if key.default is None]:
+            raise TypeError(f"rule {self.name!r} declares no default of {', '.join(needed)}, as 0")
+        if len(self.keys) > 1 and not self.title:
+            raise TypeError(f"rule {self.name!r} has several keys, and declares no title for them")
 
     def tables(self, description: object) -> dict[str, Table]:
         """Return the keys of the rule as tables, read from a description that has them."""

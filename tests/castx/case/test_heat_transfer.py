@@ -40,6 +40,12 @@ def test_patches_take_what_they_do_not_change():
     np.testing.assert_array_equal(ring.patches[0].contains(space, {}), [True])
 
 
+@pytest.mark.parametrize("coefficient", [1e-6, 0.5])
+def test_a_coefficient_may_be_as_small_as_wanted(coefficient):
+    heat = InterfaceHeat.read({"law": "constant", "closed": coefficient})
+    assert heat.closed.table(0.0) == coefficient
+
+
 def patched(**keys):
     return {**LIMITED, "patches": [keys]}
 
@@ -62,6 +68,14 @@ def patched(**keys):
         ({"law": "limited", "closed": 5, "open": 9}, "open: in the law 'limited' it varies"),
         (
             {"law": "limited", "closed": 50, "open": {"over": "gap", "table": [[0, 40], [1, 2]]}},
+            "open: 40 W/m²/K at gap 0, but closed is 50: the law would jump",
+        ),
+        (
+            {
+                "law": "limited",
+                "closed": {"over": "temperature", "table": [[0, 10], [500, 50], [900, 20]]},
+                "open": {"over": "gap", "table": [[0, 40], [1, 2]]},
+            },
             "open: 40 W/m²/K at gap 0, but closed is 50: the law would jump",
         ),
         ({"law": "series", "closed": 5, "gas_conductivity": 1, "open": 3}, "open: the law 'seri"),

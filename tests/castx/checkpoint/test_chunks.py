@@ -65,7 +65,20 @@ def values_of(numbers: np.ndarray, kind: str) -> np.ndarray:
 def test_rows_go_to_chunks_by_number_and_back_with_ghosts(comm, monkeypatch, kind, empty, rows):
     """Also where a rank has nothing, and where there are many chunks."""
     monkeypatch.setattr(chunks, "ROWS", rows)
-    own = numbering(comm, empty)
+    assert_rows_travel(comm, numbering(comm, empty), kind, rows)
+
+
+@pytest.mark.ranks
+def test_each_rank_may_have_the_numbers_of_one_range(comm):
+    """And the last one, which has the highest, one number of the first."""
+    owner = np.arange(ENTITIES) * comm.size // ENTITIES
+    owner[7] = comm.size - 1
+    part = FAR + 3 * np.flatnonzero(owner == comm.rank)
+    own = Numbering("cells", part, len(part), ("casting",))
+    assert_rows_travel(comm, own, "scalar", chunks.ROWS)
+
+
+def assert_rows_travel(comm, own, kind, rows):
     local = values_of(own.numbers, kind)
     spoilt = local.copy()
     spoilt[own.owned :] = 0  # rows of ghosts are not sent

@@ -19,6 +19,7 @@ from castx.checkpoint import archive, chunks
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError, StorageError
 from castx.materials.inelastic import FLOW_RULES
+from castx.stateful import Numbering, Saved
 from tests.castx.checkpoint.test_chunks import dealt
 from tests.contact_methods import BETWEEN_DEFORMABLE
 from tests.coupled_cases import (
@@ -280,6 +281,18 @@ def test_files_and_what_is_read_do_not_depend_on_the_ranks(
     with np.load(single.path) as opened:
         places = np.searchsorted(order, dealt(comm, 100)["rows"].numbering.numbers)
         np.testing.assert_array_equal(found["rows"], opened["rows"][places])
+
+
+@pytest.mark.ranks
+def test_a_rank_without_rows_need_not_know_their_shape(comm, shared_tmp_path):
+    numbers, rows = np.arange(5), np.arange(10.0).reshape(5, 2)
+    if comm.rank < comm.size - 1:
+        numbers, rows = numbers[:0], np.empty((0, 1), dtype=np.float32)
+    state = {"rows": Saved(rows, Numbering("cells", numbers, len(numbers), ("casting",)))}
+    checkpoint = Checkpoint(shared_tmp_path, comm)
+    checkpoint.write(state, {})
+    with np.load(checkpoint.path) as opened:
+        np.testing.assert_array_equal(opened["rows"], np.arange(10.0).reshape(5, 2))
 
 
 @pytest.mark.ranks

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from castx.case.boundaries import Boundary
+from castx.case.contact import Pairing
 from castx.case.heat_transfer import InterfaceHeat
+from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.command.check import (
     conditions_text,
     corner_text,
+    faces_text,
     free_text,
     heat_text,
     interface_text,
@@ -19,6 +24,9 @@ from castx.command.check import (
     temperature_range,
 )
 from castx.command.cli import execute
+from tests.castx.domain.interface_meshes import pairs_by
+from tests.elastic_bodies import blocks
+from tests.partitions import PARTITION, on_the_last
 
 
 @pytest.mark.ranks
@@ -29,6 +37,24 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
         assert name in text
     assert "warning: steel-H13 (mould) has data for less than the temperatures of the case" in text
     assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
+
+
+@pytest.mark.ranks
+def test_check_counts_on_ranks_without_cells(comm, case_file, said, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    assert execute(["check", str(case_file)], comm) == 0
+    assert "9 pairs" in said()
+
+
+@pytest.mark.ranks
+def test_gaps_of_facing_meshes_are_those_of_all_ranks(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    mesh = blocks(comm, upper=(0.02, 0.01), base=(0.02, 0.01))
+    pairs = pairs_by(Pairing(kind="node-to-face"), mesh, "upper", "base")
+    described = Interface.read({"bodies": ["upper", "base"], "contact": {"method": "condensed"}})
+    text = faces_text(described, pairs, comm)
+    found = re.search(r": 3 nodes face facets, .* meshed gap (\S+) to (\S+) m, contact", text)
+    assert found and np.abs([float(gap) for gap in found.groups()]).max() < 1e-12
 
 
 @pytest.mark.ranks

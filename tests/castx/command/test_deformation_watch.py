@@ -14,6 +14,7 @@ from castx.command.deformation_watch import DeformationWatch
 from castx.errors import ConvergenceError
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
+from tests.partitions import PARTITION, on_the_last
 
 LISTENED = "castx.command.deformation_watch"
 
@@ -85,6 +86,15 @@ def test_what_sank_as_a_liquid_is_no_displacement_of_the_solid(comm, heard):
 
 @pytest.mark.ranks
 def test_absurd_displacements_end_a_run_on_all_ranks(comm, heard):
+    with pytest.raises(ConvergenceError, match=r"casting .* by up to 150 % .* beyond 50 % a run"):
+        check(comm, moved([[1.5, 0.0], [0.0, 0.0]]))
+    with pytest.raises(ConvergenceError, match="casting is displaced by"):
+        check(comm, moved(np.zeros((2, 2)), offset=(1.0, 0.0)))
+
+
+@pytest.mark.ranks
+def test_they_do_on_ranks_without_cells(comm, heard, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
     with pytest.raises(ConvergenceError, match=r"casting .* by up to 150 % .* beyond 50 % a run"):
         check(comm, moved([[1.5, 0.0], [0.0, 0.0]]))
     with pytest.raises(ConvergenceError, match="casting is displaced by"):

@@ -18,6 +18,7 @@ from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
+from tests.partitions import PARTITION, on_the_last
 
 LISTENED = "castx.command.range_watch"
 HEAT = {"heat_capacity", "conductivity"}
@@ -57,6 +58,15 @@ def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
     assert casting.startswith("at t = 3 s AlSi7Mg (casting) is at 15 to 900 °C")
     assert "heat_capacity.liquid, conductivity.liquid (613 to 800 °C)" in casting
     assert "heat_capacity.solid" in casting and "yield_stress" not in casting
+
+
+@pytest.mark.ranks
+def test_the_first_rank_speaks_though_it_has_no_cells(comm, heard, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    watch = RangeWatch(case_of(), comm)
+    for snapshot in snapshots(comm, (200, 605)):
+        watch.check(snapshot)
+    assert ["is at 200 to 605 °C" in text for text in heard] == [True] * (comm.rank == 0)
 
 
 @pytest.mark.ranks

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.contact.liquid_skin import LiquidSkin
+from castx.contact.liquid_skin import LiquidSkin, _coherent_nodes
 from castx.contact.methods.registry import METHODS
+from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
 from tests.contact_methods import (
@@ -28,6 +29,7 @@ from tests.elastic_bodies import (
     generated,
     problem,
 )
+from tests.partitions import PARTITION, thinly_scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -165,6 +167,21 @@ def test_both_sides_have_to_be_coherent(comm):
 
 
 @pytest.mark.ranks
+def test_cells_of_other_ranks_decide_too(comm, monkeypatch):
+    """The owner of a node may have none of the cells that are coherent there."""
+    monkeypatch.setattr(PARTITION, thinly_scattered)
+    mesh = blocks(comm, "3d").bodies["upper"]
+    material = body(elastic(7e9, 0.33, **ALLOY), starts_liquid=True)
+    part = BodyMechanics(mesh, "3d", material)
+    fraction = np.random.default_rng(1).random(1000)[mesh.original_nodes]
+    part.update_state(np.full(len(fraction), 600.0), fraction, 1.0)
+    coherent = everywhere(comm, mesh.original_nodes[part.cell_nodes[part.coherent]].ravel())
+    own = mesh.original_nodes[: part.owned_nodes]
+    found = _coherent_nodes(part)[: part.owned_nodes] > 0.0
+    np.testing.assert_array_equal(found, np.isin(own, coherent))
+
+
+@pytest.mark.ranks
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_the_share_of_a_node_decides_how_far_its_pair_is_pulled(comm, order, model):
@@ -231,6 +248,20 @@ def test_a_liquid_rubs_at_no_wall(comm, method):
         assert state.force[:, 1].sum() > 1.0
     assert friction["liquid"] < 1e-9
     assert friction["solid"] > 1.0
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("order", ORDERS)
+def test_of_two_liquids_at_a_pair_the_higher_column_presses(comm, order):
+    """The lower one begins at the pair, where its own column has no height."""
+    metal, weight = elastic(7e9, 0.33, **ALLOY), (0.0, -7000.0 * 9.81)
+    liquid = body(metal, starts_liquid=True, body_force=weight)
+    held = {"upper": [fixed("top")], "base": [fixed("bottom")]}
+    made = problem(blocks(comm), {"upper": liquid, "base": liquid}, held, [Contact(*order)])
+    step(made, 1.0, LIQUID, LIQUID)
+    pressures = made.equilibrium.balance.skin.pressures()
+    assert pressures.size
+    np.testing.assert_allclose(pressures, 7000.0 * 9.81 * HEIGHT, rtol=1e-12)
 
 
 @pytest.mark.ranks

@@ -10,6 +10,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.contact.penalty_stiffness import FACTOR, PenaltyStiffness
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem
+from tests.partitions import PARTITION, on_the_last
 from tests.small_contact import SOFT, STIFF, dense, two_blocks
 
 
@@ -79,3 +80,16 @@ def test_given_penalties_are_kept(comm):
     found = made_of(made, given).penalties(A)
     np.testing.assert_array_equal(found[::2], 1e9)
     assert np.all(found[1::2] > 1e10)
+
+
+@pytest.mark.ranks
+def test_ranks_without_pairs_take_part(comm, monkeypatch):
+    alone = two_blocks(MPI.COMM_SELF, "penalty", solved=False)
+    monkeypatch.setattr(PARTITION, on_the_last)
+    found = []
+    for made in (alone, two_blocks(comm, "penalty", solved=False)):
+        made.equilibrium.balance.assembly.residual()
+        A = made.equilibrium.balance.assembly.matrix()
+        found.append(made_of(made, np.full(len(made.gaps.local), np.nan)).penalties(A))
+    expected = found[0] if comm.rank == comm.size - 1 else []
+    np.testing.assert_allclose(found[1], expected, rtol=1e-12)

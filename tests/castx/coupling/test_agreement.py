@@ -19,6 +19,16 @@ def test_the_mean_is_taken_over_the_areas(comm):
 
 
 @pytest.mark.ranks
+def test_the_mean_is_that_of_all_ranks(comm):
+    """A change on the last rank alone, and a rank without pairs."""
+    found = np.ones(1 if comm.rank == comm.size - 1 else 2 * comm.rank)
+    tried = found - (0.01 if comm.rank == comm.size - 1 else 0.0)
+    pairs = comm.allreduce(len(found))
+    expected = pytest.approx(np.sqrt(0.01**2 / pairs), rel=1e-12)
+    assert disagreement(comm, found, tried, np.ones(len(found))) == expected
+
+
+@pytest.mark.ranks
 def test_a_lone_pair_counts_on_whatever_rank(comm):
     """Beside a thousand that agree it counts for a hundredth of what all together would."""
     count, found = 100_000, np.ones(100_000)

@@ -18,12 +18,12 @@ def fields(values) -> dict[str, SimpleNamespace]:
     }
 
 
-def problem(comm):
+def problem(comm, size=1.0):
     heat = SimpleNamespace(
         enthalpy=fields({"casting": [10.0, 20.0, 99.0], "mould": [5.0, 99.0]}),
         solid_fraction=fields({"casting": [0.0, 0.0, 0.0], "mould": [1.0, 1.0]}),
     )
-    volumes = {"casting": np.array([1.0, 2.0]), "mould": np.array([4.0])}
+    volumes = {"casting": size * np.array([1.0, 2.0]), "mould": size * np.array([4.0])}
     return heat, ThermalChange(comm, heat, volumes)
 
 
@@ -69,9 +69,10 @@ def test_the_fastest_node_of_all_ranks_decides(comm):
 
 
 @pytest.mark.ranks
-def test_a_body_freezes_by_volume(comm):
-    """Nodes of 1 and 2 m³ freeze to 0.3 and 0.6; ghosts do not count."""
-    heat, change = problem(comm)
+@pytest.mark.parametrize("size", [1.0, 1e-6])
+def test_a_body_freezes_by_volume(comm, size):
+    """Nodes of 1 and 2 m³, or cm³, freeze to 0.3 and 0.6; ghosts do not count."""
+    heat, change = problem(comm, size)
     heat.solid_fraction["casting"].x.array[:] = [0.3, 0.6, 1.0]
     heat.solid_fraction["mould"].x.array[:] = [0.9, 0.0]
     assert change.largest_of_mean_solid_fraction() == pytest.approx(1.5 / 3.0, rel=1e-14)
@@ -83,3 +84,16 @@ def test_a_body_freezes_by_volume(comm):
 def test_without_the_heat_equation_nothing_moves(comm):
     heat = SimpleNamespace(enthalpy={}, solid_fraction=fields({"casting": [0.0]}))
     assert ThermalChange(comm, heat, {"casting": np.ones(1)}).share(0.0) == 0.0
+
+
+@pytest.mark.ranks
+def test_a_rank_without_nodes_sees_the_change_of_others(comm):
+    last = comm.rank == comm.size - 1
+    heat = SimpleNamespace(
+        enthalpy=fields({"casting": [10.0] if last else []}),
+        solid_fraction=fields({"casting": [0.0] if last else []}),
+    )
+    change = ThermalChange(comm, heat, {"casting": np.ones(int(last))})
+    heat.solid_fraction["casting"].x.array[:] = 0.25
+    assert change.largest_of_solid_fraction() == 0.25
+    assert change.largest_of_mean_solid_fraction() == 0.25

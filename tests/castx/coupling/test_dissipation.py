@@ -110,6 +110,16 @@ def test_rewind_restores_the_dissipated_power(comm):
     assert one == pytest.approx(other, rel=1e-12)
 
 
+@pytest.mark.ranks
+def test_the_change_of_the_power_is_that_of_all_ranks(comm):
+    """Ranks have 0, 1, 2, ... nodes, at each of which 2 W of 4 W become heat."""
+    body = SimpleNamespace(dissipated_fraction=0.5, owned_nodes=comm.rank)
+    body.nodal_plastic_power = lambda: np.full(comm.rank, 4.0)
+    nodes = comm.size * (comm.size - 1) // 2
+    dissipation = Dissipation(comm, {"casting": body})
+    assert [dissipation.update(), dissipation.update()] == [2.0 * nodes, 0.0]
+
+
 @pytest.mark.serial
 def test_only_accepted_powers_are_kept():
     """A step that is taken back leaves those of the last one, and a checkpoint has no others."""

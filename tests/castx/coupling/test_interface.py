@@ -21,8 +21,10 @@ AREAS = np.array([1e-6, 2e-6, 4e-6])
 
 def described(name: str, contact: int | None) -> CoupledInterface:
     numbering = Numbering(f"pairs of {name}", np.arange(3), 3, tuple(name.split("/")))
-    pairs = SimpleNamespace(area_vectors=np.ones((3, 2)), areas=AREAS, numbering=numbering)
-    return CoupledInterface(name, pairs, START, contact)  # type: ignore[arg-type]
+    pairs = SimpleNamespace(
+        area_vectors=np.ones((3, 2)), areas=AREAS, numbering=numbering, gap=START
+    )
+    return CoupledInterface(name, pairs, contact)  # type: ignore[arg-type]
 
 
 def interfaces(scheme: str) -> Interfaces:

@@ -75,7 +75,7 @@ class FakeMechanics:
         self.slope, self.state = slope, 1.0
         self.bodies = {"casting": self}
         self.solution = fake_function(0.0)
-        self.equilibrium = self
+        self.equilibrium = self.present = self
         self.commits = self.rewinds = 0
         self.active = SimpleNamespace(frozen_pairs=lambda: 3)
         self.fallbacks = 2
@@ -110,8 +110,8 @@ class FakeMechanics:
 def fake_problem(scheme="iterated", slope=1.0, tolerance=1e-10, passes=40, law=None):
     """Return a problem with R = 1 + gap (or another law) and the gap after a time, see below."""
     interface = SimpleNamespace(
-        name="casting/mould", initial_gap=np.zeros(1), contact=0,
-        pairs=SimpleNamespace(area_vectors=np.ones((1, 2)), areas=np.ones(1)),
+        name="casting/mould", contact=0,
+        pairs=SimpleNamespace(area_vectors=np.ones((1, 2)), areas=np.ones(1), gap=np.zeros(1)),
     )  # fmt: skip
     heat = FakeHeat(law or (lambda gap, pressure: 1.0 + gap))
     mechanics = FakeMechanics(slope)
@@ -254,7 +254,7 @@ def everything(problem) -> dict[str, np.ndarray]:
         found[f"s {name}"] = body.stress()
     for state in problem.states:
         found |= {key: getattr(state, key).copy() for key in ("gap", "pressure", "closed")}
-    found["support"] = np.array([problem.mechanics.equilibrium.support_force()])
+    found["support"] = np.array([problem.mechanics.equilibrium.shown.support_force()])
     found["energy"] = np.array(list(problem.heat.totals().values()))
     return found
 

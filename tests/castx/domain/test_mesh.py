@@ -7,13 +7,14 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.case.geometry import Geometry
+from castx.case.geometry import GENERATORS, Geometry
 from castx.domain import compat
 from castx.domain.cell_kinds import KINDS
 from castx.domain.mesh import build_mesh
 from castx.domain.source import write_mesh
 from castx.domain.summary import mesh_summary
 from castx.errors import MeshError
+from tests.partitions import PARTITION, thinly_scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -323,7 +324,7 @@ def test_a_generator_that_fails_is_reported_on_all_ranks(comm):
 @pytest.mark.parametrize(
     "generator, arguments, text",
     [
-        ("sphere", {}, "no generator 'sphere'; known: box_in_mould, core_in_ring, cylinder_in_mould, slab"),
+        ("sphere", {}, f"no generator 'sphere'; known: {', '.join(GENERATORS)}"),
         (
             "slab",
             {"length": 1.0, "width": 1.0, "size": 1.0, "lenght": 1.0},
@@ -338,3 +339,15 @@ def test_unknown_generators_and_arguments_are_named(generator, arguments, text, 
     )
     with pytest.raises(MeshError, match=text):
         build_mesh(geometry, ["casting"], comm)
+
+
+@pytest.mark.ranks
+def test_nodes_of_a_surface_are_known_to_ranks_without_its_facets(comm, monkeypatch):
+    """A rank may have a node at the floor, and no cell with a facet there."""
+    monkeypatch.setattr(PARTITION, thinly_scattered)
+    arguments = {"length": 0.04, "width": 0.02, "depth": 0.02, "size": 0.01}
+    description = {"generator": "slab", "model": "3d", **arguments}
+    body = build_mesh(Geometry.model_validate(description), ["casting"], comm).bodies["casting"]
+    for name, axis, place in (("wall", 0, 0.0), ("far", 0, 0.04), ("bottom", 1, 0.0)):
+        there = np.flatnonzero(np.abs(body.points[:, axis] - place) < 1e-9)
+        np.testing.assert_array_equal(body.surface_nodes(name), there)

@@ -149,6 +149,18 @@ def test_doubled_nodes_of_a_body_are_told(kind):
     assert found(two) == []
 
 
+def test_nodes_a_billionth_of_the_mesh_apart_are_doubled():
+    mesh = block("triangle", 2)
+    upper = mesh.points[mesh.cells].mean(axis=1)[:, 1] > 0.5
+    on_cut = np.flatnonzero(np.isclose(mesh.points[:, 1], 0.5))
+    twins = np.arange(len(mesh.points))
+    twins[on_cut] = len(mesh.points) + np.arange(len(on_cut))
+    cells = np.where(upper[:, None], twins[mesh.cells], mesh.cells)
+    for apart, count in ((5e-10, 1), (2e-9, 0)):
+        points = np.concatenate([mesh.points, mesh.points[on_cut] + [0.0, apart]])
+        assert len(found(replace(mesh, cells=cells, points=points))) == count
+
+
 def test_what_is_doubtful_is_said_and_what_is_folded_refused(comm, tmp_path, caplog):
     """On the way from a file to the bodies."""
     from castx.case.geometry import Geometry

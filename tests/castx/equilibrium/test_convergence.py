@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.equilibrium.convergence import NET_SHARE, ForceConvergence, worst_row
+from castx.equilibrium.convergence import ForceConvergence, worst_row
 from castx.equilibrium.net_forces import NetForces
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem
 from tests.small_contact import STIFF, two_blocks
@@ -26,10 +26,11 @@ def without_rounding(limits: ForceConvergence, made, pair_forces=None) -> None:
     limits.update(made.equilibrium.x, np.zeros(size), given)
 
 
+@pytest.mark.ranks
 def test_each_body_is_measured_by_the_forces_on_it(comm):
     made = two_blocks(comm)
     limits = limits_of(made, 1e-3)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     without_rounding(limits, made, forces)
     top, side = 1e6 * 0.02, 2e5 * 0.03
     assert np.hypot(top, side) < limits.acting[0] < top + 2 * side
@@ -68,7 +69,17 @@ def test_net_forces_far_below_the_internal_ones_are_not_resolved(comm):
     forces = np.full(len(made.gaps.local), 1e-9)
     without_rounding(limits, made, forces)
     internal = made.equilibrium.balance.assembly.force_scales()
-    assert limits.acting[1] == pytest.approx(NET_SHARE * internal[1], rel=1e-12)
+    assert limits.acting[1] == pytest.approx(1e-7 * internal[1], rel=1e-12)
+
+
+def test_a_weight_of_a_millionth_of_the_internal_forces_is_resolved(comm):
+    """Hot castings weigh no more."""
+    made = two_blocks(comm)
+    limits = limits_of(made, 1e-3)
+    internal = made.equilibrium.balance.assembly.force_scales()
+    pairs = comm.allreduce(len(made.gaps.local))
+    without_rounding(limits, made, np.full(len(made.gaps.local), 1e-6 * internal[1] / pairs))
+    assert limits.acting[1] == pytest.approx(1e-6 * internal[1], rel=1e-12)
 
 
 def test_a_resultant_counts_though_each_of_its_forces_is_small(comm):
@@ -76,7 +87,7 @@ def test_a_resultant_counts_though_each_of_its_forces_is_small(comm):
     made = two_blocks(comm)
     balance, f = made.equilibrium.balance, made.equilibrium.x.duplicate()
     limits = limits_of(made, 0.02)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     without_rounding(limits, made, forces)
     part, size = made.layout.local_slice(0), balance.assembly.bodies[0].block_size
     rows = np.zeros(part.stop - part.start).reshape(-1, size)

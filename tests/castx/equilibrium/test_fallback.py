@@ -66,7 +66,7 @@ def test_the_next_method_takes_over_for_one_step(comm, monkeypatch, first, secon
     made.equilibrium.rewind()
     found = everywhere(comm, motion(made, "upper")[:, :2])
     np.testing.assert_allclose(found, displacement, atol=1e-9 * np.abs(displacement).max())
-    np.testing.assert_array_equal(everywhere(comm, made.equilibrium.active.closed), p > 0)
+    np.testing.assert_array_equal(everywhere(comm, made.equilibrium.present.active.closed), p > 0)
     alone = tilted(comm, first)
     alone.equilibrium.solve(0.0)
     made.equilibrium.solve(1.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from castx.mechanics.description import SurfaceLoad
 from castx.tables import Table
 from tests.contact_methods import AT_ONCE, TWO_BODIES
 from tests.elastic_bodies import blocks, body, elastic, everywhere, fixed, problem, pushed
+from tests.partitions import PARTITION, on_the_last
 from tests.small_contact import SOFT, STIFF, two_blocks, waves
 
 pytestmark = pytest.mark.sampled
@@ -111,6 +114,14 @@ def test_a_rewound_state_has_the_loads_of_the_accepted_one(comm):
     assert unbalanced() == pytest.approx(accepted, abs=1e-6 * 1e6 * 0.01)
 
 
+@pytest.mark.ranks
+def test_all_ranks_constrain_with_the_stiffness_of_the_stiffest_row(comm, monkeypatch):
+    expected = two_blocks(MPI.COMM_SELF).equilibrium.balance.stiffness
+    monkeypatch.setattr(PARTITION, on_the_last)
+    assert two_blocks(comm).equilibrium.balance.stiffness == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.ranks
 def test_where_it_is_evaluated(comm):
     made = two_blocks(comm)
     balance, x = made.equilibrium.balance, made.equilibrium.x

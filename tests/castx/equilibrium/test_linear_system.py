@@ -44,7 +44,7 @@ def floating_block(comm, method: str = "condensed", **settings) -> MechanicalPro
 
 def dense_operator(comm, made: MechanicalProblem) -> np.ndarray:
     """Return the matrix of the operator, all rows on all ranks."""
-    equilibrium = made.equilibrium
+    equilibrium = made.equilibrium.present
     x, y = equilibrium.x.duplicate(), equilibrium.x.duplicate()
     first, last = x.getOwnershipRange()
     columns = []
@@ -217,3 +217,18 @@ def test_another_solver_takes_over_where_one_is_slow_with_a_set_up_of_its_own(co
         "first as it is", "0", str(SLOW), str(SLOW + 1), "first anew", str(2 * SLOW),
         "first ends", "second anew", str(2 * SLOW), str(2 * SLOW + 1), "second ends",
     ]  # fmt: skip
+
+
+@pytest.mark.ranks
+def test_a_constraint_that_changes_on_one_rank_outdates_the_set_up_of_all(comm):
+    made, said = floating_block(comm), []
+    operator = made.equilibrium.balance.operator
+    preconditioner = SystemPreconditioner(operator, [Inner("one", said)], comm)
+    for _ in range(2):
+        preconditioner.refresh(0)
+    assert said == ["one as it is"]
+    if comm.rank == comm.size - 1:
+        operator.constrained[0] = ~operator.constrained[0]
+    preconditioner.refresh(0)
+    assert said == ["one as it is"] * 2
+    preconditioner.destroy()

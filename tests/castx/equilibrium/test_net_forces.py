@@ -25,13 +25,23 @@ def net_of(made) -> NetForces:
 @pytest.mark.parametrize("method", EXACT)
 def test_what_acts_is_the_load_or_else_the_contact(comm, method):
     made = two_blocks(comm, method)
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.pair_values()
     found = net_of(made).acting(forces)
     upper = made.equilibrium.balance.assembly.bodies[0]
     load = upper.formulation.forms.load.reshape(-1, upper.block_size)[:, :2]
     expected = comm.allreduce(sum(float(np.hypot(*force)) for force in load))
     assert found == pytest.approx([expected, comm.allreduce(forces.sum())], rel=1e-12)
     assert net_of(made).acting(0.0 * forces)[1] == 0.0
+
+
+@pytest.mark.serial
+def test_a_load_of_a_micronewton_is_one(comm):
+    made = two_blocks(comm)
+    load = made.equilibrium.balance.assembly.bodies[0].formulation.forms.load
+    _, forces = made.equilibrium.pair_values()
+    before = net_of(made).acting(forces)[0]
+    load *= 1e-6 / before
+    assert net_of(made).acting(forces)[0] == pytest.approx(1e-6, rel=1e-12)
 
 
 @pytest.mark.ranks
@@ -77,7 +87,7 @@ def test_springs_of_a_machine_count_with_the_contact(comm):
         made.equilibrium.solve(0.0)
         borne = made.clamp_totals()["upper/top.clamp_force"]
         assert borne > force + 1e4
-        _, forces = made.equilibrium.pair_values()
+        _, forces = made.pair_values()
         found = net_of(made).acting(forces)
         expected = of_upper * borne if force == 0.0 else of_upper
         assert found == pytest.approx([expected, borne], rel=1e-9)

@@ -39,6 +39,20 @@ def test_two_bars(comm, method):
 
 
 @pytest.mark.serial
+def test_bodies_a_billion_times_as_soft_take_the_same_iterations(comm):
+    """Their forces are millinewtons, and no tolerance knows a newton."""
+    reports = []
+    for factor in (1.0, 1e-9):
+        bodies = {name: body(elastic(factor * E, 0.3)) for name, E in YOUNG.items()}
+        held = {"base": [fixed("bottom")], "upper": [fixed("top", value=-SQUEEZE)]}
+        mesh = blocks(comm, upper=(0.02, LENGTH), base=(0.03, LENGTH), size=0.002)
+        made = problem(mesh, bodies, held, [Contact("upper", "base")], linear="multigrid")
+        reports.append(made.equilibrium.solve(0.0))
+    assert reports[0].linear_solves == reports[1].linear_solves
+    assert min(reports[0].linear_solves) > 3
+
+
+@pytest.mark.serial
 def test_a_failure_says_where_the_residual_is_largest(comm):
     made = bars(comm, options={"snes_max_it": 1})
     with pytest.raises(ConvergenceError, match=r"did not converge.*body '(upper|base)'"):

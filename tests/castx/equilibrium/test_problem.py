@@ -24,7 +24,7 @@ def test_states_of_the_pairs_of_each_interface(comm):
     """Forces of the primary on the secondary nodes add up to the load on the upper block."""
     made = two_blocks(comm)
     [state] = made.contact_states()
-    gap, force = made.equilibrium.pair_values()
+    gap, force = made.pair_values()
     np.testing.assert_array_equal(state.gap, gap)
     np.testing.assert_allclose(state.pressure, force / made.pairs[0].areas, rtol=1e-12)
     np.testing.assert_array_equal(state.closed, made.equilibrium.active.closed)

@@ -23,6 +23,11 @@ def test_an_alloy_by_scheil(partition, value):
     assert clyne_davies_of_alloy(scheil(partition, 1.0, 400.0)) == pytest.approx(value, rel=1e-6)
 
 
+def test_without_time_for_relief_an_alloy_has_an_infinite_index():
+    law = TabulatedLaw(((500.0, 1.0), (580.0, 0.95), (580.0, 0.2), (600.0, 0.0)))
+    assert clyne_davies_of_alloy(FreezingPath(law, 500.0, 600.0)) == np.inf
+
+
 def test_by_times_it_is_their_ratio():
     times = (
         np.array([1.0, 2.0, 2.0, 2.0]),

@@ -29,6 +29,18 @@ def test_areas_turn_the_plane():
     assert flatness(points, np.array([1.0, 1.0, 1e-9])) == pytest.approx(1e-3, rel=1e-5)
 
 
+@pytest.mark.parametrize("measure", [flatness, roundness])
+def test_a_point_of_two_areas_counts_as_two_points(measure):
+    """Uneven points: the plane and the circle move when one of them counts more."""
+    angle = np.array([0.0, 0.7, 1.9, 3.0, 4.4, 5.3])
+    radius = np.array([1.0, 1.1, 0.95, 1.2, 0.9, 1.05])
+    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    areas = np.array([1, 2, 1, 4, 1, 3])
+    weighed, repeated = measure(points, 1e-4 * areas), measure(np.repeat(points, areas, axis=0))
+    assert weighed == pytest.approx(repeated, rel=1e-7)
+    assert weighed != pytest.approx(measure(points), rel=1e-2)
+
+
 @pytest.mark.parametrize("lobes", [2, 3, 5])
 def test_an_oval_bore(lobes):
     angle = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)

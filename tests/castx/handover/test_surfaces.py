@@ -109,6 +109,9 @@ def test_a_mesh_is_moved_with_its_names(tmp_path):
         assert gmsh.model.getPhysicalName(3, 1) == "casting"
     found = found.reshape(-1, 3)[np.argsort(tags)]
     np.testing.assert_allclose(found, places * (1.0 + SHRINKAGE), atol=1e-12)
-    elsewhere = shrunk(tmp_path / "other", places + 0.1, cells)
-    with pytest.raises(CaseError, match="is not the mesh of"):
-        write_mould_mesh(tmp_path / "next.msh", elsewhere, places, tmp_path / "part.msh")
+    beside = shrunk(tmp_path / "beside", places + np.array([5e-7 * 0.03, 0.0, 0.0]), cells)
+    write_mould_mesh(tmp_path / "next.msh", beside, places, tmp_path / "part.msh")
+    for apart in (2e-6 * 0.03, 0.1):
+        elsewhere = shrunk(tmp_path / f"other {apart}", places + np.array([apart, 0.0, 0.0]), cells)
+        with pytest.raises(CaseError, match="is not the mesh of"):
+            write_mould_mesh(tmp_path / "next.msh", elsewhere, places, tmp_path / "part.msh")

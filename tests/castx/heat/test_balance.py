@@ -77,6 +77,24 @@ def test_joined_nodes_solve_the_sum_of_their_balances(comm):
 
 
 @pytest.mark.ranks
+def test_a_change_on_one_rank_changes_the_state_of_all(comm):
+    """The Jacobian is that of x though nothing has changed on the other ranks."""
+    mesh = cylinder(comm, size=8e-3)
+    balance, x = begun(mesh)
+    changed = balance.residual.duplicate()
+    changed.array[:] = x + (1e6 if comm.rank == 0 else 0.0)
+    balance.evaluate(changed)
+    balance.assemble_jacobian(changed)
+    expected = balance.jacobian.matrix.copy()
+    changed.array[:] = x
+    balance.evaluate(changed)
+    changed.array[:] = x + (1e6 if comm.rank == 0 else 0.0)
+    balance.assemble_jacobian(changed)
+    expected.axpy(-1.0, balance.jacobian.matrix)
+    assert expected.norm() <= 1e-12 * balance.jacobian.matrix.norm()
+
+
+@pytest.mark.ranks
 def test_prescribed_nodes_have_their_temperature_and_no_residual(comm):
     conditions = [surface_heat("mould/outside", "temperature", value=[[0.0, 80.0], [4.0, 120.0]]),
                   surface_heat("mould/top", "temperature", value=300.0)]  # fmt: skip

@@ -10,6 +10,7 @@ from castx.domain.mesh import build_mesh
 from castx.heat.body import HeatBody, ThermalBody
 from castx.tables import Table
 from tests.castx.heat.heat_cases import ALLOY, cylinder, material
+from tests.partitions import PARTITION, scattered
 
 SOURCE = Table.from_points([[0.0, 0.0], [10.0, 2e6]])
 
@@ -50,6 +51,21 @@ def test_conduction_and_volumes_are_those_of_linear_triangles(comm):
     potential = np.concatenate(([0.0], np.cumsum(0.5 * (k[1:] + k[:-1]) * np.diff(knots))))
     theta = np.interp(T - 560.0, knots, potential) + liquid * np.maximum(T - 620.0, 0.0)
     np.testing.assert_allclose(body.conducted_heat(), matrix @ theta, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.ranks
+def test_cells_of_other_ranks_conduct_too(comm, monkeypatch):
+    """Potentials that are linear in x put heat through both ends only, k ΔT/L for each m²."""
+    monkeypatch.setattr(PARTITION, scattered)
+    body = slab(comm)
+    x = body.mesh.points[: body.owned, 0]
+    body.set_enthalpy(body.curve.enthalpy(400.0 + 2500.0 * x))  # solid throughout
+    heat = body.conducted_heat()
+    at_ends = (x < 1e-9) | (x > 0.04 - 1e-9)
+    np.testing.assert_allclose(heat[~at_ends], 0.0, atol=1e-8)
+    for end in (x < 1e-9, x > 0.04 - 1e-9):
+        total = comm.allreduce(float(np.abs(heat[end].sum())))
+        assert total == pytest.approx(180.0 * 2500.0 * 0.02)
 
 
 @pytest.mark.ranks

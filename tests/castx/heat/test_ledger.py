@@ -47,6 +47,13 @@ def test_errors_of_two_bodies_do_not_hide_each_other():
     assert book.totals()["energy_error"] == pytest.approx(1 / 40)
 
 
+def test_errors_of_small_bodies_are_measured_by_the_little_that_moves():
+    book = of(("casting", "mould"), ACCOUNTS, 100e-6, 10e-6)
+    book.book(np.array([81e-6, 24e-6]), np.array([-5e-6, 20e-6]), 40e-6, 2.0)
+    book.commit()
+    assert book.totals()["energy_error"] == pytest.approx(1 / 40)
+
+
 def test_only_what_is_committed_counts():
     book = ledger()
     book.book(np.array([0.0, 0.0]), np.array([1.0, 2.0]), 3.0, 2.0)

@@ -19,6 +19,7 @@ from castx.heat.interface import HeatExchange
 from castx.heat.problem import HeatProblem
 from castx.input.variation import Variation
 from castx.tables import Table
+from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.pair_state import PairState
 from tests.castx.heat.heat_cases import (
     ALUMINIUM,
@@ -30,6 +31,7 @@ from tests.castx.heat.heat_cases import (
 )
 from tests.heat_conditions import surface_heat
 from tests.heat_resistance import LAYER, of_resistance
+from tests.partitions import PARTITION, along_x
 
 SURROUNDINGS = {"coefficient": Variation.constant(50.0), "ambient": Table.constant(25.0)}
 
@@ -273,6 +275,18 @@ def test_largest_temperature_change_leaves_out_prescribed_nodes(comm):
     assert report.largest_temperature_change < largest(comm, state(heat, mesh) - old)
 
 
+@pytest.mark.ranks
+def test_largest_temperature_change_is_that_of_all_ranks(comm, monkeypatch):
+    """The outside cools most, which belongs to the last rank."""
+    monkeypatch.setattr(PARTITION, along_x)
+    mesh = cylinder(comm, size=1e-2)
+    heat = problem(mesh, "none")
+    old = state(heat, mesh).copy()
+    report = heat.advance(0.0, 5.0, [None])
+    expected = largest(comm, state(heat, mesh) - old)
+    assert comm.allgather(report.largest_temperature_change) == [expected] * comm.size
+
+
 @pytest.mark.parametrize("linear", ["direct", "iterative"])
 def test_linear_solvers_agree(comm, linear):
     mesh = cylinder(comm)
@@ -419,7 +433,7 @@ def test_bad_descriptions_are_refused(comm):
     casting = HeatBody("casting", material(ALUMINIUM), 670.0)
     with pytest.raises(CaseError, match="each of the bodies casting, mould once, got casting"):
         HeatProblem(mesh, [casting])
-    with pytest.raises(CaseError, match="type: unknown; allowed: convection, flux, insulated"):
+    with pytest.raises(CaseError, match=f"type: unknown; allowed: {', '.join(heat_conditions())}"):
         surface_heat("casting/wall", "chill")
     with pytest.raises(CaseError, match="value: missing; heat of type 'flux' needs it"):
         surface_heat("casting/wall", "flux")

@@ -52,6 +52,7 @@ def _class_of(package: str) -> type:
         ("", "rules_{}.b declares no RULE = Rule"),
         ("RULE = 5", "rules_{}.b declares no RULE = Rule"),
         ('RULE = Rule("c")', "rules_{}.b: RULE.name is 'c', not 'b' as its file is called"),
+        ('RULE = Rule(text="d")', "^rules_{}.b: .*missing 1 required .* argument: 'name'"),
     ],
 )
 def test_a_file_without_its_declaration_is_refused(package, text, message):

@@ -25,7 +25,9 @@ from castx.materials.inelastic import (
     rules_with,
 )
 from castx.materials.lookup import find_material
+from castx.materials.rules.declaration import Rule
 from castx.materials.rules.flow_rule import FlowRule
+from castx.materials.rules.key import PeoplesUnit
 from tests.castx.materials.descriptions import described, table
 
 pytestmark = pytest.mark.serial
@@ -35,6 +37,7 @@ LIQUID = {"coherency": 0.7}
 ENERGY = "activation_energy"
 PROJECT = Path(__file__).parents[3]
 HARDENING = [rule.name for rule in HARDENING_RULES]
+RULES: tuple[Rule, ...] = (*FLOW_RULES.values(), *HARDENING_RULES)
 
 
 KEYS_OF_HARDENING = re.escape(
@@ -213,6 +216,17 @@ def test_tables_of_rules_have_a_row_for_each() -> None:
     assert {"linear", "prager", "voce"} <= set(HARDENING)
     for row in (*rows.values(), *rule_table(HARDENING_RULES)):
         assert row.summary.endswith(".") and row.formula and row.source
+
+
+@pytest.mark.parametrize(
+    "rule, key",
+    [(rule, key) for rule in RULES for key in rule.keys],
+    ids=lambda value: value.name,
+)
+def test_keys_of_rules_are_not_negative_and_people_read_stresses_in_megapascal(rule, key) -> None:
+    with pytest.raises(CaseError, match=r"must be (positive|at least 0)"):
+        key.entry.read(-rule.example[key.name])
+    assert key.unit != "Pa" or key.shown == PeoplesUnit("MPa", 1e-6), f"shown of {key.name}"
 
 
 @pytest.mark.parametrize("law", FLOW_RULES)

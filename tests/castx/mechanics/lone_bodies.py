@@ -96,13 +96,13 @@ def move(part: BodyMechanics, gradient: FloatArray, pressure: float = 0.0) -> No
 
 def jacobian_times(part: BodyMechanics, direction: FloatArray) -> FloatArray:
     """Return the Jacobian times a field of the local unknowns, at the owned unknowns."""
-    A = part.create_jacobian()
-    part.assemble_jacobian(A)
+    A = part.formulation.forms.create_jacobian()
+    part.formulation.assemble_jacobian(A)
     x, y = A.createVecs()
     x.array[:] = direction[: x.getLocalSize()]
     A.mult(x, y)
     product = y.array_r.copy()
-    for add_product in (*part.products(), *part.formulation.coupled_products()):
+    for add_product in (*part.formulation.products(), *part.formulation.coupled_products()):
         add_product(x.array_r, product)
     for item in (A, x, y):
         item.destroy()
@@ -123,8 +123,8 @@ def check_derivative(comm: MPI.Intracomm, part: BodyMechanics, amplitude: float)
     product = jacobian_times(part, direction)
     scale = comm.allreduce(np.abs(product).max(initial=0.0), op=MPI.MAX)
     np.testing.assert_allclose(difference, product, atol=1e-6 * scale, rtol=0)
-    A = part.create_jacobian()
-    part.assemble_jacobian(A)
+    A = part.formulation.forms.create_jacobian()
+    part.formulation.assemble_jacobian(A)
     assert A.isSymmetric(1e-6 * scale)
     A.destroy()
 

@@ -64,6 +64,6 @@ def test_nothing_is_trapped_and_nothing_iterates(comm):
     begin(part, STRESS_FREE)
     assert part.liquid_totals() is None
     assert not part.improve_pressures()
-    assert not part.products() and not part.formulation.coupled_products()
+    assert not part.formulation.products() and not part.formulation.coupled_products()
     assert not part.formulation.has_pockets
     assert list(part.stateful_parts()) == ["points"]

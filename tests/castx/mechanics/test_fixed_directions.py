@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError
-from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.mechanics.fixed_directions import (
+    SurfaceDisplacement,
+    axes_of,
+    fixed_directions,
+    parallel,
+)
 from tests.elastic_bodies import blocks, everywhere, fixed, generated, sorted_by_place
+from tests.partitions import PARTITION, on_the_last
 
 
 def cylinder(comm, sector: str):
@@ -22,6 +28,22 @@ def located(comm, body, directions):
     d = body.mesh.geometry.dim
     points = body.nodes.tabulate_dof_coordinates()[directions.nodes, :d]
     return everywhere(comm, points), everywhere(comm, directions.directions)
+
+
+@pytest.mark.serial
+def test_parallel_are_directions_a_millionth_apart():
+    angles = np.array([0.0, 5e-7, 2e-6, 1e-3, 1.0, np.pi - 5e-7, np.pi - 2e-6])
+    directions = np.column_stack([np.sin(angles), 0.0 * angles, np.cos(angles)])
+    found = parallel(directions, np.array([0.0, 0.0, 1.0]))
+    assert found.tolist() == [True, True, False, False, False, True, False]
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "model, names", [("3d", "xyz"), ("axisymmetric", "rz"), ("plane-strain", "xy")]
+)
+def test_axes_are_numbered_in_the_order_of_the_coordinates(model, names):
+    assert axes_of(model) == {name: number for number, name in enumerate(names)}
 
 
 def test_axes_and_values(comm):
@@ -47,7 +69,10 @@ def test_a_condition_on_a_symmetry_plane_takes_its_place(comm):
 
 
 @pytest.mark.ranks
-def test_axis_has_no_radial_motion(comm):
+@pytest.mark.parametrize("spread", [False, True])
+def test_axis_has_no_radial_motion(comm, monkeypatch, spread):
+    if not spread:  # ranks without cells
+        monkeypatch.setattr(PARTITION, on_the_last)
     mesh = blocks(comm, "axisymmetric", symmetry=True)
     found = fixed_directions(mesh.bodies["base"], "axisymmetric", [fixed("bottom", "z")])
     axis = next(f for f in found if f.name == "base axis")

@@ -9,6 +9,7 @@ from castx.errors import CaseError
 from castx.process.plausible import refuse_absurd_displacements, size_of
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import cylinder_mesh
+from tests.partitions import PARTITION, on_the_last
 
 
 def refuse(comm, **changes):
@@ -24,6 +25,12 @@ def test_the_size_is_the_largest_extent_on_all_ranks(comm):
         low = min(p.min(axis=0).tolist() for p in found if len(p))
         high = max(p.max(axis=0).tolist() for p in found if len(p))
         assert size_of(mesh, name) == pytest.approx(max(high[1] - low[1], high[0] - low[0]))
+
+
+@pytest.mark.ranks
+def test_ranks_without_cells_know_the_size(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    assert size_of(cylinder_mesh(comm), "casting") == pytest.approx(0.04)
 
 
 def lifted(value):

@@ -10,6 +10,7 @@ from castx.errors import CaseError
 from tests import coupled_cases
 from tests.contact_methods import EXACT
 from tests.coupled_cases import cylinder, final_state, merged, ring
+from tests.partitions import PARTITION, on_the_last
 
 SHORT = {"time": {"end": 4.0, "fixed_step": 2.0}}
 INTERFACE = "casting/core"
@@ -100,6 +101,20 @@ def test_totals_are_sums_over_all_ranks(run):
     assert 0 < touching <= totals[f"{INTERFACE}.closed_fraction"] <= 1 + 1e-12
 
 
+@pytest.mark.ranks
+def test_a_rank_without_cells_has_the_totals_of_all(comm, monkeypatch):
+    alone = first_state(MPI.COMM_SELF).totals
+    monkeypatch.setattr(PARTITION, on_the_last)
+    totals = first_state(comm).totals
+    assert totals.keys() == alone.keys()
+    for name, value in alone.items():
+        assert totals[name] == pytest.approx(value, rel=1e-9, abs=1e-12), name
+
+
+def first_state(comm):
+    return next(iter(coupled_cases.simulation(comm, ring(SHORT))))
+
+
 def test_unknown_names_are_refused(run):
     for read, name in ((run.nodal, "colour"), (run.cellwise, "colour")):
         with pytest.raises(CaseError, match="colour"):
@@ -134,7 +149,7 @@ def test_von_mises():
 
 
 def test_initial_state(comm):
-    first = next(iter(coupled_cases.simulation(comm, ring(SHORT))))
+    first = first_state(comm)
     assert (first.time, first.step) == (0.0, 0)
     assert first.nodal("casting", "temperature") == pytest.approx(700.0)
     assert first.nodal("casting", "displacement") == pytest.approx(0.0, abs=0.0)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from castx.domain.cell_kinds import KINDS
 from castx.results.locate import interpolation_weights, place_in_body, place_on_surface
 from tests.castx.fakes import cylinder_mesh
+from tests.partitions import PARTITION, scattered
 
 
 @given(st.data())
@@ -48,6 +49,16 @@ def test_a_point_inside_is_its_own_place(comm, cells, point):
     assert place.distance == pytest.approx(0.0, abs=1e-12)
     assert 0.0 < place.size < 8e-3
     assert value_at(comm, body, place) == pytest.approx(linear(np.array(point)), abs=1e-10)
+
+
+@pytest.mark.ranks
+def test_a_point_that_several_ranks_have_is_on_one(comm, monkeypatch):
+    """Neighbouring cells on different ranks share all of their nodes."""
+    monkeypatch.setattr(PARTITION, scattered)
+    body = cylinder_mesh(comm, size=1e-2).bodies["casting"]
+    for point in ((0.01, 0.01), (0.01, 0.02), (0.01, 0.03)):
+        found = value_at(comm, body, place_in_body(body, point))
+        assert found == pytest.approx(linear(np.array(point)), abs=1e-9)
 
 
 @pytest.mark.ranks

@@ -119,17 +119,19 @@ def test_what_goes_at_once_has_no_say_in_how_far_the_rest_goes(comm):
     """The force of a pair that opened falls to zero, though the others overshoot tenfold."""
     solver, x, y = stiff_start(comm)
     whole = gathered(comm, y)
-    at_once = np.zeros(x.getLocalSize(), dtype=bool)
+    at_once, calls = np.zeros(x.getLocalSize(), dtype=bool), []
     at_once[0] = comm.rank == 0
     x.array[at_once], y.array[at_once] = 5.0, 5.0
 
     def with_row(snes, u, F):
+        calls.append(u)  # ranks that assemble need each other
         gradient(snes, u, F)
         F.array[at_once] = 1e3 * u.array_r[at_once]
 
     with_row(solver.snes, x, solver.snes.getFunction()[0])
     solver.snes.setIterationNumber(1)
     assert shorten_step(with_row, x, y, solver.snes, at_once)
+    assert len(set(comm.allgather(len(calls)))) == 1
     parts = gathered(comm, y) / whole
     assert gathered(comm, y)[0] == 5.0
     np.testing.assert_allclose(parts[1:], parts[1], rtol=1e-14)

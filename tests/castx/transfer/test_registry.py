@@ -97,6 +97,23 @@ def test_the_table_of_laws_has_keys_with_units():
     assert rows["perfect"].needed == ""
 
 
+@pytest.mark.parametrize("law", gap_heat_laws().values(), ids=lambda law: law.name)
+def test_radiation_passes_beside_every_law_but_perfect_contact(law):
+    takes = keys.RADIATION in law.keys
+    assert takes == (law.exchange != "perfect"), "RADIATION belongs to the keys of use"
+
+
+@pytest.mark.parametrize(
+    "name, key",
+    [(law.name, key) for law in LAWS for key in law.keys if key.is_number],
+    ids=lambda value: getattr(value, "name", value),
+)
+def test_no_number_of_a_law_may_be_negative(name, key):
+    heat = gap_heat_laws()[name].example() | {key.name: -key.usual[0]}
+    with pytest.raises(CaseError, match=f"{key.name}.*: must be (positive|at least 0)"):
+        InterfaceHeat.read(heat)
+
+
 @pytest.mark.parametrize("name, key", [(law.name, key) for law in LAWS for key in law.needed],
                          ids=lambda value: getattr(value, "name", value))  # fmt: skip
 def test_every_needed_key_acts(name, key):
@@ -151,6 +168,11 @@ def test_the_law_is_continuous_at_closure_and_monotone(law, exponent, transition
     assert h[199] == pytest.approx(800.0, rel=1e-6) and h[200] == pytest.approx(800.0, rel=1e-6)
 
 
+def law_of(heat: object) -> str | None:
+    """Return the name of the law of a case, for the name of a test."""
+    return heat.get("law") if isinstance(heat, dict) else None
+
+
 CONTINUOUS: list[dict[str, Any]] = [
     *(law.example() for law in LAWS),
     *(varying(law) for law in LAWS),
@@ -169,7 +191,7 @@ CONTINUOUS: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("heat", CONTINUOUS)
+@pytest.mark.parametrize("heat", CONTINUOUS, ids=law_of)
 @pytest.mark.parametrize("pressure", [None, {**PRESSURE, "exponent": 0.6}])
 def test_every_law_is_continuous_at_closure(heat, pressure):
     if pressure is not None and keys.PRESSURE in gap_heat_laws()[heat["law"]].useful:
@@ -192,7 +214,7 @@ DIFFERENTIATED: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("heat", DIFFERENTIATED)
+@pytest.mark.parametrize("heat", DIFFERENTIATED, ids=law_of)
 def test_derivatives_over_temperatures_and_solid_fraction(heat):
     gaps = np.array([0.0, 10e-6, 45e-6, 80e-6, 300e-6])
     state = {"gap": gaps, "pressure": np.where(gaps > 0, 0.0, 3e6)}

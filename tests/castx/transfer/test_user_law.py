@@ -62,6 +62,38 @@ def test_refused(coefficient, given, text):
         UserLaw(coefficient, given)
 
 
+@pytest.mark.serial
+def test_a_law_may_jump_at_closure_by_less_than_a_millionth():
+    def jumping(share):
+        return lambda g, p, hot, cold, t: np.where(g > 0, 1.0 - share, 1.0) * 900.0
+
+    UserLaw(jumping(3e-7))
+    with pytest.raises(CaseError, match="jumps at closure"):
+        UserLaw(jumping(3e-6))
+
+
+@pytest.mark.serial
+def test_one_bad_sample_is_enough():
+    def once(g, p, hot, cold, t):
+        return np.where(hot == hot.max(), -1.0, 900.0)
+
+    with pytest.raises(CaseError, match="finite and not negative"):
+        UserLaw(once)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("argument, limit", [(0, 2e-3), (1, 2e8), (2, 1600.0), (3, 1600.0)])
+def test_a_law_is_tried_up_to_the_largest_values_that_castings_have(argument, limit):
+    """Gap, pressure and both temperatures: it may be wrong beyond, and not just below."""
+
+    def wrong_beyond(value):
+        return lambda *given: np.where(given[argument] > value, -1.0, 900.0)
+
+    UserLaw(wrong_beyond(1.01 * limit))
+    with pytest.raises(CaseError, match="finite and not negative"):
+        UserLaw(wrong_beyond(0.9 * limit))
+
+
 def heats(comm, data, laws=None) -> list[float]:
     run = Simulation.from_case(read_case(data, Path("case.toml")), comm, laws)
     return [state.totals["casting/mould.heat"] for state in run]

@@ -119,6 +119,11 @@ def test_a_bent_channel_and_a_round_chill(reported):
     # the inner corner loses what the outer one, a part of a ball, gains but for (π² - 8) r²/π.
     straight = 2 * pi * 2 * (30 + 30) * 1e-6
     assert surfaces["mould/bend"] == pytest.approx(straight, rel=0.02)
+    # Both cylinders end in the bend, have a quarter of the body of two in common, 16 r³/3, and
+    # leave a quarter of the ball free.
+    channel = pi * 2**2 * 60 - 4 / 3 * 2**3 + pi / 3 * 2**3
+    mould_alone = 80 * 60 * 70 - 40 * 20 * 20 - channel - pi * 16 * 10
+    assert bodies["mould"] == pytest.approx(mould_alone * 1e-9, rel=1e-8)
 
 
 @pytest.mark.parametrize(

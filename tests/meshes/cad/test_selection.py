@@ -12,7 +12,7 @@ from castx.meshes.cad.assembly import join
 from castx.meshes.cad.description import Selector
 from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.reading import Solid
-from castx.meshes.cad.selection import named_faces, select, shown
+from castx.meshes.cad.selection import named_faces, other_body, select, shown
 from tests.cad_files import bush_in_ring, two_blocks
 
 pytestmark = pytest.mark.serial
@@ -66,6 +66,13 @@ def test_a_radius_selects_bores():
     assert [set(face.bodies) for face in bore] == [{"bush", "ring"}]
     with pytest.raises(ValueError, match=r"'s' selects no face; there are:\n  ring: .*radius 0.02"):
         select(Selector("s", radius=0.011), faces)
+
+
+def test_a_shared_face_has_another_body_and_another_normal_for_each(blocks):
+    (shared,) = (face for face in blocks if len(face.bodies) == 2)
+    assert other_body(shared, "die") == "casting" and other_body(shared, "casting") == "die"
+    for body, up in (("casting", -1.0), ("die", 1.0)):
+        assert shared.normals_from(body)[:, 2] == pytest.approx(up)
 
 
 def test_the_rest_is_one_surface(blocks):

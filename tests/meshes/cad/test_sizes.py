@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import gmsh
@@ -211,7 +212,10 @@ def test_the_number_of_cells_is_estimated_and_bounded(mesh_of, sampled):
         sizes = wanted_sizes(part, faces, {}, samples).sizes[: len(samples.areas)]
         expected = estimated_cells(part, samples, sizes, volumes)
         assert 0.5 < expected / len(mesh_of(**changes).cells) < 2.0
-    with pytest.raises(
-        ValueError, match=r"about .* cells, and geometry.most_cells allows 1.0e\+03"
-    ):
+    text = r"about (\S*) cells, and geometry.most_cells allows 1.0e\+03; .* sizes (\S*) times"
+    with pytest.raises(ValueError, match=text) as refused:
         mesh_of(most_cells=1e3)
+    found = re.search(text, str(refused.value))
+    assert found is not None
+    cells, factor = map(float, found.groups())
+    assert 1.0 < factor**3 / (cells / 1e3) < 1.5  # cells by the cube of their size, and some room

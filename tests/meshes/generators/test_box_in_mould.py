@@ -28,6 +28,12 @@ def test_box_is_its_own_mirror_image(model, lid, cells):
     assert mesh.points[:, -1].max() == pytest.approx(0.08 if lid else 0.06)
 
 
+def test_floor_and_lid_are_layered_alike():
+    heights = np.unique(box(lid=True, interface_size=0.003).points[:, 1])
+    assert (heights < 0.0).sum() > 3
+    np.testing.assert_allclose(heights, 0.06 - heights[::-1], atol=1e-12)
+
+
 @BOTH
 @pytest.mark.parametrize("size", [0.012, 0.009])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])

@@ -34,6 +34,7 @@ def test_the_section_of_an_axisymmetric_ring_begins_at_its_bore(cells):
     middle = mesh.points[mesh.cells].mean(axis=1)
     assert np.array_equal(mesh.bodies, (middle[:, 0] > 0.03).astype(int))
     assert "bore" in mesh.surface_names
+    assert np.diff(np.unique(mesh.points[:, 0])).max() <= 0.01 * 1.001
     solid = generated(core_in_ring, BODIES, **{**arguments, "core_bore": 0.0})
     assert solid.points[:, 0].min() == 0.0 and "bore" not in solid.surface_names
 

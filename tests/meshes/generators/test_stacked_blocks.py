@@ -24,6 +24,19 @@ def test_the_base_has_a_line_of_nodes_under_the_side_of_the_upper_block(cells):
 
 
 @BOTH
+def test_blocks_in_space_have_their_lengths(cells):
+    """A quarter of each: half of width and depth, all of the height."""
+    mesh = generated(
+        stacked_blocks, ["upper", "base"], model="3d", upper=[0.03, 0.02, 0.04],
+        base=[0.05, 0.01, 0.06], size=0.0019, cells=cells,
+    )  # fmt: skip
+    for body, low, high in ((0, 0.0, (0.015, 0.02, 0.02)), (1, -0.01, (0.025, 0.03, 0.0))):
+        points = mesh.points[np.unique(mesh.cells[mesh.bodies == body])]
+        np.testing.assert_allclose(points.min(axis=0), (0.0, 0.0, low), atol=1e-12)
+        np.testing.assert_allclose(points.max(axis=0), high, atol=1e-12)
+
+
+@BOTH
 @pytest.mark.parametrize(
     "model, upper, base",
     [("plane-strain", [0.03, 0.02], [0.05, 0.01]), ("3d", [0.03, 0.02, 0.03], [0.05, 0.01, 0.03])],

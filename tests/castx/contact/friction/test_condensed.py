@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from castx.contact.friction.condensed import CondensedFriction
 from castx.contact.friction.coulomb import SlidingRows
 from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
+from tests.partitions import PARTITION, along_x
 from tests.small_contact import two_blocks
-
-pytestmark = pytest.mark.serial
 
 FRICTION, STIFFNESS = 0.3, 1e9
 
@@ -29,8 +30,8 @@ def at(made, sliding, moved, rows=None):
     """Return the iterate in which pairs have moved along the surface, all closed."""
     x = made.equilibrium.x.duplicate()
     x.array[sliding.local[:, 0]] = moved
-    values = np.zeros(x.getLocalSize()) if rows is None else rows
-    return PairIterate(x, values, np.zeros(3), np.ones(3, dtype=bool), STIFFNESS)
+    values, count = np.zeros(x.getLocalSize()) if rows is None else rows, len(sliding.rows)
+    return PairIterate(x, values, np.zeros(count), np.ones(count, dtype=bool), STIFFNESS)
 
 
 def imposed(friction, iterate, normal):
@@ -45,6 +46,7 @@ def carried(made, sliding, forces):
     return rows
 
 
+@pytest.mark.serial
 def test_pairs_that_stick_are_constrained_where_they_are(comm):
     made, friction, sliding = friction_on(comm)
     moved = np.array([1e-6, 0.0, -2e-6])
@@ -55,6 +57,7 @@ def test_pairs_that_stick_are_constrained_where_they_are(comm):
     assert np.all(rows.forces == 0.0)
 
 
+@pytest.mark.serial
 def test_a_pair_slips_once_its_force_exceeds_the_friction(comm):
     """μ p S is 3 N: at 2 N it sticks, at 4 N it slips and bears 3 N against its motion."""
     made, friction, sliding = friction_on(comm)
@@ -79,6 +82,7 @@ def _normal(made, force):
     return rows
 
 
+@pytest.mark.serial
 def test_pairs_begin_to_slip_only_when_the_rows_nearly_balance(comm):
     made, friction, sliding = friction_on(comm)
     still = at(made, sliding, np.zeros(3), carried(made, sliding, [4.0, 4.0, 4.0]))
@@ -88,6 +92,7 @@ def test_pairs_begin_to_slip_only_when_the_rows_nearly_balance(comm):
     assert friction.sticking().all()
 
 
+@pytest.mark.serial
 def test_a_pair_that_would_slip_backwards_sticks(comm):
     made, friction, sliding = friction_on(comm)
     rows = carried(made, sliding, [-4.0, -4.0, -4.0])
@@ -102,6 +107,7 @@ def test_a_pair_that_would_slip_backwards_sticks(comm):
     np.testing.assert_array_equal(friction.sticking(), [False, True, False])
 
 
+@pytest.mark.serial
 def test_motions_count_from_the_last_accepted_step(comm):
     made, friction, sliding = friction_on(comm)
     first = at(made, sliding, [1e-6, 2e-6, 3e-6])
@@ -113,6 +119,7 @@ def test_motions_count_from_the_last_accepted_step(comm):
     np.testing.assert_allclose(again.violation, 0.0, atol=1e-20)
 
 
+@pytest.mark.serial
 def test_memory(comm):
     made, friction, sliding = friction_on(comm)
     rows = carried(made, sliding, [2.0, 4.0, -4.0])
@@ -130,6 +137,7 @@ def test_memory(comm):
     np.testing.assert_array_equal(other.sticking(), friction.sticking())
 
 
+@pytest.mark.serial
 def test_a_pair_that_is_pulled_bears_no_friction(comm):
     """μ ⟨p⟩ S: the normal force of a closed pair may pull for an iteration."""
     made, friction, sliding = friction_on(comm)
@@ -140,3 +148,32 @@ def test_a_pair_that_is_pulled_bears_no_friction(comm):
     moved = at(made, sliding, np.full(3, -1e-6), rows)
     pulled = imposed(friction, moved, [-10.0, 0.0, 5.0])
     np.testing.assert_allclose(pulled.forces[sliding.local[:, 0]], [0.0, 0.0, -1.5])
+
+
+@pytest.mark.ranks
+def test_a_pair_that_slips_on_one_rank_is_a_change_on_all(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, along_x)
+    made, friction, sliding = friction_on(comm)
+    right, normal = at_right(made), np.full(len(sliding.rows), 10.0)
+    still = at(made, sliding, 0.0, carried(made, sliding, np.where(right, 4.0, 2.0)))
+    imposed(friction, still, normal)
+    assert friction.update(still, normal, 1e-6, settled=True)
+    np.testing.assert_array_equal(friction.sticking(), ~right)
+    assert not friction.update(still, normal, 1e-6, settled=False)
+
+
+@pytest.mark.ranks
+def test_a_pair_that_touches_on_one_rank_lets_all_sets_return(comm, monkeypatch):
+    """It slips at once, having moved; the ranks forget together which sets they have seen."""
+    monkeypatch.setattr(PARTITION, along_x)
+    made, friction, sliding = friction_on(comm)
+    right, normal = at_right(made), np.full(len(sliding.rows), 10.0)
+    moved = at(made, sliding, 1e-6)
+    imposed(friction, replace(moved, closed=~right), normal)
+    assert friction.update(moved, normal, 1e-6, settled=True)
+    np.testing.assert_array_equal(friction.sticking(), ~right)
+
+
+def at_right(made):
+    """Return whether pairs are the one at the right end, which belongs to the last rank."""
+    return made.pairs[0].points[made.gaps.interfaces[0].index, 0] > 0.005

@@ -35,13 +35,14 @@ def test_a_rewound_step_has_the_friction_of_the_accepted_one(comm, method):
 def test_no_pair_bears_more_than_friction_can(comm, method):
     """Of a block that is pushed over: open pairs bear nothing, closed ones at most μ f."""
     made = two_blocks(comm, method, friction=0.2)
-    along = made.equilibrium.along_surface()
+    along = made.equilibrium.balance.along_surface(made.equilibrium.x)
     assert along is not None
     size = everywhere(comm, np.linalg.norm(along, axis=1))
-    normal = everywhere(comm, made.equilibrium.pair_values()[1])
+    normal = everywhere(comm, made.pair_values()[1])
     assert size.max() > 0.0
     assert np.all(size <= 0.2 * normal * (1 + 1e-6) + 1e-9 * normal.max())
 
 
 def test_without_friction_there_is_none(comm):
-    assert two_blocks(comm).equilibrium.along_surface() is None
+    made = two_blocks(comm)
+    assert made.equilibrium.balance.along_surface(made.equilibrium.x) is None

@@ -5,20 +5,22 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from castx.contact.friction.coulomb import SlidingRows
 from castx.contact.friction.penalty_slip import PenaltySlip, force_derivatives, tangent_matrix
+from tests.partitions import PARTITION, along_x
 from tests.small_contact import dense, two_blocks
 
 
 @pytest.mark.ranks
-def test_motions_along_the_surface(comm):
+def test_motions_along_the_surface(comm, monkeypatch):
     """The upper block moves by (3, 5), the base by (1, -2): by 2 against each other along x."""
+    monkeypatch.setattr(PARTITION, along_x)
     made = two_blocks(comm, "penalty", friction=0.3, solved=False)
     sliding = SlidingRows(made.gaps, [0.3])
     T = tangent_matrix(made.layout, list(made.bodies), made.gaps, sliding)
@@ -39,11 +41,11 @@ def forces(trial, normal, slips, coefficient, directions):
     return np.where(slips[:, None], most * d, trial)
 
 
-@pytest.mark.serial
-def test_derivatives_against_differences():
+@pytest.mark.ranks
+def test_derivatives_against_differences(comm):
     """Pairs that stick, slip forwards, slip after turning back, and slip without pressure."""
     count, width, step = 4, 2, 1e-7
-    generator = np.random.default_rng(3)
+    generator = np.random.default_rng(3 + comm.rank)
     springs, coefficient = generator.uniform(1, 2, count), generator.uniform(0.2, 0.5, count)
     trial, gaps = generator.normal(size=(count, width)), -generator.uniform(1, 2, count)
     gaps[3] = 0.5
@@ -53,13 +55,15 @@ def test_derivatives_against_differences():
     imposed = PenaltySlip(
         np.ones(count, dtype=bool), springs, np.maximum(-springs * gaps, 0.0), trial
     )
-    rows = PETSc.Mat().createAIJ((count * width, 5), nnz=1, comm=MPI.COMM_SELF)
-    gap_rows = PETSc.Mat().createAIJ((count, 5), nnz=1, comm=MPI.COMM_SELF)
+    rows, gap_rows = (
+        PETSc.Mat().createAIJ(((size, PETSc.DETERMINE), (5, PETSc.DETERMINE)), nnz=1, comm=comm)
+        for size in (count * width, count)
+    )
     for matrix in (rows, gap_rows):
         matrix.setUp()
     sliding: Any = SimpleNamespace(rows=np.arange(count), coefficient=coefficient)
     found = [
-        dense(MPI.COMM_SELF, matrix)
+        dense(comm, matrix)
         for matrix in force_derivatives(rows, gap_rows, sliding, imposed, slips, directions)
     ]
 
@@ -81,5 +85,5 @@ def test_derivatives_against_differences():
         opened[j] = step
         none = np.zeros((count, width))
         across[:, j] = (at(none, opened) - at(none, -opened)) / (2 * step)
-    np.testing.assert_allclose(found[0], along, atol=1e-6)
-    np.testing.assert_allclose(found[1], across, atol=1e-6)
+    for matrix, own in zip(found, (along, across), strict=True):
+        np.testing.assert_allclose(matrix, block_diag(*comm.allgather(own)), atol=1e-6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.contact.kinematics.active_set import ActiveSet
+from castx.contact.kinematics.active_set import ActiveSet, Pivoting
 from tests.elastic_bodies import everywhere
 
 
@@ -89,6 +89,40 @@ def test_noise_beside_the_largest_force_changes_nothing(comm):
     above = ActiveSet(comm, np.array([0.0, 0.0, 1.0]), np.ones(3, dtype=bool), np.ones(3) / 3)
     assert above.update(np.array([1e9, -2.1, 1e-5]), 2.0)
     assert active.update(np.array([1e9, -1.0, 1e-5]))
+    small = ActiveSet(comm, np.zeros(2), np.ones(2, dtype=bool), np.ones(2) / 2)
+    assert not small.update(np.array([1e-9, -0.9e-21]))
+    assert small.update(np.array([1e-9, -1.1e-21]))
+
+
+@pytest.mark.ranks
+def test_noise_beside_the_largest_force_of_any_rank_changes_nothing(comm):
+    here = slice(0, 1) if comm.rank == comm.size - 1 else slice(1, 3)
+    count = len(np.arange(3)[here])
+    active = ActiveSet(
+        comm, np.array([0.0, 0.0, 1.0])[here], np.ones(count, dtype=bool), np.ones(count) / 3
+    )
+    assert not active.update(np.array([1e9, -1e-5, 1e-5])[here])
+
+
+@pytest.mark.ranks
+def test_a_pull_on_one_rank_is_that_of_all(comm):
+    """The last rank alone has a pair."""
+    forces = np.full(1 if comm.rank == comm.size - 1 else 0, -3.0)
+    active = ActiveSet(comm, np.zeros_like(forces), forces < 0.0, np.ones_like(forces))
+    assert active.largest_pull(forces) == 3.0
+    assert active.violates(forces, 1.0) and not active.violates(forces, 4.0)
+
+
+@pytest.mark.ranks
+def test_once_a_set_returns_the_worst_pair_of_all_ranks_changes_alone(comm):
+    violation = np.array([1.0 + comm.rank])
+    pivoting = Pivoting(comm, np.array([0.1 + 0.01 * comm.rank]))
+    closed = np.zeros(1, dtype=bool)
+    pivoting.begin(closed)
+    assert pivoting.next(closed, violation).all()
+    changed = pivoting.next(~closed, violation)
+    assert pivoting.one_by_one
+    assert changed.tolist() == [comm.rank == comm.size - 1]
 
 
 def test_rewind_returns_to_the_committed_set(comm):

@@ -1,4 +1,4 @@
-"""R and P node by node against dense matrices, on one rank."""
+"""R and P node by node against dense matrices, on one rank; what is tied across ranks."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import pytest
 from castx.contact.kinematics.basis import BasisMatrices
 from castx.contact.kinematics.node_rows import NodeRows
 from castx.solvers.layout import Layout
-
-pytestmark = pytest.mark.serial
+from tests import small_contact
 
 
 class Nodes(NamedTuple):
@@ -39,11 +38,13 @@ def dense(basis):
     return found
 
 
+@pytest.mark.serial
 def test_without_rows_nothing_changes():
     layout, rows = bodies(3)
     np.testing.assert_array_equal(dense(BasisMatrices(layout, 2, rows))[0], np.eye(6))
 
 
+@pytest.mark.serial
 def test_a_node_is_expressed_in_its_rows():
     layout, rows = bodies(3)
     n = np.array([0.6, 0.8])
@@ -55,6 +56,7 @@ def test_a_node_is_expressed_in_its_rows():
     np.testing.assert_array_equal(R[5], np.eye(6)[5])
 
 
+@pytest.mark.serial
 def test_a_relative_motion_is_a_row():
     """v_0 = n · (u_0 of the first body - what two nodes of the second move at weights 1/4, 3/4)."""
     layout, rows = bodies(2, 3)
@@ -68,6 +70,7 @@ def test_a_relative_motion_is_a_row():
     np.testing.assert_allclose(R[0], expected)
 
 
+@pytest.mark.serial
 def test_chains_of_pairs_end():
     """A node of the first body on the second, which stands on the third."""
     layout, rows = bodies(2, 2, 2)
@@ -85,6 +88,7 @@ def test_chains_of_pairs_end():
     np.testing.assert_allclose(lifted, 1.0)
 
 
+@pytest.mark.serial
 def test_tied_rows_are_differences_to_the_first():
     layout, rows = bodies(3)
     e = np.array([0.0, 1.0])
@@ -96,6 +100,7 @@ def test_tied_rows_are_differences_to_the_first():
     np.testing.assert_allclose(R[3], [0, -1, 0, 0, 1, 0], atol=1e-15)
 
 
+@pytest.mark.serial
 def test_a_tied_component_is_a_difference_to_the_first_node():
     layout, rows = bodies(3)
     basis = BasisMatrices(layout, 2, rows)
@@ -103,6 +108,7 @@ def test_a_tied_component_is_a_difference_to_the_first_node():
     np.testing.assert_array_equal(dense(basis)[0][5], [0, 0, -1, 0, 0, 1])
 
 
+@pytest.mark.serial
 def test_matrices_are_filled_without_making_room_on_the_way():
     layout, rows = bodies(3, 3)
     n = np.array([0.6, 0.8])
@@ -115,6 +121,7 @@ def test_matrices_are_filled_without_making_room_on_the_way():
     assert R.getInfo()["mallocs"] == 0 and R.getInfo()["nz_unneeded"] == 0
 
 
+@pytest.mark.serial
 def test_the_coupling_is_what_rows_have_of_the_points_that_they_face():
     """Nothing of their own node: with it subtracted, a row is that of a node without a pair."""
     layout, rows = bodies(3, 2)
@@ -133,7 +140,33 @@ def test_the_coupling_is_what_rows_have_of_the_points_that_they_face():
     assert np.count_nonzero(abs(found).max(axis=1)) == 1 and abs(found[3]).max() > 0.2
 
 
+@pytest.mark.serial
 def test_without_pairs_there_is_no_coupling():
     layout, rows = bodies(3)
     basis = BasisMatrices(layout, 2, rows)
     assert basis.coupling(basis.finish()[1]) is None
+
+
+def on_the_last(comm):
+    """Return the layout of a body whose two nodes are on the last rank, and its empty rows."""
+    count = 2 if comm.rank == comm.size - 1 else 0
+    return Layout(comm, [Nodes(count)], (3,)), [NodeRows.none(count, 2)], np.arange(count)
+
+
+@pytest.mark.ranks
+def test_ranks_without_nodes_of_a_tied_surface_take_part(comm):
+    layout, rows, nodes = on_the_last(comm)
+    slots = rows[0].try_add(ints(*nodes), np.tile([0.0, 1.0], (len(nodes), 1)), 0.1)
+    basis = BasisMatrices(layout, 2, rows)
+    np.testing.assert_array_equal(basis.tie(0, ints(*nodes), slots), [3] if len(nodes) else [])
+    R, _ = basis.finish()
+    np.testing.assert_allclose(small_contact.dense(comm, R)[3], [0, -1, 0, 0, 1, 0], atol=1e-15)
+
+
+@pytest.mark.ranks
+def test_ranks_without_nodes_of_a_body_with_a_tied_component_take_part(comm):
+    layout, rows, nodes = on_the_last(comm)
+    basis = BasisMatrices(layout, 2, rows)
+    np.testing.assert_array_equal(basis.tie_component(0, 2), [5] if len(nodes) else [])
+    R, _ = basis.finish()
+    np.testing.assert_array_equal(small_contact.dense(comm, R)[5], [0, 0, -1, 0, 0, 1])

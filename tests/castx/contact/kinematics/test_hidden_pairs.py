@@ -79,8 +79,10 @@ def test_a_mould_that_is_tied_or_rigid_holds_what_its_parts_touch(mesh):
 @pytest.mark.ranks
 def test_bodies_tied_to_another_one_still_part(mesh):
     tied = (("chill", "lower"),)
-    told = " ".join(warnings(mesh, interfaces(CASTING_FIRST, tied)))
-    assert "casting/upper" in told
+    described = interfaces(CASTING_FIRST, tied)
+    told = " ".join(warnings(mesh, described))
+    pairs = mesh.comm.allreduce(len(case_pairs(mesh, described)["casting/upper"].areas))
+    assert re.search(rf"casting/upper: \d+ of {pairs} pairs carry no force", told)
 
 
 @pytest.mark.ranks
@@ -107,13 +109,31 @@ def test_a_node_that_meets_too_many_faces_of_one_die_cannot_be_helped_by_tying(m
     assert len(free) == 1 and "can move apart" in free[0]
 
 
+@pytest.mark.ranks
+def test_what_is_hidden_on_one_rank_is_told_on_all(mesh):
+    """One rank after the other is the only one with pairs, and all say the same."""
+    comm, described = mesh.comm, interfaces(CASTING_FIRST, (("chill", "lower"),))
+    found, told = case_pairs(mesh, described), []
+    for rank in range(comm.size):
+        numbers = slice(None if rank == comm.rank else 0)
+        alone = {name: chosen(pairs, numbers) for name, pairs in found.items()}
+        texts = comm.allgather(hidden_pair_warnings(described, alone, (), comm))
+        assert all(text == texts[0] for text in texts)
+        told += texts[0]
+    assert any("casting/upper" in text for text in told)
+
+
 def single(pairs):
     """Return one pair of each node."""
-    _, first = np.unique(pairs.secondary_local, return_index=True)
+    return chosen(pairs, np.unique(pairs.secondary_local, return_index=True)[1])
+
+
+def chosen(pairs, numbers):
+    """Return some of the pairs."""
     return replace(
         pairs,
         **{
-            name: getattr(pairs, name)[first]
+            name: getattr(pairs, name)[numbers]
             for name in ("secondary_nodes", "secondary_local", "primary_nodes", "original_nodes",
                          "points", "areas", "area_vectors", "normals")
         },

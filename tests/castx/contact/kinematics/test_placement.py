@@ -14,6 +14,7 @@ from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
 from castx.solvers.layout import Layout
 from tests.elastic_bodies import blocks, everywhere, fixed
+from tests.partitions import PARTITION, on_the_last
 
 NAMES = ("upper", "base")
 
@@ -65,12 +66,25 @@ def test_surfaces_that_move_equally_are_kept_for_the_transform(comm):
 
 @pytest.mark.ranks
 def test_refuses_a_uniform_surface_with_a_prescribed_direction(comm):
+    refuse_uniform(comm)
+
+
+@pytest.mark.ranks
+def test_refuses_it_on_ranks_without_its_nodes(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    refuse_uniform(comm)
+
+
+def refuse_uniform(comm):
     uniform = SurfaceDisplacement("top", "normal", None)
     with pytest.raises(CaseError, match="upper/top normal is uniform, but another condition"):
         placed(comm, {"upper": [fixed("top", "y"), uniform]})
 
 
-def test_refuses_a_pair_that_only_the_primary_could_open(comm):
+@pytest.mark.ranks
+def test_refuses_a_pair_that_only_the_primary_could_open(comm, monkeypatch):
+    """Also on ranks without pairs."""
+    monkeypatch.setattr(PARTITION, on_the_last)
     with pytest.raises(CaseError, match="the conditions of 'upper' hold its node"):
         placed(comm, {"upper": [fixed("base", "all")]})
 

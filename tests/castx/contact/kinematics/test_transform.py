@@ -304,7 +304,7 @@ def shrunk_on(comm, sector: str, method: str) -> tuple[np.ndarray, np.ndarray, n
     heat(made, lambda x: 20 + 100 * x[:, 2] / 0.04 + 3e3 * np.abs(x[:, 0]))
     made.equilibrium.solve(0.0)
     points = everywhere(comm, made.pairs[0].points)
-    return points, everywhere(comm, made.equilibrium.pair_values()[1]), made.gaps.areas
+    return points, everywhere(comm, made.pair_values()[1]), made.gaps.areas
 
 
 @pytest.mark.parametrize("method", EXACT)

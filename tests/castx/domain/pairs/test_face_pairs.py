@@ -30,6 +30,7 @@ from tests.elastic_bodies import (
     problem,
     pushed,
 )
+from tests.partitions import PARTITION, on_the_last
 
 SURFACES = ("under", "over")
 FACES = Pairing(kind="node-to-face", surfaces=SURFACES)
@@ -109,6 +110,14 @@ def test_nodes_beside_the_other_surface_face_nothing(comm, shared_tmp_path):
     pairs = pairs_by(FACES, mesh, "upper", "base")
     assert everywhere(comm, pairs.points[:, 0]).max() < 0.6 * WIDTH + 1e-12
     assert comm.allreduce(len(pairs.areas)) == 5
+
+
+@pytest.mark.ranks
+def test_a_rank_without_nodes_that_face_leaves_them_to_others(comm, shared_tmp_path, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    mesh = separate(comm, shared_tmp_path, 7, 4)
+    pairs = pairs_by(FACES, mesh, "upper", "base")
+    assert comm.allgather(len(pairs.areas)) == [0] * (comm.size - 1) + [8]
 
 
 @pytest.mark.parametrize("method", AT_ONCE)

@@ -14,6 +14,7 @@ from castx.domain.mesh import build_mesh
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.source import gmsh_session
 from castx.errors import MeshError
+from tests.partitions import PARTITION, thinly_scattered
 
 pytestmark = pytest.mark.sampled
 
@@ -72,6 +73,19 @@ def test_both_nodes_of_a_pair_are_at_its_point(name, interface, comm):
         assert np.abs(points - pairs.points).max(initial=0.0) < 1e-15
     local = mesh.bodies["casting"].points[pairs.secondary_local]
     assert np.array_equal(local, pairs.points)
+
+
+@pytest.mark.ranks
+def test_pairs_are_found_where_a_rank_has_one_side_alone(comm, monkeypatch):
+    """The owner of a vertex may have the node of one body, and has to hear of that of the other."""
+    monkeypatch.setattr(PARTITION, thinly_scattered)
+    mesh = casting_and_mould(DESCRIPTIONS["box"], comm)
+    for names in (("casting", "mould"), ("mould", "casting")):
+        pairs = node_pairs(mesh, *names)
+        points = coordinates_by_number(mesh.bodies[names[1]], comm)
+        assert (pairs.primary_nodes >= 0).all()
+        np.testing.assert_allclose(points[pairs.primary_nodes], pairs.points, atol=1e-15)
+        assert total(comm, pairs.areas) == pytest.approx(2 * (6e-4 + 1.2e-3 + 8e-4))
 
 
 @pytest.mark.ranks

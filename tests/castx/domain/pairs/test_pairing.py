@@ -7,7 +7,7 @@ from castx.case.contact import BY_NODES, Pairing
 from castx.case.interfaces import Interface
 from castx.domain.pairs.face_pairs import face_interface, facing_nodes
 from castx.domain.pairs.node_pairs import node_pairs
-from castx.domain.pairs.pairing import case_pairs, initial_gap
+from castx.domain.pairs.pairing import case_pairs
 from castx.domain.pairs.patches import pairs_by_patch
 from tests.castx.domain.interface_meshes import NAMES, box, pairs_by
 
@@ -54,8 +54,10 @@ def test_the_initial_gap_adds_to_the_meshed_one(mesh):
     gap = {"along": "x", "table": [[-1, -1], [1, 1]]}
     interface = Interface.read({"bodies": list(NAMES), "contact": {"initial_gap": gap}})
     pairs = pairs_of_case(mesh, interface)
-    np.testing.assert_allclose(initial_gap(interface, pairs), pairs.points[:, 0], atol=1e-15)
+    np.testing.assert_allclose(pairs.gap, pairs.points[:, 0], atol=1e-15)
     faces = {"initial_gap": "1 mm", "pairing": "node-to-face"}
     interface = Interface.read({"bodies": list(NAMES), "contact": faces})
     pairs = pairs_of_case(mesh, interface)
-    np.testing.assert_allclose(initial_gap(interface, pairs), pairs.gap + 1e-3, atol=1e-15)
+    facing = facing_nodes(mesh, face_interface(mesh, *NAMES, FACES))
+    meshed = facing.pairs(facing.areas, facing.outward).gap
+    np.testing.assert_allclose(pairs.gap, meshed + 1e-3, atol=1e-15)

@@ -82,6 +82,37 @@ def test_a_node_that_stands_in_two_interfaces_shares_its_area(comm, mesh):
         np.testing.assert_allclose(pairs.normals, lone.normals, atol=1e-12)
 
 
+def beside(mesh, tilt=0.0, nearer=0.0):
+    """Return the interface of the block and a base, and the same with another primary surface.
+
+    Args:
+        mesh: of the bodies.
+        tilt: by which the normals of that surface are turned [rad].
+        nearer: distance by which it is closer to the block, in sizes of a facet of the block.
+    """
+    interface = face_interface(mesh, "upper", "one", RULE)
+    own, other = interface.facets
+    up = np.array([0.0, nearer * WIDTH / 7])
+    normals = np.tile([np.sin(tilt), np.cos(tilt)], (len(other.normals), 1))
+    moved = replace(other, points=other.points + up, normals=normals)
+    return interface, replace(interface, facets=(own, moved))
+
+
+@pytest.mark.serial
+def test_surfaces_a_millionth_of_a_facet_apart_are_equally_close(mesh):
+    first, second = shared_pairs(mesh, beside(mesh, nearer=3e-7))
+    np.testing.assert_allclose(first.areas, second.areas, rtol=1e-12)
+    with pytest.raises(MeshError, match="lies closer to another"):
+        shared_pairs(mesh, beside(mesh, nearer=3e-6))
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("degrees, share", [(59.9, 1.0), (60.1, 0.0)])
+def test_a_surface_turned_by_more_than_sixty_degrees_has_no_area(mesh, degrees, share):
+    (found,) = shared_pairs(mesh, [beside(mesh, tilt=np.radians(degrees))[1]])
+    assert found.primary_area == pytest.approx(share * SPLIT * WIDTH, rel=1e-12)
+
+
 def test_beyond_the_search_distance_a_node_faces_nothing(comm, mesh):
     near = pairs_by(replace(RULE, search_distance=1.01 * GAP), mesh, "upper", "one")
     whole = pairs_by(RULE, mesh, "upper", "one")

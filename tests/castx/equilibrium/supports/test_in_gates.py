@@ -7,6 +7,7 @@ import pytest
 
 from castx.case.contact import Pairing
 from castx.contact.choice import Contact
+from castx.equilibrium.supports.in_gates import InGate
 from castx.errors import CaseError
 from castx.mechanics.description import SurfaceLoad
 from castx.proof.verification.contact.closed_mould import GRAVITY
@@ -23,6 +24,7 @@ from tests.elastic_bodies import (
     places,
     problem,
 )
+from tests.partitions import PARTITION, along_x
 from tests.verification.test_v17_loss_of_contact import case
 
 WIDTH, HEIGHT, SIDEWAYS, UPWARDS = 0.1, 0.06, 1e4, 50.0
@@ -30,20 +32,24 @@ WIDTH, HEIGHT, SIDEWAYS, UPWARDS = 0.1, 0.06, 1e4, 50.0
 
 def open_box(comm, method="condensed", in_gate=("top",)):
     """Return a box in a rigid mould without a lid, pulled up a little, and sideways at 2 s."""
+    made = unsolved_box(comm, method, in_gate)
+    # A little too hot, so that the walls hold it.
+    cool(made, 30.0, 0.0)
+    return made
+
+
+def unsolved_box(comm, method="condensed", in_gate=("top",)):
     mesh = generated(
         comm, "plane-strain", "box_in_mould", ["casting", "mould"],
         box=[WIDTH, HEIGHT], wall=0.03, size=0.01,
     )  # fmt: skip
     pull = Table.from_points([(0.0, 0.0), (1.0, 0.0), (2.0, SIDEWAYS)])
     loads = (SurfaceLoad("top", traction=(pull, Table.constant(UPWARDS))),)
-    made = problem(
+    return problem(
         mesh, {"casting": body(elastic(70e9, 0.3, 2e-5), loads=loads)}, {},
         [Contact("casting", "mould", method, pairing=Pairing("patches"))],
         in_gate={"casting": list(in_gate)} if in_gate else {},
     )  # fmt: skip
-    # A little too hot, so that the walls hold it.
-    cool(made, 30.0, 0.0)
-    return made
 
 
 def top(comm, made):
@@ -95,6 +101,20 @@ def test_it_lets_go_when_contact_comes_back(comm, method):
     np.testing.assert_allclose(states[0], states[1], atol=1e-6 * largest)
     force, moment = made.equilibrium.supports()["casting"]
     np.testing.assert_allclose(np.append(force, moment), 0.0, atol=1e-6 * largest * WIDTH)
+
+
+@pytest.mark.ranks
+def test_contact_on_one_rank_is_contact_on_all(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, along_x)
+    made = unsolved_box(comm)
+    upper, gaps = made.bodies["casting"], made.gaps
+    gate = InGate(made.equilibrium.balance.transform, gaps, 0, upper, ["top"])
+    x = everywhere(comm, gaps.interfaces[0].pairs.points[gaps.interfaces[0].index, 0])
+    right = gaps.interfaces[0].pairs.points[gaps.interfaces[0].index, 0] > x.max() - 1e-9
+    gate.begin(right)
+    assert not gate.acts
+    assert gate.update(np.zeros_like(right), settled=True) and gate.acts
+    assert gate.update(right, settled=False) and not gate.acts
 
 
 def test_without_a_gate_the_springs_bear_the_load(comm):

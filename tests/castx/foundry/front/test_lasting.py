@@ -71,6 +71,31 @@ def test_what_freezes_everywhere_at_once_takes_its_share_of_the_heat(comm, steps
     np.testing.assert_allclose(found, np.broadcast_to(exact[:, None], found.shape), rtol=1 / steps)
 
 
+@pytest.mark.serial
+def test_temperatures_are_linear_in_quarters_of_a_step(comm):
+    """Liquidus and eutectic are passed after one and three of them, so that each is exact."""
+    body = slab_mesh(comm, 2e-3, 6e-3).bodies["casting"]
+    lasting = lasting_of(body, (0.05, 0.4))
+    below = np.array([0.0, width(0.0, 0.05), width(0.0, 0.4), LIQUIDUS - EUTECTIC])
+    liquidus, first, last, eutectic = Curve().enthalpy(LIQUIDUS - below)
+    whole = 2.0 * (liquidus - eutectic)
+    before, after = liquidus + 0.25 * whole, liquidus - 0.75 * whole
+    lasting.follow(*(np.full(len(body.points), value) for value in (before, after)), 60.0)
+    np.testing.assert_allclose(lasting.durations, 60.0 * (first - last) / whole, rtol=1e-5)
+
+
+@pytest.mark.serial
+def test_a_tenth_of_a_kelvin_below_all_ranges_they_have_ended(comm):
+    body = slab_mesh(comm, 2e-3, 6e-3).bodies["casting"]
+    lasting, nodes = lasting_of(body, (0.1, 0.4)), np.ones(len(body.points))
+    end = LIQUIDUS - width(0.0, 0.4)
+    hot, above, below = (Curve().enthalpy(T * nodes) for T in (650.0, end + 0.1, end - 0.1))
+    lasting.follow(hot, above, 1.0)
+    assert np.isnan(lasting.ended(above)).all()
+    lasting.follow(above, below, 1.0)
+    assert np.isfinite(lasting.ended(below)).all()
+
+
 def test_what_melts_again_begins_anew(comm):
     body = slab_mesh(comm, 2e-3, 6e-3).bodies["casting"]
     lasting = lasting_of(body)

@@ -60,6 +60,12 @@ def test_the_same_seed_gives_the_same_and_the_model_is_asked_as_often_as_said():
     assert 3.0 <= lowest < 3.1 and 3.9 < highest <= 4.0
 
 
+def test_a_model_is_asked_for_256_draws_unless_told_otherwise():
+    asked = []
+    first_order_indices(lambda inputs: asked.append(inputs) or 5.0, WIDTHS)
+    assert len(asked) == runs(256, 3)
+
+
 def test_what_does_not_change_hangs_on_nothing():
     assert set(first_order_indices(lambda inputs: 5.0, WIDTHS, 16).values()) == {0.0}
 

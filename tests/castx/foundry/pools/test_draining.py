@@ -48,6 +48,16 @@ def test_what_freezes_below_comes_from_above():
     np.testing.assert_allclose(found.mean, [0.5 * emptied, second, 1.0])
 
 
+def test_places_empty_one_after_the_other():
+    """Half of the time until then is its mean, and all before the one above is empty."""
+    found = drained(np.array([1.0, 2.0, 4.0]), np.zeros(3), 80.0, BETA)
+    first, second = 1.0 / (80.0 * BETA), 3.0 / (80.0 * BETA)
+    left = 1.0 - (80.0 * BETA - 3.0) / 4.0
+    np.testing.assert_allclose(found.left, [0.0, 0.0, left])
+    third = second + 0.5 * (1.0 + left) * (1.0 - second)
+    np.testing.assert_allclose(found.mean, [0.5 * first, 0.5 * (first + second), third])
+
+
 def test_the_equation_holds_by_small_parts():
     """Against Euler's method: λ falls by β (R + λ ΔF)/G where all above is empty."""
     liquid, freezing, below, parts = np.array([0.3, 1.0]), np.array([0.2, 0.4]), 3.0, 40000

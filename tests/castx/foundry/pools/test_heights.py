@@ -7,6 +7,7 @@ import pytest
 
 from castx.foundry.pools.heights import Heights, Places
 from tests.castx.fakes import cylinder_mesh
+from tests.partitions import PARTITION, on_the_last
 
 SIZE = 4e-3
 
@@ -31,6 +32,17 @@ def test_places_are_rows_of_nodes_from_the_top(comm):
     np.testing.assert_allclose(places.heights[place], body.points[nodes, 1], rtol=1e-8)
     uppermost = np.flatnonzero(body.points[:owned, 1] > 0.0319)
     assert nodes[place < 3].tolist() == uppermost.tolist()
+
+
+@pytest.mark.ranks
+def test_ranks_without_nodes_know_the_places_of_others(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    body = cylinder_mesh(comm, size=SIZE, cells="quadrilaterals").bodies["casting"]
+    owned = body.node_numbering.owned
+    heights = Heights(body, (0.0, 1.0))
+    pool, liquid = np.zeros(owned, dtype=np.int32), np.ones(owned)
+    places = Places.of(heights.highest(pool, liquid, 0.25 * liquid, np.array([1.0])), 0)
+    np.testing.assert_allclose(places.heights[:2], [0.04, 0.036], rtol=1e-8)
 
 
 @pytest.mark.serial

@@ -11,6 +11,7 @@ from castx.case.geometry import Geometry
 from castx.domain.mesh import build_mesh
 from castx.foundry.pools.pipe import BodyPipe, PipedMetal
 from tests.castx.fakes import cylinder_mesh
+from tests.partitions import PARTITION, along_x
 
 BETA = 0.065
 RADIUS, HEIGHT = 0.02, 0.04
@@ -133,6 +134,19 @@ def test_under_a_skin_nothing_sinks(comm):
     assert pipe.volume() == 0.0 and pipe.levels["top"] == HEIGHT
     liquid = comm.allreduce(pipe._volumes[~on_top(body)[: len(pipe._volumes)]].sum())
     assert pipe.unfed == pytest.approx(BETA * 0.9 * liquid, rel=1e-9)
+
+
+@pytest.mark.ranks
+def test_what_freezes_on_one_rank_sinks_on_all(comm, monkeypatch):
+    """The outermost nodes freeze, β of their volume lacks, and the pool is one."""
+    monkeypatch.setattr(PARTITION, along_x)
+    mesh = cylinder_mesh(comm, size=2e-3)
+    body = mesh.bodies["casting"]
+    pipe, outside = BodyPipe(body, mesh.model, metal()), body.points[:, 0] > RADIUS - 1e-9
+    for fraction in (0.0, 0.5):
+        pipe.update(np.where(outside, fraction, 0.0), {"top": on_top(body)})
+    freezing = 0.5 * comm.allreduce(pipe._volumes[outside[: len(pipe._volumes)]].sum())
+    assert pipe.volume() == pytest.approx(BETA * freezing, rel=0.1)
 
 
 def test_a_cavity_stays_open_when_its_rim_has_frozen(comm):

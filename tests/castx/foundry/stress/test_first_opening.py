@@ -26,6 +26,7 @@ from castx.input.toml_text import parse_toml
 from castx.results.reading import Results
 from castx.results.states.snapshot import ProcessState
 from tests.castx.fakes import FakeSnapshot, casting_pairs, cylinder_mesh
+from tests.partitions import PARTITION, on_the_last
 
 LENGTH, EXPANSION, POISSON, RATE, STEP = 0.1, 2.2e-5, 0.25, 10.0, 0.3
 OPENING = 2 * LENGTH * EXPANSION * (1 + POISSON) * RATE  # m/s, both plates
@@ -143,6 +144,19 @@ def test_pairs_open_one_after_the_other_and_stay_opened(comm):
     np.testing.assert_allclose(second[side & (z <= 0.021)], 2.0)
     assert np.isnan(follow(4.0, lambda x: np.zeros(len(x)), "casting")).all()
     assert follow(5.0, lambda x: np.full(len(x), 2e-6))[side] == pytest.approx(4.5)
+
+
+@pytest.mark.ranks
+def test_all_ranks_know_when_pairs_of_one_opened(comm, monkeypatch):
+    monkeypatch.setattr(PARTITION, on_the_last)
+    mesh = cylinder_mesh(comm)
+    pairs = casting_pairs(mesh)
+    openings = FirstOpenings(mesh, pairs, 1e-6)
+    for time, gap in ((0.0, 0.0), (1.0, 4e-6)):
+        formulas = {"gap": lambda x, gap=gap: np.full(len(x), gap)}
+        openings.update(FakeSnapshot(time, 0, mesh, pairs, formulas))
+    found = openings.described()["casting/mould"]
+    assert found == {"first": pytest.approx(0.25), "opened_fraction": 1.0}
 
 
 @pytest.mark.serial

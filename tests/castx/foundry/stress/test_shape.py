@@ -12,7 +12,7 @@ from dolfinx.mesh import meshtags
 
 from castx.case.geometry import Geometry
 from castx.domain.mesh import build_mesh
-from castx.foundry.stress.shape import Shape, plane_of
+from castx.foundry.stress.shape import Plane, Shape, plane_of
 from tests.castx.fakes import cylinder_mesh
 
 SHRUNK, HEIGHT = 0.0136935, 0.04
@@ -37,6 +37,14 @@ def test_planes_of_symmetry_lie_where_the_mesh_has_them(quarter):
         plane = plane_of(quarter, "3d", name)
         assert abs(plane.normal[axis]) == pytest.approx(1.0, abs=1e-12)
         assert plane.offset == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.serial
+def test_images_lie_as_far_behind_a_plane_away_from_the_origin():
+    plane = Plane(np.array([0.6, 0.8]), 2.0)
+    points = np.array([[1.2, 1.6], [1.2 + 3.0, 1.6 + 4.0], [0.0, 0.0]])
+    expected = [[1.2, 1.6], [1.2 - 3.0, 1.6 - 4.0], [2.4, 3.2]]
+    np.testing.assert_allclose(plane.image(points), expected, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.ranks

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ import pytest
 from castx.foundry.front.windows import Window
 from castx.foundry.stress.strains import BodyStrains, largest_principal
 from castx.results.states.snapshot import ProcessState
+from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot, slab_mesh
 
 GRADIENT, SPEED, RATE, STEP = 2e4, 1e-3, 3e-3, 0.08
@@ -113,7 +114,7 @@ def test_a_history_goes_on_where_it_was(body):
 def test_what_melts_or_is_poured_anew_begins_again(body):
     strains = BodyStrains(body.bodies["casting"], Followed())
     follow(body, strains, STEPS)
-    once = strains.largest(0.99)
+    once, passing = strains.largest(0.99), strains.duration(0.99)
     hot = STEPS[-1] + 1
     strains.update(FakeSnapshot(STEP * hot, hot, body, formulas={
         "temperature": lambda x: np.full(len(x), 600.0),
@@ -125,9 +126,11 @@ def test_what_melts_or_is_poured_anew_begins_again(body):
     renewed = BodyStrains(body.bodies["casting"], Followed())
     follow(body, renewed, STEPS)
     new = ProcessState(renewed=frozenset({"casting"}))
-    renewed.update(snapshot(body, STEP, 1, process=new))
+    poured = replace(snapshot(body, STEP, 1, process=new), counters=StepCounters(step=STEP))
+    renewed.update(poured)
     follow(body, renewed, STEPS[2:])
     np.testing.assert_allclose(renewed.largest(0.99), once, rtol=1e-9)
+    np.testing.assert_allclose(renewed.duration(0.99), passing, rtol=1e-9)
 
 
 def test_largest_principal_values():

@@ -8,6 +8,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
+from vtkmodules.vtkCommonDataModel import vtkGenericCell
 
 from castx.heat.foreign import child
 
@@ -36,6 +37,43 @@ def test_cells_of_other_dimensions_are_left_out_with_their_points(tmp_path):
     path = saved(tmp_path / "a.vtu", [("triangle", [[0, 1, 2]]), ("line", [[1, 3]])])
     values, distances, _ = child.values_at(path, "T", np.array([[2.0, 1.0]]))
     np.testing.assert_allclose((values[0], distances[0]), (3.0 * 1.6 - 0.2, np.hypot(0.4, 0.8)))
+
+
+@pytest.mark.parametrize("dimension, words", [(2, "triangles or quad"), (3, "tetrahedra, hexa")])
+def test_cells_of_no_fitting_dimension_are_refused(tmp_path, dimension, words):
+    path = saved(tmp_path / "a.vtu", [("line", [[0, 1], [1, 3]])])
+    with pytest.raises(child.Refused, match=f"the model needs cells that are {words}"):
+        child.values_at(path, "T", np.zeros((1, dimension)))
+
+
+def test_of_a_series_the_last_moment_counts(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where meshio puts the numbers
+    path, triangles = tmp_path / "a.xdmf", [("triangle", np.array([[0, 1, 2], [1, 3, 2]]))]
+    with meshio.xdmf.TimeSeriesWriter(path) as writer:
+        writer.write_points_cells(SQUARE, triangles)
+        for moment in (1.0, 2.0, 3.0):
+            writer.write_data(moment, point_data={"T": moment * SQUARE[:, 0]})
+    values = child.values_at(path, "T", np.array([[0.5, 0.25]]))[0]
+    np.testing.assert_allclose(values, 3.0 * 0.5)
+
+
+@pytest.mark.parametrize("name", child.VTK_NUMBERS)
+def test_cells_of_meshio_are_those_of_vtk(tmp_path, name):
+    """Meshio writes a cell of the kind, and VTK says what it has read."""
+    number = child.VTK_NUMBERS[name]
+    cell = vtkGenericCell()
+    cell.SetCellType(number)
+    count = cell.GetNumberOfPoints()
+    points = np.random.default_rng(1).random((count, 3))
+    meshio.Mesh(points, [(name, [list(range(count))])]).write(tmp_path / "a.vtu")
+    assert child.kinds_of(child.read_vtu(tmp_path / "a.vtu")).tolist() == [number]
+
+
+@pytest.mark.parametrize("number", child.CORNERS)
+def test_a_cell_has_the_points_of_its_kind(number):
+    cell = vtkGenericCell()
+    cell.SetCellType(number)
+    assert child.CORNERS[number] == cell.GetNumberOfPoints()
 
 
 def test_a_place_in_hdf5_must_lie_in_the_file_itself(tmp_path):

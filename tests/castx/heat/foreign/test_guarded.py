@@ -67,6 +67,18 @@ def test_a_reader_that_dies_before_it_has_read_all_ends_nothing_else(file, monke
         signal.signal(signal.SIGPIPE, before)
 
 
+def test_an_answer_with_python_objects_is_not_read(file, monkeypatch, tmp_path):
+    """To unpickle one would run what a reader that is no longer itself has written."""
+    code = (
+        "import io, sys, numpy; found = io.BytesIO(); "
+        "numpy.savez(found, values=numpy.array([{}], dtype=object)); "
+        "sys.stdout.buffer.write(found.getvalue())"
+    )
+    stub(monkeypatch, tmp_path, code)
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        interpolated(file, "T", POINT)
+
+
 def test_the_reader_is_no_rank(file, monkeypatch, tmp_path):
     monkeypatch.setitem(os.environ, "PMIX_RANK", "0")
     monkeypatch.setitem(os.environ, "OMPI_COMM_WORLD_SIZE", "2")

@@ -54,3 +54,8 @@ def test_incomplete_rules_are_refused() -> None:
         replace(rules["linear"], curve=rules["voce"].curve)
     with pytest.raises(TypeError, match="'voce': a back stress needs a modulus"):
         replace(rules["voce"], isotropic=False)
+    key = replace(rules["linear"].keys[0], default=None)
+    with pytest.raises(TypeError, match="'linear' declares no default of linear, as 0"):
+        replace(rules["linear"], keys=(key,))
+    with pytest.raises(TypeError, match="'voce' has several keys, and declares no title for them"):
+        replace(rules["voce"], title="")

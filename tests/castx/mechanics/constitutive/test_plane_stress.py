@@ -66,6 +66,26 @@ def test_no_stress_across_the_plane(seed, poisson, yield_stress, hardening, visc
     assert np.abs(deviator + mean_stress(found)[0]).max() <= 1e-11 * size.max()
 
 
+def test_the_slope_of_an_elastic_law_is_exact():
+    """One step of Newton's method from any guess, and another one that sees that it was right."""
+    strain, calls = np.zeros((COUNT, 4)), []
+    strain[:, 0] = np.linspace(1e-5, 1e-3, COUNT)
+    law = partial(respond, conditions(0.3, 1e12, 0.0, 0.0), history())
+
+    def counted(deviator):
+        calls.append(deviator)
+        return law(deviator)
+
+    def mean_stress(normal):
+        return 50e9 * (strain[:, 0] + normal), np.full(COUNT, 50e9)
+
+    found = normal_strain(strain, np.full(COUNT, 5e-3), counted, mean_stress)
+    shear = YOUNG / 2.6
+    exact = -(50e9 - 2.0 * shear / 3.0) / (50e9 + 4.0 * shear / 3.0)
+    np.testing.assert_allclose(found, exact * strain[:, 0], rtol=1e-10)
+    assert len(calls) <= 3
+
+
 def test_what_is_not_found_is_said(monkeypatch):
     monkeypatch.setattr(plane_stress, "MOST_ITERATIONS", 2)
     law = partial(respond, conditions(0.3, YIELD, 0.0, 0.0), history())

@@ -149,6 +149,11 @@ def test_softening_is_the_secant_modulus(points):
     # At least a thousandth: the pressure of what has no stiffness left would not be smoothed.
     weak = found._replace(elastic=1e-9 * found.elastic)
     np.testing.assert_allclose(secant_softening(weak, c, start, strain), 1e-3, rtol=1e-12)
+    # Far below one pascal, too.
+    tiny = strains(points, 1e-13)
+    half = respond(c, start, tiny)
+    half = half._replace(elastic=0.5 * half.elastic, plastic=0.5 * half.elastic)
+    np.testing.assert_allclose(secant_softening(half, c, start, tiny), 0.5, rtol=1e-12)
     still = np.zeros((points.count, 4))
     assert np.all(secant_softening(respond(c, start, still), c, start, still) == 1.0)
 

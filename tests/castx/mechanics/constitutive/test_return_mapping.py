@@ -14,12 +14,21 @@ from hypothesis.extra import numpy as arrays
 from scipy.spatial.transform import Rotation
 
 from castx.errors import ConvergenceError
-from castx.materials.flow import PLASTIC, VISCOPLASTIC, FlowProperties, solid_flow
+from castx.materials.flow import (
+    PLASTIC,
+    VISCOPLASTIC,
+    FlowProperties,
+    isotropic_hardening,
+    solid_flow,
+)
 from castx.materials.hardening.voce import VoceCurve
+from castx.materials.inelastic import HARDENING_RULES
 from castx.materials.material import Material
+from castx.materials.rules.hardening_rule import HardeningRule
 from castx.materials.rules.power_law import PowerLaw
 from castx.mechanics.constitutive import return_mapping as module
 from castx.mechanics.constitutive.return_mapping import (
+    Returned,
     plastic_work,
     return_mapping,
     viscoplastic_strain,
@@ -437,6 +446,35 @@ def test_elastic_points_keep_their_trial_stress() -> None:
     assert result.isotropic == 2 * G
     still = return_mapping(0 * trial, 0 * trial, np.zeros(1), uniform())
     assert np.isfinite(np.concatenate([values.ravel() for values in still])).all()
+
+
+@pytest.mark.parametrize("rule", HARDENING_RULES, ids=lambda rule: rule.name)
+def test_every_hardening_rule_returns_to_the_yield_surface(rule: HardeningRule) -> None:
+    """There q = σ_Y + R(ξ + Δγ); Δγ is what relieves q_tr, and dΔγ/dq_tr its slope."""
+    yield_stress, strain = 3e7, np.array([0.0, 0.0, 0.01, 0.2, 0.2])
+    numbers = Numbers(PLASTIC_FLOW, temperature=20.0)
+    hardening = {"hardening": rule.example} if rule.isotropic else rule.example
+    hard, soft = (
+        flow(alloy(yield_stress=yield_stress, **keys), numbers, 1.0, 5) for keys in (hardening, {})
+    )
+    surface = yield_stress + isotropic_hardening(hard, strain)
+    q_trial = surface * np.array([1.05, 30.0, 1.5, 1.02, 20.0])
+
+    def returned(properties: FlowProperties, scale: float = 1.0) -> Returned:
+        trial = scale * q_trial[:, None] / np.sqrt(3.0) * components(SHEAR)
+        return return_mapping(trial, np.zeros((5, 6)), strain, properties)
+
+    found = returned(hard)
+    back = 2.0 / 3.0 * hard.kinematic_modulus[:, None] * viscoplastic_strain(found)
+    q = np.sqrt(3.0) * (found.stress - back)[:, 3]
+    expected = yield_stress + isotropic_hardening(hard, strain + found.increment)
+    np.testing.assert_allclose(q, expected, rtol=1e-8)
+    relieved = (3.0 * G + hard.kinematic_modulus) * found.increment
+    np.testing.assert_allclose(relieved, q_trial - q, rtol=1e-6)
+    assert (found.increment < returned(soft).increment).all(), "the material does not harden"
+    low, high = (returned(hard, scale).increment for scale in (1.0 - 1e-5, 1.0 + 1e-5))
+    slope = (1.0 - (found.isotropic + found.radial) / (2.0 * G)) / (3.0 * G)
+    np.testing.assert_allclose(slope, (high - low) / (2e-5 * q_trial), rtol=1e-5)
 
 
 def test_plastic_work_is_stress_times_flow() -> None:

@@ -10,8 +10,6 @@ import pytest
 from castx.mechanics.liquid.content import Content
 from castx.stateful import Numbering
 
-pytestmark = pytest.mark.serial
-
 VOLUMES = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
 S, COHERENCY = 0.1, 0.6
 ONE = np.array([True])
@@ -33,6 +31,7 @@ def commit(cells: Content, dilatation: list[float] | float = 0.0, porous=ONE) ->
     cells.commit(np.full(5, dilatation), porous[: len(cells.pockets)])
 
 
+@pytest.mark.serial
 def test_a_fed_region_demands_what_it_is_given() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [-1] * 5)
@@ -43,6 +42,7 @@ def test_a_fed_region_demands_what_it_is_given() -> None:
     assert not cells.free_volume.any()
 
 
+@pytest.mark.serial
 def test_a_sealed_pocket_in_rigid_walls_ends_with_all_its_demand_as_pores() -> None:
     """Also in cells that freeze, those that freeze last included; volumes are never forgotten."""
     cells = content()
@@ -66,6 +66,7 @@ def test_a_sealed_pocket_in_rigid_walls_ends_with_all_its_demand_as_pores() -> N
     assert (pores > 0).all() and (np.diff(pores) >= -1e-15).all()  # the last to freeze have most
 
 
+@pytest.mark.serial
 def test_walls_that_give_way_take_from_the_void_which_is_filled_before_they_resist() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [0] * 5)
@@ -83,6 +84,7 @@ def test_walls_that_give_way_take_from_the_void_which_is_filled_before_they_resi
     np.testing.assert_allclose(cells.free_volume, -0.03, rtol=1e-13)
 
 
+@pytest.mark.serial
 @pytest.mark.parametrize("porous", [ONE, ~ONE], ids=["porous", "full"])
 def test_liquid_flows_to_where_its_pocket_has_room(porous) -> None:
     """The cells of a pocket are full at their own volumes, but for the void of all of it."""
@@ -106,6 +108,7 @@ def test_liquid_flows_to_where_its_pocket_has_room(porous) -> None:
     np.testing.assert_allclose(cells.void_fraction(np.full(5, mean)), [void[0], mean + 0.03])
 
 
+@pytest.mark.serial
 def test_a_cell_that_freezes_keeps_its_share_and_draws_what_it_lacks_from_the_pocket() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [0] * 5)
@@ -118,6 +121,7 @@ def test_a_cell_that_freezes_keeps_its_share_and_draws_what_it_lacks_from_the_po
     np.testing.assert_allclose(14 * void, 0.05 * 14 + 0.01 * 1, rtol=1e-13)
 
 
+@pytest.mark.serial
 def test_a_pocket_that_is_reached_again_is_filled_and_one_that_melts_has_its_pores_again() -> None:
     cells = content()
     begin(cells, [0.0] * 5, [0] * 5)
@@ -137,6 +141,7 @@ def test_a_pocket_that_is_reached_again_is_filled_and_one_that_melts_has_its_por
     np.testing.assert_allclose(cells.free_volume, 0.0, atol=1e-15)
 
 
+@pytest.mark.serial
 def test_graphite_swells_and_a_last_cell_without_pores_is_born_larger() -> None:
     cells = content()
     cells.begin(np.zeros(5, np.int32), np.ones(5, bool), np.zeros(5), np.zeros(5))
@@ -147,6 +152,7 @@ def test_graphite_swells_and_a_last_cell_without_pores_is_born_larger() -> None:
     assert cells.demand == pytest.approx(-0.006 * 15, rel=1e-14)
 
 
+@pytest.mark.serial
 def test_a_body_that_starts_solid_is_full_as_it_is() -> None:
     """The strain of its skeleton is no change: e + s_skeleton = 0 at the start."""
     cells = content()
@@ -156,6 +162,7 @@ def test_a_body_that_starts_solid_is_full_as_it_is() -> None:
     assert (cells.demand, cells.fed, cells.void) == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.serial
 def test_the_state_comes_back() -> None:
     cells, other = content(), content()
     begin(cells, [0.0] * 5, [0, 0, 1, 1, -1])
@@ -168,3 +175,13 @@ def test_the_state_comes_back() -> None:
         commit(each, 0.002, np.array([True, True]))
     np.testing.assert_array_equal(other.free_volume, cells.free_volume)
     assert (other.demand, other.fed, other.void) == (cells.demand, cells.fed, cells.void)
+
+
+@pytest.mark.ranks
+def test_a_rank_without_cells_knows_the_pockets_of_others(comm) -> None:
+    count = 5 if comm.rank == comm.size - 1 else 0
+    numbering = Numbering("cells of casting", np.arange(count), 5, ("casting",))
+    cells = Content(comm, numbering, VOLUMES[:count])
+    zeros, all_liquid = np.zeros(count), np.ones(count, dtype=bool)
+    cells.begin(np.array([0, 0, 1, 1, 1], dtype=np.int32)[:count], all_liquid, zeros, zeros)
+    np.testing.assert_allclose(cells.pockets, [3.0, 12.0])

@@ -22,6 +22,12 @@ def test_largest_factor_counts_growth_and_shrinking_alike(comm):
         assert largest_factor(np.array(changed), then, comm) == np.inf
 
 
+@pytest.mark.ranks
+def test_a_rank_without_entries_knows_the_factor_of_others(comm):
+    then = np.ones(1 if comm.rank == comm.size - 1 else 0)
+    assert largest_factor(3.0 * then, then, comm) == 3.0
+
+
 def test_the_diagonal_is_that_of_the_owned_rows(comm, dense):
     A = matrix(comm, dense, LOCAL)
     own = slice(*A.getOwnershipRange())

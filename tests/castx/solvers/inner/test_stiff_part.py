@@ -55,6 +55,20 @@ def test_stiff_nodes_are_solved_for_with_all_their_unknowns(comm):
 
 
 @pytest.mark.ranks
+def test_ranks_without_stiff_nodes_take_part(comm):
+    few = 2 if comm.size == 1 else NODES  # the last rank has no soft node
+    stiff = np.arange(NODES * comm.size) >= NODES * comm.size - few
+    dense = soft_with(comm, stiff)
+    part, A = set_up(comm, dense)
+    right = vector(comm, np.ones(len(dense)))
+    x, rest = right.duplicate(), right.duplicate()
+    part.solve(right, x, rest)
+    np.testing.assert_array_equal(gathered(comm, x) != 0.0, np.repeat(stiff, SIZE))
+    for item in (part, A, right, x, rest):
+        item.destroy()
+
+
+@pytest.mark.ranks
 def test_constrained_unknowns_are_neither_stiff_nor_solved_for(comm):
     """The diagonal of a constrained row says nothing: its node is as stiff as its other rows."""
     stiff = np.tile(np.arange(NODES) < 2, comm.size)

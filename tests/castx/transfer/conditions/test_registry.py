@@ -73,6 +73,14 @@ def test_a_number_has_a_unit_and_refuses_others(kind, key):
         HeatCondition.read({**kind.example(), key.name: "3 mol"})
 
 
+@pytest.mark.parametrize(
+    "kind, key", [(kind, key) for kind, key in KEYS if key.unit not in ("degC", "W/m^2")], ids=named
+)
+def test_only_temperatures_and_fluxes_may_be_negative(kind, key):
+    with pytest.raises(CaseError, match=f"{key.name}.*: must be (positive|at least 0)"):
+        HeatCondition.read({**kind.example(), key.name: -key.usual[0]})
+
+
 @pytest.mark.parametrize("kind", CONDITIONS, ids=named)
 def test_keys_of_other_conditions_are_refused(kind):
     for other in CONDITIONS:
