@@ -33,6 +33,7 @@ from castx.mechanics.liquid.regions import CellRegions
 from castx.solvers.layout import Layout
 from castx.solvers.remote_entries import RemoteEntries
 
+
 @dataclass(frozen=True)
 class _Side:
     """The nodes of one body at the rows of an interface.
@@ -137,4 +138,5 @@ def _pressures_of_pull(body: BodyMechanics) -> FloatArray:
     """Return p_v (1 − w)/w of the local nodes of a body [Pa], infinite where nothing bears."""
     share = body.material.conditions.nodes.share
     liquid = body.material.law.material.wall_suction * (1.0 - share)
-    return np.divide(liquid, share, out=np.full(len(share), np.inf), where=share > 0.0)
+    found = np.full(len(share), np.inf)
+    return np.asarray(np.divide(liquid, share, out=found, where=share > 0.0))

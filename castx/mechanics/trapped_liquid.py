@@ -125,6 +125,7 @@ class Pockets:
             shrunk,
             material.start_volume.dilatation,
         )
+        material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()
         self._is_trial = True

@@ -126,7 +126,7 @@ def weighted_means(
     corners = points.cell_nodes
     total = weight[corners].sum(axis=1)
     weighted = (weight * values)[corners].sum(axis=1)
-    return np.divide(weighted, total, out=np.zeros_like(total), where=total > 0)
+    return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
 
 
 def in_the_solid(
@@ -143,4 +143,4 @@ def in_the_solid(
     plain = points.from_nodes(values)
     weighted = points.from_nodes(weight * values)
     partly = (total > 0) & (total < 1)
-    return np.divide(weighted, total, out=plain, where=partly)
+    return np.asarray(np.divide(weighted, total, out=plain, where=partly))

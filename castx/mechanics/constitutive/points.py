@@ -98,6 +98,10 @@ class MaterialPoints:
         )
         return c
 
+    def swell(self, strain: FloatArray) -> None:
+        """Let the cells swell in the trial step by volumetric strains, shape (cells,)."""
+        self.thermal_strain.x.array[:] += strain
+
     @property
     def start_volume(self) -> CellVolume:
         """Volume of the cells at the start of the step."""

@@ -132,4 +132,4 @@ def secant_softening(
     of_solid = 2 * conditions.shear_modulus * tensor_norm(response.elastic)
     stress = np.where(solid, of_solid, tensor_norm(response.stress))
     found = np.divide(stress, elastic, out=np.ones_like(elastic), where=elastic > 0)
-    return np.clip(found, SMALLEST_SECANT, 1.0)
+    return np.asarray(np.clip(found, SMALLEST_SECANT, 1.0))

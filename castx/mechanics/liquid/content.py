@@ -45,6 +45,8 @@ class Content:
         demand: feeding demand so far [m³].
         fed: what has been fed so far [m³].
         void: present volume of all pores [m³].
+        swelling: volumetric strain by which metal that swells while it freezes overfills the cells
+            in the trial step, where no pool takes it, shape (cells,).
     """
 
     def __init__(self, comm: MPI.Intracomm, numbering: Numbering, volumes: FloatArray) -> None:
@@ -55,6 +57,7 @@ class Content:
         self.pocket: IntArray = np.full(cells, -1, dtype=np.int32)
         self.pockets: FloatArray = np.zeros(0)
         none: FloatArray = np.zeros(cells)
+        self.swelling: FloatArray = none
         self._full, self._pores, self._shrunk = none, none, none
         self._trial_full, self._trial_pores, self._trial_shrunk = none, none, none
         self._region: IntArray = self.pocket
@@ -97,17 +100,18 @@ class Content:
     def _fill(self, change: FloatArray, dilatation: FloatArray) -> None:
         pool, last = self.pocket >= 0, self._last_region
         # What freezes round a pool draws from the liquid that is left in it.
-        lost = self._sums(np.where(pool, -1, last), self._last_count, change)
+        lost = self._sums(np.where(self._liquid, -1, last), self._last_count, change)
         room = self._sums(np.where(pool, last, -1), self._last_count, np.ones(len(last)))
         share = np.divide(lost, room, out=np.zeros_like(lost), where=room > 0)
         drawn, alone = np.zeros(len(last)), last == ALONE
         inside = last >= 0
         drawn[inside], alone[inside] = share[last[inside]], room[last[inside]] == 0
         full = np.where(self._was_pool, self._full, dilatation - self._pores)
-        self._trial_full = full - change - drawn
+        self._trial_full = np.where(pool, full - change - drawn, 0.0)
         self._trial_pores = np.where(self._liquid, 0.0, self._pores)
-        final = alone & ~pool  # nothing is left from which it could draw
+        final = alone & ~self._liquid  # nothing is left from which it could draw
         self._trial_pores[final] = np.maximum(self._pores + change, 0.0)[final]
+        self.swelling = np.where(final, np.maximum(-self._pores - change, 0.0), 0.0)
 
     def _sums(self, group: IntArray, count: int, values: FloatArray) -> FloatArray:
         """Return the sums of V times values over the cells of each group, shape (count,)."""

@@ -43,7 +43,7 @@ class FeedingPaths:
         """
         wet = fraction < fed_until
         corners = self._regions.cell_nodes
-        inside = wet[corners].any(axis=1)
+        inside: BoolArray = np.asarray(wet[corners].any(axis=1))
         count, region = self._regions.find(inside, wet)
         fed = np.zeros(count, dtype=np.int32)
         fed[region[inside & (wet & self._at_free_surface)[corners].any(axis=1)]] = 1

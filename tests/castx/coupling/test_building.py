@@ -225,8 +225,8 @@ def test_a_displacement_body_that_starts_solid_goes_without_its_liquid(comm):
 def test_the_law_above_the_solidus_is_named():
     copper = find_material("Cu-pure", {})
     text = (
-        "core: Cu-pure flows with its viscosity ahead of its front at 1084.62 °C; its coherency has "
-        "no meaning there"
+        "core: Cu-pure flows with its viscosity ahead of its front at 1084.62 °C; its coherency "
+        "has no meaning there"
     )
     assert law_above_solidus("core", copper) == text
     alloy = find_material("AlSi7Mg", {})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -48,11 +50,11 @@ def share(w: float) -> float:
 
 
 def test_growth_adds_the_stress_of_increments(points):
-    """s = Σ w_m 2G de while solid grows, whatever the size of the steps."""
+    """Stress s = Σ w_m 2G de while solid grows, whatever the size of the steps."""
     law = Law(metal(viscosity=1e-3, coherency=COHERENCY), 560.0, ELASTIC)
     shares, history = np.array([0.0, 0.3, 0.35, 0.8, 1.0]), PointHistory.initial(points)
     total, expected = np.zeros((points.count, points.components)), 0.0
-    for number, (before, now) in enumerate(zip(shares[:-1], shares[1:], strict=True)):
+    for number, (before, now) in enumerate(pairwise(shares)):
         change = strains(points, 1e-4, number)
         total = total + change
         c = at(points, law, share(now), start=share(before))

@@ -99,7 +99,7 @@ def test_the_mixture_is_continuous_from_liquid_to_solid(points, liquid, name):
 
 
 def test_the_mixture_shares_its_stress(points):
-    """w of the solid, of which what was there has yielded, and the rest of the liquid."""
+    """Share w of the solid, of which what was there has yielded, and the rest of the liquid."""
     law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
     w, start = 0.75, 0.5
     strain = strains(points, 2e-3, 1)
