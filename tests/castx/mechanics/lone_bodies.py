@@ -72,7 +72,7 @@ def begin(
 def molten_ends(part: BodyMechanics) -> FloatArray:
     """Return solid fractions of the local nodes that leave two pockets, at both ends of a slab."""
     x = part.mesh.points[:, 0]
-    return np.where((x < 0.1 * LENGTH) | (x > 0.9 * LENGTH), 0.0, 1.0)
+    return np.where((x < 0.3 * LENGTH) | (x > 0.7 * LENGTH), 0.0, 1.0)
 
 
 def begin_anywhere(part: BodyMechanics, solid_fraction: float | FloatArray = 1.0) -> None:

@@ -55,9 +55,13 @@ def update(pockets: Pockets, liquid: np.ndarray) -> np.ndarray:
         law=Law(metal, STRESS_FREE),
         conditions=SimpleNamespace(coherent=~liquid, solid_compressibility=cells),
         compressibility=SimpleNamespace(x=SimpleNamespace(array=cells.copy())),
-        set_free_volume=lambda strain: None,
+        start_volume=SimpleNamespace(dilatation=np.zeros(len(liquid))),
+        swell=lambda strain: None,
     )
-    pockets.begin(material, np.zeros(len(pockets.pressure.x.array)))
+    space = pockets.pressure.function_space
+    fraction = np.ones(len(pockets.pressure.x.array))
+    fraction[space.dofmap.list[liquid].ravel()] = 0.0
+    pockets.begin(material, fraction)
     pockets.evaluate(np.zeros(len(liquid)))
     return pockets.content.pocket >= 0
 
