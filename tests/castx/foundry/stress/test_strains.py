@@ -9,7 +9,8 @@ import pytest
 
 from castx.foundry.front.windows import Window
 from castx.foundry.stress.strains import BodyStrains, largest_principal
-from castx.results.states.snapshot import ProcessState, StepCounters
+from castx.results.states.snapshot import ProcessState
+from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot, slab_mesh
 
 GRADIENT, SPEED, RATE, STEP = 2e4, 1e-3, 3e-3, 0.08
