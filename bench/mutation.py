@@ -186,7 +186,7 @@ def _said(command: Sequence[str], checkout: Path, limit: float) -> Said:
         text = said.read()
     if code_of_exit in NO_TESTS and "Error" not in text:
         raise RuntimeError(f"{' '.join(command)} ran no tests:\n{text}")
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", text, re.MULTILINE)
+    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", text, re.MULTILINE)
     return Said(SURVIVED if code_of_exit == 0 else CAUGHT, failed.group(1) if failed else "")
 
 

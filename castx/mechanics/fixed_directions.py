@@ -56,7 +56,7 @@ class FixedDirections:
 
 
 def parallel(directions: FloatArray, direction: FloatArray) -> BoolArray:
-    """Return a mask of the unit vectors that lie along another one, shape (n,)."""
+    """Return the unit vectors that lie along another one as a mask, shape (n,)."""
     across = directions - np.outer(directions @ direction, direction)
     return np.asarray(np.linalg.norm(across, axis=1) < PARALLEL)
 

@@ -71,3 +71,10 @@ def test_the_angles_at_the_corner_of_the_core_are_equal():
         angles.append(math.degrees(math.acos(cosine)))
     assert angles == pytest.approx([120.0] * 3, abs=6.0)
     assert sum(angles) == pytest.approx(360.0)
+
+
+@pytest.mark.parametrize("beyond, count", [(0.0, 5), (5e-11, 5), (5e-10, 6)])
+def test_what_divides_the_interface_but_for_rounding_makes_no_more_cells(beyond, count):
+    mesh = quarter_o_grid((0.5, 1.0, 1.5), Sizing(math.pi / 4 / 5 / (1.0 + beyond)))
+    on_interface = np.isclose(np.linalg.norm(mesh.points, axis=1), 1.0)
+    assert on_interface.sum() == 2 * count + 1

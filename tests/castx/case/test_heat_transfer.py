@@ -78,6 +78,13 @@ def patched(**keys):
             },
             "open: 40 W/m²/K at gap 0, but closed is 50: the law would jump",
         ),
+        (
+            {
+                "law": "limited", "roughness": [6e-6, 8e-6], "gas_conductivity": 0.04,
+                "open": {"over": "gap", "table": [[0, 40], [1, 2]]},
+            },
+            "open: 40 W/m²/K at gap 0, but closed is 8000: the law would jump",
+        ),
         ({"law": "series", "closed": 5, "gas_conductivity": 1, "open": 3}, "open: the law 'seri"),
         ({**LIMITED, "radiation": {"emissivities": [0.3]}}, "radiation.emissivities: at least 2"),
         ({**LIMITED, "radiation": {"emissivities": [0.3, 0]}}, r"emissivities\[1\]: must be"),

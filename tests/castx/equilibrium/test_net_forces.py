@@ -38,7 +38,7 @@ def test_what_acts_is_the_load_or_else_the_contact(comm, method):
 def test_a_load_of_a_micronewton_is_one(comm):
     made = two_blocks(comm)
     load = made.equilibrium.balance.assembly.bodies[0].formulation.forms.load
-    _, forces = made.equilibrium.pair_values()
+    _, forces = made.equilibrium.balance.pair_values(made.equilibrium.x)
     before = net_of(made).acting(forces)[0]
     load *= 1e-6 / before
     assert net_of(made).acting(forces)[0] == pytest.approx(1e-6, rel=1e-12)

@@ -38,6 +38,16 @@ def test_solids_of_one_body_have_no_face_between_them():
     assert not areas
 
 
+def test_of_what_is_drilled_nothing_is_left():
+    with gmsh_session():
+        block = gmsh.model.occ.addBox(0, 0, 0, 20, 20, 10)
+        drill = gmsh.model.occ.addCylinder(10, 10, -5, 0, 0, 20, 2)
+        gmsh.model.occ.synchronize()
+        volumes = join([Solid(block, "die", ""), Solid(drill, "hole", "", 1)], 0.0, [drill])
+        assert list(volumes.values()) == ["die"]
+        assert gmsh.model.getEntities(3) == [(3, tag) for tag in volumes]
+
+
 @pytest.mark.parametrize("shift", [(0, 0, 0.01), (0, 0, -0.01), (0.01, 0.003, -0.01)])
 def test_a_mismatch_within_the_tolerance_is_closed(shift):
     sizes, areas = joined(shift, 2e-5)

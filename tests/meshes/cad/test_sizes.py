@@ -88,6 +88,28 @@ def test_a_knife_edge_is_as_thick_as_where_its_triangles_end():
     assert walls[flat | round_].min() > 0.7 * first
 
 
+def test_a_triangle_at_the_edge_of_a_wedge_is_as_thick_as_at_its_corners_off_it():
+    """One corner off the edge or the mean of two; without any on it as in its middle."""
+    slope, angle = 0.2, np.arctan(0.2)
+    with gmsh_session():
+        occ = gmsh.model.occ
+        corners = [occ.addPoint(*place, 0) for place in ((0, 0), (20, 0), (20, 20 * slope))]
+        lines = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+        section = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+        wedge = next(tag for dim, tag in occ.extrude([(2, section)], 0, 0, 20) if dim == 3)
+        occ.synchronize()
+        faces = faces_of({wedge: "casting"})
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 5)
+        gmsh.model.mesh.generate(2)
+        samples = samples_of(faces)
+        walls, _ = wall_thickness(samples, faces, "casting")
+    lower = np.array([face.normals[0, 1] < -0.999 for face in faces])[samples.faces]
+    depths = slope * samples.corners[lower][:, :, 0]
+    off = (depths > 1e-9).sum(axis=1)
+    assert {1, 2, 3} <= set(off.tolist()) and angle < np.pi / 6
+    np.testing.assert_allclose(walls[lower], depths.sum(axis=1) / off, rtol=1e-6)
+
+
 def test_walls_are_as_thick_as_drawn(sampled):
     faces, samples = sampled
     flat = np.array([abs(face.normals[0, 2]) > 0.5 and len(face.bodies) == 2 for face in faces])

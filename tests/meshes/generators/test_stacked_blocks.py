@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.meshes.generators.stacked_blocks import stacked_blocks
+from castx.meshes.generators.stacked_blocks import GENERATOR, stacked_blocks
 from tests.meshes.gmsh_meshes import BOTH, cell_set, generated, refused
 
 pytestmark = pytest.mark.serial
@@ -82,3 +82,15 @@ def test_full_blocks_are_mirror_images_of_the_symmetric_model(model, upper, base
 )
 def test_impossible_blocks_are_refused(arguments, text):
     refused(stacked_blocks, text, **arguments)
+
+
+@pytest.mark.parametrize("missing, refuses", [(5e-10, False), (5e-9, True)])
+def test_a_base_may_be_narrower_by_rounding(missing, refuses):
+    """By a billionth, for the mesh and for the case alike."""
+    sides = {"upper": [0.03, 0.02], "base": [0.03 * (1.0 - missing), 0.01]}
+    assert bool(list(GENERATOR.problems(sides, "plane-strain"))) == refuses
+    arguments = {"model": "plane-strain", "size": 0.01, **sides}
+    if refuses:
+        refused(stacked_blocks, "at least as wide as the upper block", **arguments)
+    else:
+        generated(stacked_blocks, ["upper", "base"], **arguments)

@@ -91,6 +91,14 @@ def test_neighbours_are_one_edge_away(comm):
     assert near[:, 1].tolist() == (x <= 1).tolist()
 
 
+@pytest.mark.serial
+def test_a_node_is_no_neighbour_of_itself(comm):
+    body = box(comm, "quadrilaterals")
+    away = np.round(body.points / SIZE) - [5, 2]
+    near = NodeRegions(body).neighbours_of((away == 0).all(axis=1)[:, None])
+    assert near[:, 0].tolist() == (np.abs(away).sum(axis=1) == 1).tolist()
+
+
 @pytest.mark.ranks
 def test_nodes_are_joined_by_chosen_ones_alone(comm):
     body = box(comm, "simplices")
