@@ -183,7 +183,7 @@ def freeze(made: MechanicalProblem, core: float, step: float = 1.0, size: float 
 
 
 def solid_fraction(x: FloatArray, core: float, size: float) -> FloatArray:
-    """Return f_s at places: half of the nodes between shell and core bears, as a front leaves it."""
+    """Return f_s at places: nodes between shell and core bear by half, as a front leaves them."""
     radius = np.hypot(x[:, 0], x[:, 1])
     between = np.abs(radius - size) <= 1e-6 * size
     return np.where(between, 0.5 * (1.0 + COHERENCY), np.where(radius > size, 1.0, core))
