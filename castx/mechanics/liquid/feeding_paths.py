@@ -39,9 +39,10 @@ class FeedingPaths:
 
         Args:
             fraction: solid fraction at the local nodes, shape (nodes,).
-            fed_until: solid fraction up to which liquid can flow.
+            fed_until: solid fraction up to which liquid can flow; not in what is all solid.
         """
-        wet = fraction < fed_until
+        # With metal that bears from f_c on, a node either bears or lets liquid flow.
+        wet = (fraction <= fed_until) & (fraction < 1.0)
         corners = self._regions.cell_nodes
         inside: BoolArray = np.asarray(wet[corners].any(axis=1))
         count, region = self._regions.find(inside, wet)

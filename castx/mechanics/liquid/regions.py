@@ -42,7 +42,8 @@ class Regions:
 
         Args:
             chosen: groups of this rank, those of ghosts included, shape (groups,).
-            joining: local nodes by which groups are joined, shape (nodes,); None: all of them.
+            joining: local nodes by which groups are joined, shape (nodes,), at least one of each
+                chosen group; None: all of them.
         """
         nodes = self._groups[chosen]
         joins = np.ones(nodes.shape, dtype=bool) if joining is None else joining[nodes]

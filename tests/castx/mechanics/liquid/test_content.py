@@ -7,6 +7,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.arrays import FloatArray
 from castx.mechanics.liquid.content import Content
 from castx.stateful import Numbering
 
@@ -206,6 +207,39 @@ def test_demand_is_fed_or_a_void_in_rigid_walls(seed: int) -> None:
             break  # rigid walls would not hold it
         commit(cells, 0.0, np.ones(5, dtype=bool))
         assert cells.demand == pytest.approx(cells.fed + cells.void, rel=1e-10, abs=1e-12)
+        assert cells.void >= -1e-15
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("seed", range(40))
+def test_demand_is_fed_or_a_void_or_what_walls_give_way(seed: int) -> None:
+    """While solid grows and melts, regions are cut off, part, meet and lose their pools.
+
+    The walls give way where the cells of pools lose volume, and those that swell push them away.
+    """
+    random, cells = np.random.default_rng(seed), content()
+    fraction: FloatArray = np.zeros(5)
+    theta: FloatArray = np.zeros(5)
+    begin(cells, list(fraction), [-1] * 5)
+    walls = 0.0
+    for _ in range(25):
+        fraction = np.clip(fraction + random.choice([0.0, 0.1, 0.3, -0.2], 5), 0.0, 1.0)
+        region = np.where(fraction < COHERENCY, random.integers(-1, 2, 5), -1)
+        region[region >= 0] = np.unique(region[region >= 0], return_inverse=True)[1]
+        sign = random.choice([1.0, 1.0, 1.0, -1.0])  # shrinks, or swells again
+        shrunk = sign * S * np.minimum(fraction, COHERENCY)
+        cells.begin(region.astype(np.int32), fraction <= 0.25, shrunk, theta)
+        before, theta = theta, theta + 0.01 * random.standard_normal(5)
+        filled = cells.void_fraction(theta)
+        porous = (filled > 0.0) & (random.random(len(filled)) < 0.8)
+        pool = cells.pocket >= 0
+        # Walls close on what is left of a full pocket.
+        theta[pool] -= np.where(porous, 0.0, filled)[cells.pocket[pool]]
+        walls += float(VOLUMES[pool] @ (before - theta)[pool] - VOLUMES @ cells.swelling)
+        assert (cells.swelling >= 0.0).all() and not cells.swelling[fraction <= 0.25].any()
+        cells.commit(theta, porous)
+        assert cells.demand == pytest.approx(VOLUMES @ shrunk, rel=1e-10, abs=1e-12)
+        assert cells.demand == pytest.approx(cells.fed + cells.void + walls, rel=1e-10, abs=1e-12)
         assert cells.void >= -1e-15
 
 

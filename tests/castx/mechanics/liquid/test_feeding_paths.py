@@ -28,8 +28,9 @@ def wet_cells(body: BodyMesh, wet: np.ndarray) -> np.ndarray:
 
 
 def pockets(body: BodyMesh, wet: np.ndarray, closed: list[str]) -> np.ndarray:
-    """Return the pockets where nodes have solid fractions of 0.59, and 0.6 elsewhere."""
-    return FeedingPaths(body, "axisymmetric", closed).pockets(np.where(wet, 0.59, 0.6), 0.6)
+    """Return the pockets where nodes have solid fractions of 0.6, and just more elsewhere."""
+    fraction = np.where(wet, 0.6, 0.6 + 1e-15)
+    return FeedingPaths(body, "axisymmetric", closed).pockets(fraction, 0.6)
 
 
 def total(body: BodyMesh, cells: np.ndarray) -> int:
@@ -95,6 +96,14 @@ def test_the_surfaces_decide(casting) -> None:
 def test_no_liquid_is_no_pocket(casting) -> None:
     nothing = np.zeros(len(casting.points), dtype=bool)
     assert np.all(pockets(casting, nothing, ["mould"]) == -1)
+
+
+@pytest.mark.ranks
+def test_in_pure_metal_liquid_flows_until_all_is_solid(casting) -> None:
+    paths = FeedingPaths(casting, "axisymmetric", ["mould", "base", "top"])
+    nearly = np.full(len(casting.points), 1.0 - 1e-12)
+    assert np.all(paths.pockets(nearly, 1.0) == 0)
+    assert np.all(paths.pockets(np.ones(len(nearly)), 1.0) == -1)
 
 
 @pytest.mark.ranks
