@@ -239,19 +239,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where the lines are kept")
     given = parser.parse_args(arguments)
     sys.path.insert(0, str(CHECKOUT))
-    from bench.mutation import UNINSTALLED, copy_of_checkout
+    from bench.mutation import copy_of_checkout, environment
 
     given.folder.mkdir(parents=True, exist_ok=True)
     file = given.folder.resolve() / f"{time.time_ns()}.npz"
     code = (
-        f"{UNINSTALLED} from pathlib import Path; from bench.executed_lines import record; "
+        "import sys; from pathlib import Path; from bench.executed_lines import record; "
         "sys.exit(record(Path(sys.argv[1]), sys.argv[2:]))"
     )
     with tempfile.TemporaryDirectory() as folder:
         checkout = copy_of_checkout(Path(folder))
         return subprocess.call(
-            [sys.executable, "-B", "-c", code, str(file), *given.tests], cwd=checkout
-        )
+            [sys.executable, "-B", "-c", code, str(file), *given.tests],
+            cwd=checkout, env=environment(checkout),
+        )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -47,11 +47,12 @@ COPIED = (
 )  # fmt: skip
 SURVIVED, CAUGHT, HANGS = "survived", "caught", "caught (too slow)"
 UNTRIED = "tests fail anyway"
-UNINSTALLED = (
-    "import sys; "
-    "sys.meta_path[:] = [f for f in sys.meta_path if 'editable' not in str(f.__module__)]; "
-)
-"""Python code that forgets the checkout that is installed, so that the folder it runs in counts."""
+OWN = """import sys
+
+sys.meta_path[:] = [f for f in sys.meta_path if "editable" not in str(f.__module__)]
+sys.path.insert(0, {!r})
+"""
+"""Start-up file of Python that forgets the checkout that is installed, for one in a folder."""
 PORTIONS = (3.0, 15.0, 60.0)
 """Time of the first portions of tests that try a drawn fault [s]."""
 START, SLOWDOWN = 120.0, 6.0
@@ -117,25 +118,28 @@ def copy_of_checkout(folder: Path) -> Path:
             shutil.copytree(source, target / name, symlinks=True)  # castx/forms is ../forms
         else:
             shutil.copy(source, target / name)
-    _site(target).mkdir()
-    own = f"{UNINSTALLED} sys.path.insert(0, {str(target)!r})\n"
-    (_site(target) / "sitecustomize.py").write_text(own, encoding="utf-8")
+    isolate(target)
     code = "import castx.errors as a, castx.forms.heat as b; print(a.__file__, b.__file__)"
     found = subprocess.run(
-        [sys.executable, "-P", "-c", code], env=_environment(target), capture_output=True, text=True
+        [sys.executable, "-P", "-c", code], env=environment(target), capture_output=True, text=True
     )
     if found.stdout.count(str(target)) != 2:
         raise RuntimeError(f"the copy is not what is imported: {found.stdout}{found.stderr}")
     return target
 
 
+def isolate(checkout: Path) -> None:
+    """Let processes in the `environment` of a checkout import castx from there alone."""
+    _site(checkout).mkdir()
+    (_site(checkout) / "sitecustomize.py").write_text(OWN.format(str(checkout)), encoding="utf-8")
+
+
 def _site(checkout: Path) -> Path:
-    """Return the folder whose start-up file lets processes import from a copy of the checkout."""
     return checkout.with_name(f"{checkout.name}-site")
 
 
-def _environment(checkout: Path) -> dict[str, str]:
-    """Return the environment of processes that run a copy of the checkout, and of their own."""
+def environment(checkout: Path) -> dict[str, str]:
+    """Return the environment of processes that run an isolated checkout, and of their own."""
     waiting = {"OMPI_MCA_mpi_yield_when_idle": "1"}
     return {**waiting, **os.environ, "PYTHONPATH": str(_site(checkout))}
 
@@ -152,8 +156,7 @@ def outcome(checkout: Path, tests: Sequence[str], limit: float, ranks: int = 1) 
     Raises:
         RuntimeError: pytest did not run them.
     """
-    code = UNINSTALLED + "import pytest; sys.exit(pytest.main(sys.argv[1:]))"
-    command = [sys.executable, "-B", "-c", code, "-x", "-q", "--all", "-p", "no:cacheprovider"]
+    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "--all", "-p", "no:cacheprovider"]
     launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
     return _said([*launch, *command, *tests], checkout, limit).verdict
 
@@ -173,7 +176,7 @@ def _said(command: Sequence[str], checkout: Path, limit: float) -> Said:
     """
     with tempfile.TemporaryFile("w+") as said:
         running = subprocess.Popen(
-            command, cwd=checkout, env=_environment(checkout), start_new_session=True,
+            command, cwd=checkout, env=environment(checkout), start_new_session=True,
             stdout=said, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
@@ -301,9 +304,9 @@ def _chosen_outcome(checkout: Path, tests: Sequence[str], limit: float) -> Said:
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
         json.dump(tests, file)
         file.flush()
-        code = "from bench.mutation import run_chosen; from pathlib import Path; "
+        code = "import sys; from bench.mutation import run_chosen; from pathlib import Path; "
         code += "sys.exit(run_chosen(Path(sys.argv[1])))"
-        return _said([sys.executable, "-c", UNINSTALLED + code, file.name], checkout, limit)
+        return _said([sys.executable, "-c", code, file.name], checkout, limit)
 
 
 def try_drawn(chosen: Sequence[Fault], folder: Path, results: Path, most: float) -> int:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -79,6 +80,33 @@ def graded(length: float, sizing: Sizing, extent: float | None = None) -> FloatA
     positions = np.interp(np.linspace(0.0, count[-1], intervals + 1), count, fine)
     positions[-1] = length
     return positions
+
+
+def graded_through(places: FloatArray, sizing: Sizing) -> FloatArray:
+    """Return positions through all places, refined at each, with an even number in between.
+
+    So every corner that places make has the same pattern of triangles, without one that has all its
+    nodes on the interface.
+
+    Args:
+        places: ascending [m].
+        sizing: wanted sizes over the distance from the nearest place.
+    """
+    positions = [places[:1]]
+    for start, end in pairwise(places):
+        half = graded(0.5 * (end - start), sizing)
+        positions += [start + half[1:], end - half[-2::-1]]
+    return np.concatenate(positions)
+
+
+def between_walls(inside: FloatArray, wall: FloatArray) -> FloatArray:
+    """Return positions in a body and, beyond both of its ends, in walls.
+
+    Args:
+        inside: ascending [m].
+        wall: distances from the end of the body, from 0 on [m].
+    """
+    return np.concatenate([inside[0] - wall[:0:-1], inside, inside[-1] + wall[1:]])
 
 
 def require_positive(**lengths: float) -> None:

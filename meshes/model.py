@@ -44,6 +44,18 @@ def everything_else(name: str) -> Surface:
     return name, lambda points: np.ones(len(points), dtype=bool)
 
 
+def base_top_and_outside(up: int, levels: FloatArray, tolerance: float) -> list[Surface]:
+    """Return the surfaces base and top at the ends of some levels, and outside, all other faces.
+
+    Args:
+        up: number of the coordinate that points up.
+        levels: its values, ascending [m].
+        tolerance: of the values [m].
+    """
+    ends = [plane("base", up, levels[0], tolerance), plane("top", up, levels[-1], tolerance)]
+    return [*ends, everything_else("outside")]
+
+
 def fill_model(mesh: LinearMesh, bodies: Sequence[str], surfaces: Sequence[Surface]) -> None:
     """Fill the current gmsh model with a mesh.
 

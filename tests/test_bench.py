@@ -129,7 +129,6 @@ def test_those_that_build_their_problem_themselves_measure_a_tiny_one(name, caps
 
 def test_faults_still_stand_where_the_list_says():
     """At least a hundred different ones, each in one place, with tests that exist."""
-    mutation = script("mutation")
     found = mutation.mutants()
     assert len({(mutant.path, mutant.text, mutant.replacement) for mutant in found}) > 100
     rooms = {mutant.path.removeprefix("castx/").partition("/")[0] for mutant in found}
@@ -144,7 +143,7 @@ def test_faults_still_stand_where_the_list_says():
 
 
 def test_faults_of_ranks_are_for_the_rank_contract_to_notice():
-    of_ranks = [fault for fault in script("mutation").mutants() if fault.ranks > 1]
+    of_ranks = [fault for fault in mutation.mutants() if fault.ranks > 1]
     assert len(of_ranks) >= 120
     outside = [
         test
@@ -166,7 +165,6 @@ def in_contract(file: Path, function: str) -> bool:
 
 
 def test_a_fault_that_stands_nowhere_or_twice_is_refused():
-    mutation = script("mutation")
     fault = mutation.Mutant("a.py", "x = 1", "x = 2", ("tests/test_bench.py",))
     assert fault.planted("x = 1\ny = 1\n") == "x = 2\ny = 1\n"
     for code in ("y = 1\n", "x = 1\nx = 1\n"):
@@ -286,10 +284,14 @@ def recorded(tmp_path_factory):
     (checkout / "castx" / "inner" / "b.py").write_text("OTHER = 1\nLIMIT = 0.5\n")
     (checkout / "tests" / "castx" / "test_a.py").write_text(TESTS)
     code = (
-        f"{mutation.UNINSTALLED} from pathlib import Path; from bench.executed_lines import record;"
+        "from pathlib import Path; from bench.executed_lines import record; "
         "record(Path('lines.npz'), ['tests'])"
     )
-    subprocess.run([sys.executable, "-c", code], cwd=checkout, check=True, capture_output=True)
+    mutation.isolate(checkout)
+    subprocess.run(
+        [sys.executable, "-c", code], cwd=checkout, env=mutation.environment(checkout), check=True,
+        capture_output=True,
+    )  # fmt: skip
     return checkout, executed_lines.read(checkout)
 
 
@@ -342,7 +344,6 @@ def test_tests_are_tried_in_portions_that_grow():
 
 def test_faults_are_planted_where_python_finds_them(tmp_path):
     """In a copy that is imported in place of the checkout that is installed."""
-    mutation = script("mutation")
     copy = mutation.copy_of_checkout(tmp_path)  # asks Python, and raises if it looks elsewhere
     assert (copy / "castx" / "forms").resolve() == copy / "forms"
 

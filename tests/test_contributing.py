@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from bench.mutation import copy_of_checkout, environment
 
 pytestmark = pytest.mark.serial
 
@@ -25,7 +26,6 @@ FOLDERS = {
 }
 """Where the files of each kind of declaration stand."""
 
-COPIED = ("castx", "forms", "meshes", "tests", "docs", "bench", "demos", "pyproject.toml")
 OVER_ALL = (
     "tests/castx/transfer/test_registry.py",
     "tests/castx/transfer/test_keys.py",
@@ -44,8 +44,6 @@ OVER_ALL = (
 
 RUN = """
 import sys, pytest
-# An installed checkout would be found before the copy.
-sys.meta_path[:] = [f for f in sys.meta_path if "editable" not in getattr(f, "__module__", "")]
 from docs.generator.tables import write_tables
 write_tables()
 sys.exit(pytest.main(sys.argv[1:]))
@@ -78,23 +76,18 @@ def test_there_is_an_example_of_each_kind():
 
 def test_examples_pass_the_tests_over_all_entries(tmp_path):
     """In a copy of the checkout with the tables of the manual written anew."""
-    for name in COPIED:
-        source = PROJECT / name
-        if source.is_dir():
-            shutil.copytree(source, tmp_path / name, symlinks=True)
-        else:
-            shutil.copy(source, tmp_path / name)
+    copy = copy_of_checkout(tmp_path)
     examples = places()
     for path, text in examples.items():
-        assert not (tmp_path / path).exists(), f"{path} is there already: rename the example"
-        (tmp_path / path).write_text(text)
+        assert not (copy / path).exists(), f"{path} is there already: rename the example"
+        (copy / path).write_text(text)
     names = [Path(path).stem for path in examples]
     chosen = " or ".join({*names, *(name.replace("_", "-") for name in names), "every_file"})
     own = [path for path in examples if path.startswith("tests/")]
     options = ["-v", "-p", "no:cacheprovider", "-k", f"{chosen} or tables"]
     run = subprocess.run(
         [sys.executable, "-c", RUN, *options, *OVER_ALL, *own],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
+        cwd=copy, env=environment(copy), capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert run.returncode == 0, run.stdout[-20_000:] + run.stderr[-5_000:]
     passed = [line for line in run.stdout.splitlines() if " PASSED" in line]

@@ -77,16 +77,18 @@ class ChunkedRows:
             start = ROWS * (number * self._comm.size + self._comm.rank)
             yield round_, start, min(max(self.count - start, 0), ROWS)
 
-    def collected(self, values: Array) -> Iterator[tuple[int, Bytes]]:
+    def collected(self, values: Array, width: int) -> Iterator[tuple[int, Bytes]]:
         """Yield the chunks of this rank, each with its first row.
 
         Args:
-            values: rows of the owned entities; others may follow.
+            values: rows of the owned entities; others may follow. A rank that has none need not
+                know their shape.
+            width: bytes of a row.
         """
-        rows = _bytes(values[: self._local])
+        rows = _bytes(values[: self._local], width)
         for round_, start, count in self._own():
             found = _exchanged(self._comm, rows[round_.rows], round_.counts, round_.chunk_counts)
-            chunk = np.empty((count, rows.shape[1]), dtype=np.uint8)
+            chunk = np.empty((count, width), dtype=np.uint8)
             chunk[round_.places] = found
             if count:
                 yield start, chunk
@@ -155,7 +157,6 @@ def _exchanged(comm: MPI.Intracomm, rows: Array, counts: LongArray, awaited: Lon
     return found
 
 
-def _bytes(rows: Array) -> Bytes:
-    """Return the memory of rows, shape (rows, bytes)."""
-    width = rows.dtype.itemsize * int(np.prod(rows.shape[1:]))
+def _bytes(rows: Array, width: int) -> Bytes:
+    """Return the memory of rows of a number of bytes, shape (rows, width)."""
     return np.ascontiguousarray(rows).reshape(-1).view(np.uint8).reshape(len(rows), width)

@@ -60,7 +60,8 @@ class Checkpoint:
             with SharedFile(self.path, self._comm) as file:
                 sums = np.zeros(len(entries), dtype=np.int64)
                 for number, entry in enumerate(entries):
-                    for start, chunk in self._parts(state[entry.name], chunked[entry.name], entry):
+                    parts = self._parts(state[entry.name], chunked[entry.name], entry.width)
+                    for start, chunk in parts:
                         place = entry.data + start * entry.width
                         file.write(partial(_write_at, place, chunk))
                         following = entry.end - place - chunk.nbytes
@@ -103,13 +104,11 @@ class Checkpoint:
         return np.dtype(dtype), (chunked.count, *row)
 
     def _parts(
-        self, saved: Saved, chunked: ChunkedRows | None, entry: ArchivedArray
+        self, saved: Saved, chunked: ChunkedRows | None, width: int
     ) -> Iterator[tuple[int, Bytes | Array]]:
         """Yield first row and rows of each part of an array written by this rank; collective."""
         if chunked is not None:
-            # A rank that knows nothing of the shape of rows may keep a chunk of them.
-            none = np.empty((0, *entry.shape[1:]), entry.dtype)
-            yield from chunked.collected(saved.values if len(saved.values) else none)
+            yield from chunked.collected(saved.values, width)
         elif self._comm.rank == 0:
             yield 0, np.ascontiguousarray(saved.values)
 

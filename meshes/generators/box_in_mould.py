@@ -13,9 +13,15 @@ from castx.meshes.generators.declaration import (
     Arguments,
     Generator,
 )
-from castx.meshes.grading import Sizing, graded, require_positive
+from castx.meshes.grading import (
+    Sizing,
+    between_walls,
+    graded,
+    graded_through,
+    require_positive,
+)
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
-from castx.meshes.model import everything_else, fill_model, plane
+from castx.meshes.model import base_top_and_outside, fill_model
 from castx.meshes.structured import grid, swept
 
 CASTING, MOULD = 0, 1
@@ -70,12 +76,7 @@ def box_in_mould(
         mesh = mirrored(right, 0)
     tolerance = 1e-8 * (max(box) + wall)
     up = mesh.dimension - 1
-    surfaces = [
-        plane("base", up, levels[0], tolerance),
-        plane("top", up, levels[-1], tolerance),
-        everything_else("outside"),
-    ]
-    fill_model(mesh, ["casting", "mould"], surfaces)
+    fill_model(mesh, ["casting", "mould"], base_top_and_outside(up, levels, tolerance))
 
 
 def _check(model: str, box: Sequence[float], wall: float) -> None:
@@ -97,12 +98,10 @@ def _from_the_middle(half: float, wall: float, sizing: Sizing) -> FloatArray:
 
 
 def _levels(height: float, wall: float, lid: bool, sizing: Sizing) -> FloatArray:
-    floor = -graded(wall, sizing)[:0:-1]
-    if not lid:
-        return np.concatenate([floor, graded(height, sizing)])
-    lower = graded(0.5 * height, sizing)
-    upper = height - lower[-2::-1]
-    return np.concatenate([floor, lower, upper, height + graded(wall, sizing)[1:]])
+    outside = graded(wall, sizing)
+    if lid:
+        return between_walls(graded_through(np.array([0.0, height]), sizing), outside)
+    return np.concatenate([-outside[:0:-1], graded(height, sizing)])
 
 
 def _line(positions: FloatArray, value: float) -> int:

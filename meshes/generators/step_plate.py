@@ -1,7 +1,6 @@
 """A plate with steps in its thickness, in a mould."""
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -16,9 +15,15 @@ from castx.meshes.generators.declaration import (
     Arguments,
     Generator,
 )
-from castx.meshes.grading import Sizing, graded, require_positive
+from castx.meshes.grading import (
+    Sizing,
+    between_walls,
+    graded,
+    graded_through,
+    require_positive,
+)
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
-from castx.meshes.model import everything_else, fill_model, plane
+from castx.meshes.model import base_top_and_outside, fill_model
 from castx.meshes.structured import grid, swept
 
 CASTING, MOULD = 0, 1
@@ -64,8 +69,8 @@ def step_plate(
     heights = _distinct(thicknesses)
     outside = graded(wall, sizing)
     corner = len(outside) - 1
-    x = _walled(_through(ends, sizing), outside)
-    z = _walled(_through(np.append(0.0, heights), sizing), outside)
+    x = between_walls(graded_through(ends, sizing), outside)
+    z = between_walls(graded_through(np.append(0.0, heights), sizing), outside)
     z = z if lid else z[:-corner]
     above = np.array([0.0, *thicknesses, 0.0])  # of the wall, of each section, of the wall
     if depth is None:
@@ -75,7 +80,7 @@ def step_plate(
         )  # fmt: skip
     else:
         half = 0.5 * depth
-        y = _walled(_through(np.array([-half, half]), sizing), outside)
+        y = between_walls(graded_through(np.array([-half, half]), sizing), outside)
         plan = grid(
             x, y,
             lambda m: np.where(np.abs(m[:, 1]) < half, np.searchsorted(ends, m[:, 0]), 0),
@@ -84,12 +89,7 @@ def step_plate(
         mesh = swept(plan, z, lambda section, z: _body(z, above[section]), corner)
     tolerance = 1e-8 * (ends[-1] + heights[-1] + wall)
     up = mesh.dimension - 1
-    surfaces = [
-        plane("base", up, z[0], tolerance),
-        plane("top", up, z[-1], tolerance),
-        everything_else("outside"),
-    ]
-    fill_model(mesh, ["casting", "mould"], surfaces)
+    fill_model(mesh, ["casting", "mould"], base_top_and_outside(up, z, tolerance))
 
 
 def _check(model: str, lengths: Sequence[float], thicknesses: Sequence[float], wall: float) -> None:
@@ -108,24 +108,6 @@ def _distinct(thicknesses: Sequence[float]) -> FloatArray:
     """Return the different thicknesses in ascending order, round-off apart."""
     largest = max(thicknesses)
     return np.unique(np.round(np.array(thicknesses) / largest, 9)) * largest
-
-
-def _through(places: FloatArray, sizing: Sizing) -> FloatArray:
-    """Return positions through all places, refined at each, with an even number in between.
-
-    So every corner of the casting has the same pattern of triangles, without one that has all its
-    nodes on the interface.
-    """
-    positions = [places[:1]]
-    for start, end in pairwise(places):
-        half = graded(0.5 * (end - start), sizing)
-        positions += [start + half[1:], end - half[-2::-1]]
-    return np.concatenate(positions)
-
-
-def _walled(inside: FloatArray, outside: FloatArray) -> FloatArray:
-    """Return positions in the casting and, as far from it as given, in the walls on both sides."""
-    return np.concatenate([inside[0] - outside[:0:-1], inside, inside[-1] + outside[1:]])
 
 
 def _body(height: FloatArray | float, thickness: FloatArray) -> LongArray:

@@ -1,9 +1,18 @@
 """Spacing of nodes along a line."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from castx.meshes.grading import Sizing, graded, require_positive, uniform
+from castx.meshes.grading import (
+    Sizing,
+    between_walls,
+    graded,
+    graded_through,
+    require_positive,
+    uniform,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -38,6 +47,24 @@ def test_a_higher_order_of_growth_keeps_the_cells_small_for_longer():
     linear, cubic = (graded(0.1, Sizing(0.01, 0.001, order)) for order in (1.0, 3.0))
     assert cubic[len(cubic) // 2] < 0.1 / 2
     assert np.searchsorted(cubic, 0.05) > 1.3 * np.searchsorted(linear, 0.05)
+
+
+def test_positions_go_through_all_places_and_are_fine_at_each():
+    places = np.array([0.0, 0.04, 0.1])
+    even = graded_through(places, Sizing(0.01))
+    np.testing.assert_allclose(even, np.linspace(0.0, 0.1, 11), atol=1e-15)
+    found = graded_through(places, Sizing(0.01, 0.001))
+    at = [int(np.flatnonzero(found == place)[0]) for place in places]
+    sizes = np.diff(found)
+    for start, end in pairwise(at):
+        assert (end - start) % 2 == 0
+        assert max(sizes[start], sizes[end - 1]) < 0.0015 < sizes[(start + end) // 2]
+        np.testing.assert_allclose(sizes[start:end], sizes[start:end][::-1], rtol=1e-9)
+
+
+def test_walls_stand_on_both_sides():
+    found = between_walls(np.array([1.0, 2.0, 4.0]), np.array([0.0, 0.25, 1.0]))
+    np.testing.assert_array_equal(found, [0.0, 0.75, 1.0, 2.0, 4.0, 4.25, 5.0])
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from castx.meshes.generators.stacked_blocks import stacked_blocks
 from tests import coupled_cases
 from tests.contact_methods import EXACT
 from tests.coupled_cases import ALUMINIUM, STEEL, TIGHT, cylinder, final_state, merged, ring
+from tests.partitions import PARTITION
 
 QUARTER: dict[str, Any] = {"model": "3d", "sector": "quarter", "size": 0.01, "height": 0.04}
 SHORT = {"time": {"end": 2.0}}
@@ -278,7 +279,7 @@ def test_a_rank_without_cells(comm, monkeypatch, name):
         return np.maximum(partition(*arguments), 1)
 
     alone = on_one_rank(name)  # before the partition changes
-    monkeypatch.setattr("castx.domain.mesh.partition", away_from_first)
+    monkeypatch.setattr(PARTITION, away_from_first)
     spread = final_state(comm, TIGHT_CASES[name])
     assert (len(spread.mesh.bodies["casting"].points) == 0) == (comm.rank == 0)
     difference, where = coupled_cases.largest_difference(coupled_cases.fields(spread), alone)

@@ -83,7 +83,8 @@ def assert_rows_travel(comm, own, kind, rows):
     spoilt = local.copy()
     spoilt[own.owned :] = 0  # rows of ghosts are not sent
     moving = ChunkedRows(comm, own, ghosts=False)
-    mine = {start: chunk.copy() for start, chunk in moving.collected(spoilt)}
+    width = spoilt.itemsize * int(np.prod(spoilt.shape[1:]))
+    mine = {start: chunk.copy() for start, chunk in moving.collected(spoilt, width)}
     assert moving.count == ENTITIES
     assert [(start // rows) % comm.size for start in mine] == [comm.rank] * len(mine)
     assert all(0 < len(chunk) <= rows for chunk in mine.values())
@@ -101,4 +102,4 @@ def assert_rows_travel(comm, own, kind, rows):
 def test_nothing_at_all_travels_as_well(comm):
     none = Numbering("pairs", np.empty(0, dtype=np.int64), 0, ("casting",))
     moving = ChunkedRows(comm, none, ghosts=False)
-    assert moving.count == 0 and list(moving.collected(np.empty((0, 3)))) == []
+    assert moving.count == 0 and list(moving.collected(np.empty((0, 3)), 24)) == []

@@ -69,6 +69,16 @@ def begin(
     part.set_time(0.0)
 
 
+def molten_quadrilaterals(comm: MPI.Intracomm) -> BodyMechanics:
+    """Return a body of liquid in a step of 1 s, whose pressures are multipliers of its cells."""
+    part = alone(
+        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
+        starts_liquid=True,
+    )  # fmt: skip
+    begin(part, 640.0, 0.0)
+    return part
+
+
 def molten_ends(part: BodyMechanics) -> FloatArray:
     """Return solid fractions of the local nodes that leave two pockets, at both ends of a slab."""
     x = part.mesh.points[:, 0]

@@ -21,6 +21,7 @@ from tests.castx.mechanics.lone_bodies import (
     begin_anywhere,
     jacobian_times,
     molten_ends,
+    molten_quadrilaterals,
     random_field,
 )
 from tests.elastic_bodies import blocks, body, elastic, pushed
@@ -179,11 +180,7 @@ def test_laws_of_all_bodies_decide_what_is_linear(comm, bodies):
 def test_only_q1p0_has_pressures_to_improve(comm, bodies):
     made, _ = assembled(comm, bodies)
     assert not made.improve_pressures()
-    liquid = alone(
-        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
-        starts_liquid=True,
-    )  # fmt: skip
-    begin(liquid, 640.0, 0.0)
+    liquid = molten_quadrilaterals(comm)
     other, _ = assembled(comm, [liquid])
     other.residual()
     assert other.improve_pressures()
@@ -269,11 +266,7 @@ def test_a_linear_body_is_assembled_once_for_each_state_of_its_material(comm, bo
 
 def test_the_residual_of_an_accepted_liquid_is_that_of_its_better_multipliers(comm):
     """The pressures that hold its volume start the next step, so that it has to be summed anew."""
-    part = alone(
-        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
-        starts_liquid=True,
-    )  # fmt: skip
-    begin(part, 640.0, 0.0)
+    part = molten_quadrilaterals(comm)
     made, _ = assembled(comm, [part])
     before = made.residual().array.copy()
     part.commit()

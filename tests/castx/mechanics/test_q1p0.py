@@ -24,6 +24,7 @@ from tests.castx.mechanics.lone_bodies import (
     check_derivative,
     inside,
     molten_ends,
+    molten_quadrilaterals,
     move,
     random_field,
 )
@@ -198,11 +199,7 @@ def test_state_of_the_pressures_comes_back(comm):
 
 def test_multipliers_make_a_liquid_keep_its_volume(comm):
     """Each turn of the multipliers divides what is left of the dilatation by a large factor."""
-    part = alone(
-        comm, "plane-strain", "quadrilaterals", properties=MELTING, formulation="q1p0",
-        starts_liquid=True,
-    )  # fmt: skip
-    begin(part, 640.0, 0.0)
+    part = molten_quadrilaterals(comm)
     part.solution.x.array[:] = 1e-6 * random_field(part, 1.7)
     first = part.stress()[:, :3].mean(axis=1)
     assert part.improve_pressures()
