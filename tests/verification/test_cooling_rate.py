@@ -105,6 +105,7 @@ def test_all_nodes_of_a_plate_that_conducts_well_cool_at_one_rate(comm, name):
     np.testing.assert_allclose(found["arm_spacing"], ARMS * 1.790 ** (-1 / 3), rtol=2e-3)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize("name", MESHES)
 def test_a_plate_with_a_gradient_has_its_rates_at_every_node(comm, name):
     found = found_in_plate(comm, name, 200.0, 150.0, 200.0)

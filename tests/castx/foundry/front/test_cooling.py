@@ -88,6 +88,7 @@ def test_the_rate_is_that_of_the_node_in_short_and_long_steps(comm, rate):
     np.testing.assert_array_equal(cooling.weight(), 1.0)
 
 
+@pytest.mark.ranks
 @pytest.mark.parametrize(("share", "weight"), [(0.2, 1.0), (0.35, 0.6), (0.6, 0.0)])
 def test_the_window_gives_way_to_the_front_where_it_is_steep_on_the_mesh(comm, share, weight):
     """Differences of temperature in a cell, in widths of the window of 5.5 K."""
