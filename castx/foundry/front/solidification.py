@@ -269,9 +269,9 @@ class BodySolidification:
             of_front = self.gradient() / self._slowness()
         if self._cooling is None:
             return of_front
-        weight = self._cooling.weight()
-        mean = weight * self._cooling.rate() + (1.0 - weight) * of_front
-        return np.where(weight == 0.0, of_front, np.where(weight == 1.0, self._cooling.rate(), mean))
+        weight, own = self._cooling.weight(), self._cooling.rate()
+        mean = weight * own + (1.0 - weight) * of_front
+        return np.select([weight == 0.0, weight == 1.0], [of_front, own], mean)
 
     def niyama(self) -> FloatArray:
         """Return G/√Ṫ when f_s = 0.9 was passed [K^½ s^½/m]; collective."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -71,7 +73,7 @@ def cooled(comm, temperatures):
     window = CoolingWindow.around(LINEAR, Level.of(LINEAR, 0.9))
     cooling = WindowCooling(ControlVolumes(body), LINEAR, window)
     states = [LINEAR.enthalpy(of(body.points[:, 0])) for of in temperatures]
-    for time, (start, end) in enumerate(zip(states[:-1], states[1:], strict=True)):
+    for time, (start, end) in enumerate(pairwise(states)):
         cooling.follow(Step(start, end), float(time), time + 1.0)
     return cooling
 
