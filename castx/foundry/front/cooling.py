@@ -57,7 +57,8 @@ class CoolingWindow:
         high = min(level.temperature + HALF_WIDTH * freezing_range, liquidus.temperature)
         low = max(level.temperature - HALF_WIDTH * freezing_range, solidus.temperature)
         begin, end = Level.at(curve, high).cold, Level.at(curve, low).hot
-        falling = np.diff(curve.temperature(np.linspace(end, begin, SAMPLES)))
+        samples: FloatArray = np.linspace(end, begin, SAMPLES, dtype=np.float64)
+        falling = np.diff(curve.temperature(samples))
         if not (falling > FLAT * freezing_range).all():
             return None
         return cls((begin, level.hot, end), high - low)
@@ -111,7 +112,9 @@ class WindowCooling:
         sums = [self._volumes.at_nodes(parts, values)
                 for values in (sizes * np.ptp(temperature, axis=1), sizes)]  # fmt: skip
         weighted, total = self._volumes.added(sums)
-        return np.divide(weighted, total, out=np.zeros_like(total), where=total > 0.0)
+        means: FloatArray = np.zeros_like(total)
+        np.divide(weighted, total, out=means, where=total > 0.0)
+        return means
 
     @property
     def passing(self) -> FloatArray:

@@ -276,7 +276,7 @@ class BodySolidification:
     def niyama(self) -> FloatArray:
         """Return G/√Ṫ when f_s = 0.9 was passed [K^½ s^½/m]; collective."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return self.gradient() / np.sqrt(self.cooling_rate())
+            return np.asarray(self.gradient() / np.sqrt(self.cooling_rate()))
 
 
 def by_node(values: Array) -> Array:

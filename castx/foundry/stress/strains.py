@@ -142,7 +142,7 @@ class BodyStrains:
             values: that fall while nodes freeze, (nodes,).
         """
         corners = values[self._cell_nodes[self._owned]]
-        slopes = np.einsum("cak,ca->ck", self._gradients, corners)
+        slopes: FloatArray = np.einsum("cak,ca->ck", self._gradients, corners)
         width = max(window.begin - window.end for window in self._windows)
         slopes[np.ptp(corners, axis=1) <= FLAT * width] = 0.0
         return slopes
@@ -175,8 +175,8 @@ class BodyStrains:
         total = sums[:, -1:]
         means = np.zeros((len(sums), columns.shape[1] - 1))
         np.divide(sums[:, :-1], total, out=means, where=total > 0.0)
-        gained, squares = np.split(means, [COMPONENTS + 1], axis=1)
-        return gained, squares.reshape(-1, dimension, dimension)
+        gained, directions = means[:, : COMPONENTS + 1], means[:, COMPONENTS + 1 :]
+        return gained, directions.reshape(-1, dimension, dimension)
 
     def _gained(self, until: float) -> tuple[FloatArray, FloatArray]:
         """Return strain (nodes, 7) and time [s] of a range, not a number if it is not passed."""
