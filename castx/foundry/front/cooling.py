@@ -93,7 +93,7 @@ class WindowCooling:
         self.spread = np.full(self._volumes.nodes, np.nan)
 
     def follow(self, step: Step, start: float, end: float) -> None:
-        """Note what passes in a step from one time to another; remelting deletes it; collective."""
+        """Note times at which a step passes the window; remelting deletes them; collective."""
         levels = np.array(self._window.enthalpies)[:, None]
         passed = (step.start > levels) & (step.end <= levels)
         share: FloatArray = np.zeros(passed.shape)
@@ -126,7 +126,7 @@ class WindowCooling:
         return np.asarray(self._window.width / (self.times[END] - self.times[BEGIN]))
 
     def weight(self) -> FloatArray:
-        """Return how far this rate counts, from 0 to 1, (nodes,); 0 where there is none."""
+        """Return the weight of the cooling rate, from 0 to 1, (nodes,); 0 without a rate."""
         steepness = self.spread / self._window.width
         weight = np.clip((STEEP - steepness) / (STEEP - GENTLE), 0.0, 1.0)
         return np.where(np.isfinite(self.rate()), weight, 0.0)
