@@ -10,6 +10,7 @@ from dolfinx import fem
 from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
+from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
 from castx.mechanics.constitutive.law import ELASTIC
 from castx.mechanics.constitutive.points import MaterialPoints
@@ -113,7 +114,11 @@ class BodyMechanics:
         self.formulation.forms.update_load()
 
     def update_state(
-        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+        self,
+        temperature: FloatArray,
+        solid_fraction: FloatArray,
+        step: float,
+        between: Sequence[HeatState] = (),
     ) -> None:
         """Evaluate the law for a trial step; collective.
 
@@ -121,9 +126,10 @@ class BodyMechanics:
             temperature: at the local nodes [°C], shape (nodes,).
             solid_fraction: likewise.
             step: time step [s].
+            between: states of the nodes that the step has passed, if they are known.
         """
         self._evaluated_at, self.trials = NOWHERE, self.trials + 1
-        self.formulation.begin(temperature, solid_fraction, step)
+        self.formulation.begin(temperature, solid_fraction, step, between)
 
     def update_points(self) -> None:
         """Find stress and tangent at the present displacement and pressure.

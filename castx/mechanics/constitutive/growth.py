@@ -9,18 +9,24 @@ and solid that is new is born free of stress, under the pressure that acts. The 
 nodes, where the solid fraction f_s does, w = w(f_s) (`Material.bearing_share`), and so does the
 strain of contraction c, thermal and of solidification. A cell contracts where it is solid,
 
-    de^θ = Σ_v W_v dc_v / Σ_v W_v,   W_v = max(w_v, w_v at the start),
+    de^θ = Σ_v w_v dc_v / Σ_v w_v,
 
-over its corners v. Over one step, with w_0 and w the shares at its start and its end,
+over its corners v. Solid grows while it contracts, in a thin skin by much of what there is: the sum
+over a step goes through the states that its heat has passed (`contraction`).
 
-    E = (min(w_0, w) E_n + w_m de)/w,   w_m = (w_0 + w)/2 where solid grows, else w,
+Over one step, with w_0 and w the shares at its start and its end,
+
+    E = (min(w_0, w) E_n + w_m de)/w,   w_m = ∫ w |de^θ| / ∫ |de^θ| where solid grows, else w,
 
 is the mean elastic strain of the solid before it flows: that of the start is diluted by what is
-born, and that has been strained for half of the step. What melts takes its stress away with it.
+born, and w_m is the share that was there to be strained while the cell contracted. What melts takes
+its stress away with it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -57,10 +63,9 @@ class Shares(NamedTuple):
     strained: FloatArray
 
     @classmethod
-    def between(cls, start: FloatArray, end: FloatArray) -> Shares:
-        """Return the shares of points with w_0 and w, shape (points,)."""
-        mean = np.where(end > start, 0.5 * (start + end), end)
-        parts = np.minimum(start, end), mean
+    def between(cls, start: FloatArray, end: FloatArray, mean: FloatArray) -> Shares:
+        """Return the shares of points with w_0, w and, where solid grows, w_m, shape (points,)."""
+        parts = np.minimum(start, end), np.where(end > start, np.minimum(mean, end), end)
         solid = end > 0
         carried, strained = (
             np.divide(part, end, out=np.zeros_like(end), where=solid) for part in parts
@@ -107,10 +112,52 @@ class CellVolume(NamedTuple):
         return np.asarray(old * self.free + (1 - old) * born + change - (end - start) * elastic)
 
 
-def contraction(points: IntegrationPoints, start: MetalNodes, end: MetalNodes) -> FloatArray:
-    """Return de^θ = Σ W_v dc_v/Σ W_v of the cells over a step, shape (cells,)."""
-    weight = np.maximum(start.share, end.share)
-    return weighted_means(points, end.contraction - start.contraction, weight)
+class Contraction(NamedTuple):
+    """Contraction over a step.
+
+    Attributes:
+        cells: de^θ of the cells, shape (cells,).
+        share: w_m of the points, the mean of w while their cell contracted, shape (points,).
+    """
+
+    cells: FloatArray
+    share: FloatArray
+
+
+def contraction(
+    points: IntegrationPoints, passed: Sequence[MetalNodes], frozen: FloatArray
+) -> Contraction:
+    """Return the sum of Σ w_v dc_v/Σ w_v between the states that a step has passed.
+
+    What is solid throughout contracts while other metal freezes beside it, w = (w_a + w_b)/2
+    between states a and b; so does mush. Metal that becomes solid contracts after that, w = w_b.
+
+    Args:
+        points: integration points of the body.
+        passed: metal of the nodes at the start of the step, between, and at its end.
+        frozen: c of the nodes as they become solid, shape (nodes,).
+    """
+    cells = np.zeros(points.cells)
+    weighted, weight, plain = np.zeros((3, points.count))
+    for before, after in pairwise(passed):
+        mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
+        plain += points.from_nodes(mean) / (len(passed) - 1)
+        begun, ended = (
+            np.where(state.share < 1, state.contraction, frozen) for state in (before, after)
+        )
+        cooled = after.contraction - ended - (before.contraction - begun)
+        solid = (before.share == 1) & (after.share == 1)
+        for change, share in (
+            (ended - begun + np.where(solid, cooled, 0.0), mean),
+            (np.where(solid, 0.0, cooled), most),
+        ):
+            part = weighted_means(points, change, share)
+            cells += part
+            size = points.from_cells(np.abs(part))
+            weighted += size * points.from_nodes(share)
+            weight += size
+    share = np.divide(weighted, weight, out=plain, where=weight > 0)
+    return Contraction(cells, share)
 
 
 def weighted_means(

@@ -19,6 +19,7 @@ incompressible. A material without `liquid` is a solid at every temperature.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -26,10 +27,12 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
+from castx.materials.enthalpy import HeatState
 from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.growth import (
+    Contraction,
     MetalNodes,
     Shares,
     contraction,
@@ -142,6 +145,7 @@ class Law:
         solid_fraction: FloatArray,
         step: float,
         start: MetalNodes | None = None,
+        between: Sequence[HeatState] = (),
     ) -> Conditions:
         """Return the coefficients of the law in a step.
 
@@ -151,6 +155,7 @@ class Law:
             solid_fraction: at the nodes at the end of the step, shape (nodes,).
             step: Δt [s].
             start: metal of the nodes at the start of the step; None: as at its end.
+            between: states of the nodes that the step has passed, if they are known.
 
         Raises:
             CaseError: the material lacks a property that the law needs.
@@ -166,7 +171,10 @@ class Law:
         compressibility = np.where(
             share > 0, weighted_means(points, nodal, end.share), np.mean(nodal[corners], axis=1)
         )
-        shares = Shares.between(points.from_nodes(start.share), points.from_nodes(end.share))
+        contracted = self._contraction(points, start, between, end)
+        shares = Shares.between(
+            points.from_nodes(start.share), points.from_nodes(end.share), contracted.share
+        )
         at_points = in_the_solid(points, temperature, end.share)
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
         flow = None
@@ -175,8 +183,22 @@ class Law:
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
             np.mean(start.share[corners], axis=1), share, compressibility,
-            contraction(points, start, end), end,
+            contracted.cells, end,
         )  # fmt: skip
+
+    def _contraction(
+        self,
+        points: IntegrationPoints,
+        start: MetalNodes,
+        between: Sequence[HeatState],
+        end: MetalNodes,
+    ) -> Contraction:
+        solidus = self.material.solidus
+        if solidus is None or ((start.share == 1) & (end.share == 1)).all():
+            return contraction(points, [start, end], end.contraction)
+        passed = [start, *(self.nodes(*state) for state in between), end]
+        solid = np.ones_like(end.share)
+        return contraction(points, passed, self.nodes(solidus * solid, solid).contraction)
 
     def _liquid(
         self, shear_modulus: FloatArray, temperature: FloatArray, step: float

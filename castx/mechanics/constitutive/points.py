@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,6 +12,7 @@ from dolfinx import fem
 from castx.arrays import BoolArray, FloatArray
 from castx.forms import kinematics
 from castx.forms.momentum import PointState
+from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.growth import CellVolume, MetalNodes
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
@@ -85,10 +87,23 @@ class MaterialPoints:
         )
 
     def begin(
-        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+        self,
+        temperature: FloatArray,
+        solid_fraction: FloatArray,
+        step: float,
+        between: Sequence[HeatState] = (),
     ) -> Conditions:
-        """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
-        c = self.law.conditions(self.points, temperature, solid_fraction, step, self._nodes)
+        """Evaluate the law for a trial step.
+
+        Args:
+            temperature: at the nodes at the end of the step [°C], shape (nodes,).
+            solid_fraction: likewise.
+            step: Δt [s].
+            between: states of the nodes that the step has passed, if they are known.
+        """
+        c = self.law.conditions(
+            self.points, temperature, solid_fraction, step, self._nodes, between
+        )
         self.thickness.begin(c.coherent)
         self._use(self.history, c, step)
         self._contracted = self._volume.contracted + c.contraction
