@@ -169,7 +169,7 @@ class HeatProblem:
             linear_iterations += report.linear_iterations
         return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
 
-    def between(self, name: str) -> list[HeatState]:
+    def between(self, name: str) -> Sequence[HeatState]:
         """Return the states of a body at the ends of the sub-steps but the last; collective.
 
         Args:

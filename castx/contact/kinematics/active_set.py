@@ -211,7 +211,7 @@ class ActiveSet:
         else:
             wrong = self._pivoting.at_once(violation)
         changed = self._count(wrong)
-        self._let_go |= wrong & self.closed & self.held
+        self._let_go |= wrong & self.closed
         self._pulls[self._let_go] = 0.0
         self.closed = self.closed ^ wrong
         self.changes += changed

@@ -19,9 +19,9 @@ from castx.mechanics.constitutive.growth import (
 def test_shares_while_solid_grows_stays_and_melts():
     start = np.array([0.0, 0.2, 0.5, 0.8, 0.8, 0.0])
     end = np.array([0.4, 0.8, 0.5, 0.2, 0.0, 0.0])
-    found = Shares.between(start, end)
+    found = Shares.between(start, end, np.array([0.1, 0.6, 0.5, 0.5, 0.4, 0.0]))
     np.testing.assert_allclose(found.carried, [0.0, 0.25, 1.0, 1.0, 0.0, 0.0])
-    np.testing.assert_allclose(found.strained, [0.5, 0.625, 1.0, 1.0, 0.0, 0.0])
+    np.testing.assert_allclose(found.strained, [0.25, 0.75, 1.0, 1.0, 0.0, 0.0])
 
 
 def metal(nodes: int, seed: int) -> MetalNodes:
@@ -29,23 +29,71 @@ def metal(nodes: int, seed: int) -> MetalNodes:
     return MetalNodes(random.random(nodes).round(1), 1e-3 * random.normal(size=nodes))
 
 
-def test_a_cell_contracts_where_it_is_solid(points):
+FROZEN = -2e-4
+"""Strain of contraction at which metal of these tests becomes solid."""
+
+
+def test_a_cell_contracts_where_it_bears(points):
+    """Mush and solid: Σ w dc/Σ w with the mean share of each corner."""
     nodes = points.cell_nodes.max() + 1
     start, end = metal(nodes, 1), metal(nodes, 2)
-    found = contraction(points, start, end)
+    start.share[::3] = end.share[::3] = 1.0
+    mushy = (start.share < 1) & (end.share < 1)
+    solid = (start.share == 1) & (end.share == 1)
+    start.share[~mushy & ~solid] = end.share[~mushy & ~solid] = 0.4
+    found = contraction(points, [start, end], np.full(nodes, FROZEN))
     for cell, corners in enumerate(points.cell_nodes):
-        weight = np.maximum(start.share, end.share)[corners]
+        weight = 0.5 * (start.share + end.share)[corners]
         change = (end.contraction - start.contraction)[corners]
-        assert found[cell] == pytest.approx((weight * change).sum() / weight.sum(), rel=1e-12)
+        expected = (weight * change).sum() / weight.sum()
+        assert found.cells[cell] == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_allclose(
+        found.share, points.from_nodes(0.5 * (start.share + end.share)), rtol=1e-12
+    )
     liquid = MetalNodes(np.zeros(nodes), end.contraction)
-    assert not contraction(points, liquid, liquid._replace(contraction=start.contraction)).any()
+    other = liquid._replace(contraction=start.contraction)
+    assert not contraction(points, [liquid, other], np.full(nodes, FROZEN)).cells.any()
     # The contraction of a corner that is solid is that of the cell, however little solid it is.
     first = points.cell_nodes[0][0]
     one = np.zeros(nodes)
     one[first] = 0.01
-    only = MetalNodes(one, end.contraction)
-    found = contraction(points, MetalNodes(one, start.contraction), only)
-    assert found[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
+    only = [MetalNodes(one, state.contraction) for state in (start, end)]
+    found = contraction(points, only, np.full(nodes, FROZEN))
+    assert found.cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_metal_that_becomes_solid_contracts_after_that(points, melts):
+    """From w = 0.5 to the solid by half a share in the mean, and below the solidus by all of it."""
+    nodes = points.cell_nodes.max() + 1
+    mushy = MetalNodes(np.full(nodes, 0.5), np.full(nodes, -1e-4))
+    cold = MetalNodes(np.ones(nodes), np.full(nodes, -5e-4))
+    passed = [cold, mushy] if melts else [mushy, cold]
+    found = contraction(points, passed, np.full(nodes, FROZEN))
+    np.testing.assert_allclose(found.cells, 4e-4 if melts else -4e-4, rtol=1e-12)
+    np.testing.assert_allclose(found.share, (1e-4 * 0.75 + 3e-4 * 1.0) / 4e-4, rtol=1e-12)
+
+
+def test_a_skin_contracts_by_what_there_was_of_it(points):
+    """The states inside a step count: half of the cooling passed before anything froze beside."""
+    nodes = points.cell_nodes.max() + 1
+    first = points.cell_nodes[0][0]
+    skin, both = np.zeros(nodes), np.ones(nodes)
+    skin[first] = 1.0
+    contracted = np.where(skin == 1, -1e-3, FROZEN)
+    passed = [
+        MetalNodes(skin, np.full(nodes, FROZEN)),
+        MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
+        MetalNodes(both, contracted),
+    ]
+    corners = len(points.cell_nodes[0])
+    wide, narrow = (
+        contraction(points, states, np.full(nodes, FROZEN)).cells[0]
+        for states in (passed, passed[::2])
+    )
+    mean = 0.5 * (1 + corners)
+    assert wide == pytest.approx(-4e-4 - 4e-4 / mean, rel=1e-12)
+    assert narrow == pytest.approx(-8e-4 / mean, rel=1e-12)
 
 
 def test_values_of_the_solid_are_means_over_it(points):
