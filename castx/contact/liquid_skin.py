@@ -66,7 +66,7 @@ class LiquidSkin:
         self._layout, self._bodies = layout, list(bodies)
         self._regions = {b.name: CellRegions(b.mesh) for b in bodies if not b.is_compressible}
         self._can_hold = gaps.free & (gaps.at_rest <= 0.0)
-        self._areas = gaps.areas
+        self._areas, self._slices = gaps.areas, gaps.slices
         self._values = layout.create_vector()
         self._sides = list(self._find_sides(gaps))
 
@@ -113,6 +113,28 @@ class LiquidSkin:
             found[side.rows] = np.maximum(found[side.rows], column)
         return found
 
+    def growth(self, closed: BoolArray) -> float:
+        """Return the largest mean change over an interface of what bears at its pairs; collective.
+
+        It is the change of w in the trial step, over the areas of pairs, as a share of them all.
+
+        Args:
+            closed: pairs that were closed at the start of the step, shape (rows,).
+        """
+        change = np.zeros(len(self._can_hold))
+        self._fill([_growth(body) for body in self._bodies])
+        for side in self._sides:
+            values = np.sum(side.get(self._values) * side.weights, axis=1)
+            change[side.rows] = np.maximum(change[side.rows], values)
+        sums = np.array(
+            [
+                [(self._areas * change)[part][closed[part]].sum(), self._areas[part].sum()]
+                for part in self._slices
+            ]
+        ).reshape(-1, 2)
+        moved, whole = self._layout.comm.allreduce(sums).T
+        return float(np.max(moved / np.where(whole > 0, whole, 1.0), initial=0.0))
+
     def _fill(self, nodal: Sequence[FloatArray]) -> None:
         """Give the first unknown of each node a value of its body."""
         for b, (body, values) in enumerate(zip(self._bodies, nodal, strict=True)):
@@ -132,6 +154,11 @@ class LiquidSkin:
             for entry in side.entries:
                 entry.destroy()
         self._values.destroy()
+
+
+def _growth(body: BodyMechanics) -> FloatArray:
+    """Return the change of the bearing share at the local nodes in the trial step, (nodes,)."""
+    return np.abs(body.material.conditions.nodes.share - body.material.start_nodes.share)
 
 
 def _pressures_of_pull(body: BodyMechanics) -> FloatArray:

@@ -126,6 +126,7 @@ class CoupledProblem:
                     temperature=temperature_change,
                     solid_fraction=self._thermal_change.largest_of_solid_fraction(),
                     mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
+                    skin=0.0 if self.mechanics is None else self.mechanics.skin_growth(),
                 )
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)

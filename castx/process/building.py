@@ -140,5 +140,6 @@ def step_settings(case: Case) -> StepSettings:
         case.output.every,
         schedule.stops,
         time.solid_fraction_change,
+        time.skin_change,
         time.reject_above,
     )

@@ -118,6 +118,11 @@ class MaterialPoints:
         self.thermal_strain.x.array[:] += strain
 
     @property
+    def start_nodes(self) -> MetalNodes:
+        """Metal of the nodes at the start of the step."""
+        return self._nodes
+
+    @property
     def start_volume(self) -> CellVolume:
         """Volume of the cells at the start of the step."""
         return self._volume

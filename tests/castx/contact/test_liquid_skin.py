@@ -59,15 +59,20 @@ def drawn_apart(
 
 def step(made, time, state, base=None):
     """Bring the upper block into a state, temperature [°C] and solid fraction, for one step."""
+    states = tried(made, time, state, base)
+    made.equilibrium.commit()
+    return states[0]
+
+
+def tried(made, time, state, base=None):
+    """Solve a step of `step` and return the states of the pairs of all interfaces."""
     for name, part in made.bodies.items():
         count = len(part.mesh.parent_vertices)
         temperature, fraction = state if name == "upper" else base or (20.0, 1.0)
         fractions = fraction(part.mesh.points) if callable(fraction) else np.full(count, fraction)
         part.update_state(np.full(count, temperature), fractions, 1.0)
     made.equilibrium.solve(time)
-    states = made.contact_states()
-    made.equilibrium.commit()
-    return states[0]
+    return made.contact_states()
 
 
 def relief(stretched: float) -> float:
@@ -131,6 +136,23 @@ def test_liquid_follows_a_rigid_wall_and_the_skin_leaves_it(comm, method):
     np.testing.assert_allclose(frozen.gap, 2 * PULL - stretched + relief(stretched), rtol=1e-5)
     assert np.abs(made.bodies["upper"].stress()[:, [0, 1, 3]]).max() < 1.0
     assert step(made, 2.0, LIQUID).closed.all()
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("order", ORDERS)
+def test_a_skin_grows_by_what_begins_to_bear_at_closed_pairs(comm, order):
+    """Mush bears from 0.7 to 1: w = 0.5 at f_s = 0.85. Open pairs do not count."""
+    made = drawn_apart(comm, order)
+    grown = []
+    for fraction in (0.5, 0.85, 0.85, lambda x: np.where(x[:, 0] < WIDTH / 2, 1.0, 0.85), 1.0):
+        tried(made, 0.0, (560.0, fraction))
+        grown.append(made.skin_growth())
+        made.equilibrium.commit()
+    np.testing.assert_allclose(grown[:3], [0.0, 0.5, 0.0], atol=1e-12)
+    assert 0.1 < grown[3] < 0.4 and grown[3] + grown[4] == pytest.approx(0.5, rel=1e-12)
+    assert not step(made, 1.0, (560.0, 1.0)).closed.any()
+    tried(made, 1.0, (560.0, 0.85))
+    assert made.skin_growth() == 0.0
 
 
 @pytest.mark.serial
