@@ -87,8 +87,9 @@ def reference(plate: Plate, cells: int = 960) -> tuple[FloatArray, FloatArray]:
     cooled = np.diff(temperature @ volumes)
     amount = solid @ volumes
     mean = 0.5 * (amount[1:] + amount[:-1])
-    strain: FloatArray = np.concatenate([[0.0], np.cumsum(cooled / mean)])
-    times: FloatArray = np.linspace(0.0, 1.0, plate.steps + 1)
+    strain = np.zeros(plate.steps + 1)
+    strain[1:] = np.cumsum(cooled / mean)
+    times = np.linspace(0.0, 1.0, plate.steps + 1, dtype=np.float64)
     return times, strain
 
 
