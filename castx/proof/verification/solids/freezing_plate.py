@@ -173,7 +173,7 @@ def contraction(run: Iterable[State], data: dict[str, Any]) -> FloatArray:
     for state in run:
         top = np.isclose(places(state, "casting")[:, 1], width)
         found.append(nodal(state, "casting", "displacement")[top, 1].mean() / width)
-    held = 1.0 if data["geometry"]["model"] == "3d" else 1.0 + POISSON
+    held = 1.0 + POISSON if data["geometry"]["model"] == "plane-strain" else 1.0
     return np.asarray(np.array(found) / (EXPANSION * SPAN * held))
 
 
