@@ -1,14 +1,14 @@
 """A shell that grows inwards round a core under pressure: sphere and cylinder, exact by increments.
 
 The outside is pressed by P(t) while the front stands at R(t); the core is full and keeps its
-volume, so that nothing moves there. What freezes is born free of shear, under the pressure p of the core.
-An increment dP thus acts on the shell as it is then (Lamé): du = C r + D r^{1−d} with
+volume, so that nothing moves there. What freezes is born free of shear, under the pressure p of the
+core. An increment dP thus acts on the shell as it is then (Lamé): du = C r + D r^{1−d} with
 
     C R + D R^{1−d} = 0,   A C − B D b^{−d} = −dP,   dp = −(A C − B D R^{−d}),
 
-so that D = −C R^d; A = 3 K in the sphere (d = 3) and 2 (K + G/3) in the cylinder in plane strain (d = 2),
-B = 2 (d − 1) G, and u(b) and p are sums of increments. Shells that had always been as thick as in
-the end would move less, and be without motion when P is gone.
+so that D = −C R^d; A = 3 K in the sphere (d = 3) and 2 (K + G/3) in the cylinder in plane strain
+(d = 2), B = 2 (d − 1) G, and u(b) and p are sums of increments. Shells that had always been as
+thick as in the end would move less, and go back when P does.
 """
 
 from __future__ import annotations
