@@ -12,6 +12,7 @@ import pytest
 from castx.proof.verification.solids.freezing_plate import (
     MESHES,
     PLATES,
+    SETTLED,
     contraction,
     plate_case,
     reference,
@@ -41,3 +42,16 @@ def test_a_plate_contracts_as_it_freezes(comm, name, mesh, cells):
     at_half, at_end = BOUNDS[name][cells]
     assert found[plate.steps // 2 - 1] < at_half
     assert found[-1] < at_end
+
+
+@pytest.mark.slow
+@pytest.mark.serial
+def test_the_error_falls_with_the_size(comm):
+    """By the first order at least, over all of the time in which the skin is some cells thick."""
+    plate, found = PLATES["thin wall"], []
+    time, exact = reference(plate)
+    for cells in (8, 64):
+        data = plate_case(plate, *MESHES["triangles"], cells)
+        error = contraction(simulation(comm, data), data) - exact
+        found.append(np.sqrt(np.mean(error[time >= SETTLED] ** 2)))
+    assert found[1] < found[0] / 8
