@@ -46,8 +46,8 @@ def test_stress_and_strain(comm, kind):
 @pytest.mark.slow
 @pytest.mark.serial
 def test_another_slab(comm):
-    data = case(OTHER, *FORMULATIONS["triangles"], resolution=60, step=0.05, end=4.0)
-    check(run(comm, data, OTHER), solve(OTHER), 60, (1.0, 4.0))
+    data = case(OTHER, *FORMULATIONS["triangles"], resolution=30, step=0.05, end=4.0)
+    check(run(comm, data, OTHER), solve(OTHER), 30, (1.0, 4.0))
 
 
 @pytest.mark.ranks
