@@ -15,6 +15,7 @@ from rich.table import Table
 from castx.case.boundaries import Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.caveats import caveats
+from castx.case.coherency import coherencies, sensitivity_command
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
@@ -76,6 +77,8 @@ def check_case(
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
+    for line in coherency_texts(case):
+        console.print(line, markup=False)
     areas = [area_warning(found, comm) for found in pairs.values()]
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
@@ -157,6 +160,15 @@ def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
         console.print(stage_table(case, stages))
     if case.stages and case.stages[-1].repeat is not None:
         console.print(cycle_text(case), markup=False)
+
+
+def coherency_texts(case: Case) -> Iterator[str]:
+    """Yield a line about each coherency on which the answers hang, then how to see how much."""
+    found = coherencies(case)
+    yield from (coherency.text for coherency in found)
+    if found:
+        command = sensitivity_command(str(case.path))
+        yield f"freezing time and gaps hang on coherency; {command} shows how much"
 
 
 def corner_text(corner: Sequence[float]) -> str:
