@@ -35,6 +35,7 @@ def setting(coherency):
     return f'materials.AlSi7Mg={{extends="AlSi7Mg", liquid={liquid}}}'
 
 
+@pytest.mark.slow
 @pytest.mark.ranks
 def test_the_runs_are_those_of_their_coherency(comm, alloy_file, shared_tmp_path, said):
     folder = shared_tmp_path / "out"
