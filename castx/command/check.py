@@ -19,6 +19,7 @@ from castx.case.coherency import coherencies, sensitivity_command
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
+from castx.case.skin import skins
 from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
@@ -70,7 +71,10 @@ def check_case(
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
     counts = {name: comm.allreduce(len(found.secondary_local)) for name, found in pairs.items()}
-    _show_mesh(case, mesh_summary(mesh), formulations, counts, console)
+    summary = mesh_summary(mesh)
+    _show_mesh(case, summary, formulations, counts, console)
+    for line in skin_texts(case, summary):
+        console.print(line, markup=False)
     if mesh.report is not None:
         show_cad(mesh.report, [interface.name for interface in case.interfaces], console)
     for described in case.interfaces:
@@ -160,6 +164,16 @@ def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
         console.print(stage_table(case, stages))
     if case.stages and case.stages[-1].repeat is not None:
         console.print(cycle_text(case), markup=False)
+
+
+def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
+    """Yield a line about the cells in each skin that carries a gap, as far as it is foreseen."""
+    bodies = {body.name: body for body in summary.bodies}
+    for skin in skins(case, {name: body.modulus for name, body in bodies.items()}):
+        other = next(name for name in skin.interface.split("/") if name != skin.casting)
+        height = bodies[skin.casting].heights.get(other)
+        if height:
+            yield skin.text(height)
 
 
 def coherency_texts(case: Case) -> Iterator[str]:
