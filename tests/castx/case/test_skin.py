@@ -83,11 +83,11 @@ def test_a_body_of_unknown_modulus_has_none():
 def test_the_text_says_what_cells_make_of_the_gap():
     (skin,) = found(moduli={"casting": 0.0016})
     assert skin.proposal == pytest.approx(0.0016 / CELLS)
-    coarse, fine = skin.text(8e-4), skin.text(2e-4)
-    assert "cells of 0.8 mm in the skin of casting, 1.6 mm thick" in coarse
+    coarse, fine = skin.text(8e-4), skin.text(1.6e-4)
+    assert "cells of 0.8 mm in the skin of casting, 1.6 mm thick, that would" in coarse
     assert "up to 12 % off, freezing time up to 10 %" in coarse
-    assert 'interface_size = "0.2 mm" would make 3 % and 2 % of it' in coarse
-    assert fine.endswith("fine enough, early gaps within 3 %")
+    assert 'interface_size = "0.16 mm" would make 2 % and 2 % of it' in coarse
+    assert fine.endswith("fine enough, early gaps within 2 %")
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
