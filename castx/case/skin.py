@@ -36,6 +36,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.case.geometry import AUTO
 from castx.case.interfaces import Interface
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -186,6 +187,17 @@ def interface_size(case: Case) -> float | None:
     proposals = [skin.proposal for skin in skins(case, case.geometry.moduli)]
     wanted = max(min(proposals, default=size), finest(size, case.geometry.gdim))
     return wanted if wanted < size else None
+
+
+def chosen_text(case: Case) -> str | None:
+    """Return which size castx has found for the cells at the interfaces; None: it was not asked."""
+    geometry = case.content.get("geometry", {})
+    if geometry.get("interface_size") != AUTO:
+        return None
+    size = case.geometry.arguments.get("interface_size")
+    if size is None:
+        return 'interface_size = "auto": no finer cells at the interfaces'
+    return f'interface_size = "auto": cells of {_millimetres(size)} at the interfaces'
 
 
 def finest(size: float, dimension: int) -> float:

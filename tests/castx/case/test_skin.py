@@ -5,7 +5,7 @@ from math import log
 import pytest
 
 from castx.case.reading.read import load_case
-from castx.case.skin import CELLS, MOST_GROWTH, finest, interface_size, skins
+from castx.case.skin import CELLS, MOST_GROWTH, chosen_text, finest, interface_size, skins
 from tests.castx.command_line import CASE, content_of
 
 pytestmark = pytest.mark.serial
@@ -108,6 +108,7 @@ def test_auto_is_the_proposal_where_the_mesh_may_grow_so_far():
     assert case.geometry.moduli == {"casting": pytest.approx(0.02 * 0.04 / (2 * 0.06))}
     assert size == skin.proposal == interface_size(case)
     assert case.content["geometry"]["interface_size"] == "auto"
+    assert chosen_text(case).endswith(f"cells of {1e3 * size:.2g} mm at the interfaces")
 
 
 def test_auto_is_bounded_by_the_growth_of_the_mesh():
@@ -116,5 +117,7 @@ def test_auto_is_bounded_by_the_growth_of_the_mesh():
 
 
 def test_auto_is_nothing_where_all_cells_are_fine_enough():
-    assert sized("geometry.size=5e-4")[1] is None
+    case, size = sized("geometry.size=5e-4")
+    assert size is None and "no finer cells" in chosen_text(case)
+    assert chosen_text(load_case(content_of(CASE))) is None
     assert sized("coupling.scheme=thermal")[1] is None
