@@ -134,13 +134,15 @@ class MaterialPoints:
     def _secant(self, c: Conditions) -> FloatArray:
         """Return the shear modulus G of the stabilisation τ.
 
-        A point that holds any solid has that of the solid: with a mean of both the pressures of the
-        front would follow each pass between heat and mechanics.
+        A point that has held any solid since the start of the step has that of the solid, so that
+        it does not change between the passes of heat and mechanics; and what is all solid.
         """
         solid = self._start.softening * c.shear_modulus
         if c.liquid_modulus is None:
             return solid
-        return np.where(c.shares.end > 0, solid, c.liquid_modulus)
+        start, end = c.shares.start, c.shares.end
+        bears = (end > 0) & ((start > 0) | (end == 1))
+        return np.where(bears, solid, c.liquid_modulus)
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.

@@ -92,6 +92,9 @@ class FakeMechanics:
         self.state = float(temperature[0])
         self.passed.append(between)
 
+    def skin_growth(self) -> float:
+        return 0.3
+
     def solve(self, time) -> SimpleNamespace:
         return SimpleNamespace(
             iterations=1, linear_iterations=1, contact_changes=0, balanced=False
