@@ -75,7 +75,7 @@ def test_six_bodies_steer_the_heat(feeder):
     """Chill, channel, core, sleeve and cover are ordinary bodies; the feeder freezes last."""
     history, probes = run_feeder(feeder, "given")
     time, end = history["time"], {name: values[-1] for name, values in history.items()}
-    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 20
+    assert end["energy_error"] < 1e-6 and max(history["passes"]) <= 25
     bush, above = (end_of_freezing(probes, name) for name in ("bush", "feeder"))
     assert bush < 0.5 * above < 95.0
     # The channel: shut until 10 s and from 70.5 s on.

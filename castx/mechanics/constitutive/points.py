@@ -53,11 +53,13 @@ class MaterialPoints:
         self._contracted = self._volume.contracted
         self._conditions: Conditions | None = None
         self._response: Response | None = None
+        self._bears: BoolArray = np.zeros(points.count, dtype=bool)
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
         self._gained: FloatArray = np.zeros(points.count)
-        self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
-        self._committed = None
+        self._committed: (
+            tuple[PointHistory, Conditions, float, FloatArray, FloatArray, BoolArray] | None
+        ) = None
 
     @property
     def conditions(self) -> Conditions:
@@ -134,15 +136,15 @@ class MaterialPoints:
     def _secant(self, c: Conditions) -> FloatArray:
         """Return the shear modulus G of the stabilisation τ.
 
-        A point that has held any solid since the start of the step has that of the solid, so that
-        it does not change between the passes of heat and mechanics; and what is all solid.
+        A point that holds any solid has that of the solid: with a mean of both τ is too large. So
+        has one that did in an earlier pass of the step, or heat and mechanics would follow each
+        other round a jump.
         """
         solid = self._start.softening * c.shear_modulus
         if c.liquid_modulus is None:
             return solid
-        start, end = c.shares.start, c.shares.end
-        bears = (end > 0) & ((start > 0) | (end == 1))
-        return np.where(bears, solid, c.liquid_modulus)
+        self._bears = self._bears | (c.shares.end > 0)
+        return np.where(self._bears, solid, c.liquid_modulus)
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.
@@ -258,10 +260,15 @@ class MaterialPoints:
         self._nodes = self.conditions.nodes
         free = self.thermal_strain.x.array.copy()
         dilatation = self.dilatation.copy()
-        kept = free if pooled is None else np.where(pooled, dilatation, free)
+        kept = np.where(self.conditions.coherent, free, dilatation)
+        if pooled is not None:
+            kept[pooled] = dilatation[pooled]
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
-        self._committed = self._start, self.conditions, self._step, compressibility, free
+        self._committed = (
+            self._start, self.conditions, self._step, compressibility, free, self._bears
+        )  # fmt: skip
+        self._bears = np.zeros(self.points.count, dtype=bool)
 
     def rewind(self) -> None:
         """Return to the end of the last accepted step.
@@ -270,8 +277,9 @@ class MaterialPoints:
         """
         self.thickness.rewind()
         if self._committed is not None:
-            start, conditions, step, compressibility, free = self._committed
+            start, conditions, step, compressibility, free, self._bears = self._committed
             self._use(start, conditions, step)
+            self._bears = np.zeros(self.points.count, dtype=bool)
             self._contracted = self._volume.contracted
             self.compressibility.x.array[:] = compressibility
             self.thermal_strain.x.array[:] = free
