@@ -6,6 +6,7 @@ In castx solid grows inside 20 cells. Nothing bends, no force acts along the pla
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -142,7 +143,8 @@ def test_what_melts_forgets_what_it_has_borne(comm, mesh, cooled):
 def test_a_plate_in_plane_stress_contracts_as_it_freezes(comm):
     """Uniaxial stress: nothing holds the plate in its other lateral direction."""
     plate = Plate(1.0, 4.0, 200)
-    strain, stress, _ = Layers(plate, plane_stress=True).stress()
+    strain, stress, _ = Layers(replace(plate, steps=1600), plane_stress=True).stress()
+    strain = strain[::8]
     found = run(comm, plate_case(plate, "plane-stress", "simplices", 16))
     half = plate.steps // 8
     for index in (half, -1):
