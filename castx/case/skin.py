@@ -190,7 +190,7 @@ def interface_size(case: Case) -> float | None:
 
 
 def chosen_text(case: Case) -> str | None:
-    """Return which size castx has found for the cells at the interfaces; None: it was not asked."""
+    """Return the size that castx has found for the cells at interfaces; None: it was not asked."""
     geometry = case.content.get("geometry", {})
     if geometry.get("interface_size") != AUTO:
         return None

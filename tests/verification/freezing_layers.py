@@ -23,7 +23,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.proof.verification.solids.freezing_plate import (
     CAPACITY,
     CONDUCTIVITY,
@@ -134,10 +134,10 @@ class Layers:
         temperature = np.minimum(temperature, 0.0)
         layers, step = _Frozen(self), self.plate.end / self.plate.steps * SECONDS
         strain = [0.0]
-        for before, after, solid in zip(
-            temperature[:-1], temperature[1:], fraction[1:] >= 0.5, strict=True
-        ):
-            strain.append(strain[-1] + layers.step(before, after, solid, step))
+        solid = fraction >= 0.5
+        for n in range(self.plate.steps):
+            change = layers.step(temperature[n], temperature[n + 1], solid[n + 1], step)
+            strain.append(strain[-1] + change)
         return np.array(strain), layers.stress, layers.equivalent
 
 
@@ -152,7 +152,7 @@ class _Frozen:
         self._strained = np.zeros(len(self._volumes))
 
     def step(
-        self, before: FloatArray, after: FloatArray, solid: FloatArray, seconds: float
+        self, before: FloatArray, after: FloatArray, solid: BoolArray, seconds: float
     ) -> float:
         """Take a step to other temperatures and return by what ε changes."""
         for kept in (self.stress, self.flow, self.equivalent, self._strained):

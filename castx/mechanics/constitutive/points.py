@@ -19,6 +19,7 @@ from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.plane_stress import deviatoric
 from castx.mechanics.constitutive.response import Response, respond, secant_softening
+from castx.mechanics.constitutive.secant_modulus import SecantModulus
 from castx.mechanics.constitutive.thickness import thickness
 from castx.stateful import Arrays, Saved
 
@@ -44,7 +45,8 @@ class MaterialPoints:
         self.stress, self.direction = points.tensor(), points.tensor()
         self.isotropic, self.radial = points.scalar(), points.scalar()
         self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
-        self.secant_modulus = fem.Function(cells)
+        self._secant = SecantModulus(points, cells)
+        self.secant_modulus = self._secant.function
         self.thickness = thickness(points, law, cells, starts_liquid)
         self.history = self._start = PointHistory.initial(points)
         nodes = len(points.node_numbering.numbers)
@@ -53,13 +55,11 @@ class MaterialPoints:
         self._contracted = self._volume.contracted
         self._conditions: Conditions | None = None
         self._response: Response | None = None
-        self._bears: BoolArray = np.zeros(points.count, dtype=bool)
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
         self._gained: FloatArray = np.zeros(points.count)
-        self._committed: (
-            tuple[PointHistory, Conditions, float, FloatArray, FloatArray, BoolArray] | None
-        ) = None
+        self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
+        self._committed = None
 
     @property
     def conditions(self) -> Conditions:
@@ -107,7 +107,8 @@ class MaterialPoints:
             self.points, temperature, solid_fraction, step, self._nodes, between
         )
         self.thickness.begin(c.coherent)
-        self._use(self.history, c, step)
+        self._start, self._conditions, self._step = self.history, c, step
+        self._secant.use(c, self.history.softening)
         self._contracted = self._volume.contracted + c.contraction
         self.compressibility.x.array[:] = c.compressibility
         self.thermal_strain.x.array[:] = self._volume.grown(
@@ -128,23 +129,6 @@ class MaterialPoints:
     def start_volume(self) -> CellVolume:
         """Volume of the cells at the start of the step."""
         return self._volume
-
-    def _use(self, start: PointHistory, conditions: Conditions, step: float) -> None:
-        self._start, self._conditions, self._step = start, conditions, step
-        self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
-
-    def _secant(self, c: Conditions) -> FloatArray:
-        """Return the shear modulus G of the stabilisation τ.
-
-        A point that holds any solid has that of the solid: with a mean of both τ is too large. So
-        has one that did in an earlier pass of the step, or heat and mechanics would follow each
-        other round a jump.
-        """
-        solid = self._start.softening * c.shear_modulus
-        if c.liquid_modulus is None:
-            return solid
-        self._bears = self._bears | (c.shares.end > 0)
-        return np.where(self._bears, solid, c.liquid_modulus)
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.
@@ -265,10 +249,8 @@ class MaterialPoints:
             kept[pooled] = dilatation[pooled]
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
-        self._committed = (
-            self._start, self.conditions, self._step, compressibility, free, self._bears
-        )  # fmt: skip
-        self._bears = np.zeros(self.points.count, dtype=bool)
+        self._committed = self._start, self.conditions, self._step, compressibility, free
+        self._secant.commit()
 
     def rewind(self) -> None:
         """Return to the end of the last accepted step.
@@ -277,9 +259,9 @@ class MaterialPoints:
         """
         self.thickness.rewind()
         if self._committed is not None:
-            start, conditions, step, compressibility, free, self._bears = self._committed
-            self._use(start, conditions, step)
-            self._bears = np.zeros(self.points.count, dtype=bool)
+            start, conditions, step, compressibility, free = self._committed
+            self._start, self._conditions, self._step = start, conditions, step
+            self._secant.rewind(conditions, start.softening)
             self._contracted = self._volume.contracted
             self.compressibility.x.array[:] = compressibility
             self.thermal_strain.x.array[:] = free
