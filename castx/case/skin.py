@@ -74,7 +74,7 @@ class Skin:
         return float(f"{self.thickness / CELLS:.2g}")
 
     def text(self, size: float) -> str:
-        """Return what cells of a size at the interface make of the gap, and what is proposed.
+        """Return the error by cells of a size at the interface, and the size proposed.
 
         Args:
             size: of the cells of the casting at the interface, across it [m].

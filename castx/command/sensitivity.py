@@ -105,7 +105,7 @@ def _values(case: Case) -> dict[str, float]:
 
 
 def compared(cases: Sequence[Case]) -> Sensitivity:
-    """Return what the runs of cases have given, read from their folders.
+    """Return the results of runs, read from their folders.
 
     Args:
         cases: the run itself first.
@@ -117,7 +117,7 @@ def compared(cases: Sequence[Case]) -> Sensitivity:
 
 
 def given_by(case: Case, folder: Path) -> VariedRun:
-    """Return what the finished run of a case has given.
+    """Return the results of the finished run of a case.
 
     Args:
         case: the case.

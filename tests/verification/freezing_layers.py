@@ -92,7 +92,7 @@ class Layers:
         """Return temperatures and solid fractions of the nodes, both (steps + 1, cells + 1)."""
         plate, latent = self.plate, 1.0 / self.plate.stefan
         step = plate.end / plate.steps
-        states = [np.full(self.cells + 1, latent)]
+        states: list[FloatArray] = [np.full(self.cells + 1, latent)]
         for number in range(plate.steps):
             states.append(self._heated(states[-1], self.ambient((number + 0.5) * step), step))
         found = np.array(states)

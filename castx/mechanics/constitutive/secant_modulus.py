@@ -29,7 +29,8 @@ class SecantModulus:
         self._points = points
         self.function = fem.Function(cells)
         self._none: BoolArray = np.zeros(points.count, dtype=bool)
-        self._bears = self._accepted = self._none
+        self._bears: BoolArray = self._none
+        self._accepted: BoolArray = self._none
 
     def use(self, conditions: Conditions, softening: FloatArray) -> None:
         """Set the modulus for a pass of a step.

@@ -25,7 +25,7 @@ def coherency(run: Results) -> Iterator[Finding]:
 
 
 def _of_this_run(run: Results) -> Sensitivity | None:
-    """Return what runs beside a run have given, None where it has gone on without them."""
+    """Return the results of runs beside a run; None where it has gone on without them."""
     found = read_sensitivity(run.folder)
     own = [] if found is None else [known.reached for known in found.runs if known.folder == "."]
     return found if run.record.get("time_reached") in own else None
@@ -37,7 +37,7 @@ def _advice(run: Results) -> str:
 
 
 def _freezing_times(found: Sensitivity) -> Iterator[Finding]:
-    """Yield how much later a casting freezes with one coherency than with another."""
+    """Yield freezing times of a casting, and their difference between coherencies."""
     for body in found.castings:
         times = [run.frozen.get(body) for run in found.runs]
         if all(time is None for time in times):
@@ -53,7 +53,7 @@ def _freezing_times(found: Sensitivity) -> Iterator[Finding]:
 
 
 def _gaps(found: Sensitivity) -> Iterator[Finding]:
-    """Yield how much wider an interface opens with one coherency than with another."""
+    """Yield largest gaps of an interface, and their difference between coherencies."""
     for name in found.interfaces:
         widths = [run.gaps[name] for run in found.runs if name in run.gaps]
         told = [f"{run.number()}: {run.gap_text(name)}" for run in found.runs]

@@ -20,7 +20,7 @@ class _Frozen(BaseModel):
 
 
 class VariedRun(_Frozen):
-    """What one of the runs has given.
+    """Results of one of the runs.
 
     Attributes:
         folder: its results, relative to those of the run itself.
@@ -86,7 +86,7 @@ def write_sensitivity(folder: Path, found: Sensitivity) -> None:
 
 
 def read_sensitivity(folder: Path) -> Sensitivity | None:
-    """Return what the file of a results folder says, None where there is none.
+    """Return the contents of the file in a results folder; None where there is none.
 
     Raises:
         CaseError: the file is broken.
