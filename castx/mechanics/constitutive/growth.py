@@ -64,8 +64,8 @@ class Shares(NamedTuple):
 
     @classmethod
     def between(cls, start: FloatArray, end: FloatArray, mean: FloatArray) -> Shares:
-        """Return the shares of points with w_0, w and, where solid grows, w_m, shape (points,)."""
-        parts = np.minimum(start, end), np.where(end > start, np.minimum(mean, end), end)
+        """Return the shares of points with w_0, w and the mean in between, shape (points,)."""
+        parts = np.minimum(start, end), np.minimum(mean, end)
         solid = end > 0
         carried, strained = (
             np.divide(part, end, out=np.zeros_like(end), where=solid) for part in parts

@@ -62,6 +62,14 @@ def test_a_cell_contracts_where_it_bears(points):
     assert found.cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
 
 
+def test_without_contraction_the_share_is_the_mean_over_the_states(points):
+    nodes = points.cell_nodes.max() + 1
+    passed = [MetalNodes(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
+    found = contraction(points, passed, np.zeros(nodes))
+    np.testing.assert_allclose(found.share, (0.1 + 0.55) / 2, rtol=1e-12)
+    assert not found.cells.any()
+
+
 @pytest.mark.parametrize("melts", [False, True])
 def test_metal_that_becomes_solid_contracts_after_that(points, melts):
     """From w = 0.5 to the solid by half a share in the mean, and below the solidus by all of it."""
