@@ -334,7 +334,7 @@ print(f"iterations of multipliers and condensed: {list(flat.values())}")
 # Multipliers give the temperatures of the condensed method to the last digits, the others do so as
 # closely as they keep the bodies apart. A penalty of 10¹¹ Pa/m is less than the stiffness of the
 # casting: it sinks into the floor, the hot wall into the melt, and the temperatures are wrong by
-# tenths of a kelvin. The block-iterative method is left out: it creeps towards the balance of the
+# some kelvins. The block-iterative method is left out: it creeps towards the balance of the
 # penalty, to the same numbers in fifty times as many iterations.
 
 # %%

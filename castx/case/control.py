@@ -70,6 +70,8 @@ class Time(Description):
         smallest_step: by default a thousandth of the first one [s].
         temperature_change: wanted in a step, in any node [K].
         solid_fraction_change: wanted in a step, of the mean over any body.
+        skin_change: wanted in a step, of the metal that bears at its wall, in the mean over any
+            interface.
         reject_above: multiple of a wanted change above which a step is taken again, smaller.
         fixed_step: length of all steps in place of adaptive ones [s].
         heat_substeps: heat steps within one mechanical step.
@@ -83,6 +85,7 @@ class Time(Description):
     )
     temperature_change: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] = 20.0
     solid_fraction_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.04
+    skin_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.25
     reject_above: Annotated[float, Quantity(PURE_NUMBER, least=1.0)] = 2.0
     fixed_step: _Duration | None = None
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"

@@ -23,6 +23,8 @@ from castx.meshes.generators.declaration import (
     Generator,
 )
 
+AUTO = "auto"
+"""Size of the cells at an interface that follows from the skin that freezes there."""
 _AXES = {"3d": ("x", "y", "z"), "axisymmetric": ("r", "z")}
 _PLANE_AXES = ("x", "y")
 _GENERATORS_LATER = ("plate_in_mould", "wheel_in_die", "engine_block_in_die")
@@ -64,9 +66,14 @@ def _each_length(values: Sequence[Any]) -> tuple[float, ...]:
     return tuple(found)
 
 
+def _length_or_auto(value: Any) -> float | str:
+    return value if value == AUTO else _LENGTH.read(value)
+
+
 _READERS: Mapping[ArgumentKind, Callable[[Any], Any]] = {
     ArgumentKind.LENGTH: _LENGTH.read,
     ArgumentKind.LENGTH_OR_ZERO: Quantity(LENGTH, least=0.0).read,
+    ArgumentKind.LENGTH_OR_AUTO: _length_or_auto,
     ArgumentKind.SIDES: _sides,
     ArgumentKind.LENGTHS: _lengths,
     ArgumentKind.EXPONENT: Quantity(PURE_NUMBER, above=0.0, most=10.0).read,
@@ -142,6 +149,24 @@ class Geometry(Description):
         return description
 
     @property
+    def moduli(self) -> Mapping[str, float]:
+        """Volume over surface of bodies that may be cast, of a generated mesh [m]."""
+        if self.generator is None:
+            return {}
+        return GENERATORS[self.generator].moduli(self.arguments, self.model)
+
+    @property
+    def wants_interface_size(self) -> bool:
+        """Whether castx has to find the size of the cells at the interface."""
+        return bool(self.arguments.get("interface_size") == AUTO)
+
+    def with_interface_size(self, size: float | None) -> Geometry:
+        """Return the geometry with a size of the cells at the interface [m], or without one."""
+        others = {key: a for key, a in self.arguments.items() if key != "interface_size"}
+        given = {} if size is None else {"interface_size": size}
+        return self.model_copy(update={"arguments": others | given})
+
+    @property
     def gdim(self) -> int:
         """Number of coordinates."""
         return len(_AXES.get(self.model, _PLANE_AXES))
@@ -182,8 +207,8 @@ class Geometry(Description):
         yield from self._size_problems(generator)
 
     def _size_problems(self, generator: Generator) -> Iterator[Problem]:
-        size = self.arguments["size"]
-        if self.arguments.get("interface_size", size) > size:
+        size, finer = self.arguments["size"], self.arguments.get("interface_size")
+        if finer is not None and finer != AUTO and finer > size:
             yield Problem(("interface_size",), f"must not exceed size, {size:g} m")
         extents = generator.outer_dimensions(self.arguments)
         extents += [max(extents)] * (self.gdim - len(extents))

@@ -15,9 +15,11 @@ from rich.table import Table
 from castx.case.boundaries import Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.caveats import caveats
+from castx.case.coherency import coherencies, sensitivity_command
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
+from castx.case.skin import skins
 from castx.command.cad_report import show_cad
 from castx.command.range_watch import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
@@ -69,13 +71,18 @@ def check_case(
     stages = stage_cases(case, mesh)
     formulations = _formulations(case, mesh, pairs)
     counts = {name: comm.allreduce(len(found.secondary_local)) for name, found in pairs.items()}
-    _show_mesh(case, mesh_summary(mesh), formulations, counts, console)
+    summary = mesh_summary(mesh)
+    _show_mesh(case, summary, formulations, counts, console)
+    for line in skin_texts(case, summary):
+        console.print(line, markup=False)
     if mesh.report is not None:
         show_cad(mesh.report, [interface.name for interface in case.interfaces], console)
     for described in case.interfaces:
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
+    for line in coherency_texts(case):
+        console.print(line, markup=False)
     areas = [area_warning(found, comm) for found in pairs.values()]
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
@@ -157,6 +164,25 @@ def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
         console.print(stage_table(case, stages))
     if case.stages and case.stages[-1].repeat is not None:
         console.print(cycle_text(case), markup=False)
+
+
+def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
+    """Yield a line about the cells in each skin that carries a gap, as far as it is foreseen."""
+    bodies = {body.name: body for body in summary.bodies}
+    for skin in skins(case, {name: body.modulus for name, body in bodies.items()}):
+        other = next(name for name in skin.interface.split("/") if name != skin.casting)
+        height = bodies[skin.casting].heights.get(other)
+        if height:
+            yield skin.text(height)
+
+
+def coherency_texts(case: Case) -> Iterator[str]:
+    """Yield a line about each coherency on which the answers hang, then how to see how much."""
+    found = coherencies(case)
+    yield from (coherency.text for coherency in found)
+    if found:
+        command = sensitivity_command(str(case.path))
+        yield f"freezing time and gaps hang on coherency; {command} shows how much"
 
 
 def corner_text(corner: Sequence[float]) -> str:

@@ -21,6 +21,7 @@ from castx.command.scheil import scheil
 from castx.command.terminal import (
     LINES,
     Detail,
+    VariedNumber,
     console_of,
     output_of,
     prepare_logging,
@@ -112,13 +113,7 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
 
 
 def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
-    """Show a message on the standard error output of rank 0 and return the exit code.
-
-    Args:
-        comm: the ranks.
-        message: an error or a text.
-        code: the exit code.
-    """
+    """Show an error or a text on the standard error output of rank 0 and return the exit code."""
     console_of(comm, stderr=True).print(f"castx: {message}", markup=False)
     return code
 
@@ -164,11 +159,15 @@ def run(
     profile: Annotated[
         bool, typer.Option("--profile", help="Show what the parts of the run have cost.")
     ] = False,
+    sensitivity: Annotated[
+        VariedNumber | None, typer.Option(help="Run with this a little lower and higher too.")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
     from castx.command.listing import profile_table
     from castx.command.run import run as run_case_file
+    from castx.command.sensitivity import run_sensitivity, sensitivity_table
     from castx.environment import blas_advantage, blas_warning
 
     comm, console = output_of(context)
@@ -178,7 +177,8 @@ def run(
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
         with naming(case_file):
-            folder = run_case_file(
+            solve = run_case_file if sensitivity is None else run_sensitivity
+            folder = solve(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
                 time_limit=limit, profile=profile,
             )  # fmt: skip
@@ -187,6 +187,8 @@ def run(
         raise typer.Exit(Exit.INTERRUPTED) from None
     if profile and comm.rank == 0:
         console.print(profile_table(folder))
+    if sensitivity is not None and comm.rank == 0:
+        console.print(sensitivity_table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

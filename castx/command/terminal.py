@@ -102,6 +102,12 @@ class Detail(StrEnum):
         return {Detail.NEWTON: ("castx.process.simulation", "castx.solvers.snes")}[self]
 
 
+class VariedNumber(StrEnum):
+    """A number with which a run can be repeated, a little lower and higher."""
+
+    COHERENCY = "coherency"
+
+
 def prepare_logging(comm: MPI.Intracomm) -> None:
     """Show the messages of castx on rank 0, and on other ranks critical ones only."""
     console = console_of(comm, stderr=True)

@@ -1,14 +1,19 @@
-"""Liquid at the wall: pairs that cannot open, since metal that is not coherent follows the wall.
+"""Liquid at the wall: pairs that resist opening, since metal that does not bear follows the wall.
 
 A liquid cannot leave a wall: the air would have to pass through it, and what the wall leaves free
-is filled by metal that flows there. So a pair is held closed, whatever the sign of its force, as
-long as no cell at one of its nodes is coherent. The cells decide, not the solid fraction of the
-node, since they carry the stress: held with a coherent cell, a pair would store a suction in it,
-and released with none, the liquid would leave the wall. At a chilled wall the node is ahead of its
-cells by up to the whole freezing range.
+is filled by metal that flows there. Solid that is pulled lets go, where a void opens in what is
+left of the liquid. So a closed pair bears a pull,
 
-A pair that melts again closes again. One that was given a gap that is positive without any
-displacement never is held: there is no metal at that wall.
+    −w p_c ≤ (1 − w) p_v,
+
+with p_c the contact pressure, p_v the depression at which melt lets go (`Material.wall_suction`)
+and w the share of the metal of its node that bears stress (`Material.bearing_share`), of two bodies
+the smaller one. That share of a pull comes from the solid; the rest is due to the viscosity of the
+liquid, a number that keeps the problem solvable. The solid surface, w = 1, leaves its wall without
+being pulled, a liquid never does, and everything is continuous between them. A pair that has let go
+is free until it closes by itself; where all its metal has melted again it closes at once. One that
+was given a gap that is positive without any displacement is never held: there is no metal at that
+wall.
 """
 
 from __future__ import annotations
@@ -19,7 +24,6 @@ from dataclasses import dataclass
 from petsc4py import PETSc
 
 import numpy as np
-from dolfinx import la
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.kinematics.gaps import Gaps
@@ -50,10 +54,7 @@ class _Side:
 
 
 class LiquidSkin:
-    """Finds the pairs that a liquid holds closed, and the pressure of its column there.
-
-    A pair that was released keeps free until the end of the step: heat and mechanics would
-    alternate otherwise, since a gap delays the freezing that opened it.
+    """Finds the pulls that liquid bears at the pairs, and the pressure of its column there.
 
     Args:
         layout: numbering of the unknowns of all bodies.
@@ -65,9 +66,9 @@ class LiquidSkin:
         self._layout, self._bodies = layout, list(bodies)
         self._regions = {b.name: CellRegions(b.mesh) for b in bodies if not b.is_compressible}
         self._can_hold = gaps.free & (gaps.at_rest <= 0.0)
+        self._areas, self._slices = gaps.areas, gaps.slices
         self._values = layout.create_vector()
         self._sides = list(self._find_sides(gaps))
-        self._released: BoolArray = np.zeros(len(gaps.free), dtype=bool)
 
     def _find_sides(self, gaps: Gaps) -> Iterator[_Side]:
         numbers = {b.name: n for n, b in enumerate(self._bodies) if b.name in self._regions}
@@ -81,17 +82,21 @@ class LiquidSkin:
                     entries = tuple(RemoteEntries(self._values, of) for of in dofs)
                     yield _Side(part, entries, shares[index])
 
-    def held(self) -> BoolArray:
-        """Return the rows held closed in the present state of the bodies, (rows,); collective."""
-        if not self._sides:
-            return np.zeros_like(self._can_hold)
-        self._fill([_coherent_nodes(body) for body in self._bodies])
-        solid = np.ones(len(self._can_hold), dtype=bool)
+    def pulls(self) -> tuple[FloatArray, BoolArray]:
+        """Return the largest pulls of the rows in the present state of the bodies; collective.
+
+        Returns:
+            Pulls that liquid bears [N], shape (rows,), infinite where no metal of one side bears
+            stress, and whether that is so.
+        """
+        largest = np.zeros(len(self._can_hold))
+        self._fill([_pressures_of_pull(body) for body in self._bodies])
         for side in self._sides:
-            touched = (side.get(self._values) > 0.0) & (side.weights > 0.0)
-            solid[side.rows] &= touched.any(axis=1)
-        self._released |= solid
-        return np.asarray(self._can_hold & ~self._released)
+            values, own = side.get(self._values), side.weights > 0.0
+            here = np.where(own, values, np.inf).min(axis=1)
+            largest[side.rows] = np.maximum(largest[side.rows], here)
+        pulls = np.where(self._can_hold, largest * self._areas, 0.0)
+        return pulls, self._can_hold & np.isinf(largest)
 
     def pressures(self) -> FloatArray:
         """Return the pressure of the liquid column at all rows [Pa], (rows,); collective.
@@ -108,6 +113,28 @@ class LiquidSkin:
             found[side.rows] = np.maximum(found[side.rows], column)
         return found
 
+    def growth(self, closed: BoolArray) -> float:
+        """Return the largest mean change over an interface of what bears at its pairs; collective.
+
+        It is the change of w in the trial step, over the areas of pairs, as a share of them all.
+
+        Args:
+            closed: pairs that were closed at the start of the step, shape (rows,).
+        """
+        change = np.zeros(len(self._can_hold))
+        self._fill([_growth(body) for body in self._bodies])
+        for side in self._sides:
+            values = np.sum(side.get(self._values) * side.weights, axis=1)
+            change[side.rows] = np.maximum(change[side.rows], values)
+        sums = np.array(
+            [
+                [(self._areas * change)[part][closed[part]].sum(), self._areas[part].sum()]
+                for part in self._slices
+            ]
+        ).reshape(-1, 2)
+        moved, whole = self._layout.comm.allreduce(sums).T
+        return float(np.max(moved / np.where(whole > 0, whole, 1.0), initial=0.0))
+
     def _fill(self, nodal: Sequence[FloatArray]) -> None:
         """Give the first unknown of each node a value of its body."""
         for b, (body, values) in enumerate(zip(self._bodies, nodal, strict=True)):
@@ -121,10 +148,6 @@ class LiquidSkin:
             return np.zeros_like(head)
         return column_pressure(self._regions[body.name], ~body.coherent, head)
 
-    def forget(self) -> None:
-        """Begin another step, in which no pair has been released."""
-        self._released[:] = False
-
     def destroy(self) -> None:
         """Destroy the PETSc objects."""
         for side in self._sides:
@@ -133,13 +156,14 @@ class LiquidSkin:
         self._values.destroy()
 
 
-def _coherent_nodes(body: BodyMechanics) -> FloatArray:
-    """Return 1 at local nodes with a coherent cell on any rank, 0 at others; collective."""
-    index_map = body.mesh.nodes.dofmap.index_map
-    if body.is_compressible:
-        return np.ones(index_map.size_local + index_map.num_ghosts)
-    flags = la.vector(index_map, 1, dtype=np.int32)
-    flags.array[:] = 0
-    flags.array[body.cell_nodes[body.coherent].ravel()] = 1
-    flags.scatter_reverse(la.InsertMode.add)
-    return np.asarray(flags.array > 0, dtype=np.float64)
+def _growth(body: BodyMechanics) -> FloatArray:
+    """Return the change of the bearing share at the local nodes in the trial step, (nodes,)."""
+    return np.abs(body.material.conditions.nodes.share - body.material.start_nodes.share)
+
+
+def _pressures_of_pull(body: BodyMechanics) -> FloatArray:
+    """Return p_v (1 − w)/w of the local nodes of a body [Pa], infinite where nothing bears."""
+    share = body.material.conditions.nodes.share
+    liquid = body.material.law.material.wall_suction * (1.0 - share)
+    found = np.full(len(share), np.inf)
+    return np.asarray(np.divide(liquid, share, out=found, where=share > 0.0))

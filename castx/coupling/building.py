@@ -317,6 +317,9 @@ def law_above_solidus(body: str, material: Material) -> str:
     flow = "flows with its viscosity"
     if not liquid.is_newtonian:
         flow = f"creeps by {LIQUID_RULES[liquid.model].title}"
+    if material.is_isothermal:
+        place = f"ahead of its front at {material.solidus:g} °C; its coherency has no meaning there"
+        return f"{body}: {material.name} {flow} {place}"
     return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
 
 

@@ -25,12 +25,14 @@ class StepChange:
         temperature: largest change of a node whose temperature is not prescribed [K].
         solid_fraction: largest change of a node.
         mean_solid_fraction: largest change of the mean over a body.
+        skin: largest mean change over an interface of the share of metal that bears at its wall.
     """
 
     passes: int
     temperature: float
     solid_fraction: float
     mean_solid_fraction: float = 0.0
+    skin: float = 0.0
 
 
 class ThermalChange:

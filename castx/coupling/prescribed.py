@@ -12,6 +12,7 @@ from castx.arrays import FloatArray
 from castx.domain.mesh import CastingMesh
 from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.problem import HeatReport
+from castx.materials.enthalpy import HeatState
 from castx.materials.material import Material
 from castx.stateful import Arrays, Saved, number
 from castx.tables import Table
@@ -74,6 +75,10 @@ class PrescribedTemperatures:
             for name, body in self._bodies.items()
         ]
         return HeatReport(0, 0, max(changes))
+
+    def between(self, name: str) -> Sequence[HeatState]:
+        """Return nothing: a step goes straight from its start to its end."""
+        return ()
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of pairs in these states [W/m²/K].

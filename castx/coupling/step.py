@@ -126,6 +126,7 @@ class CoupledProblem:
                     temperature=temperature_change,
                     solid_fraction=self._thermal_change.largest_of_solid_fraction(),
                     mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
+                    skin=0.0 if self.mechanics is None else self.mechanics.skin_growth(),
                 )
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
@@ -155,7 +156,7 @@ class CoupledProblem:
             time, step, both, substeps, self._dissipation.powers, factors
         )
         if self.mechanics is not None:
-            self._update_bodies(step)
+            self._update_bodies(step, passed=True)
             equilibrium = self.mechanics.equilibrium
             if not equilibrium.solve(time + step).balanced:
                 self.counters.unbalanced += 1
@@ -166,11 +167,14 @@ class CoupledProblem:
         return report.largest_temperature_change
 
     @booked_as(RunPart.ASSEMBLY)
-    def _update_bodies(self, step: float) -> None:
+    def _update_bodies(self, step: float, *, passed: bool = False) -> None:
+        """Evaluate the laws at the trial temperatures, with what heat has passed or without."""
         if self.mechanics is not None:
             for name, body in self.mechanics.bodies.items():
                 temperature = self.heat.temperature[name].x.array
-                body.update_state(temperature, self.heat.solid_fraction[name].x.array, step)
+                fraction = self.heat.solid_fraction[name].x.array
+                between = self.heat.between(name) if passed and not body.is_compressible else ()
+                body.update_state(temperature, fraction, step, between)
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""

@@ -9,6 +9,7 @@ from dolfinx import fem
 
 from castx.arrays import FloatArray
 from castx.heat.problem import HeatReport
+from castx.materials.enthalpy import HeatState
 from castx.stateful import Arrays, Saved
 from castx.transfer.pair_state import PairState
 
@@ -36,6 +37,9 @@ class Temperatures(Protocol):
         factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
         """Find the trial state at the end of a step; arguments as of `HeatProblem.advance`."""
+
+    def between(self, name: str) -> Sequence[HeatState]:
+        """Return the states of a body inside the trial step, as far as known; collective."""
 
     def coefficients(self, pairs: Sequence[PairState]) -> list[FloatArray]:
         """Return h of the pairs of each interface at the trial temperatures [W/m²/K]."""

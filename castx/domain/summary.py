@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import pi
+from math import inf, pi
 
 from mpi4py import MPI
 
@@ -14,6 +14,7 @@ from dolfinx.mesh import entities_to_geometry
 from castx.arrays import FloatArray, IntArray
 from castx.domain.cell_kinds import KINDS
 from castx.domain.mesh import BodyMesh, CastingMesh
+from castx.meshes.generators.declaration import SYMMETRY_PLANES
 
 QUADRATURE_DEGREE = 4
 """Exact for cells and plane faces, times the radius; other faces have areas that no polynomial is.
@@ -31,6 +32,8 @@ class BodySummary:
         volume: of the body [m³].
         surfaces: area of each named surface and of each face shared with another body [m²].
         unnamed: area of outer faces without a name, which no boundary condition can reach [m²].
+        heights: mean height of the cells over their faces shared with another body, by its name
+            [m].
     """
 
     name: str
@@ -39,6 +42,14 @@ class BodySummary:
     volume: float
     surfaces: dict[str, float]
     unnamed: float
+    heights: dict[str, float]
+
+    @property
+    def modulus(self) -> float:
+        """Volume over surface, without planes of symmetry [m]; infinite without a surface."""
+        areas = (a for name, a in self.surfaces.items() if name not in SYMMETRY_PLANES)
+        area = sum(areas) + self.unnamed
+        return self.volume / area if area > 0.0 else inf
 
 
 @dataclass(frozen=True)
@@ -113,7 +124,24 @@ def _body_summary(mesh: CastingMesh, body: BodyMesh) -> BodySummary:
         float(mesh.comm.allreduce(volume)),
         {name: float(mesh.comm.allreduce(area)) for name, area in surfaces.items()},
         float(mesh.comm.allreduce(measures[tags[outer] == 0].sum())),
+        {
+            other: _height(mesh, body, outer[tags[outer] == body.surfaces[other]])
+            for other in mesh.bodies
+            if other in body.surfaces
+        },
     )
+
+
+def _height(mesh: CastingMesh, body: BodyMesh, facets: IntArray) -> float:
+    """Return the mean height of the cells over facets, weighted by their areas; collective [m]."""
+    topology = body.mesh.topology
+    cells = topology.connectivity(topology.dim - 1, topology.dim)
+    behind = cells.array[cells.offsets[facets]].astype(np.int32)
+    shape = topology.dim if body.kind.simplex else 1
+    volume = shape * _measures(mesh, body, topology.dim, behind, full_turn=False).sum()
+    area = _measures(mesh, body, topology.dim - 1, facets, full_turn=False).sum()
+    volume, area = mesh.comm.allreduce(volume), mesh.comm.allreduce(area)
+    return float(volume / area) if area > 0.0 else 0.0
 
 
 def _owned_outer_facets(body: BodyMesh) -> IntArray:
@@ -123,8 +151,18 @@ def _owned_outer_facets(body: BodyMesh) -> IntArray:
     return np.flatnonzero(np.diff(cells.offsets)[:owned] == 1).astype(np.int32)
 
 
-def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -> FloatArray:
-    """Return length, area or volume of cells or facets, times 2πr when axisymmetric."""
+def _measures(
+    mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray, full_turn: bool = True
+) -> FloatArray:
+    """Return length, area or volume of cells or facets, times 2πr when axisymmetric.
+
+    Args:
+        mesh: all bodies.
+        body: that has them.
+        dim: their dimension.
+        entities: their numbers.
+        full_turn: whether axisymmetric ones are turned about the axis.
+    """
     if not len(entities):  # DOLFINx divides by the number of cells
         return np.empty(0)
     kind = body.kind if dim == body.kind.dimension else KINDS[body.kind.face]
@@ -134,7 +172,7 @@ def _measures(mesh: CastingMesh, body: BodyMesh, dim: int, entities: IntArray) -
     jacobians = kind.jacobians(corners, points)
     gram = np.einsum("cpik,cpil->cpkl", jacobians, jacobians)
     densities = np.sqrt(np.maximum(np.linalg.det(gram), 0.0))
-    if mesh.model == "axisymmetric":
+    if mesh.model == "axisymmetric" and full_turn:
         densities *= 2 * pi * corners[:, :, 0] @ kind.shape_functions(points)[0].T
     return np.asarray(densities @ weights)
 

@@ -166,14 +166,12 @@ class Equilibrium:
         """Accept the present solution as the start of the next step."""
         self.committed = self.x.array_r.copy()
         self.balance.commit(self.x)
-        self.balance.skin.forget()
         self._procedure.forget()
 
     def rewind(self) -> None:
         """Return to the last committed solution, the displacements of the bodies included."""
         self.x.array[:] = self.committed
         self.balance.rewind(self.x)
-        self.balance.skin.forget()
         self._procedure.forget()
 
     def destroy(self) -> None:

@@ -38,7 +38,7 @@ class MomentumBalance:
         contact: the contact method.
         supports: springs and in-gates.
         active: closed pairs.
-        skin: finds pairs that a liquid holds.
+        skin: finds the pulls that liquid bears at its wall.
         operator: the Jacobian.
         convergence: tests residuals.
         frozen: unknowns that stay where they are, whatever acts on them.
@@ -85,7 +85,7 @@ class MomentumBalance:
     def begin(self, x: PETSc.Vec, time: float) -> None:
         """Take over the state of the bodies, with prescribed displacements and loads of a time."""
         self._time = time
-        self.active.hold(self.skin.held())
+        self.active.hold(*self.skin.pulls())
         self.contact.hold(self.active.held)
         self.supports.begin(self.active.committed)
         self.gaps.set_time(time)

@@ -109,6 +109,7 @@ class PairChanges:
             before = active.closed
             changed = active.update(self._forces_to_judge(settled), noise, settled)
             self._openings += before & ~active.closed
+            balance.contact.hold(active.held)
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
             return limits.is_met(f) and self._release_bodies(x, f)

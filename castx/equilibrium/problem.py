@@ -95,6 +95,11 @@ class MechanicalProblem:
         """The pairs of all interfaces."""
         return self.equilibrium.present.gaps
 
+    def skin_growth(self) -> float:
+        """Return the growth of the fastest skin in the trial step; collective."""
+        present = self.equilibrium.present
+        return present.balance.skin.growth(present.active.committed)
+
     def pair_values(self) -> tuple[FloatArray, FloatArray]:
         """Return gaps [m] and contact forces [N] of all rows of this rank, no force where open."""
         present = self.equilibrium.present

@@ -13,10 +13,10 @@ from castx.foundry.arm_spacing import ArmSpacing
 from castx.foundry.die_life import Fatigue
 from castx.foundry.hot_tearing import clyne_davies_of_alloy, kou
 from castx.foundry.mush import FreezingPath
-from castx.foundry.porosity import ATMOSPHERE, CriticalLiquid, Melt, melt_contraction
+from castx.foundry.porosity import CriticalLiquid, Melt, melt_contraction
 from castx.materials.description import MaterialDescription
 from castx.materials.foundry_data import StrengthData
-from castx.materials.material import Material
+from castx.materials.material import ATMOSPHERE, Material
 from castx.tables import Table
 
 COALESCENCE = 0.98

@@ -20,11 +20,10 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.foundry.mush import FreezingPath, MushIntegral
+from castx.materials.material import ATMOSPHERE
 
 KOZENY_CARMAN = 180.0
 """36 · 5: spheres of one size, Kozeny's constant 5."""
-ATMOSPHERE = 1.01e5
-"""Depression at which pores open in melt without tensile strength and without gas [Pa]."""
 
 
 def melt_contraction(shrinkage: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from castx.domain.measures import cell_measure, nodal_areas, nodal_volumes
 from castx.domain.mesh import BodyMesh
 from castx.forms.heat import conduction
 from castx.materials.conduction_potential import conduction_potential
+from castx.materials.enthalpy import HeatState
 from castx.materials.material import Material
 from castx.tables import Table
 
@@ -95,6 +96,17 @@ class ThermalBody:
         H.scatter_forward()
         self.temperature.x.array[:] = self.curve.temperature(H.array)
         self.solid_fraction.x.array[:] = self.curve.solid_fraction(H.array)
+
+    def state(self, enthalpy: FloatArray) -> HeatState:
+        """Return temperature and solid fraction of the local nodes, shape (nodes,); collective.
+
+        Args:
+            enthalpy: of the owned nodes [J/m³], shape (owned,).
+        """
+        values = la.vector(self.index_map)
+        values.array[: self.owned] = enthalpy
+        values.scatter_forward()
+        return self.curve.state(values.array)
 
     @property
     def owned_temperature(self) -> FloatArray:

@@ -18,6 +18,7 @@ from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
+from castx.materials.enthalpy import HeatState
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import HEAT
@@ -167,6 +168,16 @@ class HeatProblem:
             iterations += report.iterations
             linear_iterations += report.linear_iterations
         return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
+
+    def between(self, name: str) -> Sequence[HeatState]:
+        """Return the states of a body at the ends of the sub-steps but the last; collective.
+
+        Args:
+            name: of the body.
+        """
+        number = [body.name for body in self._bodies].index(name)
+        part = self._layout.local_slice(number)
+        return [self._bodies[number].state(state[part]) for state in self._substates[:-1]]
 
     def _solve(self, x: FloatArray) -> SolveReport:
         self._unknown.array[:] = x

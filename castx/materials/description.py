@@ -154,9 +154,10 @@ _LIQUID_NEEDS = {NEWTONIAN: ("viscosity",)} | {
 
 @with_keys(keys_of(LIQUID_RULES.values()))
 class Liquid(Description):
-    """Flow of a material where its solid fraction is below coherency.
+    """Flow of a material where nothing in it bears: in alloys below coherency.
 
-    viscous: s = 2 viscosity ė, Newtonian; else by the flow rule of this name.
+    viscous: s = 2 viscosity ė, Newtonian; else by the flow rule of this name. Coherency has no
+    meaning in metal that freezes at one temperature.
     """
 
     model: Annotated[str, Choice(tuple(_LIQUID_KEYS))] = NEWTONIAN

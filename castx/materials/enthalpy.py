@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,13 @@ SMALLEST_JUMP = 1e-12
 """Difference of solid fraction below which two pieces count as continuous."""
 
 Rise = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+class HeatState(NamedTuple):
+    """Temperature [°C] and solid fraction of nodes at one time, each of shape (nodes,)."""
+
+    temperature: FloatArray
+    solid_fraction: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +72,10 @@ class EnthalpyCurve:
         return np.asarray(
             self.enthalpies[start] + capacity * (temperature - self.temperatures[start])
         )
+
+    def state(self, enthalpy: FloatArray) -> HeatState:
+        """Return the state of nodes at enthalpies [J/m³], shape (nodes,)."""
+        return HeatState(self.temperature(enthalpy), self.solid_fraction(enthalpy))
 
     def temperature(self, enthalpy: Any) -> FloatArray:
         """Return T [°C] at enthalpies [J/m³]; constant to the last bit on a plateau."""

@@ -36,6 +36,9 @@ Value = TypeVar("Value")
 
 PURPOSES = {"density": "the heat equation and gravity"}
 
+ATMOSPHERE = 1.01e5
+"""Depression at which a void opens in melt without tensile strength and without gas [Pa]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Material:
@@ -119,12 +122,48 @@ class Material:
         return self.description.liquid
 
     @property
+    def is_isothermal(self) -> bool:
+        """Whether it freezes at one temperature, behind a front without a mush."""
+        return self.melts and self.solidus == self.liquidus
+
+    @property
+    def fed_until(self) -> float:
+        """Solid fraction up to which liquid feeds what shrinks; zero without a liquid.
+
+        That is coherency in an alloy. At the front of a metal that freezes at one temperature
+        liquid feeds all of it.
+        """
+        if self.liquid is None:
+            return 0.0
+        return 1.0 if self.is_isothermal else self.liquid.coherency
+
+    def bearing_share(self, solid_fraction: FloatArray) -> FloatArray:
+        """Return the share w of metal that bears stress at solid fractions of its nodes.
+
+        In an alloy it rises from 0 at coherency to 1 in the solid. What freezes at one temperature
+        bears behind its front, however little it is: w = f_s.
+        """
+        fraction = np.asarray(solid_fraction, dtype=np.float64)
+        if self.liquid is None:
+            return np.ones_like(fraction)
+        coherency = 0.0 if self.is_isothermal else self.liquid.coherency
+        if coherency >= 1.0:
+            return (fraction >= 1.0).astype(np.float64)
+        return np.clip((fraction - coherency) / (1.0 - coherency), 0.0, 1.0)
+
+    @property
     def cavitation(self) -> float:
         """Depression below the surroundings at which pores open in trapped melt [Pa]; or none.
 
         Melt that holds gas needs no tension: its default here is zero.
         """
         return self.description.cavitation or 0.0
+
+    @property
+    def wall_suction(self) -> float:
+        """Depression at which melt lets go of a wall, to leave a void there [Pa]."""
+        given = self.description.cavitation
+        return ATMOSPHERE if given is None else given
 
     @property
     def dissipation(self) -> float:

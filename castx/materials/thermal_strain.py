@@ -19,7 +19,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import FloatArray
 from castx.materials.material import Material
 
 
@@ -69,19 +69,14 @@ class StressFreeState:
         """
         return volumetric_thermal_strain(material, temperature, self.temperature, self.solid_below)
 
-    def shrinkage(
-        self, material: Material, solid_fraction: FloatArray, corners: IntArray
-    ) -> FloatArray:
-        """Return the strain of solidification since this state in the cells, shape (cells,).
+    def shrinkage(self, material: Material, solid_fraction: FloatArray) -> FloatArray:
+        """Return the strain of solidification since this state at the nodes, shape (nodes,).
 
         Args:
             material: of the body.
-            solid_fraction: mean of each cell, shape (cells,).
-            corners: nodes of each cell, shape (cells, corners).
+            solid_fraction: at the nodes, shape (nodes,).
         """
         start = np.asarray(self.solid_fraction)
-        if start.ndim:
-            start = np.mean(start[corners], axis=1)
         return shrinkage_strain(material, solid_fraction) - shrinkage_strain(material, start)
 
 
@@ -119,29 +114,26 @@ def shrinkage_strain(material: Material, solid_fraction: Any) -> FloatArray:
     """Return the part of the solidification shrinkage that strains the solid skeleton, volumetric.
 
     Metal shrinks in proportion to f_s, by s = `solidification_shrinkage` in all. What it loses
-    below coherency other liquid replaces (`liquid_shrinkage`); from there on the skeleton follows,
-    −s (f_s − f_c). A material without `liquid` has no coherency: f_c = 0.
+    up to f_c other liquid replaces (`liquid_shrinkage`); from there on the skeleton follows,
+    −s (f_s − f_c). A material without `liquid` has f_c = 0.
 
     Args:
-        material: gives the shrinkage s and the coherency f_c.
+        material: gives the shrinkage s and f_c, `fed_until`.
         solid_fraction: f_s, array of any shape.
     """
-    beyond = np.maximum(np.asarray(solid_fraction, dtype=np.float64) - _coherency(material), 0.0)
+    beyond = np.maximum(np.asarray(solid_fraction, dtype=np.float64) - material.fed_until, 0.0)
     return np.asarray(-material.description.solidification_shrinkage * beyond)
 
 
 def liquid_shrinkage(material: Material, solid_fraction: Any) -> FloatArray:
-    """Return the volume share of the shrinkage before coherency, s min(f_s, f_c).
+    """Return the volume share of the shrinkage that liquid feeds, s min(f_s, f_c).
 
     It is demand of feeding metal; where none can follow it leaves a void.
 
     Args:
-        material: gives the shrinkage s and the coherency f_c.
+        material: gives the shrinkage s and f_c, `fed_until`.
         solid_fraction: f_s, array of any shape.
     """
-    share = np.minimum(np.asarray(solid_fraction, dtype=np.float64), _coherency(material))
+    share = np.minimum(np.asarray(solid_fraction, dtype=np.float64), material.fed_until)
     return np.asarray(material.description.solidification_shrinkage * share)
 
-
-def _coherency(material: Material) -> float:
-    return 0.0 if material.liquid is None else material.liquid.coherency

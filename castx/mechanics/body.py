@@ -10,6 +10,7 @@ from dolfinx import fem
 from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
+from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
 from castx.mechanics.constitutive.law import ELASTIC
 from castx.mechanics.constitutive.points import MaterialPoints
@@ -113,7 +114,11 @@ class BodyMechanics:
         self.formulation.forms.update_load()
 
     def update_state(
-        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+        self,
+        temperature: FloatArray,
+        solid_fraction: FloatArray,
+        step: float,
+        between: Sequence[HeatState] = (),
     ) -> None:
         """Evaluate the law for a trial step; collective.
 
@@ -121,9 +126,10 @@ class BodyMechanics:
             temperature: at the local nodes [°C], shape (nodes,).
             solid_fraction: likewise.
             step: time step [s].
+            between: states of the nodes that the step has passed, if they are known.
         """
         self._evaluated_at, self.trials = NOWHERE, self.trials + 1
-        self.formulation.begin(temperature, solid_fraction, step)
+        self.formulation.begin(temperature, solid_fraction, step, between)
 
     def update_points(self) -> None:
         """Find stress and tangent at the present displacement and pressure.
@@ -169,7 +175,7 @@ class BodyMechanics:
         stress = cell_stress(self.material, self.formulation.mean_stress())
         size = np.linalg.norm(stress[:, [0, 1, 2, 3, 4, 5, 3, 4, 5]], axis=1)
         G = self.points.cell_means(self.material.conditions.shear_modulus)
-        size += THERMAL_SHARE * 2 * G * np.abs(self.material.thermal_change)
+        size += THERMAL_SHARE * 2 * G * np.abs(self.material.contracted)
         forces = (size * self._force_of_stress)[: self.owned_cells]
         mine = _on_corners(self.mesh, forces)[: self.owned_nodes]
         load = self.formulation.forms.load

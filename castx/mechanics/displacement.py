@@ -9,6 +9,8 @@ the weak form of Chiumenti, section 2.2, with its continuity equation solved for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -17,6 +19,7 @@ import ufl
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
 from castx.forms import kinematics, momentum
+from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.formulation import BodyUnknowns, Formulation, WeakForms, cell_stress
 from castx.mechanics.loads import BodyLoads
@@ -47,9 +50,15 @@ class DisplacementFormulation(Formulation):
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
 
-    def begin(self, temperature: FloatArray, solid_fraction: FloatArray, step: float) -> None:
+    def begin(
+        self,
+        temperature: FloatArray,
+        solid_fraction: FloatArray,
+        step: float,
+        between: Sequence[HeatState] = (),
+    ) -> None:
         """Evaluate the material for a trial step."""
-        self._material.begin(temperature, solid_fraction, step)
+        self._material.begin(temperature, solid_fraction, step, between)
 
     def update(self) -> None:
         """Find stresses and tangents at the present displacement."""
@@ -66,7 +75,7 @@ class DisplacementFormulation(Formulation):
     def mean_stress(self) -> FloatArray:
         """Return K (∇·u - e^θ) of the cells [Pa], shape (cells,)."""
         conditions = self._material.conditions
-        change = self._material.dilatation - conditions.thermal_strain
+        change = self._material.dilatation - self._material.thermal_strain.x.array
         return np.asarray(change / conditions.compressibility)
 
     def nodal_pressure(self) -> FloatArray:
@@ -80,7 +89,7 @@ class DisplacementFormulation(Formulation):
         Returns:
             False: the residual stays.
         """
-        self._material.commit()
+        self._material.commit(self.mean_stress())
         return False
 
     def rewind(self) -> None:

@@ -27,7 +27,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
@@ -64,7 +64,7 @@ class Pockets:
         block_size: unknowns of a node.
 
     Attributes:
-        trapped: one in the trapped cells of the trial step, else zero.
+        trapped: one in the pools of trapped liquid in the trial step, else zero.
         pressure: that of the pockets at their nodes [Pa].
         content: what the cells hold, and the balance of feeding.
         stiffness: what full pockets add to the Jacobian.
@@ -117,14 +117,15 @@ class Pockets:
             material: of the body, at the conditions of the step.
             solid_fraction: at the nodes, shape (nodes,).
         """
-        law, liquid = material.law, ~material.conditions.coherent
-        fraction = solid_fraction[self._cell_nodes].mean(axis=1)
-        # What was solid when it was free of strain has not shrunk since.
-        skeleton = law.stress_free_state.shrinkage(law.material, fraction, self._cell_nodes)
-        content = self.content
+        metal, content = material.law.material, self.content
+        shrunk = liquid_shrinkage(metal, solid_fraction)[self._cell_nodes].mean(axis=1)
         content.begin(
-            self._paths.pockets(liquid), liquid, liquid_shrinkage(law.material, fraction), skeleton
+            self._paths.pockets(solid_fraction, metal.fed_until),
+            ~material.conditions.coherent,
+            shrunk,
+            material.start_volume.dilatation,
         )
+        material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()
         self._is_trial = True
@@ -135,7 +136,6 @@ class Pockets:
         self.trapped.x.array[:] = trapped
         self.pressure.x.array[:] = self._pressures.acting(np.zeros(len(self._stiffness)))
         material.compressibility.x.array[trapped] = NODAL_SHARE * solid[trapped]
-        material.set_free_volume(np.where(trapped, 0.0, content.free_volume))
 
     def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
         """Prepare the block of full pockets in the Jacobian; collective.
@@ -165,6 +165,11 @@ class Pockets:
         """Return the pressures of the trapped cells [Pa], nan elsewhere, shape (cells,)."""
         trapped = self.trapped.x.array.astype(bool)
         return np.where(trapped, self._pressures.of_cells(self.pressure.x.array), np.nan)
+
+    @property
+    def hold_volume(self) -> BoolArray:
+        """Whether a pocket has the volume of the cells, and not each of them, shape (cells,)."""
+        return np.asarray(self.trapped.x.array > 0)
 
     def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book an accepted step; collective.
@@ -257,6 +262,11 @@ class NoPockets:
     def cell_pressures(self) -> FloatArray:
         """Return nan, shape (cells,)."""
         return np.full(self._cells, np.nan)
+
+    @property
+    def hold_volume(self) -> BoolArray:
+        """Return no cell, shape (cells,)."""
+        return np.zeros(self._cells, dtype=bool)
 
     def commit(self, pressure: Callable[[], FloatArray], dilatation: FloatArray) -> None:
         """Book nothing."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from castx.case.case import Case
 from castx.case.caveats import caveats
+from castx.case.skin import chosen_text
 from castx.case.stages import Schedule
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import (
@@ -108,6 +109,8 @@ def process_of(
     schedule = Schedule(case.stages, case.time.end)
     for line in laws_above_solidus(case, mesh):
         _log.info("%s", line)
+    if chosen := chosen_text(case):
+        _log.info("%s", chosen)
     for caveat in caveats(case):
         _log.warning("%s", caveat)
     for found in pairs.values():
@@ -140,5 +143,6 @@ def step_settings(case: Case) -> StepSettings:
         case.output.every,
         schedule.stops,
         time.solid_fraction_change,
+        time.skin_change,
         time.reject_above,
     )

@@ -33,5 +33,8 @@ def left_total(name: str, value: float) -> float:
     quantity = name.partition(".")[2].partition(".")[0]
     if quantity in ("mean_gap", "min_gap", "max_gap"):
         return float("nan")
-    gone = ("closed_fraction", "force", "force_error", "power", "ejection_force", "clamp_force")
+    gone = (
+        "closed_fraction", "suction", "force", "force_error", "power", "ejection_force",
+        "clamp_force",
+    )  # fmt: skip
     return 0.0 if quantity in gone or name in ("support_force", "largest_pull") else value

@@ -176,11 +176,11 @@ class Simulation:
                 self._cut(failed)
                 after_failed_try()
                 continue
-            if not self.control.exceeds(step, change.temperature, change.mean_solid_fraction):
+            if not self.control.exceeds(step, change):
                 break
             _log.debug(
-                "the step changed too much: %g K, %g of a body froze",
-                change.temperature, change.mean_solid_fraction,
+                "the step changed too much: %g K, %g of a body froze, %g of a skin began to bear",
+                change.temperature, change.mean_solid_fraction, change.skin,
             )  # fmt: skip
             self.problem.rewind()
             self.problem.counters.repeats += 1
@@ -188,7 +188,7 @@ class Simulation:
         counters = self.problem.counters
         self.problem.commit()
         easy = change.passes <= EASY_PASSES
-        self.control.accept(step, change.temperature, easy, change.mean_solid_fraction)
+        self.control.accept(step, change, easy)
         self._substep_rate = self._wanted_substeps(change) / step
         self.time = self.control.landed(self.time + step)
         self.step += 1

@@ -169,8 +169,18 @@ class State:
             f"{name}.min_gap": float(comm.allreduce(state.gap.min(initial=np.inf), op=MPI.MIN)),
             f"{name}.max_gap": float(comm.allreduce(state.gap.max(initial=-np.inf), op=MPI.MAX)),
             f"{name}.closed_fraction": float(touching / area),
+            f"{name}.suction": self._suction(pairs, state),
         }
         return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
+
+
+    def _suction(self, pairs: NodePairs, state: PairState) -> float:
+        """Return the largest stress by which liquid at its wall is pulled [Pa]; collective."""
+        pulls = np.zeros(1)
+        if state.force.shape[1]:
+            normal = np.einsum("pi,pi->p", state.force, pairs.normals)
+            pulls = np.divide(-normal, pairs.areas, out=np.zeros_like(normal), where=state.closed)
+        return float(self.mesh.comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
 
 
 def _read_field(name: str, place: FieldPlace, refusal: str) -> OutputField:

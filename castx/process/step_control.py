@@ -1,10 +1,10 @@
 """Step control: pure numbers, no solver.
 
-A step that changes some node by more than the wanted temperature, or freezes more of some body than
-wanted, makes the next one smaller, by less larger, within bounds on growth and size; many passes or
-iterations forbid growth. A step that failed or changed far too much is halved. Steps land on the
-end, on stops and on milestones such as output times without leaving a sliver: the rest up to the
-next of them is divided evenly once it is shorter than two steps.
+A step that changes some node by more than the wanted temperature, or freezes more of some body or
+of a skin at its wall than wanted, makes the next one smaller, by less larger, within bounds on
+growth and size; many passes or iterations forbid growth. A step that failed or changed far too much
+is halved. Steps land on the end, on stops and on milestones such as output times without leaving a
+sliver: the rest up to the next of them is divided evenly once it is shorter than two steps.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 
+from castx.coupling.change import StepChange
 from castx.errors import ConvergenceError
 from castx.stateful import Arrays, Saved, number
 
@@ -40,6 +41,7 @@ class StepSettings:
         milestone: steps land on the multiples of this time, unless they are fixed.
         stops: all steps land on these times, ascending.
         solid_fraction_change: wanted change of the mean solid fraction of any body in a step.
+        skin_change: wanted mean change over any interface of the metal that bears at its wall.
         reject_above: multiple of a wanted change above which a step is taken again; steps up to the
             first one, and fixed ones, are kept.
     """
@@ -53,6 +55,7 @@ class StepSettings:
     milestone: float | None = None
     stops: tuple[float, ...] = ()
     solid_fraction_change: float = math.inf
+    skin_change: float = math.inf
     reject_above: float = math.inf
 
 
@@ -106,50 +109,47 @@ class StepControl:
         following = (math.floor((time + self._tolerance) / milestone) + 1) * milestone
         return following if following < stop - self._tolerance else stop
 
-    def exceeds(self, step: float, temperature: float, solid_fraction: float) -> bool:
+    def exceeds(self, step: float, change: StepChange) -> bool:
         """Return whether a step changed so much that it is rejected, and cut it then.
 
         Args:
             step: its size [s].
-            temperature: change of the fastest node [K].
-            solid_fraction: change of the mean over the fastest body.
+            change: of the state.
         """
         settings = self._settings
         smaller = max(CUT * step, settings.first)
         # A step that lands on a stop may be the first one but for this excess: it stays.
         if settings.fixed is not None or step <= smaller * (1 + 2 * LANDING):
             return False
-        if self._excess(temperature, solid_fraction) <= settings.reject_above:
+        if self._excess(change) <= settings.reject_above:
             return False
         self._size = smaller
         self._cutbacks += 1
         return True
 
-    def _excess(self, temperature: float, solid_fraction: float) -> float:
+    def _excess(self, change: StepChange) -> float:
         """Return the largest ratio of a change in a step to its wanted value."""
         settings = self._settings
         return max(
-            temperature / settings.temperature_change,
-            solid_fraction / settings.solid_fraction_change,
+            change.temperature / settings.temperature_change,
+            change.mean_solid_fraction / settings.solid_fraction_change,
+            change.skin / settings.skin_change,
         )
 
-    def accept(
-        self, step: float, temperature_change: float, easy: bool, solid_fraction: float = 0.0
-    ) -> None:
+    def accept(self, step: float, change: StepChange, easy: bool) -> None:
         """Adapt the next step to an accepted one.
 
         Args:
             step: its size [s].
-            temperature_change: of the fastest node [K].
+            change: of the state.
             easy: whether it took few passes and iterations.
-            solid_fraction: change of the mean over the fastest body.
         """
         settings, recovering = self._settings, self._cutbacks > 0
         self._cutbacks = 0
         if settings.fixed is not None:
             self._size = min(GROWTH * self._size, settings.fixed) if recovering else settings.fixed
             return
-        excess = self._excess(temperature_change, solid_fraction)
+        excess = self._excess(change)
         ratio = SAFETY / excess if excess > 0 else GROWTH
         ratio = min(max(ratio, SHRINKAGE), GROWTH if easy and not recovering else 1.0)
         # A step cut short by a milestone says nothing against the size it was cut from.

@@ -18,8 +18,8 @@ BODY_TOTALS = (
     "feeder_level",
 )  # fmt: skip
 INTERFACE_TOTALS = (
-    "heat", "power", "mean_gap", "min_gap", "max_gap", "closed_fraction", "force",
-    "ejection_force",
+    "heat", "power", "mean_gap", "min_gap", "max_gap", "closed_fraction", "suction",
+    "force", "ejection_force",
 )  # fmt: skip
 NOTHING = MappingProxyType[str, float]({})
 RUN_TOTALS = ("energy_error", "support_force", "largest_pull", "cycle", "stage")

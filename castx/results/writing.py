@@ -9,6 +9,7 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from castx.case.coherency import coherency_records
 from castx.case.stages import Schedule
 from castx.errors import CaseError
 from castx.foundry.alloy import Alloy
@@ -334,6 +335,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
             "law": body.law,
             "temperature": body.temperature.text,
             "freezes": freezing_range(case, body.material),
+            "coherency": coherency_records(case).get(body.name),
             "tearing": Alloy(find_material(body.material, case.materials)).tearing_indices,
             "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
             "cells": cell_count(mesh, body.name),

@@ -22,6 +22,7 @@ from castx.meshes.grading import (
 )
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
 from castx.meshes.model import base_top_and_outside, fill_model
+from castx.meshes.modulus import block_modulus
 from castx.meshes.structured import grid, swept
 
 CASTING, MOULD = 0, 1
@@ -138,5 +139,6 @@ GENERATOR = Generator(
     },
     surfaces={"casting": ("top",), "mould": ("outside", "base", "top")},
     extents=_extents,
+    moduli=lambda a, model: {"casting": block_modulus(a["box"])},
     problems=_problems,
 )

@@ -16,6 +16,7 @@ from castx.meshes.generators.declaration import (
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, LinearMesh, checked_cells
 from castx.meshes.model import Surface, fill_model, plane, round_surface
+from castx.meshes.modulus import ring_modulus
 from castx.meshes.o_grid import Radii
 from castx.meshes.round_section import disc
 from castx.meshes.structured import grid, swept
@@ -127,5 +128,8 @@ GENERATOR = Generator(
         "casting": ("outside", "base", "top", *SYMMETRY_PLANES),
     },
     extents=lambda a: [a["outer_radius"], a.get("height", a["outer_radius"])],
+    moduli=lambda a, model: {
+        "casting": ring_modulus(a["core_radius"], a["outer_radius"], a.get("height"))
+    },
     problems=_problems,
 )

@@ -13,6 +13,7 @@ from castx.meshes.generators.declaration import (
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import fill_model, plane, round_surface
+from castx.meshes.modulus import ring_modulus
 from castx.meshes.round_section import disc
 from castx.meshes.structured import grid, swept
 
@@ -107,4 +108,5 @@ GENERATOR = Generator(
         "mould": ("outside", "base", "top", *SYMMETRY_PLANES),
     },
     extents=lambda a: [a["radius"] + a["wall"], a["height"] + a.get("floor", 0.0)],
+    moduli=lambda a, model: {"casting": ring_modulus(0.0, a["radius"], a["height"])},
 )

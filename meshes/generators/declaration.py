@@ -20,6 +20,7 @@ class ArgumentKind(Enum):
 
     LENGTH: positive.
     LENGTH_OR_ZERO: positive or 0.
+    LENGTH_OR_AUTO: positive, or "auto": castx finds it.
     SIDES: width, height and, in space, depth.
     LENGTHS: two or more lengths.
     EXPONENT: a number above 0 and up to 10.
@@ -29,6 +30,7 @@ class ArgumentKind(Enum):
 
     LENGTH = "length"
     LENGTH_OR_ZERO = "length or zero"
+    LENGTH_OR_AUTO = "length or auto"
     SIDES = "sides"
     LENGTHS = "lengths"
     EXPONENT = "exponent"
@@ -77,6 +79,7 @@ class Argument:
 LENGTH = Argument(ArgumentKind.LENGTH)
 LENGTH_OR_ZERO = Argument(ArgumentKind.LENGTH_OR_ZERO, needed=())
 SIDES = Argument(ArgumentKind.SIDES)
+LENGTH_OR_AUTO = Argument(ArgumentKind.LENGTH_OR_AUTO, needed=())
 LENGTHS = Argument(ArgumentKind.LENGTHS)
 YES_OR_NO = Argument(ArgumentKind.YES_OR_NO, needed=())
 DEPTH = Argument(ArgumentKind.LENGTH, "extent in z", 0.03, needed=("3d",), models=("3d",))
@@ -91,7 +94,7 @@ SECTOR = Argument(
 
 COMMON_ARGUMENTS: Mapping[str, Argument] = {
     "size": LENGTH.of("of the elements", 0.01),
-    "interface_size": LENGTH.of("of the elements at the interface", 0.005, needed=()),
+    "interface_size": LENGTH_OR_AUTO.of('of the elements at the interface, or "auto"', 0.005),
     "order_of_growth": Argument(
         ArgumentKind.EXPONENT, "exponent by which sizes grow away from it", 1.0, needed=()
     ),
@@ -119,6 +122,8 @@ class Generator:
         arguments: its own arguments by name; every generator also takes `COMMON_ARGUMENTS`.
         surfaces: by body; which of them exist depends on model and arguments.
         extents: from the arguments to the outer dimensions in the plane, or in space [m].
+        moduli: from arguments and model to volume over surface, without planes of symmetry, of
+            each body that may be cast against another one [m].
         problems: yields contradictions of the arguments in a model, by argument.
     """
 
@@ -128,6 +133,7 @@ class Generator:
     arguments: Mapping[str, Argument] = field(default_factory=dict)
     surfaces: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     extents: Callable[[Arguments], list[float]] | None = None
+    moduli: Callable[[Arguments, str], Mapping[str, float]] = lambda arguments, model: {}
     problems: Callable[[Arguments, str], Iterator[tuple[str, str]]] = (
         lambda arguments, model: iter(())
     )

@@ -16,6 +16,7 @@ from castx.meshes.generators.declaration import (
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
 from castx.meshes.model import everything_else, fill_model, plane
+from castx.meshes.modulus import block_modulus, ring_modulus
 from castx.meshes.structured import grid, swept
 
 
@@ -111,6 +112,13 @@ def _problems(arguments: Arguments, model: str) -> Iterator[tuple[str, str]]:
         yield "symmetry", "an axisymmetric mesh lies in r >= 0; leave it true"
 
 
+def _moduli(arguments: Arguments, model: str) -> dict[str, float]:
+    sides = {name: arguments[name] for name in ("upper", "base")}
+    if model == "axisymmetric":
+        return {name: ring_modulus(0.0, 0.5 * w, height) for name, (w, height) in sides.items()}
+    return {name: block_modulus(found) for name, found in sides.items()}
+
+
 GENERATOR = Generator(
     mesh=stacked_blocks,
     summary="A block on a base that is at least as wide; they meet at height 0.",
@@ -125,5 +133,6 @@ GENERATOR = Generator(
         "base": ("bottom", "side", "shelf", *SYMMETRY_PLANES),
     },
     extents=lambda a: [a["base"][0], a["base"][1] + a["upper"][1], *a["base"][2:]],
+    moduli=_moduli,
     problems=_problems,
 )

@@ -1,6 +1,7 @@
 """A plate with steps in its thickness, in a mould."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from castx.meshes.grading import (
 )
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import base_top_and_outside, fill_model
+from castx.meshes.modulus import prism_modulus
 from castx.meshes.structured import grid, swept
 
 CASTING, MOULD = 0, 1
@@ -128,6 +130,14 @@ def _extents(arguments: Arguments) -> list[float]:
     return [sum(arguments["lengths"]) + walls, max(arguments["thicknesses"]) + above, *deep]
 
 
+def _moduli(arguments: Arguments, model: str) -> dict[str, float]:
+    lengths, thicknesses = arguments["lengths"], arguments["thicknesses"]
+    area = sum(long * thick for long, thick in zip(lengths, thicknesses, strict=True))
+    steps = sum(abs(after - before) for before, after in pairwise(thicknesses))
+    around = 2.0 * sum(lengths) + thicknesses[0] + thicknesses[-1] + steps
+    return {"casting": prism_modulus(area, around, arguments.get("depth"))}
+
+
 GENERATOR = Generator(
     mesh=step_plate,
     summary="A plate of sections of different thickness in a mould, which may have a lid.",
@@ -141,5 +151,6 @@ GENERATOR = Generator(
     },
     surfaces={"casting": ("top",), "mould": ("outside", "base", "top")},
     extents=_extents,
+    moduli=_moduli,
     problems=_problems,
 )

@@ -7,6 +7,7 @@ from castx.meshes.generators.declaration import DEPTH, LENGTH, PLANE_MODELS, Gen
 from castx.meshes.grading import Sizing, graded, require_positive
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import fill_model, plane
+from castx.meshes.modulus import block_modulus
 
 
 def two_slabs(
@@ -57,6 +58,10 @@ GENERATOR = Generator(
         "depth": DEPTH,
     },
     surfaces=dict.fromkeys(("casting", "mould"), ("far", "bottom", "top", "front", "back")),
+    moduli=lambda a, model: {
+        name: block_modulus([a[along], a["width"], *([a["depth"]] if "depth" in a else [])])
+        for name, along in (("casting", "length"), ("mould", "mould_length"))
+    },
     extents=lambda a: [
         a["length"] + a["mould_length"],
         a["width"],

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import time
+import tomllib
 from collections.abc import Callable
+from typing import Any
 
 from mpi4py import MPI
 
@@ -42,6 +44,13 @@ end = 0.2
 first_step = 0.05
 largest_step = 0.1
 """
+
+ALLOY_CASE = CASE.replace("Al-pure", "AlSi7Mg")
+
+
+def content_of(text: str) -> dict[str, Any]:
+    """Return keys and values of a case file."""
+    return tomllib.loads(text)
 
 
 def said(comm: MPI.Intracomm, capsys: pytest.CaptureFixture[str]) -> str:

@@ -25,8 +25,8 @@ def demand(state: State) -> float:
     body = state.problem.mechanics.bodies["casting"]
     owned = body.owned_cells
     volumes = body.points.weights.sum(axis=1)[:owned]
-    fraction = state.nodal("casting", "solid_fraction")[body.cell_nodes[:owned]].mean(axis=1)
-    shrunk = float(volumes @ np.minimum(fraction, ALLOY.liquid.coherency))
+    fraction = np.minimum(state.nodal("casting", "solid_fraction"), ALLOY.liquid.coherency)
+    shrunk = float(volumes @ fraction[body.cell_nodes[:owned]].mean(axis=1))
     return ALLOY.description.solidification_shrinkage * state.mesh.comm.allreduce(shrunk)
 
 

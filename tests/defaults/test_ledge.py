@@ -81,13 +81,12 @@ def case(comm, folder: Path, shape: str, gravity: bool, **contact) -> dict:
 
 
 def liquid_skin(comm, state, points: np.ndarray) -> np.ndarray:
-    """Return which places have no coherent cell of the casting."""
+    """Return which places have no metal of the casting that bears."""
     mesh = state.mesh.bodies["casting"]
-    corners = mesh.nodes.dofmap.list
     liquid = find_material(ALLOY, {}).liquid
     assert liquid is not None
-    solid = state.nodal("casting", "solid_fraction")[corners].mean(axis=1) >= liquid.coherency
-    skin = comm.allgather(np.round(mesh.points[corners[solid]].reshape(-1, 2), 8))
+    solid = state.nodal("casting", "solid_fraction") > liquid.coherency
+    skin = comm.allgather(np.round(mesh.points[solid], 8).reshape(-1, 2))
     coherent = {tuple(p) for p in np.concatenate(skin)}
     return np.array([tuple(p) not in coherent for p in np.round(points, 8)], dtype=bool)
 

@@ -16,6 +16,8 @@ import pytest
 
 import castx.meshes.generators
 from castx.case.geometry import GENERATORS, Geometry
+from castx.domain.mesh import build_mesh
+from castx.domain.summary import mesh_summary
 from castx.errors import CaseError
 from castx.meshes.generators.declaration import COMMON_ARGUMENTS
 from tests.meshes.gmsh_meshes import generated
@@ -162,3 +164,16 @@ def test_a_case_refuses_what_cannot_be_meshed(name, model):
         if meshed == 10:
             return
     pytest.fail(f"only {meshed} of 300 drawn sets of arguments of {name} are accepted")
+
+
+@pytest.mark.parametrize(("name", "model"), VARIANTS)
+def test_moduli_are_volume_over_surface_of_the_mesh(name, model, comm):
+    """Of meshes so fine that the polygon of a round section has a hundredth of its area less."""
+    geometry = Geometry.read({**GENERATORS[name].example(model), "size": 0.006})
+    declared = geometry.moduli
+    assert set(declared) <= set(GENERATORS[name].surfaces)
+    assert declared or name == "slab"
+    mesh = build_mesh(geometry, list(GENERATORS[name].surfaces), comm)
+    for body in mesh_summary(mesh).bodies:
+        if body.name in declared:
+            assert declared[body.name] == pytest.approx(body.modulus, rel=0.01)

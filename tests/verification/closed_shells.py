@@ -29,6 +29,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.equilibrium.building import MechanicsSettings
 from castx.equilibrium.problem import MechanicalProblem
+from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
 from castx.mechanics.fixed_directions import SurfaceDisplacement
@@ -161,9 +162,12 @@ def closed_shell(
            "solidification_shrinkage": SHRINKAGE, **properties},
     )  # fmt: skip
     loads = () if pressure is None else (SurfaceLoad("outside", pressure=pressure),)
+    at_start = solid_fraction(mesh.bodies["casting"].points, 0.0, liquid)
+    unstressed = StressFreeState(600.0, solid_fraction=at_start)
     casting = MechanicalBody(
-        Law(metal, 600.0, shell), starts_liquid=True, loads=loads, **KINDS[kind], **(body or {})
-    )
+        Law(metal, unstressed, shell), starts_liquid=True, loads=loads, **KINDS[kind],
+        **(body or {}),
+    )  # fmt: skip
     planes = [fixed(name) for name in ("symmetry-y", "symmetry-x")[: 4 - dimension]]
     if moved is not None:
         planes.append(SurfaceDisplacement("outside", "normal", moved))
@@ -175,12 +179,14 @@ def closed_shell(
 
 def freeze(made: MechanicalProblem, core: float, step: float = 1.0, size: float = INNER) -> None:
     """Begin a step with a solid shell and a solid fraction in the core of this radius [m]."""
+    heat(made, 600.0, partial(solid_fraction, core=core, size=size), step)
 
-    def fraction(x: FloatArray) -> FloatArray:
-        radius = np.hypot(x[:, 0], x[:, 1])
-        return np.where(radius > size * (1 - 1e-6), 1.0, core)
 
-    heat(made, 600.0, fraction, step)
+def solid_fraction(x: FloatArray, core: float, size: float) -> FloatArray:
+    """Return f_s at places: nodes between shell and core bear by half, as a front leaves them."""
+    radius = np.hypot(x[:, 0], x[:, 1])
+    between = np.abs(radius - size) <= 1e-6 * size
+    return np.where(between, 0.5 * (1.0 + COHERENCY), np.where(radius > size, 1.0, core))
 
 
 def settle(made: MechanicalProblem, time: float) -> dict[str, float]:

@@ -46,8 +46,8 @@ def test_stress_and_strain(comm, kind):
 @pytest.mark.slow
 @pytest.mark.serial
 def test_another_slab(comm):
-    data = case(OTHER, *FORMULATIONS["triangles"], resolution=60, step=0.05, end=4.0)
-    check(run(comm, data, OTHER), solve(OTHER), 60, (1.0, 4.0))
+    data = case(OTHER, *FORMULATIONS["triangles"], resolution=30, step=0.05, end=4.0)
+    check(run(comm, data, OTHER), solve(OTHER), 30, (1.0, 4.0))
 
 
 @pytest.mark.ranks
@@ -67,6 +67,7 @@ def test_ranks_agree(comm, kind):
 @pytest.mark.slow
 @pytest.mark.serial
 def test_the_error_falls_with_mesh_and_step(comm):
+    """In the mean: beside the place where the metal begins to flow its stress has a kink."""
     exact = solve(STEEL)
     errors = []
     for resolution, step in ((15, 0.4), (30, 0.2)):
@@ -76,7 +77,7 @@ def test_the_error_falls_with_mesh_and_step(comm):
         means = bin_means(run(comm, data, STEEL), resolution)
         solid = means.xi < 1.0
         error = means.stress[:, 0] - exact.stress(means.xi)
-        errors.append(np.sqrt(np.mean(error[solid] ** 2)))
+        errors.append(np.mean(np.abs(error[solid])))
     assert errors[0] > 1.6 * errors[1]
 
 

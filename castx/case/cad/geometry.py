@@ -60,6 +60,15 @@ def _surfaces(value: Any) -> dict[str, FaceSelector]:
     return surfaces
 
 
+def _interface_size(value: Any) -> float | None:
+    if value == "auto":
+        raise CaseError(
+            "a length is needed: generators alone find it themselves; castx new writes one, and "
+            "castx check says which is fine enough"
+        )
+    return None if value is None else Quantity(LENGTH, above=0.0).read(value)
+
+
 def _unit(value: Any) -> float:
     if not isinstance(value, str):
         raise CaseError('a unit of length is needed: "mm", "inch", …')
@@ -100,7 +109,7 @@ class CadGeometry(Description):
     size: Annotated[float, Quantity(LENGTH, above=0.0)]
     curvature: Annotated[float, Quantity(PURE_NUMBER, least=3.0, most=1000.0)] = 16.0
     across: Annotated[int, Whole(0, 20)] = 2
-    interface_size: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
+    interface_size: Annotated[float | None, PlainValidator(_interface_size)] = None
     growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
     sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)
     refinement: Annotated[float, Quantity(PURE_NUMBER, least=0.1, most=20.0)] = 1.0

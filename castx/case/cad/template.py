@@ -32,6 +32,7 @@ class NewCase:
         interfaces: pairs of bodies with areas [m²].
         surfaces: free ones as "body/surface", with areas [m²].
         across: cells across walls with which it could be meshed.
+        interface_size: of the cells on faces that bodies share [m]; None: as elsewhere.
     """
 
     file: str
@@ -41,6 +42,7 @@ class NewCase:
     interfaces: tuple[tuple[str, str, float], ...]
     surfaces: tuple[tuple[str, float], ...]
     across: int = 1
+    interface_size: float | None = None
 
 
 def roles(names: Sequence[str]) -> dict[str, int]:
@@ -82,6 +84,11 @@ def _geometry(case: NewCase) -> str:
         "curvature = 8                   # CHOOSE: cells round a full circle\n"
         '# surfaces = { top = { normal = "+z" } }          # free faces by words; others: outside\n'
     )
+    if case.interface_size is not None:
+        text += (
+            f'interface_size = "{1e3 * case.interface_size:.3g} mm"       # CHOOSE: cells in the '
+            "skin that carries a gap; castx check says what they change\n"
+        )
     if case.margin is not None:
         text += f'mould = {{ box = "{1e3 * case.margin:.3g} mm" }}      # a block round the part\n'
     return text

@@ -14,6 +14,7 @@ from castx.case.reading.changed_keys import CHANGED_KEYS, ChangedKey, with_new_n
 from castx.case.reading.normals import with_normals
 from castx.case.reading.stages import stage_problems
 from castx.case.reading.written_out import written_out
+from castx.case.skin import interface_size
 from castx.errors import CaseError
 from castx.input.overrides import apply_overrides, shortened
 from castx.input.problems import Refusal, summary
@@ -90,7 +91,15 @@ def read_case(
         raise CaseError(summary(source, refusal.problems, data)) from None
     for warning in warnings:
         _log.warning("%s: %s", source, warning)
-    return _completed(case, path).with_source(path, written_out(data))
+    return _sized(_completed(case, path)).with_source(path, written_out(data))
+
+
+def _sized(case: Case) -> Case:
+    """Return the case with a number for a size at the interface that castx has to find."""
+    if not case.geometry.wants_interface_size:
+        return case
+    geometry = case.geometry.with_interface_size(interface_size(case))
+    return case.model_copy(update={"geometry": geometry})
 
 
 def _refuse_contradictions(case: Case) -> None:

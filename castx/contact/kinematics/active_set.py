@@ -130,7 +130,7 @@ class ActiveSet:
 
     Attributes:
         closed: closed pairs, shape (pairs,).
-        held: pairs that stay closed whatever the sign of their force, shape (pairs,).
+        held: closed pairs that may be pulled, shape (pairs,).
         changes: pairs that have changed since `begin`, on all ranks.
 
     Args:
@@ -147,7 +147,8 @@ class ActiveSet:
         self._pivoting = Pivoting(comm, signatures)
         self.closed: BoolArray = free & (initial_gaps <= 0)
         self._committed = self.closed.copy()
-        self.held: BoolArray = np.zeros(len(free), dtype=bool)
+        self._pulls: FloatArray = np.zeros(len(free))
+        self._let_go: BoolArray = np.zeros(len(free), dtype=bool)
         self._released: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
 
@@ -171,14 +172,21 @@ class ActiveSet:
         self._pivoting.begin(self.closed)
         self.changes = self._restarts = 0
 
-    def hold(self, held: BoolArray) -> None:
-        """Close pairs and keep them closed until the next call; judge the others as usual.
+    @property
+    def held(self) -> BoolArray:
+        """Pairs that may be pulled while they are closed, shape (pairs,)."""
+        return np.asarray(self._pulls > 0.0)
+
+    def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
+        """Let closed pairs be pulled until the next call; a pair lets go once in a step.
 
         Args:
-            held: pairs that carry a constraint, shape (pairs,).
+            pulls: largest pulls of the pairs [N], shape (pairs,).
+            closing: pairs that close whatever their gap, shape (pairs,).
         """
-        self.held = held.copy()
-        self.closed = self.closed | held
+        may = (self._committed | closing) & ~self._let_go
+        self._pulls = np.where(may, pulls, 0.0)
+        self.closed = self.closed | (closing & ~self._let_go)
 
     def restart_cycle_detection(self) -> None:
         """Let known sets return after the friction state has changed, at most 20 times a solve."""
@@ -203,6 +211,8 @@ class ActiveSet:
         else:
             wrong = self._pivoting.at_once(violation)
         changed = self._count(wrong)
+        self._let_go |= wrong & self.closed
+        self._pulls[self._let_go] = 0.0
         self.closed = self.closed ^ wrong
         self.changes += changed
         return changed > 0
@@ -211,9 +221,9 @@ class ActiveSet:
         """Return the forces by which pairs violate their state [N], zero where they do not."""
         carried = float(np.abs(forces[self.closed]).max(initial=0.0))
         largest = self._comm.allreduce(carried, op=MPI.MAX)
-        violation = np.where(self.closed, -forces, forces)
+        violation = np.where(self.closed, -forces - self._pulls, forces)
         noise = violation <= max(1e-12 * largest, threshold)
-        violation[~self._free | self.held | noise] = 0.0
+        violation[~self._free | noise] = 0.0
         return violation
 
     def _count(self, pairs: BoolArray) -> int:
@@ -229,7 +239,7 @@ class ActiveSet:
         return self.any(self._violation(forces, threshold) > 0)
 
     def largest_pull(self, forces: FloatArray, with_frozen: bool = False) -> float:
-        """Return the largest force by which a closed pair that is not held is pulled; collective.
+        """Return the largest force by which a closed pair is pulled beyond its limit; collective.
 
         Args:
             forces: that closed pairs carry [N], compressive positive, shape (pairs,).
@@ -238,8 +248,8 @@ class ActiveSet:
         Returns:
             It [N], zero where none is pulled.
         """
-        pulled = self.closed & self._free & ~self.held
-        pulls = -forces[pulled if with_frozen else pulled & ~self.frozen]
+        pulled = self.closed & self._free
+        pulls = -(forces + self._pulls)[pulled if with_frozen else pulled & ~self.frozen]
         return float(self._comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
 
     def release(self, forces: FloatArray, threshold: float) -> BoolArray:
@@ -277,6 +287,7 @@ class ActiveSet:
     def _begin_step(self) -> None:
         self.frozen[:] = False
         self._released[:] = False
+        self._let_go[:] = False
 
     def restore(self, closed: BoolArray) -> None:
         """Restore the active set of the last accepted step."""
@@ -291,5 +302,5 @@ class ActiveSet:
     def rewind(self) -> None:
         """Return to the set of the last accepted step."""
         self.closed = self._committed.copy()
-        self.held[:] = False
+        self._pulls[:] = 0.0
         self._begin_step()

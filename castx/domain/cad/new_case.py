@@ -4,19 +4,27 @@ from __future__ import annotations
 
 import math
 import os
+from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from castx.case.cad.geometry import SUFFIXES, is_cad_file
+from castx.case.cad.geometry import SUFFIXES, CadGeometry, is_cad_file
 from castx.case.cad.template import NewCase, case_text
+from castx.case.reading.read import load_case
+from castx.case.skin import MOST_GROWTH, skins
 from castx.domain.cad.guarded import meshed_apart
 from castx.errors import CaseError, MeshError
+from castx.input.toml_text import parse_toml
 from castx.meshes.cad.description import CadFile, CadPart, Mould
 from castx.meshes.cad.report import Report
 
 MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
+GROWTH: float = CadGeometry.model_fields["growth"].default
+"""By how much sizes grow over a distance if a case says nothing else."""
+EDGES = 1.3
+"""What edges of interfaces and the changes between sizes add to the cells of plane layers."""
 FIRST_CELLS = 1e5
 """Cells of a first mesh, with which a step takes seconds; thin walls alone may ask for more."""
 
@@ -36,7 +44,7 @@ def write_new_case(cad_file: Path, target: Path) -> None:
         raise CaseError(f"{cad_file}: a CAD file is needed: {', '.join(SUFFIXES)}")
     if target.exists():
         raise CaseError(f"{target} exists; give another one with --output, or remove it")
-    text = case_text(new_case(cad_file, target))
+    text = case_text(with_interface_size(new_case(cad_file, target)))
     try:
         target.write_text(text)
     except OSError as error:
@@ -65,6 +73,37 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
         tuple((measure.name, measure.cad) for measure in report.surfaces),
         across,
     )
+
+
+def with_interface_size(case: NewCase) -> NewCase:
+    """Return a new case with cells that resolve its skins, if they have to be finer for that.
+
+    The number of cells grows at most to `MOST_GROWTH` of what the largest size alone would make.
+    """
+    areas: dict[str, float] = defaultdict(float)
+    for first, second, area in case.interfaces:
+        areas[first] += area
+        areas[second] += area
+    for on, area in case.surfaces:
+        areas[on.partition("/")[0]] += area
+    moduli = {body: v / areas[body] for body, v in case.bodies if areas[body] > 0.0}
+    foreseen = skins(load_case(parse_toml(case_text(case))), moduli)
+    wanted = min((skin.proposal for skin in foreseen), default=case.size)
+    size = max(wanted, _finest(case))
+    return replace(case, interface_size=_rounded(size)) if size < case.size else case
+
+
+def _finest(case: NewCase) -> float:
+    """Return the size at interfaces with which a mesh has as many cells as it may [m]."""
+    least = sum(volume for _, volume in case.bodies) / case.size**3
+    area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
+    low, high = 1e-3 * case.size, case.size
+    while high - low > 1e-3 * case.size:
+        middle = 0.5 * (low + high)
+        layers = 0.5 * (middle**-2 - case.size**-2) - (case.size - middle) / case.size**3
+        more = EDGES * area * layers / GROWTH
+        low, high = (middle, high) if more > (MOST_GROWTH[3] - 1.0) * least else (low, middle)
+    return high
 
 
 def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:

@@ -4,13 +4,19 @@ Every node of a body that melts is followed through its enthalpy. The local soli
 the time between the passing of the liquidus and that of the solidus; `castx.foundry.front` says
 when a level of solid fraction passes a node. In an isothermal change both pass at once.
 
-The cooling rate is that of a node which the surface f_s = 0.9, or another one that the user takes,
-passes with the speed v: Ṫ = G v with v = 1/|∇t|, t the time of passing (W. Kurz and D. J. Fisher,
-Fundamentals of Solidification, 1998, ch. 1). That surface is an isotherm, so nothing else is meant
-than -∂T/∂t; but this form exists for an isothermal change as well and is smooth where the history
-of a single node has stairs. On case V3 it is right to 1 % at 10 elements behind the wall, ∂T/∂t of
-the node to 10 %. The gradient is that of the same moment, within the step in which that surface
-passes.
+The cooling rate is -∂T/∂t of a node when its temperature passes the level f_s = 0.9, or another one
+that the user takes. It has two measures. One is the time in which the temperature of the node falls
+through a window around the level (`castx.foundry.front.cooling`). The other one is that of a node
+which the surface f_s = 0.9 passes with the speed v: Ṫ = G v with v = 1/|∇t|, t the time of passing
+(W. Kurz and D. J. Fisher, Fundamentals of Solidification, 1998, ch. 1). Where differences of
+temperature between nodes are small beside the window the first one counts, exact where the body
+cools as a whole; where the front is steep the second one, smooth where the history of a single node
+has stairs; between them a mean. There t is when the temperature of the node itself passes, since
+the mean passing of a control volume is late at a surface, where the volume lies on one side of its
+node. What freezes at one temperature has G v alone, with the passing of the front.
+
+The gradient is that of the same moment, within the step in which that surface passes. The front
+speed is v = Ṫ/G, so that the three agree everywhere.
 
 Niyama criterion: E. Niyama, T. Uchida, M. Morikawa and S. Saito, A method of shrinkage prediction
 and its application to steel casting practice, AFS Int. Cast Metals J. 7 (1982) 52-63.
@@ -27,6 +33,7 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray
 from castx.case.output import FrontPlace
 from castx.foundry.front.control_volumes import ControlVolumes
+from castx.foundry.front.cooling import CoolingWindow, WindowCooling
 from castx.foundry.front.gradients import Steepness
 from castx.foundry.front.lasting import Lasting
 from castx.foundry.front.levels import FreezingCurve, Level
@@ -103,7 +110,10 @@ class BodySolidification:
     ) -> None:
         self._places = followed.places
         volumes = ControlVolumes(body, axisymmetric)
-        self._front = Front(body, curve, followed.levels(curve), volumes)
+        levels = followed.levels(curve)
+        self._front = Front(body, curve, levels, volumes)
+        window = CoolingWindow.around(curve, levels[FRONT])
+        self._cooling = None if window is None else WindowCooling(volumes, curve, window)
         self._lasting = Lasting(volumes, curve, followed.lasting) if followed.lasting else None
         self._steepness = Steepness(body)
         nodes = len(body.parent_vertices)
@@ -125,6 +135,8 @@ class BodySolidification:
             self._first_time = snapshot.time - snapshot.counters.step
             if self._lasting is not None:
                 self._lasting.begin()
+            if self._cooling is not None:
+                self._cooling.begin()
             self._begin(self._first_time, self._first_enthalpy)
         if np.isnan(self._time):
             self._first_time, self._first_enthalpy = time, enthalpy
@@ -143,6 +155,8 @@ class BodySolidification:
         """Note the levels passed in a step; remelting deletes those it passes; collective."""
         if self._lasting is not None:
             self._lasting.follow(step.start, step.end, end - start)
+        if self._cooling is not None:
+            self._cooling.follow(step, start, end)
         parts = self._front.parts(step)
         found = self._front.passage(step, parts, self._passed)
         self._times[found.remelted] = np.nan
@@ -161,15 +175,22 @@ class BodySolidification:
         mean = np.asarray(WEIGHTS) @ times
         return np.where(np.isfinite(mean), mean, times[MIDDLE])
 
+    def _of_front(self, name: str) -> str:
+        """Return the name under which something at the surface of the gradient is saved."""
+        return f"{name} at {self._places[FRONT].text}"
+
     def saved(self) -> dict[str, Saved]:
         """Return the times of passing so far, the last state and the first one."""
         found = {"last_enthalpy": self._enthalpy, "first_enthalpy": self._first_enthalpy}
         for index, place in enumerate(self._places):
             found[f"times at {place.text}"] = by_node(self._times[index])
             found[f"passed at {place.text}"] = by_node(self._passed[index])
-        found[f"gradient at {self._places[FRONT].text}"] = self._gradient
+        found[self._of_front("gradient")] = self._gradient
         if self._lasting is not None:
             found["lasted"] = by_node(self._lasting.durations)
+        if self._cooling is not None:
+            found[self._of_front("cooling")] = by_node(self._cooling.times)
+            found[self._of_front("spread")] = self._cooling.spread
         nodal = {name: Saved(values, self._numbering) for name, values in found.items()}
         return {"time": number(self._time), "first_time": number(self._first_time), **nodal}
 
@@ -187,9 +208,11 @@ class BodySolidification:
             if f"times at {place.text}" in arrays:
                 self._times[index] = arrays[f"times at {place.text}"].T
                 self._passed[index] = arrays[f"passed at {place.text}"].T
-        gradient = f"gradient at {self._places[FRONT].text}"
-        if gradient in arrays:
-            self._gradient = arrays[gradient]
+        if self._of_front("gradient") in arrays:
+            self._gradient = arrays[self._of_front("gradient")]
+        if self._cooling is not None and self._of_front("cooling") in arrays:
+            self._cooling.times = arrays[self._of_front("cooling")].T.copy()
+            self._cooling.spread = arrays[self._of_front("spread")].copy()
         if self._lasting is not None:
             self._lasting.begin_amid(self._enthalpy)
             if "lasted" in arrays:
@@ -226,24 +249,34 @@ class BodySolidification:
         Several quantities ask for it after one step; it is found once.
         """
         if self._slow is None:
-            in_cells = self._steepness.in_cells(self._passing(FRONT))
+            times = self._passing(FRONT)
+            if self._cooling is not None:
+                own = self._cooling.passing
+                times = np.where(np.isfinite(own), own, times)
+            in_cells = self._steepness.in_cells(times)
             finite = np.isfinite(in_cells).astype(np.float64)
             self._slow = self._steepness.at_nodes(in_cells, finite)
         return self._slow
 
     def front_speed(self) -> FloatArray:
-        """Return v = 1/|∇t| of the surface f_s = 0.9 [m/s]; collective."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / self._slowness(), dtype=np.float64)
+        """Return v = Ṫ/G of the surface f_s = 0.9 [m/s]; collective."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.cooling_rate() / self.gradient()
 
     def cooling_rate(self) -> FloatArray:
-        """Return Ṫ = G v when f_s = 0.9 was passed, positive on cooling [K/s]; collective."""
+        """Return Ṫ when f_s = 0.9 was passed, positive on cooling [K/s]; collective."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return self.gradient() / self._slowness()
+            of_front = self.gradient() / self._slowness()
+        if self._cooling is None:
+            return of_front
+        weight, own = self._cooling.weight(), self._cooling.rate()
+        mean = weight * own + (1.0 - weight) * of_front
+        return np.select([weight == 0.0, weight == 1.0], [of_front, own], mean)
 
     def niyama(self) -> FloatArray:
-        """Return G/√Ṫ = √(G |∇t|) when f_s = 0.9 was passed [K^½ s^½/m]; collective."""
-        return np.sqrt(self.gradient() * self._slowness())
+        """Return G/√Ṫ when f_s = 0.9 was passed [K^½ s^½/m]; collective."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(self.gradient() / np.sqrt(self.cooling_rate()))
 
 
 def by_node(values: Array) -> Array:

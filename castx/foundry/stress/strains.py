@@ -1,11 +1,18 @@
 """Strain that the mush of a body gains across the temperature gradient while it freezes.
 
 Elastic and inelastic strain is what the metal has beyond its thermal strain: that of the cells,
-from one accepted step to the next, without its parts along the gradient of the cell. A node takes
-the mean over the cells round it that have a skeleton, by volume, for the part of the step in which
-it is in a range of solid fractions. Where there is no gradient all directions count. What the
-skeleton shrinks while it freezes is kept beside it: to whom the suction by shrinkage is another
-term, it is no strain.
+from one accepted step to the next. A node takes the mean over the cells round it that have a
+skeleton, by volume, for the part of the step in which it is in a range of solid fractions, without
+its parts along the gradient.
+
+The direction of the gradient is the main one of Σ V g gᵀ over these cells. Near an insulated
+surface temperatures differ so little that the gradient of a single triangle may point anywhere; the
+sum does not, and fronts that meet do not cancel in it. Its first two eigenvalues λ say how far the
+cells have one direction: the parts along it are left out by the share (λ_1 - λ_2)/λ_1, and where
+there is no gradient, or none of one direction, all directions count.
+
+What the skeleton shrinks while it freezes is kept beside it: to whom the suction by shrinkage is
+another term, it is no strain.
 """
 
 from __future__ import annotations
@@ -113,7 +120,9 @@ class BodyStrains:
 
     def _gain(self, now: State, step: float, solid: FloatArray) -> None:
         start, end = self._last[0], now[0]
-        gained = self._at_nodes(self._across(now[1] - self._last[1], 0.5 * (start + end)), solid)
+        slopes = self._slopes(0.5 * (start + end))
+        gained, directions = self._at_nodes((now[1] - self._last[1])[self._owned], slopes, solid)
+        gained[:, :COMPONENTS] = strain_beside(gained[:, :COMPONENTS], directions)
         for index, window in enumerate(self._windows):
             begun = window.enters(start, end)
             molten = end >= window.begin
@@ -126,40 +135,48 @@ class BodyStrains:
                 kept += more
                 kept[molten] = np.nan
 
-    def _across(self, change: FloatArray, values: FloatArray) -> FloatArray:
-        """Return changes of the owned cells without their parts along the gradient of the values.
+    def _slopes(self, values: FloatArray) -> FloatArray:
+        """Return the gradients of the owned cells, zero where nearly flat, (cells, dimension).
 
         Args:
-            change: of the strains and the shrinkage, (cells, 7).
             values: that fall while nodes freeze, (nodes,).
         """
         corners = values[self._cell_nodes[self._owned]]
-        slopes = np.einsum("cak,ca->ck", self._gradients, corners)
+        slopes: FloatArray = np.einsum("cak,ca->ck", self._gradients, corners)
         width = max(window.begin - window.end for window in self._windows)
         slopes[np.ptp(corners, axis=1) <= FLAT * width] = 0.0
-        change = change[self._owned].copy()
-        change[:, :COMPONENTS] = strain_across(change[:, :COMPONENTS], slopes)
-        return change
+        return slopes
 
-    def _at_nodes(self, cellwise: FloatArray, solid: FloatArray) -> FloatArray:
-        """Return means over the cells round the nodes that are solid (cells, 7): (nodes, 7).
+    def _at_nodes(
+        self, change: FloatArray, slopes: FloatArray, solid: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return means of changes and of g gᵀ over the solid cells round the nodes; collective.
 
-        Zero where no cell is; collective.
+        Zero where no cell is solid.
+
+        Args:
+            change: of strains and shrinkage of the owned cells, (cells, 7).
+            slopes: g of these cells, (cells, dimension).
+            solid: whether they have a skeleton, (cells,).
+
+        Returns:
+            (nodes, 7), (nodes, dimension, dimension).
         """
-        weights = self._sizes * solid
-        columns = np.column_stack([cellwise * weights[:, None], weights])
-        count = columns.shape[1]
-        vector = la.vector(self._body.nodes.dofmap.index_map, count)
-        sums = vector.array.reshape(-1, count)
+        dimension, weights = slopes.shape[1], (self._sizes * solid)[:, None]
+        squares = (slopes[:, :, None] * slopes[:, None, :]).reshape(-1, dimension**2)
+        columns = np.hstack([change * weights, squares * weights, weights])
+        vector = la.vector(self._body.nodes.dofmap.index_map, columns.shape[1])
+        sums = vector.array.reshape(-1, columns.shape[1])
         sums[:] = 0.0
         for corner in self._cell_nodes[self._owned].T:
             np.add.at(sums, corner, columns)
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()
         total = sums[:, -1:]
-        means = np.zeros((len(sums), count - 1))
+        means = np.zeros((len(sums), columns.shape[1] - 1))
         np.divide(sums[:, :-1], total, out=means, where=total > 0.0)
-        return means
+        gained, directions = means[:, : COMPONENTS + 1], means[:, COMPONENTS + 1 :]
+        return gained, directions.reshape(-1, dimension, dimension)
 
     def _gained(self, until: float) -> tuple[FloatArray, FloatArray]:
         """Return strain (nodes, 7) and time [s] of a range, not a number if it is not passed."""
@@ -209,6 +226,20 @@ class BodyStrains:
             if f"strain until {fraction!r}" in arrays:
                 self._strain[index] = arrays[f"strain until {fraction!r}"]
                 self._duration[index] = arrays[f"duration until {fraction!r}"]
+
+
+def strain_beside(strain: FloatArray, directions: FloatArray) -> FloatArray:
+    """Return strains without their parts along gradients of which the mean g gᵀ is given.
+
+    Args:
+        strain: (n, 6).
+        directions: mean g gᵀ, (n, dimension, dimension).
+    """
+    sizes, vectors = np.linalg.eigh(directions)
+    first, second = sizes[:, -1:], np.maximum(sizes[:, -2:-1], 0.0)
+    share = np.divide(first - second, first, out=np.zeros_like(first), where=first > 0.0)
+    across = strain_across(strain, vectors[:, :, -1])
+    return np.asarray(share * across + (1.0 - share) * strain)
 
 
 def largest_principal(strain: FloatArray) -> FloatArray:

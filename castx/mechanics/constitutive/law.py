@@ -2,22 +2,24 @@
 
 Deviatoric stress over one step Δt, with e the deviatoric strain (Chiumenti, section 2.2):
 
-    liquid (solid fraction below coherency)    s = 2 (η/Δt) (e − e_n), or by a flow rule
-    solid                                      s = 2 G (e − e_birth − e_vp)
-    mixture (coherency to full solidity)       s = w s_solid + (1 − w) s_liquid
+    liquid     s = 2 (η/Δt) (e − e_n), or by a flow rule
+    solid      s = 2 G E,   dE = de − de_vp
+    mixture    s = w s_solid + (1 − w) s_liquid
 
-e_n is the strain at the start of the step, e_birth the one at which the cell froze and e_vp the
-viscoplastic strain since then (`history`); `return_mapping` finds e_vp, `response` the stress. The
-share w of the solid rises from 0 at coherency to 1. The pressure follows from the volume,
+e_n is the strain at the start of the step, E the elastic strain of the solid, which grows
+(`growth`), and e_vp its viscoplastic strain (`history`); `return_mapping` finds e_vp, `response`
+the stress. The share w of the solid rises from 0 where metal begins to bear to 1. The pressure
+follows from the volume, of which K of the solid carries the share that is solid,
 
-    p = K (∇·u − e^θ),
+    dθ = w dp/K + de^θ,
 
-with e^θ the volumetric thermal strain (`castx.materials.thermal_strain`); a liquid is
+with de^θ the contraction of the solid (`castx.materials.thermal_strain`); a liquid is
 incompressible. A material without `liquid` is a solid at every temperature.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,10 +27,18 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
+from castx.materials.enthalpy import HeatState
 from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
-from castx.mechanics.constitutive.coherency import Coherency
+from castx.mechanics.constitutive.growth import (
+    Contraction,
+    MetalNodes,
+    Shares,
+    contraction,
+    in_the_solid,
+    weighted_means,
+)
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.tables import Table
 
@@ -41,24 +51,36 @@ class Conditions(NamedTuple):
     Attributes:
         shear_modulus: of the solid at the points [Pa], shape (points,).
         flow: of the solid at the points; None: elastic.
-        solid_share: w at the points, shape (points,).
+        shares: solid at the points.
         liquid_modulus: η/Δt at the points [Pa], of a Newtonian liquid.
         liquid_flow: of another liquid at the points.
-        compressibility: 1/K in the cells [1/Pa], shape (cells,).
-        solid_compressibility: the same of the solid alone.
-        thermal_strain: volumetric, shape (cells,).
-        coherent: whether a cell is a solid, shape (cells,).
+        start_share: w_0 in the cells, shape (cells,).
+        share: w in the cells, shape (cells,).
+        solid_compressibility: 1/K of the solid in the cells [1/Pa], shape (cells,).
+        contraction: de^θ over the step, shape (cells,).
+        nodes: metal of the nodes at the end of the step.
     """
 
     shear_modulus: FloatArray
     flow: FlowProperties | None
-    solid_share: FloatArray
+    shares: Shares
     liquid_modulus: FloatArray | None
     liquid_flow: FlowProperties | None
-    compressibility: FloatArray
+    start_share: FloatArray
+    share: FloatArray
     solid_compressibility: FloatArray
-    thermal_strain: FloatArray
-    coherent: BoolArray
+    contraction: FloatArray
+    nodes: MetalNodes
+
+    @property
+    def compressibility(self) -> FloatArray:
+        """w/K of the cells [1/Pa], shape (cells,)."""
+        return np.asarray(self.share * self.solid_compressibility)
+
+    @property
+    def coherent(self) -> BoolArray:
+        """Whether the cells hold any solid, shape (cells,)."""
+        return np.asarray(self.share > 0)
 
 
 @dataclass(frozen=True)
@@ -98,13 +120,32 @@ class Law:
         temperatures = np.union1d(young.arguments, poisson.arguments)
         return float(np.max(young(temperatures) / (2 * (1 + poisson(temperatures)))))
 
+    def initial_nodes(self, count: int, *, liquid: bool) -> MetalNodes:
+        """Return the metal of the nodes in the state without strain, shape (count,).
+
+        Args:
+            count: number of local nodes.
+            liquid: whether the solid of that state is all there is, instead of all metal.
+        """
+        fraction = self.stress_free_state.solid_fraction if liquid else 1.0
+        share = self.material.bearing_share(np.broadcast_to(fraction, (count,)))
+        return MetalNodes(share, np.zeros(count))
+
+    def nodes(self, temperature: FloatArray, solid_fraction: FloatArray) -> MetalNodes:
+        """Return the metal of nodes at temperatures [°C] and solid fractions, shape (nodes,)."""
+        unstressed = self.stress_free_state
+        strain = unstressed.thermal_strain(self.material, temperature)
+        strain = strain + unstressed.shrinkage(self.material, solid_fraction)
+        return MetalNodes(self.material.bearing_share(solid_fraction), strain)
+
     def conditions(
         self,
         points: IntegrationPoints,
         temperature: FloatArray,
         solid_fraction: FloatArray,
         step: float,
-        coherency: Coherency | None = None,
+        start: MetalNodes | None = None,
+        between: Sequence[HeatState] = (),
     ) -> Conditions:
         """Return the coefficients of the law in a step.
 
@@ -113,43 +154,51 @@ class Law:
             temperature: at the nodes at the end of the step [°C], shape (nodes,).
             solid_fraction: at the nodes at the end of the step, shape (nodes,).
             step: Δt [s].
-            coherency: what the passes of the step have found so far; takes note of this one.
+            start: metal of the nodes at the start of the step; None: as at its end.
+            between: states of the nodes that the step has passed, if they are known.
 
         Raises:
             CaseError: the material lacks a property that the law needs.
         """
+        end = self.nodes(temperature, solid_fraction)
+        start = end if start is None else start
         young, poisson = self._elastic_tables()
         E, nu = young(temperature), poisson(temperature)
-        shear_modulus = points.from_nodes(E / (2 * (1 + nu)))
+        shear_modulus = in_the_solid(points, E / (2 * (1 + nu)), end.share)
         corners = points.cell_nodes
-        compressibility = np.mean((3 * (1 - 2 * nu) / E)[corners], axis=1)
-        fraction = np.mean(solid_fraction[corners], axis=1)
-        liquid = self.material.liquid
-        if coherency is not None and liquid is not None:
-            coherency.note(fraction, liquid.coherency)
-            fraction = np.maximum(fraction, coherency.least)
-        unstressed = self.stress_free_state
-        nodal = unstressed.thermal_strain(self.material, temperature)
-        shrinkage = unstressed.shrinkage(self.material, fraction, corners)
-        thermal_strain = np.mean(nodal[corners], axis=1) + shrinkage
-        share: FloatArray = np.ones(points.cells)
-        coherent: BoolArray = np.ones(points.cells, dtype=bool)
-        if liquid is not None:
-            coherent = fraction >= liquid.coherency
-            share = _solid_share(fraction, liquid.coherency)
-            nodal = unstressed.thermal_strain(self.material, np.full(len(temperature), np.inf))
-            molten = np.mean(nodal[corners], axis=1)
-            molten = molten + unstressed.shrinkage(self.material, np.zeros(points.cells), corners)
-            thermal_strain = np.where(coherent, thermal_strain, molten)
-        at_points = points.from_nodes(temperature)
-        viscous, flowing = self._liquid(shear_modulus, at_points, step)
+        share = np.mean(end.share[corners], axis=1)
+        nodal = 3 * (1 - 2 * nu) / E
+        compressibility = np.where(
+            share > 0, weighted_means(points, nodal, end.share), np.mean(nodal[corners], axis=1)
+        )
+        contracted = self._contraction(points, start, between, end)
+        shares = Shares.between(
+            points.from_nodes(start.share), points.from_nodes(end.share), contracted.share
+        )
+        at_points = in_the_solid(points, temperature, end.share)
+        viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
         flow = None
         if self.name != ELASTIC:
             flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
         return Conditions(
-            shear_modulus, flow, points.from_cells(share), viscous, flowing,
-            share * compressibility, compressibility, thermal_strain, coherent,
+            shear_modulus, flow, shares, viscous, flowing,
+            np.mean(start.share[corners], axis=1), share, compressibility,
+            contracted.cells, end,
         )  # fmt: skip
+
+    def _contraction(
+        self,
+        points: IntegrationPoints,
+        start: MetalNodes,
+        between: Sequence[HeatState],
+        end: MetalNodes,
+    ) -> Contraction:
+        solidus = self.material.solidus
+        if solidus is None or ((start.share == 1) & (end.share == 1)).all():
+            return contraction(points, [start, end], end.contraction)
+        passed = [start, *(self.nodes(*state) for state in between), end]
+        solid = np.ones_like(end.share)
+        return contraction(points, passed, self.nodes(solidus * solid, solid).contraction)
 
     def _liquid(
         self, shear_modulus: FloatArray, temperature: FloatArray, step: float
@@ -169,9 +218,3 @@ class Law:
             )
         return young, poisson
 
-
-def _solid_share(fraction: FloatArray, coherency: float) -> FloatArray:
-    """Return w: from 0 at coherency to 1 in the solid; a step where they are the same."""
-    if coherency >= 1.0:
-        return (fraction >= 1.0).astype(np.float64)
-    return np.clip((fraction - coherency) / (1.0 - coherency), 0.0, 1.0)

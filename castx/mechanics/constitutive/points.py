@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from dolfinx import fem
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.forms import kinematics
 from castx.forms.momentum import PointState
-from castx.mechanics.constitutive.coherency import Coherency
+from castx.materials.enthalpy import HeatState
+from castx.mechanics.constitutive.growth import CellVolume, MetalNodes
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
 from castx.mechanics.constitutive.plane_stress import deviatoric
 from castx.mechanics.constitutive.response import Response, respond, secant_softening
+from castx.mechanics.constitutive.secant_modulus import SecantModulus
 from castx.mechanics.constitutive.thickness import thickness
 from castx.stateful import Arrays, Saved
 
@@ -42,16 +45,18 @@ class MaterialPoints:
         self.stress, self.direction = points.tensor(), points.tensor()
         self.isotropic, self.radial = points.scalar(), points.scalar()
         self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
-        self.secant_modulus = fem.Function(cells)
+        self._secant = SecantModulus(points, cells)
+        self.secant_modulus = self._secant.function
         self.thickness = thickness(points, law, cells, starts_liquid)
-        self.history = PointHistory.initial(points, starts_liquid)
-        self._coherency = Coherency(self.history.coherent)
-        self._start = self.history
+        self.history = self._start = PointHistory.initial(points)
+        nodes = len(points.node_numbering.numbers)
+        self._nodes = law.initial_nodes(nodes, liquid=starts_liquid)
+        self._volume = CellVolume(*np.zeros((4, points.cells)))
+        self._contracted = self._volume.contracted
         self._conditions: Conditions | None = None
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
         self._step = 1.0
-        self._free_volume: FloatArray = np.zeros(points.cells)
         self._gained: FloatArray = np.zeros(points.count)
         self._committed: tuple[PointHistory, Conditions, float, FloatArray, FloatArray] | None
         self._committed = None
@@ -84,39 +89,46 @@ class MaterialPoints:
         )
 
     def begin(
-        self, temperature: FloatArray, solid_fraction: FloatArray, step: float
+        self,
+        temperature: FloatArray,
+        solid_fraction: FloatArray,
+        step: float,
+        between: Sequence[HeatState] = (),
     ) -> Conditions:
-        """Evaluate the law for a trial step from nodal temperatures [°C] and solid fractions."""
+        """Evaluate the law for a trial step.
+
+        Args:
+            temperature: at the nodes at the end of the step [°C], shape (nodes,).
+            solid_fraction: likewise.
+            step: Δt [s].
+            between: states of the nodes that the step has passed, if they are known.
+        """
         c = self.law.conditions(
-            self.points, temperature, solid_fraction, step, self._coherency
+            self.points, temperature, solid_fraction, step, self._nodes, between
         )
-        self._free_volume = np.zeros(self.points.cells)
         self.thickness.begin(c.coherent)
-        self._use(self.history.start(c.coherent, self.points), c, step)
+        self._start, self._conditions, self._step = self.history, c, step
+        self._secant.use(c, self.history.softening)
+        self._contracted = self._volume.contracted + c.contraction
+        self.compressibility.x.array[:] = c.compressibility
+        self.thermal_strain.x.array[:] = self._volume.grown(
+            c.start_share, c.share, c.solid_compressibility, c.contraction
+        )
         return c
 
-    def set_free_volume(self, strain: FloatArray) -> None:
-        """Let a volumetric strain of the cells, shape (cells,), stand beside the thermal one."""
-        self._conditions = self.conditions._replace(thermal_strain=self.thermal_change + strain)
-        self._free_volume = strain
-        self.thermal_strain.x.array[:] = self.conditions.thermal_strain
+    def swell(self, strain: FloatArray) -> None:
+        """Let the cells swell in the trial step by volumetric strains, shape (cells,)."""
+        self.thermal_strain.x.array[:] += strain
 
     @property
-    def thermal_change(self) -> FloatArray:
-        """Volumetric thermal strain of the cells alone, shape (cells,)."""
-        return self.conditions.thermal_strain - self._free_volume
+    def start_nodes(self) -> MetalNodes:
+        """Metal of the nodes at the start of the step."""
+        return self._nodes
 
-    def _use(self, start: PointHistory, conditions: Conditions, step: float) -> None:
-        self._start, self._conditions, self._step = start, conditions, step
-        self.compressibility.x.array[:] = conditions.compressibility
-        self.thermal_strain.x.array[:] = conditions.thermal_strain
-        self.secant_modulus.x.array[:] = self.points.cell_means(self._secant(conditions))
-
-    def _secant(self, c: Conditions) -> FloatArray:
-        """Return the shear modulus G of the stabilisation τ, known at the start of the step."""
-        solid = self._start.softening * c.shear_modulus
-        liquid = solid if c.liquid_modulus is None else c.liquid_modulus
-        return c.solid_share * solid + (1 - c.solid_share) * liquid
+    @property
+    def start_volume(self) -> CellVolume:
+        """Volume of the cells at the start of the step."""
+        return self._volume
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
         """Update stress and tangent for a total strain at the end of the step.
@@ -144,7 +156,7 @@ class MaterialPoints:
         if pressure is not None:
             return pressure, np.zeros_like(pressure)
         stiffness = 1 / self.points.from_cells(self.conditions.compressibility)
-        free = self.points.from_cells(self.conditions.thermal_strain)
+        free = self.points.from_cells(self.thermal_strain.x.array)
         dilatation = strain[:, 0] + strain[:, 1] + normal
         return stiffness * (dilatation - free), stiffness
 
@@ -153,11 +165,16 @@ class MaterialPoints:
         """Volumetric strain of the cells, shape (cells,)."""
         return self.points.cell_means(self._strain[:, :3].sum(axis=1))
 
+    @property
+    def contracted(self) -> FloatArray:
+        """Volumetric strain by which the solid of the cells has contracted, shape (cells,)."""
+        return self._contracted
+
     def mechanical_strain(self) -> FloatArray:
-        """Return ε - e^θ/3 1 of the cells, beyond thermal strain and pores, shape (cells, 6)."""
+        """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
         strain = self.points.cell_means(self._strain)
         strain = np.pad(strain, ((0, 0), (0, 6 - strain.shape[1])))
-        strain[:, :3] -= self.conditions.thermal_strain[:, None] / 3.0
+        strain[:, :3] -= self.contracted[:, None] / 3.0
         return strain
 
     def plastic_power(self) -> FloatArray:
@@ -177,11 +194,16 @@ class MaterialPoints:
         return self._gained
 
     def saved(self) -> dict[str, Saved]:
-        """Return the history, the strain out of the plane, and a field of T_sf.
+        """Return the history, the volume, the strain out of the plane, and a field of T_sf.
 
         A field of stress-free temperatures is kept, since the file that it came from may be gone.
         """
         found = self.history.saved(self.points) | self.thickness.saved()
+        for values, numbering in (
+            (self._nodes, self.points.node_numbering),
+            (self._volume, self.points.numbering),
+        ):
+            found |= {name: Saved(v, numbering) for name, v in values._asdict().items()}
         unstressed = self.law.stress_free_state.temperature
         if np.ndim(unstressed):
             found["stress_free"] = Saved(np.asarray(unstressed), self.points.node_numbering)
@@ -191,28 +213,44 @@ class MaterialPoints:
         """Restore the history with which the next step starts."""
         self.history, self._committed = self.history.restored(arrays), None
         self._gained = np.zeros(self.points.count)
-        self.thickness.restore(arrays, self.history.coherent)
-        self._coherency = Coherency(self.history.coherent)
+        self._nodes = MetalNodes(*(arrays[name].copy() for name in MetalNodes._fields))
+        self._volume = CellVolume(*(arrays[name].copy() for name in CellVolume._fields))
+        self.thickness.restore(arrays, self._solid_cells())
         if "stress_free" in arrays:
             unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
             self.law = replace(self.law, stress_free=unstressed)
 
-    def commit(self) -> None:
-        """Accept the trial state as the start of the next step; collective."""
+    def _solid_cells(self) -> BoolArray:
+        return np.asarray(self._nodes.share[self.points.cell_nodes].any(axis=1))
+
+    def commit(self, mean_stress: FloatArray, pooled: BoolArray | None = None) -> None:
+        """Accept the trial state as the start of the next step; collective.
+
+        Args:
+            mean_stress: of the cells [Pa], shape (cells,).
+            pooled: cells of which a pool holds the volume of all together, shape (cells,); None:
+                there are none.
+        """
         strain, response = deviatoric(self._strain), self.response
         self.thickness.commit(self._strain)
         self._gained = np.asarray(response.equivalent - self._start.equivalent)
         self.history = PointHistory(
-            self._start.birth,
+            response.elastic,
             response.plastic,
             response.equivalent,
             strain,
             secant_softening(response, self.conditions, self._start, strain),
-            self.conditions.coherent,
         )
-        self._coherency = Coherency(self.history.coherent)
-        compressibility, free = self.compressibility.x.array.copy(), self._free_volume
+        self._nodes = self.conditions.nodes
+        free = self.thermal_strain.x.array.copy()
+        dilatation = self.dilatation.copy()
+        kept = np.where(self.conditions.coherent, free, dilatation)
+        if pooled is not None:
+            kept[pooled] = dilatation[pooled]
+        self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
+        compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free
+        self._secant.commit()
 
     def rewind(self) -> None:
         """Return to the end of the last accepted step.
@@ -220,8 +258,10 @@ class MaterialPoints:
         It is evaluated from its own start: from its end, a viscous material would flow on.
         """
         self.thickness.rewind()
-        self._coherency = Coherency(self.history.coherent)
         if self._committed is not None:
-            start, conditions, step, compressibility, self._free_volume = self._committed
-            self._use(start, conditions, step)
-            self.compressibility.x.array[:] = compressibility  # trapped liquid has its own
+            start, conditions, step, compressibility, free = self._committed
+            self._start, self._conditions, self._step = start, conditions, step
+            self._secant.rewind(conditions, start.softening)
+            self._contracted = self._volume.contracted
+            self.compressibility.x.array[:] = compressibility
+            self.thermal_strain.x.array[:] = free

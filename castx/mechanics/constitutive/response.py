@@ -28,8 +28,9 @@ class Response(NamedTuple):
         isotropic: [Pa], shape (points,).
         radial: [Pa], shape (points,).
         direction: n, shape (points, components).
-        plastic: viscoplastic strain of the solid at the end of the step.
-        equivalent: its equivalent.
+        elastic: elastic strain of the solid at the end of the step, shape (points, components).
+        plastic: its viscoplastic strain, likewise.
+        equivalent: its equivalent, shape (points,).
         work: plastic work per volume in the step [J/m³], shape (points,).
     """
 
@@ -37,6 +38,7 @@ class Response(NamedTuple):
     isotropic: FloatArray
     radial: FloatArray
     direction: FloatArray
+    elastic: FloatArray
     plastic: FloatArray
     equivalent: FloatArray
     work: FloatArray
@@ -45,14 +47,14 @@ class Response(NamedTuple):
 def respond(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
     """Return the response to deviatoric strains at the end of the step, shape (points, components).
 
-    Liquid: s = 2 (η/Δt) (e - e_n). Solid: s = 2 G (e - e_birth - e_vp), by `return_mapping` if it
-    flows. Between coherency and full solidity s = w s_solid + (1 - w) s_liquid.
+    Liquid: s = 2 (η/Δt) (e - e_n). Solid: s = 2 G E, by `return_mapping` if it flows. Where both
+    are s = w s_solid + (1 - w) s_liquid.
 
     Raises:
         ConvergenceError: the flow rule of a point cannot be solved.
     """
     response = _solid_response(conditions, start, strain)
-    share = conditions.solid_share
+    share = conditions.shares.end
     if conditions.liquid_modulus is None and conditions.liquid_flow is None:
         return response
     if (share == 1.0).all():
@@ -61,18 +63,22 @@ def respond(conditions: Conditions, start: PointHistory, strain: FloatArray) -> 
 
 
 def _solid_response(conditions: Conditions, start: PointHistory, strain: FloatArray) -> Response:
-    G, flow = conditions.shear_modulus, conditions.flow
-    trial = (2 * G)[:, None] * (strain - start.birth - start.plastic)
+    G, flow, shares = conditions.shear_modulus, conditions.flow, conditions.shares
+    carried, strained = shares.carried[:, None], shares.strained
+    elastic = carried * start.elastic + strained[:, None] * (strain - start.strain)
+    plastic, equivalent = carried * start.plastic, shares.carried * start.equivalent
+    trial = (2 * G)[:, None] * elastic
     none = np.zeros(len(G))
     if flow is None:
         return Response(
-            trial, 2 * G, none, np.zeros_like(trial), start.plastic, start.equivalent, none
+            trial, 2 * G * strained, none, np.zeros_like(trial), elastic, plastic, equivalent, none
         )
-    back = (2 / 3 * flow.kinematic_modulus)[:, None] * start.plastic
-    returned = return_mapping(trial, back, start.equivalent, flow)
+    back = (2 / 3 * flow.kinematic_modulus)[:, None] * plastic
+    returned = return_mapping(trial, back, equivalent, flow)
+    flowed = viscoplastic_strain(returned)
     return Response(
-        returned.stress, returned.isotropic, returned.radial, returned.direction,
-        start.plastic + viscoplastic_strain(returned), start.equivalent + returned.increment,
+        returned.stress, returned.isotropic * strained, returned.radial * strained,
+        returned.direction, elastic - flowed, plastic + flowed, equivalent + returned.increment,
         plastic_work(returned),
     )  # fmt: skip
 
@@ -108,8 +114,6 @@ def _mixture(
         isotropic=share * solid.isotropic + (1 - share) * isotropic,
         radial=np.where(use_solid, share * solid.radial, (1 - share) * radial),
         direction=np.where(use_solid[:, None], solid.direction, direction),
-        plastic=np.where(w > 0, solid.plastic, 0.0),
-        equivalent=np.where(share > 0, solid.equivalent, 0.0),
         work=share * solid.work,
     )
 
@@ -117,13 +121,15 @@ def _mixture(
 def secant_softening(
     response: Response, conditions: Conditions, start: PointHistory, strain: FloatArray
 ) -> FloatArray:
-    """Return ‖s‖/(2 G ‖e − e_birth‖), the secant modulus over the elastic one, shape (points,).
+    """Return ‖s‖/(2 G ‖E + e_vp‖), the secant modulus over the elastic one, shape (points,).
 
-    The stabilisation τ of the next step takes G times this factor, see `forms/stabilisation`.
+    In a liquid E + e_vp is the strain of the step. The stabilisation τ of the next step takes G
+    times this factor, see `forms/stabilisation`.
     """
-    stretch = strain - start.birth
-    share = np.where(conditions.solid_share > 0, conditions.solid_share, 1.0)
-    elastic = 2 * share * conditions.shear_modulus * tensor_norm(stretch)
-    stress = tensor_norm(response.stress)
+    solid = conditions.shares.end > 0
+    stretch = np.where(solid[:, None], response.elastic + response.plastic, strain - start.strain)
+    elastic = 2 * conditions.shear_modulus * tensor_norm(stretch)
+    of_solid = 2 * conditions.shear_modulus * tensor_norm(response.elastic)
+    stress = np.where(solid, of_solid, tensor_norm(response.stress))
     found = np.divide(stress, elastic, out=np.ones_like(elastic), where=elastic > 0)
-    return np.clip(found, SMALLEST_SECANT, 1.0)
+    return np.asarray(np.clip(found, SMALLEST_SECANT, 1.0))

@@ -1,17 +1,18 @@
 """Metal in the cells of a body: the feeding demand of freezing, fed volume, pores.
 
-Metal that freezes shrinks. Below coherency (the solid fraction f_c) liquid makes up for it, by the
-feeding demand of a cell of volume V in a step,
+Metal that freezes shrinks. Up to the solid fraction f_c liquid makes up for it, by the feeding
+demand of a cell of volume V in a step,
 
     D = V s Δmin(f_s, f_c),   s = (ρ_solid − ρ_liquid)/ρ_solid.
 
-A cell in reach of a free surface is fed. In a pocket the content e of the cells, the volumetric
-strain at which they would be full, sinks by the demand instead, also by that of cells that freeze
-at its wall; what the volumetric strain θ exceeds it by is the void of the pocket,
+A cell in reach of a free surface is fed. Of a pocket, the cells without any solid are its pool. The
+content e of these cells, the volumetric strain at which they would be full, sinks by the demand of
+the whole pocket instead; what their volumetric strain θ exceeds it by is the void of the pocket,
 
     Σ V (θ − e) ≥ 0,
 
-spread evenly over its liquid. What a cell holds of it when it freezes stays as porosity. Volumes
+spread evenly over the pool. What a cell holds of it when its solid begins to grow stays as
+porosity, and where a pocket has no pool any more pores open in the cells that still freeze. Volumes
 are those of solid metal, and for each body demand = fed + growth of the voids + what the walls of
 the pockets gave way.
 """
@@ -25,6 +26,9 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.stateful import Array, Arrays, Numbering, Saved, number
 
+ALONE = -2
+"""Number of cells that are cut off in a region without a pool."""
+
 
 class Content:
     """Content and pores of the cells of one body, and its balance of feeding.
@@ -35,11 +39,14 @@ class Content:
         volumes: of the owned cells [m³], shape (owned,).
 
     Attributes:
-        pocket: number of the pocket of each cell in the trial step, −1: none, shape (cells,).
-        pockets: volumes of the liquid of the pockets [m³], equal on all ranks, shape (pockets,).
+        pocket: number of the pocket in whose pool each cell is in the trial step, −1: none, shape
+            (cells,).
+        pockets: volumes of the pools of the pockets [m³], equal on all ranks, shape (pockets,).
         demand: feeding demand so far [m³].
         fed: what has been fed so far [m³].
         void: present volume of all pores [m³].
+        swelling: volumetric strain by which metal that swells while it freezes overfills the cells
+            in the trial step, where no pool takes it, shape (cells,).
     """
 
     def __init__(self, comm: MPI.Intracomm, numbering: Numbering, volumes: FloatArray) -> None:
@@ -50,50 +57,61 @@ class Content:
         self.pocket: IntArray = np.full(cells, -1, dtype=np.int32)
         self.pockets: FloatArray = np.zeros(0)
         none: FloatArray = np.zeros(cells)
+        self.swelling: FloatArray = none
         self._full, self._pores, self._shrunk = none, none, none
         self._trial_full, self._trial_pores, self._trial_shrunk = none, none, none
-        self._last_pocket: IntArray = self.pocket
+        self._region: IntArray = self.pocket
+        self._last_region: IntArray = self.pocket
         self._last_count = 0
+        self._was_pool: BoolArray = np.zeros(cells, dtype=bool)
         self._liquid: BoolArray = np.zeros(cells, dtype=bool)
 
     def begin(
-        self, pocket: IntArray, liquid: BoolArray, shrunk: FloatArray, skeleton: FloatArray
+        self, region: IntArray, liquid: BoolArray, shrunk: FloatArray, dilatation: FloatArray
     ) -> None:
         """Find the content of the cells in a trial step; collective.
 
         The first state of all is full everywhere, whatever has frozen there.
 
         Args:
-            pocket: number of the pocket of each cell, −1: none, shape (cells,).
-            liquid: whether a cell is a liquid, shape (cells,).
+            region: number of the cut-off region of each cell, −1: none, shape (cells,).
+            liquid: whether a cell has no solid, shape (cells,).
             shrunk: s min(f_s, f_c) of the cells, shape (cells,).
-            skeleton: strain of the skeleton beyond coherency since the body was free of strain,
-                shape (cells,).
+            dilatation: volumetric strain of the cells at the start of the step, shape (cells,).
         """
-        count = 1 + self._comm.allreduce(int(pocket.max(initial=-1)), op=MPI.MAX)
+        self._number(region, liquid)
         if not self._started:
             self._started = True
-            self._shrunk, self._last_pocket, self._last_count = shrunk, pocket, count
-            self._full = np.where(liquid, 0.0, -skeleton)
-        self.pocket, self._liquid, self._trial_shrunk = pocket, liquid, shrunk
-        self.pockets = self._sums(pocket, count, np.ones(len(pocket)))
-        self._fill(shrunk - self._shrunk)
+            self._shrunk, self._last_region = shrunk, self._region
+            self._last_count, self._was_pool = len(self.pockets), self.pocket >= 0
+        self._liquid, self._trial_shrunk = liquid, shrunk
+        self._fill(shrunk - self._shrunk, dilatation)
 
-    def _fill(self, change: FloatArray) -> None:
-        trapped, last = self.pocket >= 0, self._last_pocket
-        inside = last >= 0
-        # What freezes at the wall of a pocket draws from the liquid that is left there.
+    def _number(self, region: IntArray, liquid: BoolArray) -> None:
+        """Number the regions that have a pool; those without one are `ALONE`."""
+        count = 1 + self._comm.allreduce(int(region.max(initial=-1)), op=MPI.MAX)
+        pools = self._sums(np.where(liquid, region, -1), count, np.ones(len(region)))
+        numbers = np.where(pools > 0, np.cumsum(pools > 0) - 1, ALONE).astype(np.int32)
+        self._region = region.copy()
+        self._region[region >= 0] = numbers[region[region >= 0]]
+        self.pocket = np.where(liquid, self._region, -1)
+        self.pockets = pools[pools > 0]
+
+    def _fill(self, change: FloatArray, dilatation: FloatArray) -> None:
+        pool, last = self.pocket >= 0, self._last_region
+        # What freezes round a pool draws from the liquid that is left in it.
         lost = self._sums(np.where(self._liquid, -1, last), self._last_count, change)
-        room = self._sums(np.where(trapped, last, -1), self._last_count, np.ones(len(last)))
+        room = self._sums(np.where(pool, last, -1), self._last_count, np.ones(len(last)))
         share = np.divide(lost, room, out=np.zeros_like(lost), where=room > 0)
-        drawn, alone = np.zeros(len(last)), np.zeros(len(last), dtype=bool)
+        drawn, alone = np.zeros(len(last)), last == ALONE
+        inside = last >= 0
         drawn[inside], alone[inside] = share[last[inside]], room[last[inside]] == 0
-        full, pores = self._full + np.where(self._liquid, self._pores, 0.0), self._pores
-        self._trial_full = np.where(trapped, self._full - change - drawn, full)
-        self._trial_pores = np.where(self._liquid, 0.0, pores)
+        full = np.where(self._was_pool, self._full, dilatation - self._pores)
+        self._trial_full = np.where(pool, full - change - drawn, 0.0)
+        self._trial_pores = np.where(self._liquid, 0.0, self._pores)
         final = alone & ~self._liquid  # nothing is left from which it could draw
-        self._trial_full[final] -= change[final]
-        self._trial_pores[final] = np.maximum(pores + change, 0.0)[final]
+        self._trial_pores[final] = np.maximum(self._pores + change, 0.0)[final]
+        self.swelling = np.where(final, np.maximum(-self._pores - change, 0.0), 0.0)
 
     def _sums(self, group: IntArray, count: int, values: FloatArray) -> FloatArray:
         """Return the sums of V times values over the cells of each group, shape (count,)."""
@@ -105,13 +123,8 @@ class Content:
 
     @property
     def was_trapped(self) -> BoolArray:
-        """Whether the cells were trapped at the start of the step, shape (cells,)."""
-        return self._last_pocket >= 0
-
-    @property
-    def free_volume(self) -> FloatArray:
-        """Volumetric strain at which the cells are full, with frozen pores, shape (cells,)."""
-        return self._trial_full + self._trial_pores
+        """Whether the cells were in a pool at the start of the step, shape (cells,)."""
+        return self._was_pool
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Return the means of values of the cells in each pocket, shape (pockets,); collective."""
@@ -143,16 +156,16 @@ class Content:
             dilatation: volumetric strain of the cells, shape (cells,).
             porous: whether each pocket has pores, shape (pockets,).
         """
-        change, trapped = self._trial_shrunk - self._shrunk, self.pocket >= 0
+        change, pool = self._trial_shrunk - self._shrunk, self.pocket >= 0
         fed = np.where(self._liquid, change + self._pores, change)
-        fed = np.where(trapped | (~self._liquid & (self._last_pocket >= 0)), 0.0, fed)
+        fed = np.where(pool | (~self._liquid & (self._last_region != -1)), 0.0, fed)
         fraction = self.void_fraction(dilatation)
-        cells = trapped.copy()
-        cells[trapped] = porous[self.pocket[trapped]]
+        cells = pool.copy()
+        cells[pool] = porous[self.pocket[pool]]
         self._full, self._pores = self._trial_full.copy(), self._trial_pores.copy()
         self._pores[cells] = fraction[self.pocket[cells]]
-        self._full[trapped] = dilatation[trapped] - fraction[self.pocket[trapped]]
-        self._shrunk, self._last_pocket = self._trial_shrunk, self.pocket
+        self._full[pool] = dilatation[pool] - fraction[self.pocket[pool]]
+        self._shrunk, self._last_region, self._was_pool = self._trial_shrunk, self._region, pool
         self._last_count = len(self.pockets)
         demand, fed_now, self.void = self._totals(change, fed, self._pores)
         self.demand, self.fed = self.demand + demand, self.fed + fed_now
@@ -167,7 +180,7 @@ class Content:
         """Return the committed state and the booked volumes."""
         cells: dict[str, Array] = {
             "content": self._full, "pores": self._pores,
-            "shrunk": self._shrunk, "pocket": self._last_pocket,
+            "shrunk": self._shrunk, "region": self._last_region, "pool": self._was_pool,
         }  # fmt: skip
         booked = {"demand": self.demand, "fed": self.fed, "pockets": float(self._last_count)}
         return {name: Saved(values, self._numbering) for name, values in cells.items()} | {
@@ -179,7 +192,8 @@ class Content:
         self._started = True
         self._full, self._pores = arrays["content"].copy(), arrays["pores"].copy()
         self._shrunk = arrays["shrunk"].copy()
-        self._last_pocket = np.asarray(arrays["pocket"], dtype=np.int32)
+        self._last_region = np.asarray(arrays["region"], dtype=np.int32)
+        self._was_pool = np.asarray(arrays["pool"], dtype=bool)
         self._last_count = int(arrays["pockets"])
         self.demand, self.fed = float(arrays["demand"]), float(arrays["fed"])
         (self.void,) = self._totals(self._pores)

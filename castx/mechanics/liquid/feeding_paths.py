@@ -1,4 +1,7 @@
-"""Liquid that is cut off: which cells of a body no liquid joins to a free surface."""
+"""Liquid that is cut off: which cells of a body no liquid joins to a free surface.
+
+It flows from node to node, as long as the solid fraction there lets it.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,10 @@ from collections.abc import Collection
 from mpi4py import MPI
 
 import numpy as np
+from dolfinx import fem, la
 from dolfinx import mesh as dmesh
 
-from castx.arrays import BoolArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.regions import CellRegions
 
@@ -25,25 +29,29 @@ class FeedingPaths:
 
     def __init__(self, body: BodyMesh, model: str, closed: Collection[str]) -> None:
         self._regions = CellRegions(body)
-        self._at_free_surface = np.zeros(len(body.nodes.dofmap.list), dtype=bool)
-        self._at_free_surface[_free_cells(body, model, closed)] = True
+        self._at_free_surface = _on_facets(body, free_facets(body, model, closed))
 
-    def pockets(self, liquid: BoolArray) -> IntArray:
+    def pockets(self, fraction: FloatArray, fed_until: float) -> IntArray:
         """Return the number of the pocket of each cell, −1: none, shape (cells,); collective.
 
-        A pocket is a set of liquid cells joined by their corners and by none of them to a free
-        surface; all ranks have the same numbers.
+        A pocket is a set of cells joined by nodes where liquid can flow, none of which lies on a
+        free surface; all ranks have the same numbers.
 
         Args:
-            liquid: the liquid cells of this rank, ghosts included, shape (cells,).
+            fraction: solid fraction at the local nodes, shape (nodes,).
+            fed_until: solid fraction up to which liquid can flow; not in what is all solid.
         """
-        count, region = self._regions.find(liquid)
+        # With metal that bears from f_c on, a node either bears or lets liquid flow.
+        wet = (fraction <= fed_until) & (fraction < 1.0)
+        corners = self._regions.cell_nodes
+        inside: BoolArray = np.asarray(wet[corners].any(axis=1))
+        count, region = self._regions.find(inside, wet)
         fed = np.zeros(count, dtype=np.int32)
-        fed[region[liquid & self._at_free_surface]] = 1
+        fed[region[inside & (wet & self._at_free_surface)[corners].any(axis=1)]] = 1
         self._regions.comm.Allreduce(MPI.IN_PLACE, fed, op=MPI.MAX)
         number = np.where(fed > 0, -1, np.cumsum(fed == 0) - 1)
-        pocket = np.full(len(liquid), -1, dtype=np.int32)
-        pocket[liquid] = number[region[liquid]]
+        pocket = np.full(len(inside), -1, dtype=np.int32)
+        pocket[inside] = number[region[inside]]
         return pocket
 
 
@@ -62,10 +70,13 @@ def free_facets(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray
     return np.asarray(free, dtype=np.int32)
 
 
-def _free_cells(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray:
-    """Return the owned cells with a facet on a free surface."""
-    free = free_facets(body, model, closed)
-    topology, dimension = body.mesh.topology, body.mesh.topology.dim
-    cells = topology.connectivity(dimension - 1, dimension)
-    first = cells.offsets[free]
-    return np.asarray(cells.array[first], dtype=np.int32)
+def _on_facets(body: BodyMesh, facets: IntArray) -> BoolArray:
+    """Return whether the local nodes lie on some owned facets of any rank; collective."""
+    dimension = body.mesh.topology.dim
+    nodes = fem.locate_dofs_topological(body.nodes, dimension - 1, facets)
+    flags = la.vector(body.nodes.dofmap.index_map, 1, dtype=np.int32)
+    flags.array[:] = 0
+    flags.array[nodes] = 1
+    flags.scatter_reverse(la.InsertMode.add)
+    flags.scatter_forward()
+    return np.asarray(flags.array > 0)

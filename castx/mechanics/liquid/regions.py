@@ -33,32 +33,37 @@ class Regions:
         self._global: LongArray = index_map.local_to_global(nodes)
         self._shared = _shared_nodes(body)
 
-    def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
+    def find(
+        self, chosen: BoolArray, joining: BoolArray | None = None
+    ) -> tuple[int, IntArray]:
         """Return the number of regions, and the region of each group or −1, (groups,); collective.
 
         All ranks number the regions alike.
 
         Args:
             chosen: groups of this rank, those of ghosts included, shape (groups,).
+            joining: local nodes by which groups are joined, shape (nodes,), at least one of each
+                chosen group; None: all of them.
         """
         nodes = self._groups[chosen]
-        groups = np.repeat(np.arange(len(nodes)), self._groups.shape[1])
-        count, of_group = _joined(groups, nodes.ravel(), len(nodes), len(self._global))
-        total, of_region = self._across_ranks(count, of_group, nodes)
+        joins = np.ones(nodes.shape, dtype=bool) if joining is None else joining[nodes]
+        groups = np.repeat(np.arange(len(nodes)), self._groups.shape[1])[joins.ravel()]
+        count, of_group = _joined(groups, nodes[joins], len(nodes), len(self._global))
+        total, of_region = self._across_ranks(count, of_group, nodes, joins)
         found = np.full(len(chosen), -1, dtype=np.int32)
         found[chosen] = of_region[of_group]
         return total, found
 
     def _across_ranks(
-        self, count: int, region: IntArray, group_nodes: IntArray
+        self, count: int, region: IntArray, group_nodes: IntArray, joins: BoolArray
     ) -> tuple[int, IntArray]:
         """Return the number of regions on all ranks, and the global number of each local region.
 
-        Those that have a node in common are one.
+        Those that have a joining node in common are one.
         """
         first = self.comm.exscan(count, op=MPI.SUM) or 0
         total = self.comm.allreduce(count, op=MPI.SUM)
-        shared = self._shared[group_nodes]
+        shared = self._shared[group_nodes] & joins
         regions = np.broadcast_to(first + region[:, None], group_nodes.shape)[shared]
         links = np.column_stack([regions, self._global[group_nodes[shared]]])
         every = np.concatenate(self.comm.allgather(np.unique(links, axis=0)))

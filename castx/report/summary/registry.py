@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from castx.report.summary.coherency import coherency
 from castx.report.summary.finding import Finding
 from castx.report.summary.freezing import freezing
 from castx.report.summary.gaps import gaps
@@ -21,7 +22,7 @@ Finder = Callable[[Results], Iterable[Finding]]
 
 FINDERS: tuple[Finder, ...] = (
     freezing, hot_spots, field_risks, alloy_risks, gaps, residual_stress, distortion, ejection,
-    deviations,
+    deviations, coherency,
 )  # fmt: skip
 
 

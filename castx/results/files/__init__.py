@@ -2,6 +2,7 @@
 
 Public: `folder.claimed_folder`, `folder.clear_results`, `folder.record_of`, `folder.write_whole`,
 `folder.FolderLock`, `disk.Disk`, `series.Series`, `series.read_series`,
-`run_json.read_record`, `collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`,
+`run_json.read_record`, `sensitivity.read_sensitivity`, `sensitivity.Sensitivity`,
+`collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`,
 `measurements.measured_curves`, `measurements.read_measured`, `measurements.deviation`.
 """

@@ -8,7 +8,7 @@ UNITS = {
     "time": "s", "step": "s", "wall": "s",
     "enthalpy": "J", "heat_in": "J", "heat": "J", "power": "W",
     "feeding_demand": "m³", "fed_volume": "m³", "unfed_volume": "m³", "pipe_volume": "m³",
-    "pocket_pressure": "Pa", "feeder_level": "m",
+    "pocket_pressure": "Pa", "suction": "Pa", "feeder_level": "m",
     "mean_gap": "m", "min_gap": "m", "max_gap": "m", "clamp_displacement": "m",
     "force": "N", "ejection_force": "N", "clamp_force": "N", "support_force": "N",
     "largest_pull": "N", "support_moment": "N m",

@@ -34,11 +34,14 @@ SERIES = ("probes.csv", "history.csv")
 HOT_SPOTS = "hot_spots.csv"
 MEASURED = "measurements.csv"
 REPORT = "report.html"
+SENSITIVITY = "sensitivity.json"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
-OURS = (LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, FIELDS, CHECKPOINT)
+OURS = (
+    LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, FIELDS, CHECKPOINT,
+)  # fmt: skip
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
 """Time for the holder of a lock to say who it is [s]."""
@@ -170,7 +173,7 @@ def other_case(record: dict[str, Any]) -> str:
 
 def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
-    for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT):
+    for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY):
         (folder / name).unlink(missing_ok=True)
     ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
             ("", f".{CASE}.*"))  # fmt: skip

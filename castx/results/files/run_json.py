@@ -35,11 +35,17 @@ class _Tearing(_Strict):
     clyne_davies: float | None = None
 
 
+class _Coherency(_Strict):
+    value: float = 0.0
+    source: str = ""
+
+
 class _Body(_Strict):
     material: str = ""
     law: str = ""
     temperature: str = ""
     freezes: list[float] | None = None
+    coherency: _Coherency | None = None
     tearing: _Tearing | None = None
     nodes: int = 0
     cells: int = 0

@@ -231,7 +231,7 @@ def lines(folder: Path) -> int:
 def test_a_full_disk_ends_a_run_that_goes_on_when_there_is_room(case_file, tmp_path, comm):
     """Files may not grow beyond a limit, which the history does at last."""
     folder = tmp_path / "out"
-    largest = 60_000
+    largest = 80_000
     limited = (  # once MPI has its own files, the memory that ranks share
         "from mpi4py import MPI; import resource; from castx.command.cli import main; "
         f"resource.setrlimit(resource.RLIMIT_FSIZE, ({largest}, {largest})); main()"

@@ -146,3 +146,18 @@ def test_sizes_and_surfaces_are_told_for_each_model():
     assert "metre of depth" in size_text("plane-strain")
     assert free_text("top") == "insulated, free" and "symmetry" in free_text("symmetry-x")
     assert corner_text((0.0, 0.05)) == "(0, 0.05)"
+
+
+@pytest.mark.ranks
+def test_cells_in_the_skin_and_coherency_are_told(comm, case_file, said):
+    alloy = ["--set", "bodies.0.material=AlSi7Mg"]
+    assert execute(["check", str(case_file), *alloy], comm) == 0
+    text = said()
+    assert "interface casting/mould: cells of 5 mm in the skin of casting" in text
+    assert 'interface_size = "0.67 mm" would make' in text
+    assert "casting: the mush of AlSi7Mg bears from a solid fraction (coherency) of 0.9" in text
+    assert f"castx run {case_file} --sensitivity coherency" in text
+    finer = ["--set", "geometry.interface_size=auto"]
+    assert execute(["check", str(case_file), *finer], comm) == 0
+    text = said()
+    assert "cells of 0.6" in text and "fine enough" in text and "coherency" not in text

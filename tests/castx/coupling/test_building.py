@@ -224,15 +224,21 @@ def test_a_displacement_body_that_starts_solid_goes_without_its_liquid(comm):
 
 def test_the_law_above_the_solidus_is_named():
     copper = find_material("Cu-pure", {})
-    text = "core: Cu-pure flows with its viscosity below a solid fraction of 0.99"
+    text = (
+        "core: Cu-pure flows with its viscosity ahead of its front at 1084.62 °C; its coherency "
+        "has no meaning there"
+    )
     assert law_above_solidus("core", copper) == text
+    alloy = find_material("AlSi7Mg", {})
+    text = "core: AlSi7Mg flows with its viscosity below a solid fraction of 0.9"
+    assert law_above_solidus("core", alloy) == text
     text = "core: Cu-pure keeps its solid's law at every temperature, without liquid"
     assert law_above_solidus("core", copper.without_liquid()) == text
     for name, rule in LIQUID_RULES.items():
         liquid = Liquid.read({"model": name, "coherency": 0.6, **rule.example})
-        description = copper.description.model_copy(update={"liquid": liquid})
-        text = f"core: Cu-pure creeps by {rule.title} below a solid fraction of 0.6"
-        assert law_above_solidus("core", replace(copper, description=description)) == text
+        description = alloy.description.model_copy(update={"liquid": liquid})
+        text = f"core: AlSi7Mg creeps by {rule.title} below a solid fraction of 0.6"
+        assert law_above_solidus("core", replace(alloy, description=description)) == text
 
 
 def test_methods_of_contact_cannot_be_mixed():

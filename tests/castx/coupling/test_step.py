@@ -1,5 +1,6 @@
 """One coupled step: schemes, passes, failure and rewind, on problems with known answers."""
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -45,6 +46,9 @@ class FakeHeat:
         self.temperature["casting"].x.array[:] = self.committed - fall
         return HeatReport(2, 2, abs(fall))
 
+    def between(self, name) -> list[str]:
+        return [f"passed by {name}"]
+
     def resistance(self, state) -> np.ndarray:
         return self.law(state.gap, state.pressure)
 
@@ -81,9 +85,15 @@ class FakeMechanics:
         self.fallbacks = 2
         self.finished: list[float] = []
         self.dissipated_fraction = 0.0
+        self.is_compressible = False
+        self.passed: list[Sequence[str]] = []
 
-    def update_state(self, temperature, solid_fraction, step) -> None:
+    def update_state(self, temperature, solid_fraction, step, between=()) -> None:
         self.state = float(temperature[0])
+        self.passed.append(between)
+
+    def skin_growth(self) -> float:
+        return 0.3
 
     def solve(self, time) -> SimpleNamespace:
         return SimpleNamespace(
@@ -183,6 +193,17 @@ def test_no_heat_takes_one_pass():
     problem, _, mechanics = fake_problem(law=lambda gap, pressure: np.full(1, np.inf))
     assert problem.advance(0.0, 1.0, 1).passes == 1
     assert mechanics.state == 1.0
+
+
+def test_mechanics_learns_what_heat_has_passed_in_each_pass_of_a_step():
+    problem, _, mechanics = fake_problem("iterated")
+    passes = problem.advance(0.0, 1.0, 4).passes
+    assert mechanics.passed == [(), *[["passed by casting"]] * passes]
+    problem.rewind()
+    assert mechanics.passed[-1] == ()
+    mechanics.is_compressible = True
+    problem.advance(0.0, 1.0, 4)
+    assert mechanics.passed[-1] == (), "what never melts needs no more than its end"
 
 
 def test_staggered_uses_the_gap_of_the_last_step():

@@ -71,3 +71,29 @@ def test_faces_without_a_name_are_counted(comm, shared_tmp_path):
     cells = mesh.parent.topology.index_map(2)
     assert plate.cells == comm.allreduce(cells.size_local)
     assert np.isfinite(summary.lowest).all()
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_heights_are_those_of_the_cells_at_the_interface(model, cells, comm):
+    sides = [0.06, 0.04, 0.04][: 3 if model == "3d" else 2]
+    mesh = generated(
+        comm, model, "box_in_mould", NAMES, box=sides, wall=0.02, size=0.01, cells=cells
+    )
+    casting, mould = mesh_summary(mesh).bodies
+    assert casting.heights == {"mould": pytest.approx(0.01, rel=0.05)}
+    assert mould.heights == {"casting": pytest.approx(0.01, rel=0.05)}
+
+
+@pytest.mark.parametrize("cells", ["simplices", "quadrilaterals"])
+def test_heights_follow_the_size_at_the_interface(cells, comm):
+    casting = mesh_summary(
+        cylinder(comm, "axisymmetric", cells=cells, interface_size=0.004)
+    ).bodies[0]
+    assert casting.heights["mould"] == pytest.approx(0.004, rel=0.2)
+
+
+def test_a_modulus_leaves_planes_of_symmetry_out(comm):
+    casting = mesh_summary(cylinder(comm, "3d", cells="quadrilaterals")).bodies[0]
+    assert casting.modulus == pytest.approx(R * H / (2 * (R + H)), rel=0.02)

@@ -63,7 +63,7 @@ def test_a_failure_says_where_the_residual_is_largest(comm):
 @pytest.mark.sampled
 @pytest.mark.parametrize("method", ["condensed", "multipliers"])
 def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(comm, method):
-    """Its force vanishes at once, as a known one, though the skin overshoots in that iteration."""
+    """Six pairs of eleven open in one step of ten iterations at most, and none returns."""
     data = {
         "geometry": {"generator": "cylinder_in_mould", "model": "axisymmetric", "radius": 0.04,
                      "height": 0.06, "wall": 0.06, "floor": 0.03, "size": 0.015},
@@ -88,8 +88,8 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
         opened += counters.contact_changes
         assert counters.cutbacks == 0 and counters.mechanics_iterations <= 10
         gap = state.totals["casting/mould.mean_gap"]
-    assert opened == 2
-    assert gap == pytest.approx(3.266e-6, rel=1e-3)
+    assert opened == 7
+    assert gap == pytest.approx(1.6138e-5, rel=1e-3)
 
 
 @pytest.mark.ranks

@@ -108,11 +108,13 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
         return False
 
     balance: Any = SimpleNamespace(
-        active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool)),
+        active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool), held=None),
         assembly=SimpleNamespace(
             improve_pressures=lambda: False, unknowns=None, flows_by_rate=True
         ),
-        contact=SimpleNamespace(update_friction=update_friction, has_friction=False),
+        contact=SimpleNamespace(
+            update_friction=update_friction, has_friction=False, hold=lambda held: None
+        ),
         convergence=SimpleNamespace(
             smallest=5.0, weakest=1e3, rounding=rounding, is_met=lambda f: False
         ),

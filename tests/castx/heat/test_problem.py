@@ -127,6 +127,21 @@ def test_substeps_are_steps(comm):
     assert largest(comm, state(one, mesh) - state(other, mesh)) < 1e-9
 
 
+def test_states_between_are_those_at_the_ends_of_the_substeps(comm):
+    mesh = cylinder(comm)
+    one, other = (problem(mesh, tolerance=1e-12) for _ in range(2))
+    one.advance(0.0, 4.0, resistances(mesh), 4)
+    for name in mesh.bodies:
+        assert len(one.between(name)) == 3
+    for number in range(3):
+        run(other, mesh, [1.0])
+        for name in mesh.bodies:
+            passed = one.between(name)[number]
+            of_nodes = other.temperature[name].x.array, other.solid_fraction[name].x.array
+            assert largest(comm, passed.temperature - of_nodes[0]) < 1e-9
+            assert largest(comm, passed.solid_fraction - of_nodes[1]) < 1e-9
+
+
 def test_substeps_go_on_as_the_last_ones_did(comm):
     """What two sub-steps have changed is where the next one begins, which saves iterations."""
     mesh = cylinder(comm)

@@ -62,3 +62,31 @@ def test_the_law_of_the_solid_fraction_is_that_of_the_description(law) -> None:
     material = alloy(solid_fraction=law, partition_coefficient=0.5, melting_point=660.0)
     expected = {"scheil": 1 - (60 / 50) ** -2, "lever": 10 / (0.5 * 60)}[law]
     assert material.solid_fraction_at(np.array([600.0]))[0] == pytest.approx(expected, rel=1e-12)
+
+
+LIQUID = {"viscosity": 1e5, "coherency": 0.6}
+
+
+@pytest.mark.parametrize("liquidus", [560.0, 610.0])
+def test_an_alloy_bears_beyond_coherency_and_a_pure_metal_behind_its_front(liquidus: float) -> None:
+    given = {"solidus": 560.0, "liquidus": liquidus, "latent_heat": 4e5, "liquid": LIQUID}
+    metal = Material("metal", described(**given))
+    isothermal = liquidus == 560.0
+    assert metal.is_isothermal == isothermal
+    assert metal.fed_until == (1.0 if isothermal else 0.6)
+    fraction = np.array([0.0, 0.3, 0.6, 0.7, 1.0])
+    expected = fraction if isothermal else [0.0, 0.0, 0.0, 0.25, 1.0]
+    np.testing.assert_allclose(metal.bearing_share(fraction), expected, atol=1e-12)
+    assert np.all(metal.without_liquid().bearing_share(fraction) == 1.0)
+    assert metal.without_liquid().fed_until == 0.0
+
+
+def test_coherency_of_one_bears_where_all_is_solid() -> None:
+    metal = alloy(liquid={**LIQUID, "coherency": 1.0})
+    np.testing.assert_array_equal(metal.bearing_share(np.array([0.5, 0.999, 1.0])), [0, 0, 1])
+
+
+def test_melt_lets_go_of_a_wall_at_its_depression_or_the_atmosphere() -> None:
+    assert alloy().wall_suction == 1.01e5
+    assert alloy(cavitation=2e4).wall_suction == 2e4
+    assert alloy(cavitation=0.0).wall_suction == 0.0

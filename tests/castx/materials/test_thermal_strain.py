@@ -51,10 +51,8 @@ def test_thermal_strain_of_what_never_melts_goes_on_above() -> None:
 
 
 def strain(state, material, temperature, fraction=1.0):
-    """Return the strain of cells that have a node of their own each."""
     T, fraction = np.atleast_1d(temperature), np.atleast_1d(fraction)
-    cells = np.arange(len(T))[:, None]
-    found = state.thermal_strain(material, T) + state.shrinkage(material, fraction, cells)
+    found = state.thermal_strain(material, T) + state.shrinkage(material, fraction)
     return found if len(found) > 1 else found[0]
 
 

@@ -19,7 +19,7 @@ PLANE_MODELS = ("plane-strain", "generalised-plane-strain", "plane-stress", "axi
 MODELS = (*PLANE_MODELS, "3d")
 MELTING: dict[str, Any] = {
     "solidus": 600.0,
-    "liquidus": 600.0,
+    "liquidus": 650.0,
     "latent_heat": 4e5,
     "liquid": {"viscosity": 2e6, "coherency": 0.7},
 }
@@ -82,7 +82,7 @@ def molten_quadrilaterals(comm: MPI.Intracomm) -> BodyMechanics:
 def molten_ends(part: BodyMechanics) -> FloatArray:
     """Return solid fractions of the local nodes that leave two pockets, at both ends of a slab."""
     x = part.mesh.points[:, 0]
-    return np.where((x < 0.1 * LENGTH) | (x > 0.9 * LENGTH), 0.0, 1.0)
+    return np.where((x < 0.3 * LENGTH) | (x > 0.7 * LENGTH), 0.0, 1.0)
 
 
 def begin_anywhere(part: BodyMechanics, solid_fraction: float | FloatArray = 1.0) -> None:

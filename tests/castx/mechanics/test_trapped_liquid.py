@@ -55,9 +55,13 @@ def update(pockets: Pockets, liquid: np.ndarray) -> np.ndarray:
         law=Law(metal, STRESS_FREE),
         conditions=SimpleNamespace(coherent=~liquid, solid_compressibility=cells),
         compressibility=SimpleNamespace(x=SimpleNamespace(array=cells.copy())),
-        set_free_volume=lambda strain: None,
+        start_volume=SimpleNamespace(dilatation=np.zeros(len(liquid))),
+        swell=lambda strain: None,
     )
-    pockets.begin(material, np.zeros(len(pockets.pressure.x.array)))
+    space = pockets.pressure.function_space
+    fraction = np.ones(len(pockets.pressure.x.array))
+    fraction[space.dofmap.list[liquid].ravel()] = 0.0
+    pockets.begin(material, fraction)
     pockets.evaluate(np.zeros(len(liquid)))
     return pockets.content.pocket >= 0
 
@@ -314,6 +318,144 @@ def test_a_step_taken_back_leaves_trapped_liquid_as_stiff_as_it_was(comm, cells)
     assert np.all(part.material.compressibility.x.array > 10 * accepted)
     part.rewind()
     np.testing.assert_array_equal(part.material.compressibility.x.array, accepted)
+
+
+SHRINKAGE = 0.05
+SHRINKING: dict[str, Any] = {**MELTING, "solidification_shrinkage": SHRINKAGE}
+PURE: dict[str, Any] = {**SHRINKING, "liquidus": 600.0}
+metals = pytest.mark.parametrize("metal", [SHRINKING, PURE], ids=["alloy", "pure"])
+
+
+def along(part, axis: int, *fractions: float) -> np.ndarray:
+    """Return solid fractions of the local nodes that run through values, 5 mm from each other."""
+    where = 0.005 * np.arange(len(fractions))
+    return np.interp(part.mesh.points[:, axis], where, fractions)
+
+
+def frozen(part, fraction: np.ndarray | float) -> dict[str, float]:
+    """Accept a step in which nothing moves; return the totals."""
+    begin(part, 600.0, fraction)
+    part.residual()
+    part.commit()
+    return part.liquid_totals()
+
+
+@pytest.mark.ranks
+@kinds
+@metals
+@pytest.mark.parametrize("closed", [SHUT, SHUT[:-1]], ids=["shut", "open"])
+def test_metal_is_fed_until_the_last_node_of_its_surface_is_solid(comm, cells, metal, closed):
+    """Two layers freeze upwards; shut in, the lower one draws from the other, which then is alone.
+
+    Down to the last node all that shrinks is fed, or is a void where nothing can give way.
+    """
+    part = alone(
+        comm, cells=cells, properties=metal, closed=closed, starts_liquid=True,
+        **({"formulation": "q1p0"} if cells != "simplices" else {}),
+    )  # fmt: skip
+    until = 1.0 if metal is PURE else 0.7
+    frozen(part, 0.0)
+    for rows in ((0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.6, 0.0), (1.0, 1.0, 0.3),
+                 (1.0, 1.0, 0.65), (1.0, 1.0, 1.0)):  # fmt: skip
+        found = frozen(part, along(part, 1, *rows))
+        low, middle, top = np.minimum(rows, until)
+        demand = SHRINKAGE * LENGTH * WIDTH * (0.25 * low + 0.5 * middle + 0.25 * top)
+        fed, void = (0.0, demand) if "top" in closed else (demand, 0.0)
+        assert found["feeding_demand"] == pytest.approx(demand, rel=1e-10)
+        assert found["fed_volume"] == pytest.approx(fed, rel=1e-10)
+        assert found["unfed_volume"] == pytest.approx(void, rel=1e-10)
+        assert found["pocket_pressure"] == 0.0
+    assert demand == pytest.approx(SHRINKAGE * until * LENGTH * WIDTH)
+
+
+@pytest.mark.ranks
+@kinds
+def test_cells_that_hold_solid_draw_from_the_pool_of_their_region(comm, cells):
+    """Two columns of cells are a pool, the third holds solid and liquid, the fourth is solid."""
+    part = shut_slab(comm, {**SHRINKING, "cavitation": 1e5}, cells, starts_liquid=True)
+    frozen(part, along(part, 0, 0.0, 0.0, 0.0, 1.0, 1.0))
+    begin(part, 600.0, along(part, 0, 0.0, 0.0, 0.4, 1.0, 1.0))
+    pockets = part.formulation._pockets
+    x = part.mesh.points[part.cell_nodes].mean(axis=1)[:, 0]
+    np.testing.assert_array_equal(pockets.content.pocket, np.where(x < 0.01, 0, -1))
+    # Half of what shrinks at the nodes of f_s = 0.4 does so in the pool, half beside it.
+    void = SHRINKAGE * 0.4 * 0.005 / 0.01
+    for theta in (0.0, -0.5 * void, -void, -1.01 * void):
+        move(part, theta * UNIFORM)
+        part.residual()
+        found = pockets.content.void_fraction(part.material.dilatation)
+        np.testing.assert_allclose(found, [void + theta], rtol=1e-9, atol=1e-12 * void)
+        assert pockets.stiffness.exists == (theta <= -void)
+    move(part, np.zeros((3, 3)))
+    part.residual()
+    part.commit()
+    totals = part.liquid_totals()
+    assert totals["unfed_volume"] == pytest.approx(void * 0.01 * WIDTH, rel=1e-9)
+    assert totals["fed_volume"] == 0.0
+    # Melted again, they give it back.
+    assert abs(frozen(part, along(part, 0, 0.0, 0.0, 0.0, 1.0, 1.0))["unfed_volume"]) < 1e-18
+
+
+@pytest.mark.ranks
+@kinds
+@pytest.mark.parametrize("sign", [1, -1], ids=["shrinks", "swells"])
+def test_a_region_without_a_pool_keeps_its_volume_and_gets_pores_in_place(comm, cells, sign):
+    """All of its cells hold solid, which does not follow; metal that swells pushes it away."""
+    metal = {**SHRINKING, "solidification_shrinkage": sign * SHRINKAGE}
+    part = shut_slab(comm, metal, cells, starts_liquid=True)
+    frozen(part, along(part, 0, 1.0, 0.0, 1.0, 0.0, 1.0))
+    volume, before = part.material.thermal_strain.x.array.copy(), part.residual()
+    found = frozen(part, along(part, 0, 1.0, 0.4, 1.0, 0.4, 1.0))
+    shrunk = SHRINKAGE * 0.4 * LENGTH / 2 * WIDTH
+    assert found["feeding_demand"] == pytest.approx(sign * shrunk, rel=1e-10)
+    assert found["fed_volume"] == found["pocket_pressure"] == 0.0
+    assert found["unfed_volume"] == pytest.approx(shrunk if sign > 0 else 0.0, rel=1e-10)
+    assert not part.formulation.has_pockets and part.coherent.all()
+    wet = np.round(part.mesh.points[:, 0] / 0.005) % 2
+    pushed = 0.0 if sign > 0 else SHRINKAGE * 0.4 * wet[part.cell_nodes].mean(axis=1)
+    grown = part.material.thermal_strain.x.array - volume
+    np.testing.assert_allclose(grown, pushed, rtol=1e-10, atol=1e-16)
+    change = np.abs(part.residual() - before).max(initial=0.0)
+    moves = comm.allreduce(change, op=MPI.MAX) > 1e-9 * YOUNG * SHRINKAGE * WIDTH
+    assert moves == (sign < 0)
+
+
+@kinds
+def test_liquid_that_is_cut_off_is_full_at_the_volume_that_it_has(comm, cells):
+    """It has swollen by θ while its top was open; a skin on top then closes it in."""
+    part = alone(
+        comm, cells=cells, properties=SHRINKING, closed=SHUT[:-1], starts_liquid=True,
+        **({"formulation": "q1p0"} if cells != "simplices" else {}),
+    )  # fmt: skip
+    theta = 1e-3
+    begin(part, 600.0, 0.0)
+    move(part, theta * UNIFORM)
+    part.residual()
+    part.commit()
+    begin(part, 600.0, along(part, 1, 0.0, 0.0, 1.0))
+    for more in (0.0, 2e-4):
+        move(part, (theta + more) * UNIFORM)
+        part.residual()
+        found = part.formulation._pockets.content.void_fraction(part.material.dilatation)
+        np.testing.assert_allclose(found, [more], rtol=1e-9, atol=1e-12)
+    part.commit()
+    totals = part.liquid_totals()
+    assert totals["fed_volume"] == totals["feeding_demand"] > 0.0  # that of the skin
+    assert totals["unfed_volume"] == pytest.approx(2e-4 * LENGTH * WIDTH / 2, rel=1e-8)
+
+
+@kinds
+@pytest.mark.parametrize("fraction", [0.7 - 1e-12, 0.7, 0.7 + 1e-12])
+def test_liquid_at_coherency_stays_where_it_is(comm, cells, fraction):
+    """On either side of it and just there the pores of a box that is closed stay its own."""
+    part = shut_slab(comm, SHRINKING, cells, starts_liquid=True)
+    for value in (0.0, 0.4, fraction):
+        found = frozen(part, value)
+    demand = SHRINKAGE * 0.7 * LENGTH * WIDTH
+    assert found["feeding_demand"] == pytest.approx(demand, rel=1e-9)
+    assert found["unfed_volume"] == pytest.approx(demand, rel=1e-9)
+    assert found["fed_volume"] == 0.0
+    assert part.formulation.has_pockets == (fraction <= 0.7)
 
 
 def test_the_state_of_pockets_comes_back(casting) -> None:

@@ -109,7 +109,7 @@ class GivenSteps(StepControl):
     def propose(self, time: float) -> float:
         return next(self._steps)
 
-    def exceeds(self, step: float, temperature: float, solid_fraction: float) -> bool:
+    def exceeds(self, step: float, change: StepChange) -> bool:
         return False
 
 

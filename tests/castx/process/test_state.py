@@ -155,3 +155,35 @@ def test_initial_state(comm):
     assert first.nodal("casting", "displacement") == pytest.approx(0.0, abs=0.0)
     assert first.totals["energy_error"] == 0.0
     assert first.totals[f"{INTERFACE}.closed_fraction"] == pytest.approx(1.0)
+
+
+@pytest.mark.ranks
+def test_suction_is_the_stress_of_the_liquid_that_a_wall_draws(comm):
+    """A viscous block drawn out in plane strain by its base: σ = 4 η ε̇; frozen it lets go."""
+    viscosity, motion, height = 1e6, 1e-5, 0.03
+    metal = {
+        "density": 2700.0, "heat_capacity": 1000.0, "conductivity": 100.0, "latent_heat": 4e5,
+        "solidus": 560.0, "liquidus": 610.0,
+        "young_modulus": 7e9, "poisson_ratio": 0.33, "expansion": 0.0,
+        "liquid": {"viscosity": viscosity, "coherency": 0.7},
+    }  # fmt: skip
+    hard = {"density": 7800.0, "heat_capacity": 500.0, "conductivity": 30.0,
+            "young_modulus": 70e12, "poisson_ratio": 0.3, "expansion": 0.0}  # fmt: skip
+    data = {
+        "geometry": {"generator": "stacked_blocks", "model": "plane-strain", "size": 0.01,
+                     "upper": [0.02, height], "base": [0.02, 0.03]},
+        "materials": {"metal": metal, "hard": hard},
+        "bodies": [{"name": "upper", "material": "metal", "temperature": 650.0},
+                   {"name": "base", "material": "hard", "temperature": 20.0}],
+        "interfaces": [{"bodies": ["upper", "base"]}],
+        "boundaries": [
+            {"on": "upper/top", "displacement": {"normal": 0.0}},
+            {"on": "base/bottom", "displacement": {"normal": [[0.0, 0.0], [9.0, 9.0 * motion]]}},
+        ],
+        "coupling": {"scheme": "mechanical"},
+        "time": {"end": 2.0, "fixed_step": 1.0},
+    }  # fmt: skip
+    last = final_state(comm, data)
+    expected = 4 * viscosity * motion / height
+    assert last.totals["upper/base.suction"] == pytest.approx(expected, rel=1e-3)
+    assert np.all(last.paired("upper/base", "contact_pressure") < 1e-6)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from castx.coupling.change import StepChange
 from castx.errors import ConvergenceError
 from castx.process.step_control import CUT, GROWTH, SAFETY, SHRINKAGE, StepControl, StepSettings
 
@@ -17,19 +18,24 @@ def control(**changes) -> StepControl:
     return StepControl(StepSettings(**{**settings, **changes}))
 
 
+def changed(temperature: float, solid_fraction: float = 0.0, skin: float = 0.0) -> StepChange:
+    """Return the change of the fastest node [K], of the fastest body and of the fastest skin."""
+    return StepChange(1, temperature, 1.0, solid_fraction, skin)
+
+
 def run(steps: StepControl, change: float = 1.0, time: float = 0.0) -> list[float]:
     """Return the steps to the end of the run if every step changes the temperature alike."""
     taken = []
     while not steps.finished(time):
         taken.append(steps.propose(time))
-        steps.accept(taken[-1], change, easy=True)
+        steps.accept(taken[-1], changed(change), easy=True)
         time += taken[-1]
     return taken
 
 
 def next_after(steps: StepControl, change: float, easy: bool = True) -> float:
     step = steps.propose(0.0)
-    steps.accept(step, change, easy)
+    steps.accept(step, changed(change), easy)
     return steps.propose(step) / step
 
 
@@ -53,31 +59,38 @@ def test_steps_aim_at_the_wanted_change():
 
 def test_steps_aim_at_the_wanted_solid_fraction_where_no_temperature_changes():
     steps = control(solid_fraction_change=0.05)
-    steps.accept(steps.propose(0.0), 0.0, True, 0.06)
+    steps.accept(steps.propose(0.0), changed(0.0, 0.06), True)
     assert steps.propose(1.0) == pytest.approx(SAFETY * 0.05 / 0.06)
-    steps.accept(steps.propose(1.0), 25.0, True, 0.06)
+    steps.accept(steps.propose(1.0), changed(25.0, 0.06), True)
     assert steps.propose(2.0) == pytest.approx((SAFETY * 0.05 / 0.06) * SAFETY * 20.0 / 25.0)
 
 
-@pytest.mark.parametrize("excess", [(41.0, 0.0), (0.0, 0.101)])
+def test_steps_aim_at_the_wanted_growth_of_a_skin():
+    steps = control(skin_change=0.25)
+    assert next_after(steps, 0.0) == pytest.approx(GROWTH)
+    steps.accept(2.0, changed(0.0, 0.0, 0.4), True)
+    assert steps.propose(4.0) == pytest.approx(2.0 * SAFETY * 0.25 / 0.4)
+
+
+@pytest.mark.parametrize("excess", [(41.0, 0.0), (0.0, 0.101), (0.0, 0.0, 0.501)])
 def test_a_step_that_changes_far_too_much_is_cut(excess):
-    wanted = {"solid_fraction_change": 0.05, "reject_above": 2.0}
+    wanted = {"solid_fraction_change": 0.05, "reject_above": 2.0, "skin_change": 0.25}
     steps = control(first=0.5, **wanted)
-    assert not steps.exceeds(4.0, 39.0, 0.099) and steps.propose(0.0) == 0.5
-    assert steps.exceeds(4.0, *excess) and steps.propose(0.0) == pytest.approx(CUT * 4.0)
-    steps.accept(2.0, 1.0, easy=True)
+    assert not steps.exceeds(4.0, changed(39.0, 0.099, 0.499)) and steps.propose(0.0) == 0.5
+    assert steps.exceeds(4.0, changed(*excess)) and steps.propose(0.0) == pytest.approx(CUT * 4.0)
+    steps.accept(2.0, changed(1.0), easy=True)
     assert steps.propose(2.0) == pytest.approx(2.0), "it does not grow at once"
-    assert not steps.exceeds(0.5, *excess), "the case itself says this step"
-    steps.exceeds(0.6, *excess)
+    assert not steps.exceeds(0.5, changed(*excess)), "the case itself says this step"
+    steps.exceeds(0.6, changed(*excess))
     assert steps.propose(2.0) == 0.5, "never below the first one"
-    assert not control(fixed=4.0, **wanted).exceeds(4.0, *excess)
-    assert not control(first=0.5, solid_fraction_change=0.05).exceeds(4.0, *excess)
+    assert not control(fixed=4.0, **wanted).exceeds(4.0, changed(*excess))
+    assert not control(first=0.5, solid_fraction_change=0.05).exceeds(4.0, changed(*excess))
 
 
 @pytest.mark.parametrize("excess", [0.0, 5e-7, 1e-6])
 def test_a_first_step_that_lands_on_a_stop_is_not_taken_again_for_ever(excess):
     steps, tries = control(first=1.0, end=1.0 + excess, reject_above=2.0), 0
-    while steps.exceeds(steps.propose(0.0), 1e6, 0.0):
+    while steps.exceeds(steps.propose(0.0), changed(1e6, 0.0)):
         tries += 1
         assert tries < 10
     assert steps.propose(0.0) == 1.0 + excess
@@ -87,7 +100,7 @@ def test_steps_below_the_first_one_are_kept():
     """They have failed before: a change that is too large does not make them smaller still."""
     steps = control(first=1.0, reject_above=2.0)
     steps.reject(steps.propose(0.0), CAUSE)
-    assert not steps.exceeds(0.5, 1e6, 0.0) and steps.propose(0.0) == 0.5
+    assert not steps.exceeds(0.5, changed(1e6, 0.0)) and steps.propose(0.0) == 0.5
 
 
 def test_hard_steps_do_not_grow():
@@ -100,7 +113,7 @@ def test_size_stays_within_bounds():
     assert max(calm) == 8.0
     steps = control()
     for _ in range(20):
-        steps.accept(steps.propose(0.0), 1e6, easy=True)
+        steps.accept(steps.propose(0.0), changed(1e6), easy=True)
     assert steps.propose(0.0) == pytest.approx(0.1)
 
 
@@ -110,7 +123,7 @@ def test_steps_land_on_milestones_and_the_end(end, milestone):
     time, times, steps = 0.0, [], control(end=end, milestone=milestone)
     while not steps.finished(time):
         step = steps.propose(time)
-        steps.accept(step, 1.0, easy=True)
+        steps.accept(step, changed(1.0), easy=True)
         time += step
         times.append(time)
     assert times[-1] == pytest.approx(end, rel=1e-12)
@@ -126,16 +139,16 @@ def test_no_slivers(milestone):
     while not steps.finished(time):
         step = steps.propose(time)
         assert 0.5 * size - 1e-9 <= step <= size * (1 + 1e-5)
-        steps.accept(step, 1.0, easy=True)
+        steps.accept(step, changed(1.0), easy=True)
         time += step
 
 
 def test_step_cut_by_a_milestone_does_not_slow_the_next():
     steps = control(first=4.0, milestone=5.0)
     assert steps.propose(0.0) == 2.5
-    steps.accept(2.5, 1.0, easy=True)
+    steps.accept(2.5, changed(1.0), easy=True)
     assert steps.propose(0.0) == pytest.approx(2.5)  # from 4 s still: the half of 5 s
-    steps.accept(2.5, 1.0, easy=True)
+    steps.accept(2.5, changed(1.0), easy=True)
     assert steps.propose(5.0) == pytest.approx(2.5)
     assert control(first=4.0, largest=4.0).propose(5.0) == 4.0
 
@@ -151,9 +164,9 @@ def test_step_after_a_cut_does_not_grow_at_once():
     steps = control()
     steps.reject(steps.propose(0.0), CAUSE)
     step = steps.propose(0.0)
-    steps.accept(step, 1e-3, easy=True)
+    steps.accept(step, changed(1e-3), easy=True)
     assert steps.propose(step) == pytest.approx(step)
-    steps.accept(step, 1e-3, easy=True)
+    steps.accept(step, changed(1e-3), easy=True)
     assert steps.propose(2 * step) == pytest.approx(GROWTH * step)
 
 
@@ -177,9 +190,9 @@ def test_fixed_steps_are_cut_and_recover():
     steps = control(end=100.0, fixed=4.0)
     steps.reject(steps.propose(0.0), CAUSE)
     assert steps.propose(0.0) == pytest.approx(2.0)
-    steps.accept(2.0, 1.0, easy=True)
+    steps.accept(2.0, changed(1.0), easy=True)
     assert steps.propose(2.0) == pytest.approx(3.0)
-    steps.accept(3.0, 1.0, easy=True)
+    steps.accept(3.0, changed(1.0), easy=True)
     assert steps.propose(5.0) == pytest.approx(4.0)
 
 
@@ -189,7 +202,7 @@ def test_steps_land_on_stops(fixed):
     time, seen = 0.0, []
     while not steps.finished(time):
         step = steps.propose(time)
-        steps.accept(step, 1.0, easy=True)
+        steps.accept(step, changed(1.0), easy=True)
         time = steps.landed(time + step)
         seen.append(time)
     assert {3.3, 7.0, 10.0} <= set(seen)
@@ -210,7 +223,7 @@ def test_times_that_miss_a_stop_by_round_off_are_the_stop():
 def test_a_restart_begins_with_the_first_step_but_never_with_a_larger_one():
     steps = control()
     for _ in range(6):
-        steps.accept(steps.propose(0.0), 1.0, easy=True)
+        steps.accept(steps.propose(0.0), changed(1.0), easy=True)
     assert steps.propose(0.0) == 8.0
     steps.restart()
     assert steps.propose(0.0) == 1.0

@@ -84,3 +84,10 @@ def test_ends_of_names():
 def test_refused(description, text):
     with pytest.raises(Refusal, match=text):
         Geometry.read(description)
+
+
+def test_a_size_at_interfaces_is_a_number_here():
+    cad = Geometry.read({**STEP, "interface_size": "1.5 mm"}).cad
+    assert cad is not None and cad.interface_size == 0.0015
+    with pytest.raises(Refusal, match="castx new writes one, and castx check says which"):
+        Geometry.read({**STEP, "interface_size": "auto"})

@@ -251,30 +251,46 @@ def test_cycles_are_found_again_after_twenty_changes_of_friction(comm):
     assert active.cycles
 
 
-def test_held_pairs_are_closed_whatever_their_force(comm):
-    """Of two closed pairs that pull and one that is open, the held ones end closed."""
-    here = slice(0, 3 if comm.rank == 0 else 0)
-    keys, free = np.array([0.2, 0.3, 0.5])[here], np.ones(3, dtype=bool)[here]
-    active = ActiveSet(comm, np.array([0.0, 0.0, 1.0])[here], free, keys)
-    active.hold(np.array([True, False, True])[here])
-    assert active.closed.all()
-    pull = np.array([-5.0, -3.0, -9.0])[here]
-    assert active.largest_pull(pull) == 3.0
+def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
+    """Of four closed pairs one bears its pull; another lets go, and is free until the next step."""
+    here = slice(0, 4 if comm.rank == 0 else 0)
+    keys, free = np.array([0.2, 0.3, 0.5, 0.7])[here], np.ones(4, dtype=bool)[here]
+    active = ActiveSet(comm, np.zeros(4)[here], free, keys)
+    limits, none = np.array([4.0, 0.0, 4.0, 4.0])[here], np.zeros(4, dtype=bool)[here]
+    pull = np.array([-3.9, -3.0, -9.0, 2.0])[here]
+    active.hold(limits, none)
+    np.testing.assert_array_equal(active.held, np.array([True, False, True, True])[here])
+    assert active.largest_pull(pull) == 5.0
+    assert active.violates(pull, 1e-6)
     assert active.update(pull)
-    np.testing.assert_array_equal(active.closed, np.array([True, False, True])[here])
-    assert not active.update(pull)
-    active.hold(np.zeros(3, dtype=bool)[here])
+    np.testing.assert_array_equal(active.closed, np.array([True, False, False, True])[here])
+    np.testing.assert_array_equal(active.held, np.array([True, False, False, True])[here])
+    assert not active.update(np.array([-3.9, -1.0, -1.0, 2.0])[here])
+    # What has let go closes by its own force, and cannot be pulled again in this step.
+    active.update(np.array([-3.9, -1.0, 1.0, 2.0])[here])
+    active.hold(limits, none)
     active.begin()
-    assert active.update(pull)
-    assert not active.closed.any()
+    assert active.update(np.array([-3.9, -1.0, -1.0, 2.0])[here])
+    np.testing.assert_array_equal(active.closed, np.array([True, False, False, True])[here])
+    active.commit()
+    active.hold(limits, none)
+    np.testing.assert_array_equal(active.held, np.array([True, False, False, True])[here])
 
+
+def test_a_pair_closes_where_its_metal_is_liquid(comm):
+    """Open ones are held only there: a skin that has left its wall is free."""
+    active = ActiveSet(comm, np.ones(3), np.ones(3, dtype=bool), np.array([0.2, 0.5, 0.7]))
+    active.hold(np.full(3, 4.0), np.array([True, False, False]))
+    np.testing.assert_array_equal(active.closed, [True, False, False])
+    np.testing.assert_array_equal(active.held, [True, False, False])
 
 
 def test_rewind_lets_go_of_held_pairs(comm):
     active = ActiveSet(comm, np.ones(2), np.ones(2, dtype=bool), np.array([0.2, 0.7]))
-    active.hold(np.array([True, False]))
+    limits, liquid = np.array([4.0, 0.0]), np.array([True, False])
+    active.hold(limits, liquid)
     active.rewind()
     assert not active.closed.any() and not active.held.any()
-    active.hold(np.array([True, False]))
+    active.hold(limits, liquid)
     active.commit()
     np.testing.assert_array_equal(active.committed, [True, False])

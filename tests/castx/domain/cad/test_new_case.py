@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from castx.case.cad.template import case_text
-from castx.domain.cad.new_case import new_case, write_new_case
+from castx.case.reading.read import load_case
+from castx.case.skin import MOST_GROWTH
+from castx.domain.cad.new_case import new_case, with_interface_size, write_new_case
+from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
 from tests.cad_files import two_blocks, write_cad
 
@@ -30,6 +35,28 @@ def test_a_lone_solid_gets_a_mould(tmp_path):
     block = 0.06 * 0.03 * 0.03
     assert dict(case.bodies) == pytest.approx({"bar": 4e-6, "mould": block - 4e-6})
     assert case.interfaces == (("bar", "mould", pytest.approx(18e-4)),)
+
+
+def test_cells_in_the_skin_follow_from_it_as_far_as_the_mesh_may_grow(tmp_path):
+    path = write_cad(tmp_path / "two.step", two_blocks, ["casting", "die"])
+    plain = new_case(path, tmp_path / "a.toml")
+    case = with_interface_size(plain)
+    assert plain.interface_size is None
+    assert case.interface_size is not None and case.interface_size < case.size
+    counts = []
+    for each in (plain, case):
+        (tmp_path / "a.toml").write_text(case_text(each))
+        read = load_case(tmp_path / "a.toml")
+        counts.append(len(named_mesh(read.geometry, [body.name for body in read.bodies]).cells))
+    assert read.geometry.cad.interface_size == case.interface_size
+    assert 1.1 * counts[0] < counts[1] <= MOST_GROWTH[3] * counts[0]
+
+
+def test_a_skin_of_many_cells_needs_no_others(tmp_path):
+    path = write_cad(tmp_path / "two.step", two_blocks, ["casting", "die"])
+    fine = replace(new_case(path, tmp_path / "a.toml"), size=1e-4)
+    assert with_interface_size(fine) == fine
+    assert "interface_size" not in case_text(fine)
 
 
 def test_walls_that_alone_ask_for_many_cells_are_taken_as_they_come(tmp_path, monkeypatch):

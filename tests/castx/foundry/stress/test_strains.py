@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from castx.foundry.front.windows import Window
-from castx.foundry.stress.strains import BodyStrains, largest_principal
+from castx.foundry.stress.strains import BodyStrains, largest_principal, strain_beside
 from castx.results.states.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot, slab_mesh
@@ -137,3 +137,28 @@ def test_largest_principal_values():
     shear = np.array([[0.0, 0.0, 0.0, 2e-3, 0.0, 0.0], [-1.0, -2.0, -3.0, 0.0, 0.0, 0.0]])
     np.testing.assert_allclose(largest_principal(shear), [2e-3, 0.0], atol=1e-18)
     assert np.isnan(largest_principal(np.full((1, 6), np.nan))).all()
+
+
+def test_parts_along_one_direction_are_left_out_and_all_count_where_there_is_none():
+    """Second eigenvalue 0, a quarter of the first one, equal to it; last there is no gradient."""
+    strain = np.tile([4.0, 1.0, 0.5, 0.0, 0.0, 0.0], (4, 1))
+    along = np.array([np.diag([9.0, 9.0 * part]) for part in (0.0, 0.25, 1.0)] + [np.zeros((2, 2))])
+    found = strain_beside(strain, along)
+    np.testing.assert_allclose(found[:, 0], [0.0, 1.0, 4.0, 4.0], atol=1e-12)
+    np.testing.assert_allclose(found[:, 1:3], strain[:, 1:3], rtol=1e-12)
+
+
+@pytest.mark.ranks
+def test_fronts_that_meet_have_one_direction(body):
+    """Temperatures fall to both sides of the middle, where the mean gradient vanishes."""
+    strains = BodyStrains(body.bodies["casting"], Followed())
+    for step in range(20):
+        state = snapshot(body, STEP * step, step)
+        state.formulas["temperature"] = lambda x, time=STEP * step: (
+            BEGIN + 20.0 - GRADIENT * SPEED * time - GRADIENT * np.abs(x[:, 0] - 0.5 * LENGTH)
+        )
+        strains.update(state)
+    found = strains.largest(0.99)
+    assert np.isfinite(found).any()
+    passing = (BEGIN - LATER) / (GRADIENT * SPEED)
+    np.testing.assert_allclose(found[np.isfinite(found)], RATE * passing, rtol=1e-9)

@@ -35,12 +35,14 @@ NORTON = {"model": "norton", "coefficient": 1e-20, "exponent": 3.0, "coherency":
 
 
 def at(
-    points: IntegrationPoints, law: Law, solid_fraction: float, temperature=560.0, step=0.5
+    points: IntegrationPoints, law: Law, solid_fraction: float, temperature=560.0, step=0.5,
+    start: float | None = None,
 ) -> Conditions:
+    """Return the coefficients of a step to a solid fraction, from another one at its start."""
     nodes = points.cell_nodes.max() + 1
-    return law.conditions(
-        points, np.full(nodes, temperature), np.full(nodes, solid_fraction), step
-    )
+    temperatures = np.full(nodes, temperature)
+    before = None if start is None else law.nodes(temperatures, np.full(nodes, start))
+    return law.conditions(points, temperatures, np.full(nodes, solid_fraction), step, before)
 
 
 def strains(points: IntegrationPoints, size: float, seed: int = 0) -> FloatArray:
@@ -53,6 +55,4 @@ def after(points, conditions: Conditions, start: PointHistory, strain: FloatArra
     """Return the history that a step leaves."""
     found = respond(conditions, start, strain)
     softening = secant_softening(found, conditions, start, strain)
-    return PointHistory(
-        start.birth, found.plastic, found.equivalent, strain, softening, conditions.coherent
-    )
+    return PointHistory(found.elastic, found.plastic, found.equivalent, strain, softening)

@@ -26,7 +26,7 @@ def test_coherency_of_one_makes_a_step_of_the_mixture(points):
     law = Law(metal(viscosity=VISCOSITY, coherency=1.0), 560.0, PLASTIC)
     for fraction, share in ((1.0 - 1e-9, 0.0), (1.0, 1.0)):
         c = at(points, law, fraction)
-        assert np.all(c.solid_share == share) and np.all(c.coherent == (share == 1.0))
+        assert np.all(c.shares.end == share) and np.all(c.coherent == (share == 1.0))
 
 
 def test_elastic_coefficients_over_temperature(points):
@@ -43,7 +43,10 @@ def test_elastic_coefficients_over_temperature(points):
         c.compressibility, np.mean(3 * (1 - 2 * POISSON) / E[corners], axis=1), rtol=1e-12
     )
     strain = 3 * 2e-5 * (temperature - 20.0)
-    np.testing.assert_allclose(c.thermal_strain, np.mean(strain[corners], axis=1), rtol=1e-12)
+    assert not c.contraction.any()
+    cold = law.initial_nodes(nodes, liquid=False)
+    c = law.conditions(points, temperature, np.ones(nodes), 0.5, cold)
+    np.testing.assert_allclose(c.contraction, np.mean(strain[corners], axis=1), rtol=1e-12)
     assert c.flow is None and c.liquid_modulus is None and c.coherent.all()
     assert law.largest_shear_modulus() == pytest.approx(70e9 / (2 * (1 + POISSON)))
 
@@ -53,17 +56,18 @@ def test_a_liquid_has_its_viscosity_over_the_step_and_no_volume_strain(points):
     for step in (0.1, 2.0):
         c = at(points, law, 0.3, step=step)
         np.testing.assert_allclose(c.liquid_modulus, VISCOSITY / step)
-        assert c.thermal_strain.max() == c.compressibility.max() == c.solid_share.max() == 0.0
+        assert c.contraction.max() == c.compressibility.max() == c.shares.end.max() == 0.0
         np.testing.assert_allclose(c.solid_compressibility, 1 / K)
     nodes = points.cell_nodes.max() + 1
-    cold = law.conditions(points, np.full(nodes, 300.0), np.full(nodes, 0.3), 1.0)
-    assert np.all(cold.thermal_strain == 0.0) and not cold.coherent.any()
+    start = law.initial_nodes(nodes, liquid=True)
+    cold = law.conditions(points, np.full(nodes, 300.0), np.full(nodes, 0.3), 1.0, start)
+    assert np.all(cold.contraction == 0.0) and not cold.coherent.any()
 
 
 def test_the_share_of_the_solid_rises_from_coherency_to_full_solidity(points):
     law = Law(metal(viscosity=VISCOSITY, coherency=0.6), 560.0, PLASTIC)
     for fraction, share in ((0.5, 0.0), (0.6, 0.0), (0.7, 0.25), (0.9, 0.75), (1.0, 1.0)):
-        np.testing.assert_allclose(at(points, law, fraction).solid_share, share, atol=1e-12)
+        np.testing.assert_allclose(at(points, law, fraction).shares.end, share, atol=1e-12)
 
 
 @pytest.mark.parametrize(

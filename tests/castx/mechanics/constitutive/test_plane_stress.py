@@ -13,6 +13,7 @@ from castx.errors import ConvergenceError
 from castx.materials.flow import FlowProperties
 from castx.materials.rules.power_law import PowerLaw
 from castx.mechanics.constitutive import plane_stress
+from castx.mechanics.constitutive.growth import MetalNodes, Shares
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.law import Conditions
 from castx.mechanics.constitutive.plane_stress import deviatoric, normal_strain, with_normal
@@ -28,13 +29,15 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
     flow = FlowProperties(
         G * one, yield_stress * one, hardening * one, (), none, PowerLaw(viscous * one, 0.3 * one)
     )
-    soft, solid = np.full(COUNT, 1 / K), np.ones(COUNT, dtype=bool)
-    return Conditions(G * one, flow, one, None, None, soft, soft, none, solid)
+    return Conditions(
+        G * one, flow, Shares.between(one, one, one), None, None, one, one,
+        np.full(COUNT, 1 / K), none, MetalNodes(one, none),
+    )  # fmt: skip
 
 
 def history() -> PointHistory:
     none = np.zeros((COUNT, 4))
-    return PointHistory(none, none, none[:, 0], none, none[:, 0] + 1, np.ones(COUNT, dtype=bool))
+    return PointHistory(none, none, none[:, 0], none, none[:, 0] + 1)
 
 
 @settings(max_examples=40)

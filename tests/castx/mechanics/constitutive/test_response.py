@@ -37,13 +37,13 @@ from tests.elastic_bodies import elastic
 def test_a_liquid_is_viscous_and_incompressible(points):
     law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
     before, strain = strains(points, 0.1, 1), strains(points, 0.1, 2)
-    history = PointHistory.initial(points, liquid=True)._replace(strain=before)
+    history = PointHistory.initial(points)._replace(strain=before)
     for step in (0.1, 2.0):
         c = at(points, law, 0.3, step=step)
-        found = respond(c, history.start(c.coherent, points), strain)
+        found = respond(c, history, strain)
         np.testing.assert_allclose(found.stress, 2 * VISCOSITY / step * (strain - before))
         assert not c.coherent.any()
-        assert c.compressibility.max() == c.thermal_strain.max() == found.work.max() == 0.0
+        assert c.compressibility.max() == c.contraction.max() == found.work.max() == 0.0
         assert c.solid_compressibility == pytest.approx(1 / K)
         assert found.equivalent.max() == np.abs(found.plastic).max() == 0.0
 
@@ -53,8 +53,8 @@ def test_a_norton_liquid_creeps(points):
     law = Law(metal(**NORTON), 560.0, PLASTIC)
     before, strain, step = strains(points, 0.1, 1), strains(points, 0.1, 2), 0.5
     c = at(points, law, 0.0, step=step)
-    history = PointHistory.initial(points, liquid=True)._replace(strain=before)
-    found = respond(c, history.start(c.coherent, points), strain)
+    history = PointHistory.initial(points)._replace(strain=before)
+    found = respond(c, history, strain)
     q = np.sqrt(1.5) * tensor_norm(found.stress)
     change = strain - before
     equivalent = np.sqrt(2 / 3) * tensor_norm(change)
@@ -65,12 +65,12 @@ def test_a_norton_liquid_creeps(points):
 
 
 def mixed(points, law: Law, solid_fraction: float) -> tuple[Conditions, Response]:
-    """Return what a freezing cell does that has been a solid, and has been strained, before."""
-    past = at(points, law, 0.95)
-    history = PointHistory.initial(points, liquid=False).start(past.coherent, points)
-    history = after(points, past, history, strains(points, 2e-3, 1))
-    c = at(points, law, solid_fraction)
-    return c, respond(c, history.start(c.coherent, points), strains(points, 2e-3, 2))
+    """Return what a freezing cell does that has been half solid, and strained, before."""
+    half = (1.0 + COHERENCY) / 2
+    past = at(points, law, half)
+    history = after(points, past, PointHistory.initial(points), strains(points, 2e-3, 1))
+    c = at(points, law, solid_fraction, start=half)
+    return c, respond(c, history, strains(points, 2e-3, 2))
 
 
 @pytest.mark.parametrize("name", ["thermo-elastic", PLASTIC])
@@ -81,40 +81,62 @@ def test_the_mixture_is_continuous_from_liquid_to_solid(points, liquid, name):
     states = [mixed(points, law, fraction) for fraction in fractions]
     for quantity in (
         lambda c, r: r.stress, lambda c, r: r.isotropic, lambda c, r: c.compressibility,
-        lambda c, r: c.thermal_strain, lambda c, r: r.work,
+        lambda c, r: r.work,
     ):  # fmt: skip
         values = np.array([quantity(c, r) for c, r in states])
-        assert np.abs(np.diff(values, axis=0)).max() <= 0.05 * np.abs(values).max()
+        assert np.abs(np.diff(values, axis=0)).max() <= 0.06 * np.abs(values).max()
     solid, nearly = mixed(points, law, 1.0), mixed(points, law, 1.0 - 1e-9)
     np.testing.assert_allclose(nearly[1].stress, solid[1].stress, rtol=1e-6, atol=1.0)
     assert solid[0].compressibility == pytest.approx(1 / K)
-    assert solid[0].thermal_strain == pytest.approx(-SHRINKAGE * (1 - COHERENCY))
-    first, last_liquid = mixed(points, law, COHERENCY), mixed(points, law, COHERENCY - 1e-9)
+    assert solid[0].contraction == pytest.approx(-SHRINKAGE * (1 - COHERENCY) / 2)
+    first, last_liquid = mixed(points, law, COHERENCY + 1e-9), mixed(points, law, COHERENCY)
     assert first[0].coherent.all() and not last_liquid[0].coherent.any()
-    assert first[0].compressibility.max() == first[0].thermal_strain.max() == 0.0
-    np.testing.assert_allclose(first[1].stress, last_liquid[1].stress, rtol=1e-12)
+    assert first[0].compressibility.max() < 1e-8 / K
+    np.testing.assert_allclose(first[1].stress, last_liquid[1].stress, rtol=1e-6, atol=1.0)
     half = mixed(points, law, (1 + COHERENCY) / 2)[0]
     assert half.compressibility == pytest.approx(0.5 / K)
-    assert half.thermal_strain == pytest.approx(-0.5 * SHRINKAGE * (1 - COHERENCY))
+    assert half.contraction.max() == 0.0
 
 
 def test_the_mixture_shares_its_stress(points):
+    """Share w of the solid, of which what was there has yielded, and the rest of the liquid."""
     law = Law(metal(**NEWTONIAN), 560.0, PLASTIC)
-    (_, solid), (_, liquid), (_, mixture) = (
-        mixed(points, law, fraction) for fraction in (1.0, COHERENCY, 0.9)
-    )
-    w = 0.3 / 0.4
-    expected = w * solid.stress + (1 - w) * liquid.stress
-    np.testing.assert_allclose(mixture.stress, expected, rtol=1e-10, atol=1e-3)
-    np.testing.assert_allclose(mixture.work, w * solid.work, rtol=1e-12)
-    np.testing.assert_array_equal(mixture.equivalent, solid.equivalent)
-    np.testing.assert_array_equal(mixture.plastic, solid.plastic)
-    assert solid.equivalent.min() > 0 and not liquid.plastic.any()
+    w, start = 0.75, 0.5
+    strain = strains(points, 2e-3, 1)
+    c = at(points, law, COHERENCY + w * (1 - COHERENCY), start=COHERENCY + start * (1 - COHERENCY))
+    history = PointHistory.initial(points)
+    found = respond(c, history, strain)
+    # The same solid alone, strained by w_m/w of it.
+    alone = respond(at(points, law, 1.0), history, 0.5 * (w + start) / w * strain)
+    liquid = 2 * VISCOSITY / 0.5 * strain
+    np.testing.assert_allclose(found.stress, w * alone.stress + (1 - w) * liquid, rtol=1e-9)
+    np.testing.assert_allclose(found.work, w * alone.work, rtol=1e-9)
+    np.testing.assert_allclose(found.equivalent, alone.equivalent, rtol=1e-9)
+    assert alone.equivalent.min() > 0
+
+
+@pytest.mark.parametrize("name", ["thermo-elastic", PLASTIC])
+@pytest.mark.parametrize("start", [0.0, 0.3, 1.0])
+def test_the_tangent_is_the_derivative_of_the_stress(points, name, start):
+    """While solid grows and melts; one phase flows at a time, so that it is exact."""
+    law = Law(metal(**NEWTONIAN), 560.0, name)
+    before = COHERENCY + start * (1 - COHERENCY)
+    c = at(points, law, COHERENCY + 0.7 * (1 - COHERENCY), start=before)
+    history = after(points, at(points, law, before), PointHistory.initial(points),
+                    strains(points, 1e-3, 1))  # fmt: skip
+    strain, change = strains(points, 2e-3, 2), strains(points, 1e-9, 3)
+    found = respond(c, history, strain)
+    weights = np.array([1.0, 1.0, 1.0, 2.0])
+    along = (found.direction * change) @ weights
+    predicted = found.isotropic[:, None] * change
+    predicted += (found.radial * along)[:, None] * found.direction
+    forward, back = (respond(c, history, strain + sign * change).stress for sign in (1, -1))
+    np.testing.assert_allclose((forward - back) / 2, predicted, rtol=1e-4, atol=1e-4)
 
 
 def test_softening_is_the_secant_modulus(points):
     law = Law(metal(), 560.0, PLASTIC)
-    c, start = at(points, law, 1.0), PointHistory.initial(points, liquid=False)
+    c, start = at(points, law, 1.0), PointHistory.initial(points)
     for size in (1e-5, 1e-3, 1e-2, 1e4):
         strain = strains(points, size)
         found = respond(c, start, strain)
@@ -125,12 +147,12 @@ def test_softening_is_the_secant_modulus(points):
         assert softening.max() <= 1.0
         assert size > 1e-5 or softening.min() == pytest.approx(1.0, abs=1e-12)
     # At least a thousandth: the pressure of what has no stiffness left would not be smoothed.
-    weak = found._replace(stress=1e-6 * found.stress)
+    weak = found._replace(elastic=1e-9 * found.elastic)
     np.testing.assert_allclose(secant_softening(weak, c, start, strain), 1e-3, rtol=1e-12)
     # Far below one pascal, too.
     tiny = strains(points, 1e-13)
     half = respond(c, start, tiny)
-    half = half._replace(stress=0.5 * half.stress)
+    half = half._replace(elastic=0.5 * half.elastic, plastic=0.5 * half.elastic)
     np.testing.assert_allclose(secant_softening(half, c, start, tiny), 0.5, rtol=1e-12)
     still = np.zeros((points.count, 4))
     assert np.all(secant_softening(respond(c, start, still), c, start, still) == 1.0)
@@ -143,7 +165,7 @@ def test_softening_is_the_secant_modulus(points):
 )  # fmt: skip
 def test_every_constant_of_the_solid_acts(points, key, value):
     given = {"young_modulus": YOUNG, "poisson_ratio": POISSON, **FLOWING}
-    strain, start = strains(points, 0.01), PointHistory.initial(points, liquid=False)
+    strain, start = strains(points, 0.01), PointHistory.initial(points)
     found = []
     for constants in (given, {**given, key: value}):
         rest = dict(constants)

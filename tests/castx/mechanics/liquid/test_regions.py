@@ -61,3 +61,21 @@ def test_nothing_chosen_has_no_region(slab):
     count, region = CellRegions(slab).find(np.zeros(len(midpoints(slab)[0]), dtype=bool))
     assert count == 0
     assert np.all(region == -1)
+
+
+@pytest.mark.ranks
+def test_halves_that_meet_at_nodes_that_do_not_join_are_two_regions(slab):
+    """All cells are chosen, and touch; the column of nodes in the middle parts them."""
+    x, _ = midpoints(slab)
+    left, every = x < 0.02, np.ones(len(x), dtype=bool)
+    at, height = slab.points[:, 0], slab.points[:, 1]
+    middle = np.abs(at - 0.02) < 1e-9
+    assert slab.mesh.comm.allreduce(int(middle.sum())) > 0
+    regions = CellRegions(slab)
+    count, region = regions.find(every, ~middle)
+    assert count == 2
+    halves = [numbers(slab, region, part) for part in (left, ~left)]
+    assert sorted(halves, key=min) == [{0}, {1}]
+    for joining in (~middle | (height < 1e-9), None):
+        count, region = regions.find(every, joining)
+        assert count == 1 and np.all(region == 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -38,7 +39,8 @@ def run(**changes: Any) -> SimpleNamespace:
         "bodies": {"casting": {}, "mould": {}}, "hot_spots": [], "stage_ends": [], "process": [],
     }  # fmt: skip
     parts = {
-        "record": record, "history": Columns(history), "model": "plane-strain", "deviations": {},
+        "folder": Path("/nowhere"), "record": record, "history": Columns(history),
+        "model": "plane-strain", "deviations": {},
         "freezing": ["casting"], "interfaces": ("casting/mould",), "times": list(TIME),
         "grids": lambda time=3.0: {"casting": grid(time), "mould": grid(time, 0.04)},
         "interface": lambda name, time: SimpleNamespace(

@@ -1,0 +1,155 @@
+"""A run beside runs with another coherency: how much freezing time and gaps hang on it."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from castx.case.case import Case
+from castx.case.coherency import coherencies
+from castx.case.reading.read import load_case
+from castx.case.reading.with_coherency import with_coherency
+from castx.command.run import run_case, with_output
+from castx.command.terminal import VariedNumber
+from castx.errors import CaseError, ConvergenceError
+from castx.ranks import on_first_rank
+from castx.report.summary.freezing import LAST_LIQUID, freezing
+from castx.report.summary.gaps import gaps
+from castx.results.files.folder import CHECKPOINT
+from castx.results.files.sensitivity import (
+    Sensitivity,
+    VariedRun,
+    read_sensitivity,
+    write_sensitivity,
+)
+from castx.results.reading import Results
+
+SHIFTS = (-0.05, 0.05)
+"""By what coherency is moved."""
+TOO_SHORT = 1e-3
+"""Time limit that is left at least, so that a run without time ends after a step [s]."""
+
+log = logging.getLogger(__name__)
+
+
+def run_sensitivity(
+    path: Path,
+    overrides: Sequence[str] = (),
+    *,
+    output: Path | None = None,
+    comm: MPI.Intracomm,
+    restart: bool = False,
+    time_limit: float | None = None,
+    profile: bool = False,
+) -> Path:
+    """Run a case, then with another coherency, and return its results folder; collective.
+
+    The other runs stand in folders inside it, and what all have given in sensitivity.json.
+
+    Args:
+        path: the case file.
+        overrides: values in place of those of the file.
+        output: results folder in place of that of the file.
+        comm: the ranks to run on.
+        restart: go on from the checkpoints, of the other runs where they have one.
+        time_limit: wall clock time of all runs together [s].
+        profile: write into run.json what the parts of each run have cost.
+
+    Raises:
+        CaseError: no body has a coherency, or as in `castx.run`.
+        MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a
+            run with another coherency does not converge, its row says so instead.
+    """
+    begin = time.monotonic()
+    case = load_case(path, overrides)
+    if output is not None:
+        case = with_output(case, output)
+    others = list(_others(case))  # refused before anything is solved
+
+    def left() -> float | None:
+        return None if time_limit is None else max(
+            comm.bcast(time_limit - time.monotonic() + begin), TOO_SHORT
+        )  # fmt: skip
+
+    folder = run_case(case, comm, restart, left(), profile)
+    for other in others:
+        there = on_first_rank(comm, (other.output.folder / CHECKPOINT).is_dir)
+        log.info("%s", other.output.folder.name)
+        try:
+            run_case(other, comm, restart and there, left(), profile)
+        except ConvergenceError as error:
+            log.warning("%s: not converged: %s", other.output.folder.name, error)
+    on_first_rank(comm, lambda: write_sensitivity(folder, compared([case, *others])))
+    return folder
+
+
+def _others(case: Case) -> Iterator[Case]:
+    """Yield the case with each other coherency that differs from its own."""
+    own = _values(case)
+    for shift in SHIFTS:
+        other = with_coherency(case, shift)
+        if _values(other) != own:
+            name = f"{VariedNumber.COHERENCY}_{'lower' if shift < 0 else 'higher'}"
+            yield with_output(other, case.output.folder / name)
+
+
+def _values(case: Case) -> dict[str, float]:
+    return {found.body: found.value for found in coherencies(case)}
+
+
+def compared(cases: Sequence[Case]) -> Sensitivity:
+    """Return the results of runs, read from their folders.
+
+    Args:
+        cases: the run itself first.
+    """
+    folder = cases[0].output.folder
+    runs = [given_by(case, folder) for case in cases]
+    rising = sorted(runs, key=lambda run: sum(run.coherency.values()))
+    return Sensitivity(of=VariedNumber.COHERENCY, runs=tuple(rising))
+
+
+def given_by(case: Case, folder: Path) -> VariedRun:
+    """Return the results of the finished run of a case.
+
+    Args:
+        case: the case.
+        folder: of the results of the run itself.
+    """
+    run = Results(case.output.folder)
+    return VariedRun(
+        folder=str(case.output.folder.relative_to(folder)),
+        coherency=_values(case),
+        ended=run.record["exit"]["reason"],
+        reached=run.record["time_reached"],
+        frozen={
+            found.of: found.value if found.topic == LAST_LIQUID else None for found in freezing(run)
+        },
+        gaps={found.of: found.value for found in gaps(run)},
+    )
+
+
+def sensitivity_table(folder: Path) -> Table:
+    """Return a table with freezing times and largest gaps of a run and those beside it.
+
+    Raises:
+        CaseError: the folder holds none of this.
+    """
+    found = read_sensitivity(folder)
+    if found is None:
+        raise CaseError(f"{folder} has no runs with another coherency")
+    headings = [f"{name} frozen" for name in found.castings]
+    headings += [f"largest gap {name}" for name in found.interfaces]
+    table = Table(found.of, *headings, "results", box=SIMPLE_HEAD)
+    for run in found.runs:
+        texts = [run.freezing_text(name) for name in found.castings]
+        texts += [run.gap_text(name) for name in found.interfaces]
+        table.add_row(run.number(), *texts, run.folder)
+    return table

@@ -1,0 +1,56 @@
+"""Shear modulus of the cells with which the stabilisation τ is formed."""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx import fem
+
+from castx.arrays import BoolArray, FloatArray
+from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.law import Conditions
+
+
+class SecantModulus:
+    """Secant shear modulus of the cells, that of the solid wherever there is any.
+
+    With a mean of solid and liquid τ is too large. A point that holds solid in some pass of a step
+    keeps its modulus until the end of the step, or heat and mechanics would follow each other round
+    a jump.
+
+    Attributes:
+        function: the modulus [Pa], constant in each cell.
+
+    Args:
+        points: integration points of the body.
+        cells: functions constant in each cell.
+    """
+
+    def __init__(self, points: IntegrationPoints, cells: fem.FunctionSpace) -> None:
+        self._points = points
+        self.function = fem.Function(cells)
+        self._none: BoolArray = np.zeros(points.count, dtype=bool)
+        self._bears: BoolArray = self._none
+        self._accepted: BoolArray = self._none
+
+    def use(self, conditions: Conditions, softening: FloatArray) -> None:
+        """Set the modulus for a pass of a step.
+
+        Args:
+            conditions: coefficients of the law.
+            softening: secant modulus over the elastic one, shape (points,).
+        """
+        values = softening * conditions.shear_modulus
+        if conditions.liquid_modulus is not None:
+            self._bears = self._bears | (conditions.shares.end > 0)
+            values = np.where(self._bears, values, conditions.liquid_modulus)
+        self.function.x.array[:] = self._points.cell_means(values)
+
+    def commit(self) -> None:
+        """Accept the trial state as the start of the next step."""
+        self._accepted, self._bears = self._bears, self._none
+
+    def rewind(self, conditions: Conditions, softening: FloatArray) -> None:
+        """Return to the last accepted step, arguments as those of `use`."""
+        self._bears = self._accepted
+        self.use(conditions, softening)
+        self._bears = self._none

@@ -1,0 +1,149 @@
+"""Solid that grows inside cells: shares, contraction where it happens, volume at birth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.mechanics.constitutive.growth import (
+    CellVolume,
+    MetalNodes,
+    Shares,
+    contraction,
+    in_the_solid,
+    weighted_means,
+)
+
+
+@pytest.mark.serial
+def test_shares_while_solid_grows_stays_and_melts():
+    start = np.array([0.0, 0.2, 0.5, 0.8, 0.8, 0.0])
+    end = np.array([0.4, 0.8, 0.5, 0.2, 0.0, 0.0])
+    found = Shares.between(start, end, np.array([0.1, 0.6, 0.5, 0.5, 0.4, 0.0]))
+    np.testing.assert_allclose(found.carried, [0.0, 0.25, 1.0, 1.0, 0.0, 0.0])
+    np.testing.assert_allclose(found.strained, [0.25, 0.75, 1.0, 1.0, 0.0, 0.0])
+
+
+def metal(nodes: int, seed: int) -> MetalNodes:
+    random = np.random.default_rng(seed)
+    return MetalNodes(random.random(nodes).round(1), 1e-3 * random.normal(size=nodes))
+
+
+FROZEN = -2e-4
+"""Strain of contraction at which metal of these tests becomes solid."""
+
+
+def test_a_cell_contracts_where_it_bears(points):
+    """Mush and solid: Σ w dc/Σ w with the mean share of each corner."""
+    nodes = points.cell_nodes.max() + 1
+    start, end = metal(nodes, 1), metal(nodes, 2)
+    start.share[::3] = end.share[::3] = 1.0
+    mushy = (start.share < 1) & (end.share < 1)
+    solid = (start.share == 1) & (end.share == 1)
+    start.share[~mushy & ~solid] = end.share[~mushy & ~solid] = 0.4
+    found = contraction(points, [start, end], np.full(nodes, FROZEN))
+    for cell, corners in enumerate(points.cell_nodes):
+        weight = 0.5 * (start.share + end.share)[corners]
+        change = (end.contraction - start.contraction)[corners]
+        expected = (weight * change).sum() / weight.sum()
+        assert found.cells[cell] == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_allclose(
+        found.share, points.from_nodes(0.5 * (start.share + end.share)), rtol=1e-12
+    )
+    liquid = MetalNodes(np.zeros(nodes), end.contraction)
+    other = liquid._replace(contraction=start.contraction)
+    assert not contraction(points, [liquid, other], np.full(nodes, FROZEN)).cells.any()
+    # The contraction of a corner that is solid is that of the cell, however little solid it is.
+    first = points.cell_nodes[0][0]
+    one = np.zeros(nodes)
+    one[first] = 0.01
+    only = [MetalNodes(one, state.contraction) for state in (start, end)]
+    found = contraction(points, only, np.full(nodes, FROZEN))
+    assert found.cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
+
+
+def test_without_contraction_the_share_is_the_mean_over_the_states(points):
+    nodes = points.cell_nodes.max() + 1
+    passed = [MetalNodes(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
+    found = contraction(points, passed, np.zeros(nodes))
+    np.testing.assert_allclose(found.share, (0.1 + 0.55) / 2, rtol=1e-12)
+    assert not found.cells.any()
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_metal_that_becomes_solid_contracts_after_that(points, melts):
+    """From w = 0.5 to the solid by half a share in the mean, and below the solidus by all of it."""
+    nodes = points.cell_nodes.max() + 1
+    mushy = MetalNodes(np.full(nodes, 0.5), np.full(nodes, -1e-4))
+    cold = MetalNodes(np.ones(nodes), np.full(nodes, -5e-4))
+    passed = [cold, mushy] if melts else [mushy, cold]
+    found = contraction(points, passed, np.full(nodes, FROZEN))
+    np.testing.assert_allclose(found.cells, 4e-4 if melts else -4e-4, rtol=1e-12)
+    np.testing.assert_allclose(found.share, (1e-4 * 0.75 + 3e-4 * 1.0) / 4e-4, rtol=1e-12)
+
+
+def test_a_skin_contracts_by_what_there_was_of_it(points):
+    """The states inside a step count: half of the cooling passed before anything froze beside."""
+    nodes = points.cell_nodes.max() + 1
+    first = points.cell_nodes[0][0]
+    skin, both = np.zeros(nodes), np.ones(nodes)
+    skin[first] = 1.0
+    contracted = np.where(skin == 1, -1e-3, FROZEN)
+    passed = [
+        MetalNodes(skin, np.full(nodes, FROZEN)),
+        MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
+        MetalNodes(both, contracted),
+    ]
+    corners = len(points.cell_nodes[0])
+    wide, narrow = (
+        contraction(points, states, np.full(nodes, FROZEN)).cells[0]
+        for states in (passed, passed[::2])
+    )
+    mean = 0.5 * (1 + corners)
+    assert wide == pytest.approx(-4e-4 - 4e-4 / mean, rel=1e-12)
+    assert narrow == pytest.approx(-8e-4 / mean, rel=1e-12)
+
+
+def test_values_of_the_solid_are_means_over_it(points):
+    nodes = points.cell_nodes.max() + 1
+    weight, values = metal(nodes, 3).share, 100.0 * np.random.default_rng(4).random(nodes)
+    found = in_the_solid(points, values, weight)
+    expected = points.from_nodes(weight * values) / points.from_nodes(weight)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    for whole in (np.zeros(nodes), np.ones(nodes)):
+        np.testing.assert_array_equal(
+            in_the_solid(points, values, whole), points.from_nodes(values)
+        )
+    assert not weighted_means(points, values, np.zeros(nodes)).any()
+
+
+VOLUME = CellVolume(
+    np.array([1e-3, 1e-3, -2e-3]), np.array([3e-3, 1.5e-3, 0.0]), np.array([2e7, -5e7, 1e6]),
+    np.zeros(3),
+)  # fmt: skip
+SOFT = np.array([2e-11, 1e-11, 1.5e-11])
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.3), (0.2, 0.9), (0.0, 1.0)])
+def test_new_solid_is_born_at_the_volume_and_under_the_pressure_that_are_there(start, end):
+    """With the same pressure behind the step the cell wants the volume that it has.
+
+    Solid that was there before wants its own, so that the mean of both is wanted.
+    """
+    shares = np.full(3, start), np.full(3, end)
+    free = VOLUME.grown(*shares, SOFT, np.zeros(3))
+    wanted = free + end * SOFT * VOLUME.mean_stress
+    own = VOLUME.free + start * SOFT * VOLUME.mean_stress
+    expected = start / end * own + (1 - start / end) * VOLUME.dilatation
+    np.testing.assert_allclose(wanted, expected, rtol=1e-12)
+
+
+@pytest.mark.serial
+def test_what_melts_leaves_its_volume_and_contraction_is_added():
+    shares, change = (np.full(3, 0.8), np.full(3, 0.3)), np.array([1e-4, 0.0, -1e-4])
+    free = VOLUME.grown(*shares, SOFT, change)
+    stored = 0.5 * SOFT * VOLUME.mean_stress
+    np.testing.assert_allclose(free, VOLUME.free + stored + change, rtol=1e-12)
+    same = VOLUME.grown(np.zeros(3), np.zeros(3), SOFT, np.zeros(3))
+    np.testing.assert_array_equal(same, VOLUME.free)

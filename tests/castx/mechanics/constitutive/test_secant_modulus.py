@@ -1,0 +1,38 @@
+"""Shear modulus of the stabilisation: of the solid where there is any, for the rest of a step."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from castx.mechanics.constitutive.secant_modulus import SecantModulus
+
+SOLID, LIQUID = 2e10, 3e5
+
+
+def conditions(points, share, liquid=LIQUID):
+    one = np.ones(points.count)
+    return SimpleNamespace(
+        shear_modulus=SOLID * one,
+        liquid_modulus=None if liquid is None else liquid * one,
+        shares=SimpleNamespace(end=share * one),
+    )
+
+
+def test_a_point_that_has_held_solid_in_a_step_keeps_its_modulus(points, cells):
+    modulus = SecantModulus(points, cells)
+    softening = np.full(points.count, 0.5)
+    found = []
+    for share in (0.0, 1e-9, 0.0):
+        modulus.use(conditions(points, share), softening)
+        found.append(modulus.function.x.array.copy())
+    np.testing.assert_allclose(found[0], LIQUID)
+    np.testing.assert_allclose(found[1:], 0.5 * SOLID)
+    modulus.commit()
+    modulus.use(conditions(points, 0.0), softening)
+    np.testing.assert_allclose(modulus.function.x.array, LIQUID)
+    modulus.rewind(conditions(points, 0.0), softening)
+    np.testing.assert_allclose(modulus.function.x.array, 0.5 * SOLID)
+    modulus.use(conditions(points, 0.0), softening)
+    np.testing.assert_allclose(modulus.function.x.array, LIQUID)
+    modulus.use(conditions(points, 0.3, liquid=None), softening)
+    np.testing.assert_allclose(modulus.function.x.array, 0.5 * SOLID)
