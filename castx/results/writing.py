@@ -40,6 +40,7 @@ from castx.results.files.folder import (
     SERIES,
     claim_folder,
     clear_results,
+    keep_results,
     write_whole,
 )
 from castx.results.files.measurements import measured_curves, write_measured
@@ -170,9 +171,12 @@ class ResultsWriter:
     def __enter__(self) -> Self:
         if self._comm.rank == 0:
             with self._disk.writing():
-                self._record.write(Reason.RUNNING)
                 if self._resumed is None:
+                    kept_in = keep_results(self._folder)
+                    if kept_in is not None:
+                        log.info("the results of the earlier run are kept in %s", kept_in)
                     clear_results(self._folder)
+                self._record.write(Reason.RUNNING)
                 write_whole(self._folder / CASE, self._case)
                 write_measured(self._folder, self._measured)
                 (self._folder / FIELDS).mkdir(exist_ok=True)

@@ -15,7 +15,7 @@ import socket
 import stat
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -52,7 +52,7 @@ _HELD = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 def claimed_folder(case: Case, comm: MPI.Intracomm) -> Iterator[Path]:
     """Lock the results folder of a case, which is created if it does not exist; collective.
 
-    Nothing in it is touched yet. Results of an earlier run of the case may be written over; those
+    Nothing in it is touched yet. Results of an earlier run of the case are kept aside later; those
     of another case, files of somebody else and a folder in use are refused.
 
     Raises:
@@ -169,6 +169,46 @@ def other_case(record: dict[str, Any]) -> str:
     """Return name and file of the case of a record."""
     known = record["case"]
     return f"{known.get('name', '')!r} ({known.get('file', 'no file')})"
+
+
+def keep_results(folder: Path) -> Path | None:
+    """Move the results of an earlier run aside; return where they are, None if there were none.
+
+    They go into a folder beside this one, `NAME.1`, `NAME.2` …, or into it where none can be made
+    there or another disk would have to take them. Other files stay.
+
+    Args:
+        folder: of the results; a link to one leads to the folder beside which they are kept.
+    """
+    ours = [name for name in OURS if name != LOCK and (folder / name).exists()]
+    if record_of(folder) is None or not {*SERIES, FIELDS, CHECKPOINT} & set(ours):
+        return None
+    aside = _numbered(folder.resolve().with_name, folder.resolve().name, folder)
+    if aside is None:
+        aside = _numbered(folder.joinpath, "earlier", folder)
+    if aside is None:
+        raise OSError(errno.EACCES, f"the results in {folder} cannot be kept aside")
+    for name in ours:
+        (folder / name).rename(aside / name)
+    return aside
+
+
+def _numbered(place: Callable[[str], Path], name: str, beside: Path) -> Path | None:
+    """Return a new folder `name.1`, `name.2` … on the disk of another one, None if it cannot be."""
+    number = 1
+    while True:
+        made = place(f"{name}.{number}")
+        try:
+            made.mkdir()
+        except FileExistsError:
+            number += 1
+            continue
+        except OSError:
+            return None
+        if made.stat().st_dev == beside.stat().st_dev:
+            return made
+        made.rmdir()
+        return None
 
 
 def clear_results(folder: Path) -> None:

@@ -56,6 +56,28 @@ def test_a_time_limit_interrupts_and_a_restart_goes_on(comm, case_file, shared_t
     assert finished.field("temperature", "casting").values.max() < 670.0 + 1e-6
 
 
+@pytest.mark.ranks
+def test_a_second_run_keeps_the_results_of_the_first_one(comm, case_file, shared_tmp_path, said):
+    """As a whole, so that they can be read and gone on with, whatever the second one changes."""
+    folder, kept = shared_tmp_path / "out", shared_tmp_path / "out.1"
+    run(case_file, ["time.end=0.05"], output=folder, comm=comm)
+    first = Results(folder).history["casting.enthalpy"]
+    comm.Barrier()
+    hotter = ["time.end=0.05", "bodies.0.temperature=690"]
+    assert execute(["run", str(case_file), "--output", str(folder), *_set(hotter)], comm) == 0
+    assert f"the results of the earlier run are kept in {kept}" in said() or comm.rank
+    np.testing.assert_array_equal(Results(kept).history["casting.enthalpy"], first)
+    assert Results(folder).history["casting.enthalpy"][0] > first[0]
+    comm.Barrier()
+    run(case_file, ["time.end=0.1"], output=kept, comm=comm, restart=True)
+    assert Results(kept).history["time"][-1] == pytest.approx(0.1)
+    assert not (shared_tmp_path / "out.2").exists() and not (shared_tmp_path / "out.1.1").exists()
+
+
+def _set(overrides):
+    return [word for override in overrides for word in ("--set", override)]
+
+
 def test_a_finished_run_has_nothing_to_go_on_with(comm, case_file, shared_tmp_path):
     folder = run(case_file, ["time.end=0.05"], output=shared_tmp_path / "out", comm=comm)
     before = (folder / "history.csv").read_bytes()

@@ -16,6 +16,7 @@ from castx.results.files.folder import (
     FolderLock,
     claimed_folder,
     clear_results,
+    keep_results,
     own_identity,
 )
 from tests.castx.case_data import cylinder
@@ -155,6 +156,54 @@ def test_old_results_go_and_other_files_stay(comm, tmp_path):
     left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file())
     assert left == ["notes.txt", "run.json"]
     assert not (tmp_path / "checkpoint").exists()
+
+
+def finished(folder: Path, text: str) -> None:
+    """Write what a run leaves in a folder."""
+    for name in ("run.json", "history.csv", "report.html", "fields/a.vtu", "checkpoint/state.npz"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+    (folder / "run.json").write_text(json.dumps({"castx": "0.1", "said": text}))
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("linked", [False, True])
+def test_results_are_kept_beside_the_folder_under_the_next_number(tmp_path, linked):
+    folder = real = tmp_path / "disk" / "out"
+    real.mkdir(parents=True)
+    if linked:
+        folder = tmp_path / "link"
+        folder.symlink_to(real)
+    (real / "notes.txt").write_text("x")
+    (real / LOCK).write_text("x")
+    assert keep_results(folder) is None
+    for number, text in enumerate(("first", "second"), 1):
+        finished(folder, text)
+        assert keep_results(folder) == real.with_name(f"out.{number}")
+        assert sorted(path.name for path in folder.iterdir()) == [LOCK, "notes.txt"]
+    for number, text in enumerate(("first", "second"), 1):
+        kept = real.with_name(f"out.{number}")
+        assert json.loads((kept / "run.json").read_text())["said"] == text
+        assert (kept / "fields" / "a.vtu").read_text() == text
+        assert (kept / "checkpoint" / "state.npz").read_text() == text
+    (real / "run.json").write_text(json.dumps({"castx": "0.1"}))
+    assert keep_results(folder) is None, "a record alone is no result"
+
+
+@pytest.mark.serial
+def test_results_are_kept_inside_where_nothing_can_be_made_beside(tmp_path, monkeypatch):
+    finished(tmp_path, "mine")
+    whole = Path.mkdir
+
+    def mkdir(self, *arguments, **options):
+        if self.parent == tmp_path.parent:
+            raise PermissionError(13, "Permission denied")
+        whole(self, *arguments, **options)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    assert keep_results(tmp_path) == tmp_path / "earlier.1"
+    assert (tmp_path / "earlier.1" / "history.csv").read_text() == "mine"
+    assert not (tmp_path / "history.csv").exists()
 
 
 @pytest.mark.parametrize("name", [LOCK, "fields", "checkpoint", "run.json", "history.csv"])
