@@ -39,8 +39,7 @@ from castx.results.files.folder import (
     RECORD,
     SERIES,
     claim_folder,
-    clear_results,
-    keep_results,
+    make_room,
     write_whole,
 )
 from castx.results.files.measurements import measured_curves, write_measured
@@ -172,10 +171,7 @@ class ResultsWriter:
         if self._comm.rank == 0:
             with self._disk.writing():
                 if self._resumed is None:
-                    kept_in = keep_results(self._folder)
-                    if kept_in is not None:
-                        log.info("the results of the earlier run are kept in %s", kept_in)
-                    clear_results(self._folder)
+                    make_room(self._folder)
                 self._record.write(Reason.RUNNING)
                 write_whole(self._folder / CASE, self._case)
                 write_measured(self._folder, self._measured)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import json
+import logging
 import os
 import socket
 import stat
@@ -45,6 +46,7 @@ OURS = (
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
 """Time for the holder of a lock to say who it is [s]."""
+log = logging.getLogger(__name__)
 _HELD = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 
 
@@ -209,6 +211,14 @@ def _numbered(place: Callable[[str], Path], name: str, beside: Path) -> Path | N
             return made
         made.rmdir()
         return None
+
+
+def make_room(folder: Path) -> None:
+    """Keep the results of an earlier run aside, and say where."""
+    aside = keep_results(folder)
+    if aside is not None:
+        log.info("the results of the earlier run are kept in %s", aside)
+    clear_results(folder)
 
 
 def clear_results(folder: Path) -> None:
