@@ -129,7 +129,8 @@ class BodyMechanics:
             between: states of the nodes that the step has passed, if they are known.
         """
         self._evaluated_at, self.trials = NOWHERE, self.trials + 1
-        self.formulation.begin(temperature, solid_fraction, step, between)
+        self.material.begin(temperature, solid_fraction, step, between)
+        self.formulation.begin(solid_fraction)
 
     def update_points(self) -> None:
         """Find stress and tangent at the present displacement and pressure.

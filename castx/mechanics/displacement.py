@@ -9,8 +9,6 @@ the weak form of Chiumenti, section 2.2, with its continuity equation solved for
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from petsc4py import PETSc
 
 import numpy as np
@@ -19,7 +17,6 @@ import ufl
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
 from castx.forms import kinematics, momentum
-from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.formulation import BodyUnknowns, Formulation, WeakForms, cell_stress
 from castx.mechanics.loads import BodyLoads
@@ -50,15 +47,8 @@ class DisplacementFormulation(Formulation):
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
 
-    def begin(
-        self,
-        temperature: FloatArray,
-        solid_fraction: FloatArray,
-        step: float,
-        between: Sequence[HeatState] = (),
-    ) -> None:
-        """Evaluate the material for a trial step."""
-        self._material.begin(temperature, solid_fraction, step, between)
+    def begin(self, solid_fraction: FloatArray) -> None:
+        """Do nothing: there is no liquid in such a body."""
 
     def update(self) -> None:
         """Find stresses and tangents at the present displacement."""

@@ -7,7 +7,7 @@ a constant of each cell (`castx.mechanics.q1p0`) or not at all (`castx.mechanics
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from petsc4py import PETSc
@@ -22,7 +22,6 @@ from castx.domain.measures import extent
 from castx.domain.mesh import BodyMesh
 from castx.form_rows import FormRows
 from castx.forms import kinematics, momentum
-from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.constitutive.thickness import Thickness
 from castx.stateful import Stateful
@@ -202,20 +201,11 @@ class Formulation(ABC):
     forms: WeakForms
 
     @abstractmethod
-    def begin(
-        self,
-        temperature: FloatArray,
-        solid_fraction: FloatArray,
-        step: float,
-        between: Sequence[HeatState] = (),
-    ) -> None:
-        """Evaluate the material for a trial step; collective.
+    def begin(self, solid_fraction: FloatArray) -> None:
+        """Find trapped liquid and the like for a trial step, behind its material; collective.
 
         Args:
-            temperature: at the local nodes [°C], shape (nodes,).
-            solid_fraction: likewise.
-            step: time step [s].
-            between: states of the nodes that the step has passed, if they are known.
+            solid_fraction: at the local nodes, shape (nodes,).
         """
 
     @abstractmethod

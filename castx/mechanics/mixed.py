@@ -25,7 +25,6 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure
 from castx.forms import kinematics, momentum, stabilisation
-from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.formulation import BodyUnknowns, Formulation, Product, WeakForms
@@ -124,15 +123,8 @@ class MixedFormulation(Formulation):
             work += stabilisation.body_force_residual(q, loads.body_force, tau, self._dx_p)
         return work
 
-    def begin(
-        self,
-        temperature: FloatArray,
-        solid_fraction: FloatArray,
-        step: float,
-        between: Sequence[HeatState] = (),
-    ) -> None:
-        """Evaluate material, trapped liquid and projection for a trial step; collective."""
-        self._material.begin(temperature, solid_fraction, step, between)
+    def begin(self, solid_fraction: FloatArray) -> None:
+        """Find trapped liquid and projection for a trial step; collective."""
         self._pockets.begin(self._material, solid_fraction)
         if self._pockets.exist:
             self._pockets.stiffen(*(self.forms.assemble(form) for form in self._of_pockets))

@@ -15,7 +15,6 @@ Engineering 4 (1974); T. J. R. Hughes, International Journal for Numerical Metho
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from petsc4py import PETSc
@@ -29,7 +28,6 @@ from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import cell_measure, nodal_mean
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics, momentum
-from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.formulation import (
     BodyUnknowns,
@@ -88,15 +86,8 @@ class Q1P0Formulation(Formulation):
             unknowns.mesh, cells, unknowns.space, increment, dx, shear_modulus
         )
 
-    def begin(
-        self,
-        temperature: FloatArray,
-        solid_fraction: FloatArray,
-        step: float,
-        between: Sequence[HeatState] = (),
-    ) -> None:
-        """Evaluate material and trapped liquid for a trial step; collective."""
-        self._material.begin(temperature, solid_fraction, step, between)
+    def begin(self, solid_fraction: FloatArray) -> None:
+        """Find trapped liquid and mean dilatation for a trial step; collective."""
         self._pockets.begin(self._material, solid_fraction)
         material = self._material
         self._mean.begin(
