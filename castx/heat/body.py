@@ -63,6 +63,7 @@ class ThermalBody:
         self.enthalpy = fem.Function(nodes, name="enthalpy")
         self.temperature = fem.Function(nodes, name="temperature")
         self.solid_fraction = fem.Function(nodes, name="solid_fraction")
+        self._passed = la.vector(self.index_map)
         initial = np.broadcast_to(self.description.temperature, self.owned)
         self.set_enthalpy(self.curve.enthalpy(initial))
 
@@ -94,8 +95,9 @@ class ThermalBody:
         H = self.enthalpy.x
         H.array[: self.owned] = enthalpy
         H.scatter_forward()
-        self.temperature.x.array[:] = self.curve.temperature(H.array)
-        self.solid_fraction.x.array[:] = self.curve.solid_fraction(H.array)
+        state = self.curve.state(H.array)
+        self.temperature.x.array[:] = state.temperature
+        self.solid_fraction.x.array[:] = state.solid_fraction
 
     def state(self, enthalpy: FloatArray) -> HeatState:
         """Return temperature and solid fraction of the local nodes, shape (nodes,); collective.
@@ -103,10 +105,9 @@ class ThermalBody:
         Args:
             enthalpy: of the owned nodes [J/m³], shape (owned,).
         """
-        values = la.vector(self.index_map)
-        values.array[: self.owned] = enthalpy
-        values.scatter_forward()
-        return self.curve.state(values.array)
+        self._passed.array[: self.owned] = enthalpy
+        self._passed.scatter_forward()
+        return self.curve.state(self._passed.array)
 
     @property
     def owned_temperature(self) -> FloatArray:

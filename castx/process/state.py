@@ -173,7 +173,6 @@ class State:
         }
         return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
 
-
     def _suction(self, pairs: NodePairs, state: PairState) -> float:
         """Return the largest stress by which liquid at its wall is pulled [Pa]; collective."""
         pulls = np.zeros(1)

@@ -244,9 +244,10 @@ class MaterialPoints:
         self._nodes = self.conditions.nodes
         free = self.thermal_strain.x.array.copy()
         dilatation = self.dilatation.copy()
-        kept = np.where(self.conditions.coherent, free, dilatation)
+        liquid = ~self.conditions.coherent
         if pooled is not None:
-            kept[pooled] = dilatation[pooled]
+            liquid = liquid | pooled
+        kept = np.where(liquid, dilatation, free)
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free
