@@ -14,11 +14,12 @@ ROUNDS = 60
 def strain_range(
     stress_range: FloatArray, plastic_range: FloatArray, young_modulus: FloatArray
 ) -> FloatArray:
-    """Return the strain range of a settled cycle, Δε = Δσ_vM/E + Δε_eq.
+    """Return the strain range of a settled cycle, the width of its loop, Δε = Δσ_vM/E + Δε_eq.
 
     Args:
         stress_range: of the von Mises stress between the extremes of the cycle [Pa].
-        plastic_range: of the equivalent viscoplastic strain.
+        plastic_range: equivalent of the difference of the viscoplastic strains of both extremes,
+            √(2/3)‖Δε_vp‖; not what flows to and fro between them, which is twice that.
         young_modulus: E [Pa].
     """
     return np.asarray(stress_range / np.asarray(young_modulus) + plastic_range)

@@ -197,6 +197,11 @@ class BodyMechanics:
         self._evaluate()
         return self.material.mechanical_strain()
 
+    def viscoplastic_strain(self) -> FloatArray:
+        """Return the viscoplastic strain of the cells, (cells, 6) in the order of stresses."""
+        self._evaluate()
+        return self.material.viscoplastic_strain()
+
     def plastic_strain(self) -> FloatArray:
         """Return the equivalent viscoplastic strain of the cells, shape (cells,)."""
         self._evaluate()

@@ -29,6 +29,7 @@ from castx.transfer.pair_state import PairState
 
 TENSORS = (
     "mechanical_strain",
+    "viscoplastic_strain",
     *(name for name, field in output_fields().items() if field.components == 6),
 )
 START, NONE = ProcessState(), MappingProxyType[str, float]({})
@@ -90,6 +91,8 @@ class State:
         state = FieldState(self.problem, body, name)
         if name == "mechanical_strain":
             return state.mechanics.mechanical_strain()
+        if name == "viscoplastic_strain":
+            return state.mechanics.viscoplastic_strain()
         if name == "coherent":
             return state.mechanics.coherent.astype(np.float64)
         field = _read_field(name, FieldPlace.CELL, f"no cell field {name!r} on body {body!r}")

@@ -64,7 +64,7 @@ class DieSurfaces:
             temperature = state.nodal(name, "temperature")[corners].mean(axis=1)
             modulus = self._steels[name].young_modulus(temperature)
             stress = state.cellwise(name, "stress")[: len(corners)] / modulus[:, None]
-            plastic = state.cellwise(name, "plastic_strain")[: len(corners)]
+            plastic = state.cellwise(name, "viscoplastic_strain")[: len(corners)]
             cycles.update(state.process.cycle, stress, plastic, temperature)
 
     def field(self, body: str, name: str) -> FloatArray | None:

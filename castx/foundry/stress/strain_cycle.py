@@ -1,9 +1,10 @@
 """The strain range of the cells of a die over a cycle, Δε = Δσ_vM/E + Δε_eq.
 
-The stress over E at its own temperature is followed as a path; its range is the distance of von
-Mises between the two states of the cycle that were farthest apart, found by keeping a pair and
-replacing one of both by a new state that is farther from the other. On a straight path that is
-exact, on a bent one at most a little too small. Viscoplastic strain adds up over the cycle.
+Stress over E at its own temperature and viscoplastic strain are followed as a path. Its range is
+the distance between the two states of the cycle that were farthest apart, the width of the loop as
+Coffin and Manson mean it: L. F. Coffin, Trans. ASME 76 (1954) 931; S. S. Manson, NACA TN 2933
+(1953). The two are found by keeping a pair and replacing one of both by a new state that is farther
+from the other. On a straight path that is exact, on a bent one at most a little too small.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from castx.arrays import FloatArray
 from castx.stateful import Arrays, Numbering, Saved, number
 
 MOMENTS = ("first", "second", "last")
+STRESS, PLASTIC, TEMPERATURE, SIZE = slice(0, 6), slice(6, 12), 12, 13
+"""Columns of a state."""
 
 
 def distance(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -21,6 +24,15 @@ def distance(one: FloatArray, other: FloatArray) -> FloatArray:
     away = one - other
     normal = away[:, :3] - away[:, :3].mean(axis=1, keepdims=True)
     return np.asarray(np.sqrt(1.5 * (np.sum(normal**2, 1) + 2.0 * np.sum(away[:, 3:] ** 2, 1))))
+
+
+def width(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return Δσ_vM/E + √(2/3)‖Δε_vp‖ of states (cells, 13), (cells,).
+
+    A viscoplastic strain has no volume: √(2/3)‖ε‖ is two thirds of √(3/2)‖dev ε‖.
+    """
+    elastic = distance(one[:, STRESS], other[:, STRESS])
+    return elastic + distance(one[:, PLASTIC], other[:, PLASTIC]) / 1.5
 
 
 class StrainCycle:
@@ -33,8 +45,7 @@ class StrainCycle:
 
     def __init__(self, cells: int, numbering: Numbering) -> None:
         self._numbering = numbering
-        self._states: dict[str, FloatArray] = {name: np.zeros((cells, 8)) for name in MOMENTS}
-        self._start: FloatArray = np.zeros(cells)
+        self._states: dict[str, FloatArray] = {name: np.zeros((cells, SIZE)) for name in MOMENTS}
         self._whole: FloatArray = np.full((cells, 2), np.nan)
         self._cycle = -1
 
@@ -46,22 +57,19 @@ class StrainCycle:
         Args:
             cycle: to which the step belongs.
             stress: over Young's modulus at the temperature of the cell, (cells, 6).
-            plastic: equivalent viscoplastic strain, (cells,).
+            plastic: viscoplastic strain, (cells, 6).
             temperature: of the cells, (cells,) [°C].
         """
         now = np.column_stack([stress, plastic, temperature])
         if self._cycle < 0:
             self._states = {name: now.copy() for name in MOMENTS}
-            self._start = plastic.copy()
         elif cycle != self._cycle:
             self._whole = np.column_stack([self._range(), self._middle()])
             self._states |= {name: self._states["last"].copy() for name in MOMENTS[:2]}
-            self._start = self._states["last"][:, 6].copy()
         self._cycle = cycle
         first, second = self._states["first"], self._states["second"]
-        width = distance(first[:, :6], second[:, :6])
-        from_first, from_second = (distance(now[:, :6], s[:, :6]) for s in (first, second))
-        farther = np.maximum(from_first, from_second) > width
+        from_first, from_second = (width(now, state) for state in (first, second))
+        farther = np.maximum(from_first, from_second) > width(first, second)
         instead_of_first = farther & (from_second >= from_first)
         instead_of_second = farther & ~instead_of_first
         first[instead_of_first] = now[instead_of_first]
@@ -69,11 +77,11 @@ class StrainCycle:
         self._states["last"] = now
 
     def _range(self) -> FloatArray:
-        first, second, last = (self._states[name] for name in MOMENTS)
-        return distance(first[:, :6], second[:, :6]) + last[:, 6] - self._start
+        return width(self._states["first"], self._states["second"])
 
     def _middle(self) -> FloatArray:
-        return 0.5 * (self._states["first"][:, 7] + self._states["second"][:, 7])
+        first, second = self._states["first"], self._states["second"]
+        return np.asarray(0.5 * (first[:, TEMPERATURE] + second[:, TEMPERATURE]))
 
     @property
     def strain_range(self) -> FloatArray:
@@ -89,7 +97,7 @@ class StrainCycle:
 
     def saved(self) -> dict[str, Saved]:
         """Return the extremes so far."""
-        cells = {**self._states, "start": self._start, "whole": self._whole}
+        cells = {**self._states, "whole": self._whole}
         found = {name: Saved(values, self._numbering) for name, values in cells.items()}
         return found | {"cycle": number(self._cycle)}
 
@@ -97,5 +105,5 @@ class StrainCycle:
         """Go on with the extremes of an earlier part of the run."""
         cells = len(self._whole)
         self._states = {name: arrays[name][:cells].copy() for name in MOMENTS}
-        self._start, self._whole = arrays["start"][:cells].copy(), arrays["whole"][:cells].copy()
+        self._whole = arrays["whole"][:cells].copy()
         self._cycle = int(arrays["cycle"])

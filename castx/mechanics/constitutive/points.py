@@ -172,10 +172,18 @@ class MaterialPoints:
 
     def mechanical_strain(self) -> FloatArray:
         """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
-        strain = self.points.cell_means(self._strain)
-        strain = np.pad(strain, ((0, 0), (0, 6 - strain.shape[1])))
+        strain = self._tensors(self._strain)
         strain[:, :3] -= self.contracted[:, None] / 3.0
         return strain
+
+    def viscoplastic_strain(self) -> FloatArray:
+        """Return the viscoplastic strain of the solid of the cells, shape (cells, 6)."""
+        return self._tensors(self.response.plastic)
+
+    def _tensors(self, values: FloatArray) -> FloatArray:
+        """Return means over the cells of tensors at the points, shape (cells, 6)."""
+        means = self.points.cell_means(values)
+        return np.pad(means, ((0, 0), (0, 6 - means.shape[1])))
 
     def plastic_power(self) -> FloatArray:
         """Return s:ε̇_vp [W/m³], shape (points,)."""

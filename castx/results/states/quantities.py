@@ -13,7 +13,7 @@ from castx.case.fields.registry import output_fields, read_from_states
 if TYPE_CHECKING:
     from castx.results.states.snapshot import Snapshot
 
-FOLLOWED_IN_CELLS = ("mechanical_strain", "coherent")
+FOLLOWED_IN_CELLS = ("mechanical_strain", "viscoplastic_strain", "coherent")
 """What cells have beside the fields that are written: see `Snapshot.cellwise`."""
 PRINCIPAL = ("largest_principal_stress", "smallest_principal_stress")
 CELLWISE = read_from_states(FieldPlace.CELL)

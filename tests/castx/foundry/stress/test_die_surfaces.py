@@ -128,3 +128,20 @@ def test_life_is_refused_without_coefficients():
         read_case(content, Path("die.toml"))
     content["output"]["fields"] = ["strain_range"]
     read_case(content, Path("die.toml"))
+
+
+def test_what_flows_to_and_fro_counts_once(comm, folder):
+    """Heated, the plate yields at -σ_y by α ΔT - (1 - ν) σ_y/E in its plane; cooled, it yields back.
+
+    What lies farthest apart is the start and the hot end: σ_y/E and the equivalent of the strain,
+    twice that in the plane.
+    """
+    flow = 410e6
+    strain, _ = fields(
+        folder, comm, "yielding", f"materials.die-steel.yield_stress={flow}",
+        "bodies.0.law=thermo-elasto-plastic",
+    )  # fmt: skip
+    elastic = flow / YOUNG
+    plastic = 2.0 * (EXPANSION * RISE - (1.0 - POISSON) * elastic)
+    assert elastic + plastic == pytest.approx(6.66e-3, rel=1e-12)
+    np.testing.assert_allclose(strain, elastic + plastic, rtol=1e-6)

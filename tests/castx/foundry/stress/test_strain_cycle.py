@@ -13,6 +13,8 @@ pytestmark = pytest.mark.serial
 CELLS = 3
 SIZES = np.array([1.0, 2.0, 0.0])
 TENSION = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+DRAWN = np.array([1.0, -0.5, -0.5, 0.0, 0.0, 0.0])
+"""Viscoplastic strain of a bar that is drawn, of equivalent 1."""
 
 
 def cycles():
@@ -22,7 +24,7 @@ def cycles():
 def follow(found, cycle, path, plastic=0.0, temperature=20.0):
     for value in path:
         found.update(
-            cycle, value * SIZES[:, None] * TENSION, np.full(CELLS, plastic),
+            cycle, value * SIZES[:, None] * TENSION, np.tile(plastic * DRAWN, (CELLS, 1)),
             np.full(CELLS, temperature + 100.0 * value),
         )  # fmt: skip
 
@@ -43,11 +45,23 @@ def test_tension_and_compression_add_up():
     np.testing.assert_allclose(found.temperature[:2], 20.0 - 0.05)
 
 
-def test_viscoplastic_strain_of_the_cycle_adds():
+def test_viscoplastic_strain_to_and_fro_counts_once():
+    """A bar yields at ±σ_y between strains 0 and ε: its loop is ε wide, for any σ_y."""
     found = cycles()
-    follow(found, 1, (0.0, 1e-3), plastic=1e-4)
-    follow(found, 1, (0.5e-3,), plastic=5e-4)
-    np.testing.assert_allclose(found.strain_range, 1e-3 * SIZES + 4e-4)
+    states = [(0.0, 0.0), (1e-3, 0.0), (1e-3, 5e-4), (-1e-3, 5e-4), (-1e-3, 0.0)]
+    for stress, plastic in states:
+        follow(found, 1, (stress,), plastic=plastic)
+    np.testing.assert_allclose(found.strain_range, 2e-3 * SIZES + 5e-4)
+
+
+def test_shear_strain_has_an_equivalent_of_its_own():
+    """γ_xy counts as γ/√3, with ε_xy = γ/2."""
+    found, none = cycles(), np.zeros((CELLS, 6))
+    sheared = none.copy()
+    sheared[:, 3] = 0.5 * 3e-3
+    for plastic in (none, sheared):
+        found.update(1, none, plastic, np.zeros(CELLS))
+    np.testing.assert_allclose(found.strain_range, 3e-3 / np.sqrt(3.0))
 
 
 def test_the_last_whole_cycle_counts():
@@ -65,7 +79,7 @@ def test_a_bent_path_is_not_overestimated():
     generator = np.random.default_rng(3)
     found, path = cycles(), generator.normal(size=(60, CELLS, 6))
     for stress in path:
-        found.update(1, stress, np.zeros(CELLS), np.zeros(CELLS))
+        found.update(1, stress, np.zeros((CELLS, 6)), np.zeros(CELLS))
     exact = np.max([distance(a, b) for a in path for b in path], axis=0)
     assert (found.strain_range <= exact + 1e-12).all()
     assert (found.strain_range >= 0.8 * exact).all()
