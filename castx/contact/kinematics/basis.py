@@ -13,6 +13,7 @@ from scipy import sparse
 
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.contact.kinematics.node_rows import NodeRows
+from castx.contact.kinematics.pair_rows import EqualMotion
 from castx.solvers.layout import Layout
 
 
@@ -52,20 +53,16 @@ class BasisMatrices:
             matrix.add(dofs[:, :, None], dofs[:, None, :], frames[special])
         return inverse
 
-    def tie(self, b: int, nodes: IntArray, slots: IntArray) -> IntArray:
-        """Take a row of nodes relative to the first one; return the local numbers that are zero.
-
-        Args:
-            b: number of the body.
-            nodes: local numbers of owned nodes, shape (n,).
-            slots: row of each node, shape (n,).
-        """
+    def tie(self, motion: EqualMotion) -> IntArray:
+        """Take a row of nodes relative to the first one; return the local numbers that are zero."""
+        b, nodes, slots = motion.body, motion.nodes, motion.slots
         comm, d, size = self._layout.comm, self._dimension, self._layout.block_sizes[b]
         starts = (self._first(b) + nodes * size).astype(np.int32)
         columns = starts[:, None] + np.arange(d, dtype=np.int32)
         own = starts + slots
+        i = motion.first
         firsts = comm.allgather(
-            (own[0], columns[0], self._rows[b].rows[nodes[0], slots[0]]) if len(own) else None
+            None if i is None else (own[i], columns[i], self._rows[b].rows[nodes[i], slots[i]])
         )
         found = next((entry for entry in firsts if entry is not None), None)
         if found is None:
@@ -91,6 +88,30 @@ class BasisMatrices:
         self._forward.add(others, first, -1.0)
         self._frames.add(others, first, 1.0)
         return np.asarray(others - self._layout.first, dtype=np.int32)
+
+    def follow(self, motion: EqualMotion, other: int) -> None:
+        """Let nodes that move equally go with what ties the first of them, which has its own pair.
+
+        Args:
+            motion: the nodes.
+            other: number of the body to which the first one is tied.
+        """
+        b, nodes, slots, i = motion.body, motion.nodes, motion.slots, motion.first
+        mine = None
+        if i is not None and motion.tied_by is not None:
+            faced, weights = (part[motion.pair] for part in motion.tied_by.partners)
+            mine = (faced, weights, self._rows[b].rows[nodes[i], slots[i]])
+        faced, weights, row = next(found for found in self._layout.comm.allgather(mine) if found)
+        others = np.flatnonzero(np.arange(len(nodes)) != (-1 if i is None else i))
+        components = range(self._dimension)
+        starts = self._first(b) + nodes[others] * self._layout.block_sizes[b]
+        columns = np.stack([self._layout.dofs(other, faced, k) for k in components], axis=1)
+        duals = self._duals[b][nodes[others], :, slots[others]]
+        self._relative.add(
+            (starts[:, None] + np.arange(self._dimension))[:, :, None, None],
+            columns,
+            duals[:, :, None, None] * (weights[:, None] * row),
+        )
 
     def make_relative(
         self,

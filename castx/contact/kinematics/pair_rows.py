@@ -19,6 +19,27 @@ class Prescribed:
     value: Table
 
 
+@dataclass
+class EqualMotion:
+    """Nodes of a surface that move equally along a direction, those of this rank.
+
+    Attributes:
+        body: its number.
+        nodes: local numbers of owned nodes, shape (n,).
+        slots: row of each of them, shape (n,).
+        first: index of the node to which the others are relative; None: it is on another rank.
+        tied_by: pairs that tie this node; None: nothing does.
+        pair: number of its pair among them, on its rank.
+    """
+
+    body: int
+    nodes: IntArray
+    slots: IntArray
+    first: int | None = None
+    tied_by: NodePairs | None = None
+    pair: int = 0
+
+
 @dataclass(frozen=True)
 class PairRows:
     """Where the rows of the pairs of one interface stand among the unknowns.

@@ -10,8 +10,10 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.contact.kinematics.node_rows import NodeRows, owned_nodes
-from castx.contact.kinematics.pair_rows import PairRows, Prescribed
+from castx.contact.kinematics.pair_rows import EqualMotion, PairRows, Prescribed
 from castx.contact.kinematics.rows import InterfaceRows, Treatment
+from castx.contact.kinematics.tied_ends import HELD, MOVABLE, at_tied_nodes, lead, motions_faced
+from castx.domain.pairs.node_pairs import NodePairs
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import PARALLEL, ZERO, FixedDirections
 from castx.solvers.layout import Layout
@@ -26,7 +28,7 @@ class RowPlacement:
     Attributes:
         rows: rows of the nodes of each body.
         prescribed: entries of v that conditions prescribe.
-        equal_motions: body, nodes and rows of the surfaces that move equally.
+        equal_motions: of the surfaces that move equally.
         interfaces: rows of the pairs of each interface.
 
     Args:
@@ -53,15 +55,16 @@ class RowPlacement:
             NodeRows.none(owned_nodes(layout, b), dimension) for b in range(len(body_names))
         ]
         self.prescribed: list[Prescribed] = []
-        self.equal_motions: list[tuple[int, IntArray, IntArray]] = []
+        self.equal_motions: list[EqualMotion] = []
+        self._held: list[EqualMotion] = []
         for b, conditions in enumerate(fixed):
             for condition in conditions:
                 self._add_condition(b, condition)
-        constrained = [rows.copy() for rows in self.rows]
+        self._constrained = [rows.copy() for rows in self.rows]
         self.interfaces = self._add_interfaces(interfaces, fixed)
         for interface in self.interfaces:
             if interface.pairs.primary in self._names:
-                self._refuse_one_sided(interface, constrained)
+                self._refuse_one_sided(interface, self._constrained)
 
     def _local(self, b: int, nodes: IntArray, slots: IntArray) -> IntArray:
         start, size = self._layout.local_slice(b).start, self._layout.block_sizes[b]
@@ -73,9 +76,13 @@ class RowPlacement:
         local = self._local(b, condition.nodes[kept], slots[kept])
         if condition.value is None:
             self._refuse_prescribed(b, condition, ~kept)
-            self.equal_motions.append((b, condition.nodes, slots))
+            ranks = self._layout.comm.allgather(len(slots) > 0)
+            first = 0 if any(ranks) and ranks.index(True) == self._layout.comm.rank else None
+            self.equal_motions.append(EqualMotion(b, condition.nodes, slots, first))
         else:
             self.prescribed.append(Prescribed(local, condition.value))
+            if not condition.symmetry:
+                self._held.append(EqualMotion(b, condition.nodes[kept], slots[kept]))
 
     def _refuse_prescribed(
         self, b: int, condition: FixedDirections, prescribed: BoolArray
@@ -149,6 +156,12 @@ class RowPlacement:
             index.append(there)
             normals.append(rest[there, k])
             local.append(self._local(b, nodes[there], slots))
+        self._refuse_held(pairs, b)
+        for motion in (motion for motion in self.equal_motions if motion.body == b):
+            led, direction, slots = self._lead(motion, pairs, b)
+            index.append(led)
+            normals.append(direction)
+            local.append(self._local(b, nodes[led], slots))
         fixed = np.concatenate(local)
         self.prescribed.append(Prescribed(fixed, ZERO))
         numbers = np.concatenate(index)
@@ -157,6 +170,49 @@ class RowPlacement:
         return PairRows(
             pairs, numbers, np.concatenate(normals), areas, fixed, Treatment.TIED, none,
             np.zeros((len(fixed), 0), dtype=np.int32),
+        )  # fmt: skip
+
+    def _lead(
+        self, motion: EqualMotion, pairs: NodePairs, b: int
+    ) -> tuple[IntArray, FloatArray, IntArray]:
+        """Let a tied node lead a surface; return its pair, direction and row on its rank.
+
+        Raises:
+            CaseError: others are tied too, to points that do not move equally.
+        """
+        at, numbers = lead(motion, pairs, self._names[b], self._layout)
+        directions = self.rows[b].rows[motion.nodes[at], motion.slots[at]]
+        tied = self._layout.comm.allreduce(len(at))
+        if tied > 1 and pairs.primary in self._names:
+            faced = self._faced(pairs, numbers, directions)
+            if MOVABLE in faced or len(set(faced)) > 1:
+                raise CaseError(
+                    f"a uniform surface of {self._names[b]!r} is tied to {pairs.primary!r} at "
+                    f"{tied} nodes: the surface of {pairs.primary!r} that continues it must move "
+                    "as one too; give it the same condition"
+                )
+        mine = int(motion.first is not None and motion.tied_by is pairs)
+        return numbers[:mine], directions[:mine], motion.slots[at[:mine]]
+
+    def _refuse_held(self, pairs: NodePairs, b: int) -> None:
+        """Refuse tied nodes that a condition holds where the body that they are tied to moves."""
+        if pairs.primary not in self._names:
+            return
+        for held in (held for held in self._held if held.body == b):
+            at, numbers = at_tied_nodes(held, pairs)
+            directions = self.rows[b].rows[held.nodes[at], held.slots[at]]
+            if np.any(self._faced(pairs, numbers, directions) != HELD):
+                raise CaseError(
+                    f"a condition holds nodes of {self._names[b]!r} that are tied to "
+                    f"{pairs.primary!r}, which can move there: name the bodies of the interface "
+                    f"the other way round, or give {pairs.primary!r} the same condition"
+                )
+
+    def _faced(self, pairs: NodePairs, numbers: IntArray, directions: FloatArray) -> IntArray:
+        primary = self._names.index(pairs.primary)
+        return motions_faced(
+            pairs, numbers, directions, primary, self._layout, self._constrained[primary],
+            self.equal_motions,
         )  # fmt: skip
 
     def _refuse_one_sided(self, interface: PairRows, constrained: Sequence[NodeRows]) -> None:

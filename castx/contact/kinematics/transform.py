@@ -69,8 +69,10 @@ class ConstraintTransform:
         placement = RowPlacement(layout, body_names, dimension, fixed, interfaces)
         self.prescribed, self.interfaces = placement.prescribed, placement.interfaces
         basis = BasisMatrices(layout, dimension, placement.rows)
-        for b, nodes, slots in placement.equal_motions:
-            self.prescribed.append(Prescribed(basis.tie(b, nodes, slots), ZERO))
+        for motion in placement.equal_motions:
+            self.prescribed.append(Prescribed(basis.tie(motion), ZERO))
+            if motion.tied_by is not None and motion.tied_by.primary in self._names:
+                basis.follow(motion, self._names.index(motion.tied_by.primary))
         for b, k in enumerate(uniform):
             if k is not None:
                 self.prescribed.append(Prescribed(basis.tie_component(b, k), ZERO))

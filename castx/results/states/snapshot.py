@@ -85,8 +85,8 @@ class Snapshot(Protocol):
         Names: stress [Pa] as xx yy zz xy xz yz (axisymmetric: rr zz θθ rz 0 0), von_mises [Pa],
         plastic_strain, largest_principal_stress and smallest_principal_stress [Pa],
         point_stress [Pa] at the integration points, one after the other, (cells, 6 points),
-        mechanical_strain (cells, 6), elastic and inelastic, and viscoplastic_strain (cells, 6), both
-        as the stress, and coherent, 1 in cells that are solid.
+        mechanical_strain (cells, 6), elastic and inelastic, viscoplastic_strain (cells, 6), both as
+        the stress, and coherent, 1 in cells that are solid.
         """
 
     def paired(self, interface: str, name: str) -> FloatArray:

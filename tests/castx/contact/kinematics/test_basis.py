@@ -11,6 +11,7 @@ import pytest
 
 from castx.contact.kinematics.basis import BasisMatrices
 from castx.contact.kinematics.node_rows import NodeRows
+from castx.contact.kinematics.pair_rows import EqualMotion
 from castx.solvers.layout import Layout
 from tests import small_contact
 
@@ -94,7 +95,7 @@ def test_tied_rows_are_differences_to_the_first():
     e = np.array([0.0, 1.0])
     slots = rows[0].try_add(ints(0, 1), np.array([e, e]), 0.1)
     basis = BasisMatrices(layout, 2, rows)
-    local = basis.tie(0, ints(0, 1), slots)
+    local = basis.tie(EqualMotion(0, ints(0, 1), slots, 0))
     np.testing.assert_array_equal(local, [3])
     R, _ = dense(basis)
     np.testing.assert_allclose(R[3], [0, -1, 0, 0, 1, 0], atol=1e-15)
@@ -158,7 +159,8 @@ def test_ranks_without_nodes_of_a_tied_surface_take_part(comm):
     layout, rows, nodes = on_the_last(comm)
     slots = rows[0].try_add(ints(*nodes), np.tile([0.0, 1.0], (len(nodes), 1)), 0.1)
     basis = BasisMatrices(layout, 2, rows)
-    np.testing.assert_array_equal(basis.tie(0, ints(*nodes), slots), [3] if len(nodes) else [])
+    motion = EqualMotion(0, ints(*nodes), slots, 0 if len(nodes) else None)
+    np.testing.assert_array_equal(basis.tie(motion), [3] if len(nodes) else [])
     R, _ = basis.finish()
     np.testing.assert_allclose(small_contact.dense(comm, R)[3], [0, -1, 0, 0, 1, 0], atol=1e-15)
 

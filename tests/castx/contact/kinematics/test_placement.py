@@ -59,9 +59,10 @@ def test_prescribed_rows_come_first_and_symmetric_ones_turn_the_normal(comm):
 @pytest.mark.ranks
 def test_surfaces_that_move_equally_are_kept_for_the_transform(comm):
     found = placed(comm, {"upper": [SurfaceDisplacement("top", "normal", None)]})
-    [(b, nodes, slots)] = found.equal_motions
-    assert b == 0 and len(everywhere(comm, nodes)) == 3
-    assert np.all(everywhere(comm, slots) == 0) and found.prescribed == []
+    [motion] = found.equal_motions
+    assert motion.body == 0 and len(everywhere(comm, motion.nodes)) == 3
+    assert np.all(everywhere(comm, motion.slots) == 0) and found.prescribed == []
+    assert sorted(comm.allgather(motion.first), key=str) == [0, *[None] * (comm.size - 1)]
 
 
 @pytest.mark.ranks

@@ -131,7 +131,7 @@ def test_life_is_refused_without_coefficients():
 
 
 def test_what_flows_to_and_fro_counts_once(comm, folder):
-    """Heated, the plate yields at -σ_y by α ΔT - (1 - ν) σ_y/E in its plane; cooled, it yields back.
+    """Heated, the plate yields at -σ_y by α ΔT - (1 - ν) σ_y/E in its plane; cooled, at σ_y.
 
     What lies farthest apart is the start and the hot end: σ_y/E and the equivalent of the strain,
     twice that in the plane.
