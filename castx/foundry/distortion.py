@@ -63,15 +63,32 @@ def normal_deviation(nominal: FloatArray, fitted: FloatArray, normals: FloatArra
     return np.asarray(np.einsum("ij,ij->i", fitted - nominal, normals))
 
 
-def allowance(nominal: FloatArray, places: FloatArray) -> FloatArray:
-    """Return by which share extents along the axes have shrunk, 1 - extent ratio, (gdim,).
+def allowance(
+    nominal: FloatArray, places: FloatArray, areas: FloatArray, axisymmetric: bool = False
+) -> FloatArray:
+    """Return by which share a shape has shrunk along the axes, 1 - U_ii, (gdim,).
+
+    U is the stretch of the homogeneous deformation F = R U that comes nearest to where the shape
+    has gone, F = Σ A (x - x̄)(X - X̄)ᵀ [Σ A (X - X̄)(X - X̄)ᵀ]⁻¹, least squares weighted by area: a
+    part that bends or turns does not shrink by that.
 
     Args:
-        nominal: (n, gdim) [m].
-        places: of the same shape [m].
+        nominal: X, (n, gdim) [m].
+        places: x, of the same shape [m].
+        areas: weights, (n,) [m²].
+        axisymmetric: the first coordinate is a radius, whose stretch is that of all radii.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(1.0 - np.ptp(places, axis=0) / np.ptp(nominal, axis=0))
+    shares = areas / areas.sum()
+    middle, moved = shares @ nominal, shares @ places
+    if axisymmetric:
+        middle[0] = moved[0] = 0.0
+    before, after = nominal - middle, places - moved
+    if axisymmetric:
+        return np.asarray(1.0 - (shares @ (after * before)) / (shares @ before**2))
+    weighted = shares[:, None] * before
+    gradient = (after.T @ weighted) @ np.linalg.pinv(before.T @ weighted)
+    _, sizes, right = np.linalg.svd(gradient)
+    return np.asarray(1.0 - np.diag(right.T * sizes @ right))
 
 
 def compensated(mould: FloatArray, cast: FloatArray, nominal: FloatArray) -> FloatArray:

@@ -96,6 +96,11 @@ class Shape:
             displacement: of the local nodes, (nodes, gdim) [m].
         """
         places = self._points + displacement[self._nodes]
+        motion = best_fit(*self._whole(places), self._model == "axisymmetric")
+        return normal_deviation(self._points, motion.removed(places), self._normals)
+
+    def _whole(self, places: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return nominal places, places and areas of all ranks and images; collective."""
         nominal, moved, areas = (
             self._everywhere(values) for values in (self._points, places, self._areas)
         )
@@ -103,8 +108,7 @@ class Shape:
             nominal = np.concatenate([nominal, plane.image(nominal)])
             moved = np.concatenate([moved, plane.image(moved)])
             areas = np.concatenate([areas, areas])
-        motion = best_fit(nominal, moved, areas, self._model == "axisymmetric")
-        return normal_deviation(self._points, motion.removed(places), self._normals)
+        return nominal, moved, areas
 
     def nodal_deviation(self, displacement: FloatArray) -> FloatArray:
         """Return the deviation of the local nodes, not a number off the surface; collective."""
@@ -120,13 +124,13 @@ class Shape:
             displacement: of the local nodes, (nodes, gdim) [m].
 
         Returns:
-            Extremes of the deviation with their nominal places [m], and by which share the extents
-            along the axes have shrunk.
+            Extremes of the deviation with their nominal places [m], and by which share the body has
+            shrunk along the axes.
         """
         deviation = self.deviation(displacement)
         where = self._numbers, self._points
         places = self._points + displacement[self._nodes]
-        shares = allowance(self._everywhere(self._points), self._everywhere(places))
+        shares = allowance(*self._whole(places), self._model == "axisymmetric")
         return {
             "outward": largest(self._comm, deviation, *where),
             "inward": smallest(self._comm, deviation, *where),

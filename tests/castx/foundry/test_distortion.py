@@ -62,8 +62,30 @@ def test_an_axisymmetric_body_moves_along_its_axis_only():
 
 def test_the_allowance_has_a_value_for_each_direction():
     nominal = RANDOM.uniform(size=(60, 3))
-    found = allowance(nominal, nominal * [0.99, 0.985, 1.002])
+    areas = RANDOM.uniform(0.1, 1.0, 60)
+    turn, shift = rotation(3), RANDOM.normal(size=3)
+    found = allowance(nominal, nominal * [0.99, 0.985, 1.002] @ turn.T + shift, areas)
     np.testing.assert_allclose(found, [0.01, 0.015, -0.002], rtol=1e-11)
+
+
+def test_a_bent_plate_shrinks_by_its_contraction_only():
+    """It sags by 0.7 mm, of a thickness of 25 mm: its extent across the plane grows by 2.7 %."""
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(-0.1, 0.1, 21), [-0.0125, 0.0125]))
+    nominal, curvature = np.column_stack([x, y]), 2 * 0.7e-3 / 0.1**2
+    bent = np.column_stack([-curvature * x * y, 0.5 * curvature * x**2])
+    places = (1.0 - 1.2e-3) * nominal + bent
+    assert 1.0 - np.ptp(places[:, 1]) / 0.025 == pytest.approx(-0.0268, abs=1e-4)
+    np.testing.assert_allclose(allowance(nominal, places, np.ones(42)), [1.2e-3] * 2, rtol=1e-2)
+
+
+def test_a_ring_shrinks_by_its_radii():
+    """Its wall grows thicker by 1 % while its mean radius falls by 1 %."""
+    nominal = np.array([[0.09, 0.0], [0.11, 0.0], [0.11, 0.05], [0.09, 0.05]])
+    radii = 0.99 * 0.1 + 1.01 * (nominal[:, 0] - 0.1)
+    found = allowance(nominal, np.column_stack([radii, 0.98 * nominal[:, 1]]), np.ones(4), True)
+    shrunk = 1.0 - np.sum(radii * nominal[:, 0]) / np.sum(nominal[:, 0] ** 2)
+    assert shrunk == pytest.approx(0.01, abs=3e-4)
+    np.testing.assert_allclose(found, [shrunk, 0.02], rtol=1e-9)
 
 
 def test_compensation_leaves_the_square_and_the_cube_of_a_free_contraction():

@@ -106,7 +106,7 @@ def sphere_answers() -> tuple[Answer, ...]:
     made = [
         Answer.relative("deviation of a sphere, worst place", worst, -CONTRACTION * RADIUS, "m",
                         1e-10),
-        Answer.relative("allowance", allowance(nominal, (1 - CONTRACTION) * nominal)[0],
+        Answer.relative("allowance", allowance(nominal, (1 - CONTRACTION) * nominal, np.ones(len(nominal)))[0],
                         CONTRACTION, "", 1e-10),
     ]  # fmt: skip
     mould = nominal
