@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -19,6 +21,9 @@ ROUNDING = 2e-14
 
 MEANT_STRAIN = 1e-6
 """Strain whose rounding is a force without meaning, whatever the bodies do at present."""
+
+STANDING, USUAL_TOLERANCE = 5, 1e-3
+"""Iterates without progress that are a standstill, and the tolerance of a case that gives none."""
 
 BODY_SHARE = 1e-4
 """Least part of the largest internal forces of any body to which those of another are resolved."""
@@ -110,6 +115,31 @@ class ForceConvergence:
     def smallest(self) -> float:
         """Residual that is small enough for every body [N]."""
         return float(self._targets.min())
+
+
+def standstill(residuals: Sequence[float], wanted: float, tolerance: float) -> str:
+    """Return what to do where a residual stands still just above what is asked, or nothing.
+
+    Rounding keeps it there, not the forces: the usual tolerance would have accepted it.
+
+    Args:
+        residuals: of the iterates [N].
+        wanted: residual that would do [N].
+        tolerance: to which it belongs.
+    """
+    last = np.array(residuals[-STANDING:])
+    if len(residuals) < 2 * STANDING or not np.isfinite(last).all() or wanted <= 0.0:
+        return ""
+    if last.min() < 0.5 * min(residuals[:-STANDING]):
+        return ""
+    enough = 10.0 ** np.ceil(np.log10(tolerance * last.max() / wanted))
+    if enough > USUAL_TOLERANCE:
+        return ""
+    return (
+        f"; the residual stands still between {last.min():.2g} and {last.max():.2g} N and has to "
+        f"fall below {wanted:.2g} N, which rounding does not allow here: solver."
+        f"mechanics_tolerance = {enough:.0e} accepts it"
+    )
 
 
 def worst_row(assembly: BodyAssembly, gaps: Gaps, layout: Layout, f: PETSc.Vec) -> str:

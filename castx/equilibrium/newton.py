@@ -13,7 +13,7 @@ import numpy as np
 
 from castx.arrays import BoolArray
 from castx.domain import compat
-from castx.equilibrium.convergence import worst_row
+from castx.equilibrium.convergence import standstill, worst_row
 from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import (
     InnerSolver,
@@ -164,7 +164,9 @@ class Newton:
         try:
             report = self._solver.solve(x)
         except ConvergenceError as error:
+            limits = self.balance.convergence
             why = self._failure or self._worst_row()
+            why += standstill(self._residuals, limits.smallest, limits.tolerance)
             raise ConvergenceError(f"{error}; {why}", MECHANICS) from None
         finally:
             snes = self._solver.snes

@@ -43,7 +43,8 @@ FIELDS = (
             unit="MPa",
             colours="YlOrRd",
             factor=1e-06,
-            caption="On the surface of the casting.",
+            caption="On the surface of the casting. Liquid presses at least by its depth; where a "
+            "wall pulls it, which is no pressure, the column `suction` has the pull.",
             melting=True,
             share=0.99,
             rank=11,

@@ -33,7 +33,9 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
     axes = ", ".join(parts("displacement", model))
     caption = (
         "Pools of liquid that nothing feeds any more, the largest shrinkage first. A pool that "
-        "splits later counts with its parts, which are listed too."
+        "splits later counts with its parts, which are listed too. What a pool lacks is the volume "
+        "of its cavity if nothing follows from outside; with mechanics `unfed_volume` of "
+        "history.csv is what the shell has left of it, and the number to take."
     )
     if len(spots) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(spots)}; all are in hot_spots.csv."

@@ -41,8 +41,9 @@ class FieldRisk:
 
 FIELD_RISKS = (
     FieldRisk("pore_fraction", "Shrinkage porosity", "%", 100.0,
-              "Most pores where the suction of the mush reaches its limit; gas and feeding over a "
-              "distance are left out."),
+              "Most fine pores where the suction of the mush reaches its limit, in metal that is "
+              "fed to there; gas and feeding over a distance are left out. Cavities of pools that "
+              "nothing feeds are the hot spots."),
     FieldRisk("niyama", "Least Niyama", "K^½ s^½/mm", 1e-3,
               "Shrinkage porosity is likely where G/√Ṫ at {front} is low; the limit depends on the "
               "alloy.", np.argmin),
@@ -76,7 +77,10 @@ def hot_spots(run: Results) -> Iterator[Finding]:
             continue
         seen.add(body)
         lacks = spot["deficit"]
-        what = "what its freezing lacks" if lacks is not None else "liquid that is cut off"
+        what = (
+            "what its freezing lacks, of which the shell takes a part back where mechanics has it "
+            "(unfed_volume)" if lacks is not None else "liquid that is cut off"
+        )
         isolated = float(spot["isolated"])
         yield Finding(
             "Worst hot spot", body, spot["volume"] if lacks is None else lacks, unit,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.equilibrium.convergence import ForceConvergence, worst_row
+from castx.equilibrium.convergence import ForceConvergence, standstill, worst_row
 from castx.equilibrium.net_forces import NetForces
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem
 from tests.small_contact import STIFF, two_blocks
@@ -156,3 +156,27 @@ def test_rows_of_multipliers_belong_to_their_interface(comm):
         f.array[-1] = 7.0
     text = worst_row(balance.assembly, balance.gaps, balance.contact.layout, f)
     assert "interface 'upper/base'" in text
+
+
+ROUNDED = [4e3, 2.0, 3e-3, 3.1e-6, 1.5e-6, 3.6e-6, 2.2e-6, 1.9e-6, 2.8e-6, 2.1e-6, 3.3e-6]
+
+
+@pytest.mark.serial
+def test_a_standstill_at_rounding_names_the_tolerance_that_accepts_it():
+    text = standstill(ROUNDED, wanted=1e-6, tolerance=1e-6)
+    assert "between 1.9e-06 and 3.3e-06 N" in text and "below 1e-06 N" in text
+    assert "solver.mechanics_tolerance = 1e-05 accepts it" in text
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("residuals", "wanted"),
+    [
+        (ROUNDED, 1e-9),  # no tolerance up to the usual one would do
+        (ROUNDED[:9], 1e-6),  # too few iterates to tell
+        ([10.0**-k for k in range(11)], 1e-11),  # it falls
+        ([*ROUNDED[:10], np.nan], 1e-6),
+    ],
+)
+def test_what_does_not_stand_still_at_rounding_is_a_failure_of_the_forces(residuals, wanted):
+    assert standstill(residuals, wanted, tolerance=1e-6) == ""

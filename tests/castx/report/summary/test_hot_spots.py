@@ -18,6 +18,7 @@ def test_a_row_says_where_when_and_how_much():
     ]
     assert "r, z" in table.heading[5] and "cm³" in table.heading[6]
     assert "all are in" not in table.caption
+    assert "`unfed_volume` of history.csv is what the shell has left of it" in table.caption
 
 
 def test_what_is_unknown_is_said():
