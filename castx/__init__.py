@@ -10,6 +10,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from castx.start_folder import import_elsewhere
 from castx.version import __version__
 
 if TYPE_CHECKING:
@@ -62,6 +63,9 @@ _MODULES = {
     "load_case": "castx.case.reading.read",
     "run": "castx.command.run",
 }
+
+
+import_elsewhere()
 
 
 def __getattr__(name: str) -> object:

@@ -135,6 +135,24 @@ def test_the_wheel_holds_the_whole_library_and_nothing_else(built):
     )
 
 
+def test_what_is_installed_has_a_tested_version():
+    """The wheels by a constraint of pip, the Debian packages by a list of their versions."""
+    wheels = {
+        re.sub(r"[-_.]+", "-", name).lower(): version
+        for name, version in re.findall(
+            r"^([\w.-]+)==(\S+)$", (PROJECT / "bin/wheels-lock.txt").read_text(), re.M
+        )
+    }
+    extras = BUILD["optional-dependencies"]
+    for requirement in (*BUILD["dependencies"], *extras["fenicsx"], *extras["test"]):
+        name, _, least = requirement.partition(">=")
+        parts = [[int(n) for n in re.findall(r"\d+", v)] for v in (wheels[name.lower()], least)]
+        assert parts[0] >= parts[1], requirement
+    packages = re.sub(r"#.*", "", (PROJECT / "bin/debian-packages.txt").read_text()).split()
+    versions = (PROJECT / "bin/debian-versions.txt").read_text()
+    assert set(packages) <= set(re.findall(r"^([\w.+-]+)=\d", versions, re.M))
+
+
 def test_the_source_distribution_holds_what_users_and_developers_need(built):
     source = built / f"castx-{__version__}"
     for name in (

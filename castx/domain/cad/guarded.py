@@ -33,6 +33,7 @@ def meshed_apart(part: CadPart, mesh: Path) -> Report:
     """
     source = ", ".join(file.path for file in part.files)
     request, answer = mesh.with_suffix(".request"), mesh.with_suffix(".answer")
+    # Whoever can write this file can run code in the child, and its folder is private to this run.
     request.write_bytes(pickle.dumps(part))
     files = [str(request), str(mesh), str(answer)]
     try:
