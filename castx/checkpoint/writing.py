@@ -12,13 +12,14 @@ from typing import Any, Self
 from castx.case.case import Case
 from castx.case.reading.changes import refuse_changes
 from castx.checkpoint.file import Checkpoint
+from castx.checkpoint.header import CURE, checked, refuse_what_is_no_number
 from castx.environment import versions
 from castx.errors import CaseError, ConvergenceError, Interrupted
 from castx.process.simulation import Simulation
 from castx.profiling import RunPart, booked_as
 from castx.results.files.folder import record_of
 from castx.results.writing import ResultsWriter
-from castx.stateful import Saved, joined, part_of
+from castx.stateful import Array, Saved, joined, part_of
 
 log = logging.getLogger(__name__)
 
@@ -118,6 +119,27 @@ class Checkpoints:
                 f"the mesh is not the one of {self._checkpoint.path}: its file or the version of "
                 "gmsh has changed; take the old one, or run the case anew without --restart"
             )
+        path = str(self._checkpoint.path)
+        try:
+            self._take_up(header, path)
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as fault:
+            kind = type(fault).__name__
+            raise CaseError(
+                f"the checkpoint {path} is damaged: its header does not fit its arrays or the case "
+                f"({kind}: {fault}); {CURE}"
+            ) from fault
+        self._at = self._simulation.time
+        if header["castx"] != versions()["castx"]:
+            log.warning(
+                "the checkpoint is of castx %s, this is %s: numbers may change where the run goes "
+                "on", header["castx"], versions()["castx"],
+            )  # fmt: skip
+        log.info(
+            "going on from t = %g s, step %d (checkpoint of %s)",
+            header["time"], header["step"], header["written"],
+        )  # fmt: skip
+
+    def _take_up(self, header: Mapping[str, Any], path: str) -> None:
         self._simulation.prepare(header["process"])
         wanted = self._state()
         missing = {name for name in wanted if name.startswith("simulation/")}
@@ -128,13 +150,19 @@ class Checkpoints:
                 f"{min(missing)}; go on with that version, or run the case anew without --restart"
             )
         arrays = self._checkpoint.read(header, wanted)
+        self._refuse_no_numbers(arrays, path)
         self._simulation.restore(part_of(arrays, "simulation"))
         self._results.resume(part_of(arrays, "results"), header["results"])
-        self._at = self._simulation.time
-        log.info(
-            "going on from t = %g s, step %d (checkpoint of %s)",
-            header["time"], header["step"], header["written"],
-        )  # fmt: skip
+
+    def _refuse_no_numbers(self, arrays: Mapping[str, Array], path: str) -> None:
+        refusal = None
+        try:
+            refuse_what_is_no_number(arrays, path)
+        except CaseError as error:
+            refusal = error
+        refusal = next((found for found in self._comm.allgather(refusal) if found), None)
+        if refusal is not None:
+            raise refusal
 
 
 def header_to_restart_from(case: Case, checkpoint: Checkpoint) -> dict[str, Any] | None:
@@ -145,6 +173,7 @@ def header_to_restart_from(case: Case, checkpoint: Checkpoint) -> dict[str, Any]
     """
     header = checkpoint.read_header()
     if header is not None:
+        checked(header, str(checkpoint.path))
         refuse_changes(header["case"], case.content, str(checkpoint.path))
         return header
     folder = case.output.folder

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pyvista
+from vtkmodules.vtkCommonCore import vtkObject
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from castx.errors import CaseError
 from castx.results.files.folder import COLLECTION, FIELDS
@@ -24,17 +27,56 @@ class FieldSeries:
     """
 
     def __init__(self, folder: Path) -> None:
-        collection = folder / FIELDS / COLLECTION
+        self._folder = folder / FIELDS
+        collection = self._folder / COLLECTION
         if not collection.is_file():
             raise CaseError(f"there are no fields in {folder}: {collection} is missing")
-        self._reader = pyvista.get_reader(collection)
-        self.times: list[float] = [float(time) for time in self._reader.time_values]
+        self._pieces: dict[float, list[tuple[str, str]]] = {}
+        try:
+            for entry in ElementTree.parse(collection).iter("DataSet"):
+                time, body, file = (entry.attrib[key] for key in ("timestep", "group", "file"))
+                self._pieces.setdefault(float(time), []).append((body, file))
+        except (ElementTree.ParseError, KeyError, ValueError) as error:
+            raise CaseError(f"{collection} is damaged: {error}") from None
+        if not self._pieces:
+            raise CaseError(f"{collection} is damaged: it names no fields")
+        self.times: list[float] = sorted(self._pieces)
 
     def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
-        """Return the bodies at one of the times, the pieces of all ranks put together."""
-        self._reader.set_active_time_value(time)
-        blocks = self._reader.read()
-        pieces: dict[str, list[pyvista.DataSet]] = {}
-        for dataset, block in zip(self._reader.active_datasets, blocks, strict=True):
-            pieces.setdefault(dataset.group, []).append(block)
+        """Return the bodies at one of the times, the pieces of all ranks put together.
+
+        Raises:
+            CaseError: a file is missing or damaged.
+        """
+        pieces: dict[str, list[pyvista.UnstructuredGrid]] = {}
+        for body, file in self._pieces[time]:
+            pieces.setdefault(body, []).append(read_piece(self._folder / file))
         return {name: pyvista.merge(parts) for name, parts in pieces.items()}
+
+
+def read_piece(path: Path) -> pyvista.UnstructuredGrid:
+    """Return what a VTU file holds.
+
+    Raises:
+        CaseError: it is missing or damaged.
+    """
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    shown = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.SetGlobalWarningDisplay(0)  # VTK would print what the refusal says
+    try:
+        reader.Update()
+    finally:
+        vtkObject.SetGlobalWarningDisplay(shown)
+    if reader.GetErrorCode() != 0:
+        raise CaseError(f"{path} is missing or damaged: no mesh can be read from it")
+    grid = reader.GetOutput()
+    data = [grid.GetPointData(), grid.GetCellData()]
+    counts = [grid.GetNumberOfPoints(), grid.GetNumberOfCells()]
+    for fields, count in zip(data, counts, strict=True):
+        arrays = [fields.GetArray(number) for number in range(fields.GetNumberOfArrays())]
+        if any(array is None or array.GetNumberOfTuples() != count for array in arrays):
+            raise CaseError(f"{path} is damaged: its fields do not belong to its mesh")
+    if 0 in counts:
+        raise CaseError(f"{path} is missing or damaged: no mesh can be read from it")
+    return pyvista.wrap(grid)

@@ -281,9 +281,11 @@ class FolderLock:
         """Open the file itself, never the target of a link nor a pipe."""
         flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
         descriptor = os.open(self._path, flags, 0o666)
-        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
             os.close(descriptor)
-            raise OSError(errno.EINVAL, f"{self._path.name} is no file")
+            what = "has another name too" if stat.S_ISREG(found.st_mode) else "is no file"
+            raise OSError(errno.EINVAL, f"{self._path.name} {what}")
         return os.fdopen(descriptor, "r+", encoding="utf-8")
 
     def _is_current(self, file: TextIO) -> bool:

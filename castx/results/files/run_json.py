@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from castx.errors import CaseError
 from castx.input.problems import dotted
@@ -16,7 +17,24 @@ LARGEST = 64 * 1024**2
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(strict=True)
+    model_config = ConfigDict(strict=True, extra="allow")
+
+
+_Model = Literal["plane-stress", "plane-strain", "generalised-plane-strain", "axisymmetric", "3d"]
+
+
+class _Totals(_Strict):
+    steps: int = 0
+    heat_iterations: int = 0
+    mechanics_iterations: int = 0
+    linear_iterations: int = 0
+    contact_changes: int = 0
+    passes: int = 0
+    cutbacks: int = 0
+    repeats: int = 0
+    frozen_pairs: int = 0
+    unbalanced: int = 0
+    fallbacks: int = 0
 
 
 class _Case(_Strict):
@@ -44,7 +62,7 @@ class _Body(_Strict):
     material: str = ""
     law: str = ""
     temperature: str = ""
-    freezes: list[float] | None = None
+    freezes: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
     coherency: _Coherency | None = None
     tearing: _Tearing | None = None
     nodes: int = 0
@@ -140,7 +158,7 @@ class _Ejection(_Strict):
 class _Record(_Strict):
     castx: str = ""
     case: _Case = _Case()
-    model: str = ""
+    model: _Model | None = None
     scheme: str = ""
     end: float = 0.0
     bodies: dict[str, _Body] = {}
@@ -149,7 +167,7 @@ class _Record(_Strict):
     started: str = ""
     written: str = ""
     time_reached: float = 0.0
-    totals: dict[str, int] = {}
+    totals: _Totals = _Totals()
     process: list[_Event] = []
     hot_spots: list[_HotSpot] = []
     stage_ends: list[_StageEnd] = []
@@ -187,3 +205,8 @@ def read_record(path: Path) -> dict[str, Any]:
         raise CaseError(f"{path} is no record of a run: {error}") from None
     found: dict[str, Any] = record
     return found
+
+
+def completed(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a record of `read_record` with the usual values of what it leaves out."""
+    return _Record.model_validate(record).model_dump()

@@ -14,7 +14,7 @@ from castx.input.problems import among
 from castx.results.files.column_units import unit_of
 from castx.results.files.folder import RECORD
 from castx.results.files.measurements import Deviation, deviation, read_measured
-from castx.results.files.run_json import read_record
+from castx.results.files.run_json import completed, read_record
 from castx.results.files.series import read_series
 
 TIME = "time"
@@ -47,14 +47,16 @@ class RunTables:
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         try:
-            record = read_record(self.folder / RECORD)
+            record = completed(read_record(self.folder / RECORD))
             history = read_series(self.folder / "history.csv")
             probes = read_series(self.folder / "probes.csv")
             self.measured = read_measured(self.folder)
         except (OSError, ValueError) as error:
             raise CaseError(f"{folder} is not a results folder of castx: {error}") from error
-        if "bodies" not in record or history.get(TIME, np.empty(0)).size == 0:
+        if not record["bodies"] or history.get(TIME, np.empty(0)).size == 0:
             raise CaseError(f"{folder} holds no accepted step of a run of castx")
+        if record["model"] is None:
+            raise CaseError(f"{self.folder / RECORD} is damaged: it lacks the model")
         self.record: Mapping[str, Any] = record
         self.history, self.probes = Columns(history), Columns(probes)
 

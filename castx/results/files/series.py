@@ -25,7 +25,8 @@ log = logging.getLogger(__name__)
 class Series:
     """A CSV file whose whole lines can be read as soon as they are written.
 
-    It is made anew with all its lines when somebody removes or replaces it meanwhile. Numbers are
+    It is made anew with all its lines when somebody removes or replaces it meanwhile; one that is
+    cut short goes on with the whole lines that are left, and says how many are lost. Numbers are
     written with all their digits, so that reading them gives the same bits.
 
     Args:
@@ -46,6 +47,7 @@ class Series:
 
     def _open(self, mode: str) -> None:
         self._file = self._path.open(mode, encoding="utf-8", newline="")
+        self._size = os.fstat(self._file.fileno()).st_size
         self._writer = csv.writer(self._file, lineterminator="\n")
 
     def append(self, row: Sequence[float]) -> None:
@@ -55,9 +57,28 @@ class Series:
         self._write(row)
 
     def _write(self, row: Sequence[float] | Sequence[str]) -> None:
+        self._mend()
         self._writer.writerow(row)
         self._file.flush()
+        self._size = os.fstat(self._file.fileno()).st_size
         self._keep()
+
+    def _mend(self) -> None:
+        """Go on with whole lines after somebody has cut the file short."""
+        size = os.fstat(self._file.fileno()).st_size
+        if size >= self._size:
+            return
+        self._file.seek(0)
+        lines = [line for line in self._file.read().splitlines(keepends=True) if line[-1] == "\n"]
+        heading = io.StringIO()
+        csv.writer(heading, lineterminator="\n").writerow(self._columns)
+        write_whole(self._path, "".join([heading.getvalue(), *lines[1:]]))
+        self._file.close()
+        self._open("a+")
+        log.warning(
+            "%s was cut short during the run: of its last lines %d bytes are lost",
+            self._path, self._size - size,
+        )  # fmt: skip
 
     def _keep(self) -> None:
         """Write the file anew if its name no longer leads to it."""
@@ -82,6 +103,7 @@ class Series:
         if not self._file.closed:
             try:
                 self._keep()
+                self._mend()
             finally:
                 self._file.close()
 

@@ -154,3 +154,25 @@ def test_results_without_their_checkpoint_are_refused(comm, shared_tmp_path):
     comm.Barrier()
     with pytest.raises(CaseError, match="holds results, but no checkpoint to go on from"):
         header_to_restart_from(case_of(shared_tmp_path), Checkpoint(shared_tmp_path, comm))
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("fault", [KeyError("rows"), TypeError("text"), ValueError("shape")])
+def test_notes_that_do_not_fit_are_refused_in_words(comm, shared_tmp_path, monkeypatch, fault):
+    checkpoints(comm, shared_tmp_path)[0].write()
+    later, simulation, _, file = checkpoints(comm, shared_tmp_path)
+
+    def fail(notes):
+        raise fault
+
+    monkeypatch.setattr(simulation, "prepare", fail)
+    with pytest.raises(CaseError, match=r"is damaged: its header does not fit .*anew without"):
+        later.restore(file.read_header())
+
+
+@pytest.mark.serial
+def test_a_checkpoint_of_another_version_says_so(comm, shared_tmp_path, caplog):
+    checkpoints(comm, shared_tmp_path)[0].write()
+    later, _, _, file = checkpoints(comm, shared_tmp_path)
+    later.restore({**file.read_header(), "castx": "0.0.7"})
+    assert "the checkpoint is of castx 0.0.7, this is" in caplog.text

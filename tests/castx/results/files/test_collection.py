@@ -54,3 +54,28 @@ def test_a_body_that_is_gone_is_left_out(folder):
 def test_missing_fields_are_refused(tmp_path):
     with pytest.raises(CaseError, match="there are no fields"):
         FieldSeries(tmp_path)
+
+
+@pytest.mark.parametrize("left", [0, 40, 300])
+def test_a_collection_that_is_cut_short_is_refused(folder, left):
+    path = folder / "fields" / "castx.pvd"
+    path.write_bytes(path.read_bytes()[:left])
+    with pytest.raises(CaseError, match=r"castx.pvd is damaged"):
+        FieldSeries(folder)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda path: path.unlink(),
+        lambda path: path.write_bytes(b""),
+        lambda path: path.write_bytes(path.read_bytes()[:-400]),
+        lambda path: path.write_bytes(path.read_bytes().replace(b"NumberOfPoints=", b"Points=")),
+        lambda path: path.write_bytes(path.read_bytes().replace(b"Float64", b"Float65")),
+    ],
+)
+def test_damaged_fields_are_refused_with_their_file(folder, capfd, spoil):
+    spoil(folder / "fields" / "a_1.vtu")
+    with pytest.raises(CaseError, match=r"a_1.vtu is (missing or )?damaged"):
+        FieldSeries(folder).read(0.0)
+    assert capfd.readouterr().err == ""

@@ -5,13 +5,16 @@ import json
 import pytest
 
 from castx.errors import CaseError
-from castx.results.files.run_json import LARGEST, read_record
+from castx.results.files.run_json import LARGEST, completed, read_record
 
 pytestmark = pytest.mark.serial
 
 GOOD = {
     "castx": "0.1",
     "case": {"name": "a", "file": "/a.toml", "digest": "0"},
+    "model": "axisymmetric",
+    "scheme": "iterated",
+    "end": 5.0,
     "bodies": {"casting": {"nodes": 7, "freezes": [577.0, 615]}},
     "interfaces": {"casting/mould": {"pairs": 5, "heat": None}},
     "time_reached": 1,
@@ -27,6 +30,15 @@ def test_a_record_is_returned_as_it_stands(tmp_path):
     assert read_record(tmp_path / "run.json") == GOOD
 
 
+def test_what_is_left_out_has_its_usual_value():
+    found = completed(GOOD)
+    for key in ("case", "model", "time_reached", "exit", "more"):
+        assert found[key] == GOOD[key], key
+    assert (found["totals"]["steps"], found["totals"]["passes"]) == (3, 0)
+    assert found["bodies"]["casting"]["freezes"] == [577.0, 615]
+    assert found["bodies"]["casting"]["symmetry"] == found["stage_ends"] == []
+
+
 @pytest.mark.parametrize(
     ("key", "value", "place"),
     [
@@ -37,6 +49,8 @@ def test_a_record_is_returned_as_it_stands(tmp_path):
         ("case", 5, "case: "),
         ("exit", {"reason": 0}, "exit.reason"),
         ("process", [{"ejection": {"casting": 3}}], r"process\[0\].ejection.casting"),
+        ("model", "flat", "model: Input should be 'plane-stress'"),
+        ("bodies", {"casting": {"freezes": [577.0]}}, "bodies.casting.freezes"),
         ("castx", 5, "castx: Input should be a valid string"),
     ],
 )

@@ -25,6 +25,22 @@ def test_lines_are_on_disk_at_once_and_a_cut_line_is_left_out(tmp_path):
     np.testing.assert_array_equal(read["a.b"], [1.0, np.nan])
 
 
+@pytest.mark.parametrize(("left", "rows"), [(0, []), (5, []), (15, [0.0]), (18, [0.0])])
+def test_a_file_that_is_cut_during_a_run_keeps_whole_lines_and_says_so(
+    tmp_path, caplog, left, rows
+):
+    path = tmp_path / "s.csv"
+    with Series(path, ["time", "a"]) as series:
+        for k in range(3):
+            series.append([float(k), 1.0])
+        with path.open("r+") as file:
+            file.truncate(left)
+        series.append([3.0, 1.0])
+        series.append([4.0, 1.0])
+    assert read_series(path)["time"].tolist() == [*rows, 3.0, 4.0]
+    assert [record for record in caplog.records if "was cut short during the run" in record.msg]
+
+
 def test_a_line_of_the_wrong_length_is_an_error(tmp_path):
     with Series(tmp_path / "s.csv", ["time"]) as series:
         with pytest.raises(ValueError, match="1 columns"):
