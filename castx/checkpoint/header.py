@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
-
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from castx.errors import CaseError
 from castx.input.problems import dotted

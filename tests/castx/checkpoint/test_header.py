@@ -30,7 +30,7 @@ def test_a_header_without_an_entry_is_refused(key):
 
 @pytest.mark.parametrize("time", [-1.0, np.nan, np.inf, "soon"])
 def test_a_time_that_is_none_is_refused(time):
-    with pytest.raises(CaseError, match="damaged: time: .*start the run anew without --restart"):
+    with pytest.raises(CaseError, match=r"damaged: time: .*start the run anew without --restart"):
         checked({**GOOD, "time": time}, "state.npz")
 
 
