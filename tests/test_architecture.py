@@ -63,6 +63,8 @@ ORDER = [
     "proof/verification/heat",
     "proof/verification/solids proof/verification/contact proof/verification/coupled",
     "proof/verification/foundry",
+    "proof/foreign",
+    "proof/foreign/cases",
     "proof/validation",
     "proof",
     "command",

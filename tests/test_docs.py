@@ -15,6 +15,7 @@ from castx.case.geometry import GENERATORS
 from castx.contact.methods.registry import METHODS
 from castx.input.entries import Description
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES
+from castx.proof.foreign.registry import FOREIGN_CASES
 from castx.proof.verification.registry import VERIFICATIONS
 from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.registry import gap_heat_laws
@@ -179,6 +180,16 @@ def test_links_lead_somewhere(path):
     links = [link for link in LINK.findall(path.read_text()) if "://" not in link]
     links = [link for link in links if not GENERATED.match(link)]
     assert not [link for link in links if not (path.parent / link).exists()]
+
+
+def test_the_page_of_foreign_cases_has_all_of_them_and_misses_none():
+    page = (DOCS / "static/foreign.html").read_text()
+    shown = dict(re.findall(r'<h2 id="(\w+)">\w+ · (.+?)</h2>', page))
+    expected = {number: case.title for number, case in FOREIGN_CASES.items()}
+    assert {number: unescape(title) for number, title in shown.items()} == expected, (
+        "run bin/with-fenicsx castx verify --foreign --output docs/static"
+    )
+    assert "missed" not in page
 
 
 def test_the_page_of_the_verification_has_all_of_them_and_misses_none():

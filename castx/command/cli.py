@@ -348,12 +348,14 @@ def verify(
     numbers: Annotated[list[str] | None, typer.Argument(metavar="[V1 …]", help="These.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Coarser meshes: minutes.")] = False,
     show_list: Annotated[bool, typer.Option("--list", help="List them and run none.")] = False,
+    foreign: Annotated[bool, typer.Option("--foreign", help="Cases of other programs.")] = False,
     output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/verification"),
 ) -> None:
     """Compare castx with exact solutions and write a page; fails if a tolerance is missed."""
-    from castx.command.verify import list_or_verify
+    from castx.command.foreign import compared
 
-    if not list_or_verify(numbers or (), output, *output_of(context), quick=quick, show=show_list):
+    to = numbers or (), output, *output_of(context)
+    if not compared(*to, quick=quick, show=show_list, foreign=foreign):
         raise typer.Exit(Exit.FAILED)
 
 

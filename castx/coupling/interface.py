@@ -110,6 +110,11 @@ class Interfaces:
         self._committed, self.committed_step = list(self.states), step
         self._committed_resistances = list(self.resistances)
 
+    def settle(self) -> None:
+        """Accept the trial states as the initial ones, from which gaps have not grown yet."""
+        self._committed = list(self.states)
+        self._committed_resistances = list(self.resistances)
+
     def rewind(self) -> None:
         """Return to the committed states."""
         self.states = list(self._committed)

@@ -10,6 +10,7 @@ radiation takes no part, since neither gap nor pressure change it.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection, Mapping, Sequence
 
 from mpi4py import MPI
@@ -31,6 +32,12 @@ from castx.solvers.diagnosis import COUPLING
 from castx.solvers.finite import require_finite
 from castx.stateful import Arrays, Saved, Stateful, restore_parts, saved_parts
 from castx.transfer.pair_state import PairState
+
+log = logging.getLogger(__name__)
+INSTANT = 1e-9
+"""Step in which nothing flows [s]."""
+SMALLEST_STRAIN = 1e-12
+"""Thermal strain that counts as none."""
 
 
 class CoupledProblem:
@@ -135,6 +142,35 @@ class CoupledProblem:
             f"resistances still change by {change:.2g} of their values",
             COUPLING,
         )
+
+    def settle(self) -> None:
+        """Bring bodies that are not free of stress at the start into equilibrium; collective.
+
+        They are elastic for the moment, since no time passes. Where one of the bodies may be
+        liquid, or no equilibrium is found, the first step does it.
+        """
+        if self.mechanics is None or not self._is_strained():
+            return
+        self._update_bodies(INSTANT)
+        try:
+            if not self.mechanics.equilibrium.solve(0.0).balanced:
+                self.mechanics.equilibrium.finish(0.0)
+        except ConvergenceError as error:
+            log.debug("no equilibrium of the initial state: %s", error)
+            self.rewind()
+            return
+        self.mechanics.equilibrium.commit()
+        self.interfaces.update(self.mechanics.contact_states())
+        self.interfaces.resistances = self._resistances(self.interfaces.thermal())
+        self.interfaces.settle()
+
+    def _is_strained(self) -> bool:
+        """Return whether a body hinders its own thermal strain, and none may be liquid."""
+        assert self.mechanics is not None
+        bodies = self.mechanics.bodies.values()
+        largest = max((np.abs(b.material.contracted).max(initial=0.0) for b in bodies), default=0.0)
+        strained = self.comm.allreduce(float(largest), op=MPI.MAX) > SMALLEST_STRAIN
+        return strained and all(body.is_compressible for body in bodies)
 
     def _require_finite(self) -> None:
         moving = {} if self.mechanics is None else self.mechanics.bodies

@@ -140,6 +140,7 @@ class Simulation:
         """
         if not self._begun:
             self._begun = True
+            self.problem.settle()
             yield self.state()
         while not self.is_finished:
             if self.process.proceed(self.time, lambda: self.state().totals):

@@ -1,5 +1,5 @@
-"""Proof of castx: `verification` by exact solutions, `validation` by experiments.
+"""Proof of castx: by exact solutions, by cases that other programs keep, and by experiments.
 
 Public: `verification.registry.VERIFICATIONS`, `verification.verdict.verified`,
-`validation.experiment.experiments`.
+`foreign.registry.FOREIGN_CASES`, `validation.experiment.experiments`.
 """

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh, CastingMesh
 
 
+FAR = 1e3
+"""Distance from the origin, in that of the farthest node, beyond which a point is only far away:
+the search of DOLFINx would lose all digits of the mesh beside it."""
 MOST_ITERATIONS = 30
 SMALLEST_CHANGE = 1e-13
 """Of the position in the reference cell."""
@@ -106,8 +109,10 @@ def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[
     comm = mesh.comm
     wanted = np.zeros((1, 3))
     wanted[0, : len(point)] = point
-    entity, foot = nearest_point(mesh, dim, entities, wanted)
-    distance = np.inf if entity.size == 0 else float(np.linalg.norm(foot - wanted))
+    beyond = FAR * comm.allreduce(float(np.abs(mesh.geometry.x).max(initial=0.0)), MPI.MAX)
+    entity, foot = nearest_point(mesh, dim, entities, np.clip(wanted, -beyond, beyond))
+    with np.errstate(over="ignore"):
+        distance = np.inf if entity.size == 0 else float(np.linalg.norm(foot - wanted))
     least = comm.allreduce(distance, MPI.MIN)
     tied = comm.rank if distance <= least * (1.0 + 1e-9) + 1e-14 else comm.size
     owned = comm.rank == comm.allreduce(tied, MPI.MIN)

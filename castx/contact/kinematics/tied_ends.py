@@ -27,7 +27,7 @@ SMALLEST_WEIGHT = 0.01
 
 
 def at_tied_nodes(motion: EqualMotion, pairs: NodePairs) -> tuple[IntArray, IntArray]:
-    """Return which nodes of an equal or prescribed motion are tied, and the numbers of pairs."""
+    """Return the indices of the tied nodes of a motion, and the numbers of their pairs."""
     found = np.intersect1d(motion.nodes, pairs.secondary_local, return_indices=True)
     return found[1].astype(np.int32), found[2].astype(np.int32)
 

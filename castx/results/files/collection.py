@@ -55,7 +55,7 @@ class FieldSeries:
 
 
 def read_piece(path: Path) -> pyvista.UnstructuredGrid:
-    """Return what a VTU file holds.
+    """Return the mesh of a VTU file with its fields.
 
     Raises:
         CaseError: it is missing or damaged.

@@ -12,6 +12,7 @@ import pytest
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.heat.problem import HeatReport
+from castx.proof.foreign.cases import contact_box
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
 from tests import coupled_cases
@@ -371,3 +372,41 @@ def test_passes_end_once_the_resistance_changes_by_no_more_than_the_tolerance(to
     changes = [abs(new - old) / new for new, old in zip(found, tried, strict=True)]
     assert changes[-1] <= tolerance
     assert min(changes[:-1], default=np.inf) > tolerance
+
+
+@pytest.mark.ranks
+def test_the_initial_state_is_an_equilibrium_to_which_a_failed_step_returns(comm):
+    """Halves 10 K below their temperature without stress: 2 L (1 + ν) α 10 K apart."""
+    made = coupled_cases.simulation(comm, contact_box.case(288.0, 308.0, 10.0, 5.0, 0.01))
+    problem = made.problem
+    problem.settle()
+    before = everything(problem)
+    np.testing.assert_allclose(before["gap"], contact_box.GAP, rtol=1e-9)
+    problem.advance(0.0, 5.0, 1)
+    assert not np.array_equal(everything(problem)["s casting"], before["s casting"])
+    problem.rewind()
+    after = everything(problem)
+    for name, value in before.items():
+        np.testing.assert_allclose(after[name], value, rtol=1e-12, atol=1e-18, err_msg=name)
+    made.destroy()
+
+
+def test_what_is_free_of_stress_or_may_be_liquid_is_left_to_the_first_step(comm):
+    warm = {"materials": {"steel": {"stress_free": 20.0}}}
+    poured = {"materials": {"aluminium": {"liquid": {"viscosity": 1e3, "coherency": 0.5}}}}
+    for change in ({}, merged(warm, poured)):
+        problem = coupled_cases.simulation(comm, cylinder(change)).problem
+        problem.settle()
+        assert problem.counters.mechanics_iterations == 0
+        assert not np.abs(everything(problem)["u casting"]).any()
+
+
+def test_an_initial_state_without_equilibrium_is_left_to_the_first_step(comm):
+    made = coupled_cases.simulation(comm, contact_box.case(288.0, 308.0, 10.0, 5.0, 0.01))
+    snes = made.problem.mechanics.equilibrium._procedure._solver.snes
+    snes.max_it, kept = 0, snes.max_it
+    made.problem.settle()
+    assert not np.abs(everything(made.problem)["u casting"]).any()
+    snes.max_it = kept
+    made.problem.settle()
+    np.testing.assert_allclose(everything(made.problem)["gap"], contact_box.GAP, rtol=1e-9)

@@ -76,3 +76,12 @@ def test_a_place_on_a_surface_is_on_that_surface(comm):
     place = place_on_surface(body, "mould", (0.001, 0.0131))
     assert place.distance == pytest.approx(0.019, rel=1e-9)
     assert value_at(comm, body, place) == pytest.approx(linear(np.array([0.02, 0.0131])), abs=1e-9)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("away", [1e4, 1e30, 1e300])
+def test_a_point_very_far_away_is_far_away(comm, away):
+    body = cylinder_mesh(comm, size=1e-2).bodies["casting"]
+    place = place_in_body(body, (away, 0.0))
+    assert place.distance == pytest.approx(away, rel=1e-4) or place.distance == np.inf
+    assert comm.allreduce(int(place.owned)) == 1
