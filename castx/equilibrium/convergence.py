@@ -118,7 +118,7 @@ class ForceConvergence:
 
 
 def standstill(residuals: Sequence[float], wanted: float, tolerance: float) -> str:
-    """Return what to do where a residual stands still just above what is asked, or nothing.
+    """Return advice for a residual that stands still just above its limit, or nothing.
 
     Rounding keeps it there, not the forces: the usual tolerance would have accepted it.
 

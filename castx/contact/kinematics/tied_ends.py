@@ -66,7 +66,7 @@ def motions_faced(
     rows: NodeRows,
     equal: Sequence[EqualMotion],
 ) -> IntArray:
-    """Return what conditions make of the motions of the points that pairs face; collective.
+    """Return labels of the motions of the points that pairs face, by conditions; collective.
 
     Args:
         pairs: all pairs of an interface.
