@@ -214,8 +214,8 @@ def finest(size: float, dimension: int) -> float:
     allowed = MOST_GROWTH[dimension] ** (1.0 / dimension)
 
     def excess(ratio: float) -> float:
-        return -log(ratio) / (1.0 - ratio) - allowed
+        return float(-log(ratio) / (1.0 - ratio) - allowed)
 
-    ratio = brentq(excess, 1e-3, 1.0 - 1e-9)
+    ratio = float(brentq(excess, 1e-3, 1.0 - 1e-9))
     digit = 10.0 ** (floor(log10(size * ratio)) - 1)
     return float(f"{digit * ceil(size * ratio / digit):.2g}")
