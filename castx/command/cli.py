@@ -162,14 +162,21 @@ def run(
     sensitivity: Annotated[
         VariedNumber | None, typer.Option(help="Run with this a little lower and higher too.")
     ] = None,
+    estimate: Annotated[
+        bool,
+        typer.Option("--estimate", help="Run in a coarser mesh and larger steps too: errors."),
+    ] = False,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
+    from castx.command.estimate import estimate_table, run_estimate
     from castx.command.listing import profile_table
     from castx.command.run import run as run_case_file
     from castx.command.sensitivity import run_sensitivity, sensitivity_table
     from castx.environment import blas_advantage, blas_warning
 
+    if estimate and sensitivity is not None:
+        raise typer.BadParameter("--estimate and --sensitivity are runs of their own: take one")
     comm, console = output_of(context)
     show_details(comm, log or ())
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
@@ -178,6 +185,7 @@ def run(
     try:
         with naming(case_file):
             solve = run_case_file if sensitivity is None else run_sensitivity
+            solve = run_estimate if estimate else solve
             folder = solve(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
                 time_limit=limit, profile=profile,
@@ -189,6 +197,8 @@ def run(
         console.print(profile_table(folder))
     if sensitivity is not None and comm.rank == 0:
         console.print(sensitivity_table(folder))
+    if estimate and comm.rank == 0:
+        console.print(estimate_table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

@@ -41,6 +41,7 @@ class Finding:
         place: where, (gdim,) [m]; None: everywhere, or unknown.
         time: when [s]; None: all the time.
         shown: its picture; None: it has none.
+        error: what it would change by in a finer mesh and in smaller steps; empty: unknown.
     """
 
     topic: str
@@ -52,6 +53,7 @@ class Finding:
     place: Sequence[float] | None = None
     time: float | None = None
     shown: Shown | None = None
+    error: str = ""
 
     @property
     def name(self) -> str:
