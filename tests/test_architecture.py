@@ -65,6 +65,7 @@ ORDER = [
     "proof/verification/foundry",
     "proof/validation",
     "proof",
+    "command/watches",
     "command",
     "__init__ __main__",
 ]

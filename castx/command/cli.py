@@ -149,12 +149,10 @@ def run(
         bool, typer.Option("--restart", help="Go on from the checkpoint in the results folder.")
     ] = False,
     time_limit: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".'),
+        str | None, typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".')
     ] = None,
     log: Annotated[
-        list[Detail] | None,
-        typer.Option(help="Show the residuals of each Newton iteration."),
+        list[Detail] | None, typer.Option(help="Show the residuals of each Newton iteration.")
     ] = None,
     profile: Annotated[
         bool, typer.Option("--profile", help="Show what the parts of the run have cost.")
@@ -163,8 +161,7 @@ def run(
         VariedNumber | None, typer.Option(help="Run with this a little lower and higher too.")
     ] = None,
     estimate: Annotated[
-        bool,
-        typer.Option("--estimate", help="Run in a coarser mesh and larger steps too: errors."),
+        bool, typer.Option("--estimate", help="Estimate errors by a coarser mesh and larger steps.")
     ] = False,
     overrides: Overrides = None,
 ) -> None:
@@ -184,8 +181,7 @@ def run(
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
         with naming(case_file):
-            solve = run_case_file if sensitivity is None else run_sensitivity
-            solve = run_estimate if estimate else solve
+            solve = run_estimate if estimate else run_sensitivity if sensitivity else run_case_file
             folder = solve(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
                 time_limit=limit, profile=profile,
@@ -193,12 +189,9 @@ def run(
     except KeyboardInterrupt as error:  # typer would not say why
         say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
-    if profile and comm.rank == 0:
-        console.print(profile_table(folder))
-    if sensitivity is not None and comm.rank == 0:
-        console.print(sensitivity_table(folder))
-    if estimate and comm.rank == 0:
-        console.print(estimate_table(folder))
+    tables = (profile, profile_table), (sensitivity, sensitivity_table), (estimate, estimate_table)
+    for table in (table for wanted, table in tables if wanted and comm.rank == 0):
+        console.print(table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

@@ -7,21 +7,16 @@ L. F. Richardson, Philosophical Transactions A 210 (1911) 307.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from castx.errors import CaseError
-from castx.results.files.folder import ESTIMATE, write_whole
-
-
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+from castx.results.files.folder import ESTIMATE
+from castx.results.files.json_contents import JsonContents, read_json, write_json
 
 
-class Coarser(_Frozen):
+class Coarser(JsonContents):
     """A run beside the run itself.
 
     Attributes:
@@ -47,7 +42,7 @@ class Coarser(_Frozen):
         return None if other is None else (value - other) / (self.ratio - 1.0)
 
 
-class Estimate(_Frozen):
+class Estimate(JsonContents):
     """Numbers of a run, and of runs in a coarser mesh and in larger steps.
 
     Attributes:
@@ -71,8 +66,7 @@ class Estimate(_Frozen):
 
 def write_estimate(folder: Path, found: Estimate) -> None:
     """Write the file into the results folder of the run itself."""
-    text = json.dumps(found.model_dump(mode="json"), indent=2, ensure_ascii=False)
-    write_whole(folder / ESTIMATE, text + "\n")
+    write_json(folder / ESTIMATE, found)
 
 
 def read_estimate(folder: Path) -> Estimate | None:
@@ -81,10 +75,4 @@ def read_estimate(folder: Path) -> Estimate | None:
     Raises:
         CaseError: the file is broken.
     """
-    path = folder / ESTIMATE
-    if not path.is_file():
-        return None
-    try:
-        return Estimate.model_validate_json(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, ValidationError) as error:
-        raise CaseError(f"{path} cannot be read: {error}") from None
+    return read_json(folder / ESTIMATE, Estimate)
