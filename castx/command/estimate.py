@@ -126,7 +126,7 @@ def _values(run: Results) -> dict[str, float]:
 
 
 def estimate_table(folder: Path) -> Table:
-    """Return a table with the numbers of a run and what they would change by.
+    """Return a table with the numbers of a run and how far they are off.
 
     Raises:
         CaseError: the folder holds no estimate.
@@ -134,7 +134,7 @@ def estimate_table(folder: Path) -> Table:
     found = read_estimate(folder)
     if found is None:
         raise CaseError(f"{folder} has no runs in a coarser mesh and in larger steps")
-    table = Table("number", "value", "in a finer mesh", "in smaller steps", box=SIMPLE_HEAD)
+    table = Table("number", "value", "error by the mesh", "by the steps", box=SIMPLE_HEAD)
     for finding in findings(Results(folder)):
         texts = error_texts(finding, found)
         if any(texts):

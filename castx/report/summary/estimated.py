@@ -1,4 +1,4 @@
-"""What the numbers of a run would change by in a finer mesh and in smaller steps."""
+"""How far the numbers of a run are off, by its mesh and by its steps."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ def with_estimates(found: Iterable[Finding], run: Results) -> list[Finding]:
 
 
 def error_text(finding: Finding, estimate: Estimate) -> str:
-    """Return by what a number would change, such as "finer mesh +2 s, smaller steps −0.4 s"."""
-    texts = zip(("finer mesh", "smaller steps"), error_texts(finding, estimate), strict=True)
-    return ", ".join(f"{name} {text}" for name, text in texts if text)
+    """Return by how much a number is off, such as "± 2 s by the mesh, ± 0.4 s by the steps"."""
+    texts = zip(("mesh", "steps"), error_texts(finding, estimate), strict=True)
+    return ", ".join(f"{text} by the {what}" for what, text in texts if text)
 
 
 def error_texts(finding: Finding, estimate: Estimate) -> tuple[str, str]:
-    """Return by what a number would change in a finer mesh and in smaller steps.
+    """Return by how much a number is off by the mesh and by the steps.
 
-    Nothing is said of a number that is the same in all runs, or that no other run has.
+    Without a sign: it changes from mesh to mesh, with the place of a front in its cell. Nothing is
+    said of a number that is the same in all runs, or that no other run has.
     """
     if estimate.values.get(finding.name) != finding.value:
         return "", ""
     by_mesh, by_steps = estimate.changes(finding.name)
     if not (by_mesh or by_steps):
         return "", ""
-    return _signed(finding, by_mesh), _signed(finding, by_steps)
+    return _size(finding, by_mesh), _size(finding, by_steps)
 
 
-def _signed(finding: Finding, change: float | None) -> str:
+def _size(finding: Finding, change: float | None) -> str:
     if change is None:
         return ""
-    shown = finding.factor * change
-    return f"{'−' if shown < 0 else '+'}{abs(shown):.2g} {finding.unit}".strip()
+    return f"± {abs(finding.factor * change):.2g} {finding.unit}".strip()

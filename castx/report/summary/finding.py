@@ -41,7 +41,7 @@ class Finding:
         place: where, (gdim,) [m]; None: everywhere, or unknown.
         time: when [s]; None: all the time.
         shown: its picture; None: it has none.
-        error: what it would change by in a finer mesh and in smaller steps; empty: unknown.
+        error: how far it is off by mesh and steps, estimated; empty: unknown.
     """
 
     topic: str

@@ -45,7 +45,7 @@ def test_errors_come_from_runs_of_their_own(comm, case_file, shared_tmp_path, sa
     assert gap.value not in own.values()
     by_mesh, _ = found.changes(GAP)
     assert by_mesh == pytest.approx((gap.value - own[MESH]) / (found.mesh.ratio - 1.0))
-    assert gap.error.startswith("finer mesh ") and "smaller steps" in gap.error
+    assert "by the mesh" in gap.error and "by the steps" in gap.error
     assert gap.number in text and f"{abs(1e6 * by_mesh):.2g} µm" in text
 
 

@@ -28,10 +28,10 @@ def fake(folder, reached=60.0):
     return run(folder=folder, record=run().record | {"time_reached": reached})
 
 
-def test_a_number_says_what_it_would_change_by(tmp_path):
+def test_a_number_says_how_far_it_is_off(tmp_path):
     write_estimate(tmp_path, estimate())
     gap, given = with_estimates([GAP, INPUT], fake(tmp_path))
-    assert gap.error == "finer mesh +20 µm, smaller steps −5 µm"
+    assert gap.error == "± 20 µm by the mesh, ± 5 µm by the steps"
     assert given.error == ""
 
 
@@ -47,4 +47,4 @@ def test_a_run_without_estimates_has_none(tmp_path):
 def test_another_number_of_the_name_has_none():
     other = Finding("Largest gap", "casting/mould", 1.3e-4, "µm", "", factor=1e6)
     assert error_texts(other, estimate()) == ("", "")
-    assert error_texts(GAP, estimate().model_copy(update={"mesh": None})) == ("", "−5 µm")
+    assert error_texts(GAP, estimate().model_copy(update={"mesh": None})) == ("", "± 5 µm")
