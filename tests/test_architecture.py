@@ -67,6 +67,7 @@ ORDER = [
     "proof/foreign/cases",
     "proof/validation",
     "proof",
+    "command/watches",
     "command",
     "__init__ __main__",
 ]

@@ -1,55 +1,56 @@
-"""The cases of other programs on the command line: their list, their verdicts, their page."""
+"""The command `castx verify`, and on it the cases of other programs: list, verdicts, page."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 from mpi4py import MPI
 
+import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from castx.command.verify import Lines, known_messages_silent, list_or_verify
+from castx.command.terminal import output_of
 from castx.errors import ConvergenceError
-from castx.proof.foreign.declaration import ForeignCase
-from castx.proof.foreign.page import Ran, share_text, write_page
-from castx.proof.foreign.registry import FOREIGN_CASES, chosen
 from castx.ranks import on_first_rank
 
+if TYPE_CHECKING:  # solvers and pictures, which other commands do without
+    from castx.command.verify import Lines
+    from castx.proof.foreign.declaration import ForeignCase
+    from castx.proof.foreign.page import Ran
 
-def compared(
-    numbers: Sequence[str],
-    folder: Path,
-    comm: MPI.Intracomm,
-    console: Lines,
-    *,
-    quick: bool,
-    show: bool,
-    foreign: bool,
-) -> bool:
-    """Compare castx with exact solutions or with other programs; return whether none is missed.
+MISSED = 1
+"""Exit code where a tolerance is missed."""
 
-    Args:
-        numbers: of what is compared; empty for all.
-        folder: of the page.
-        comm: the ranks.
-        console: of the first rank.
-        quick: take the coarser levels of exact solutions.
-        show: list what there is and run none.
-        foreign: whether the cases of other programs are meant.
 
-    Raises:
-        CaseError: a number is not known.
-    """
-    if foreign:
-        return list_or_run(numbers, folder, comm, console, show=show)
-    return list_or_verify(numbers, folder, comm, console, quick=quick, show=show)
+def verify(
+    context: typer.Context,
+    numbers: Annotated[list[str] | None, typer.Argument(metavar="[V1 …]", help="These.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser meshes: minutes.")] = False,
+    show_list: Annotated[bool, typer.Option("--list", help="List them and run none.")] = False,
+    foreign: Annotated[bool, typer.Option("--foreign", help="Cases of other programs.")] = False,
+    output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/verification"),
+) -> None:
+    """Compare castx with exact solutions and write a page; fails if a tolerance is missed."""
+    from castx.command.verify import list_or_verify
+
+    comm, console = output_of(context)
+    met = (
+        list_or_run(numbers or (), output, comm, console, show=show_list)
+        if foreign
+        else list_or_verify(numbers or (), output, comm, console, quick=quick, show=show_list)
+    )
+    if not met:
+        raise typer.Exit(MISSED)
 
 
 def foreign_list() -> Table:
     """Return the table of all cases."""
+    from castx.proof.foreign.registry import FOREIGN_CASES
+
     table = Table("", "case", "program", "path", box=SIMPLE_HEAD, pad_edge=False)
     for number, case in FOREIGN_CASES.items():
         table.add_row(number, case.title, case.program, case.path)
@@ -71,6 +72,9 @@ def list_or_run(
     Raises:
         CaseError: a number is not known.
     """
+    from castx.proof.foreign.page import write_page
+    from castx.proof.foreign.registry import chosen
+
     if show:
         console.print(foreign_list())
         console.refuse_loss()
@@ -91,6 +95,9 @@ def list_or_run(
 
 def run_case(case: ForeignCase, comm: MPI.Intracomm) -> Ran:
     """Run a case and return its numbers, or why it has none; collective."""
+    from castx.command.verify import known_messages_silent
+    from castx.proof.foreign.page import Ran
+
     begin = time.perf_counter()
     with known_messages_silent():
         try:
@@ -102,6 +109,8 @@ def run_case(case: ForeignCase, comm: MPI.Intracomm) -> Ran:
 
 def verdict_text(ran: Ran) -> str:
     """Return a verdict in a line."""
+    from castx.proof.foreign.page import share_text
+
     said = "met" if ran.met else "MISSED"
     if ran.worst is None:
         return f"{said}: {ran.failure}"
