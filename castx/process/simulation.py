@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as clock
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import ceil
@@ -25,6 +26,7 @@ from castx.process.process import Process
 from castx.process.state import State
 from castx.process.step_control import StepControl, StepSettings
 from castx.profiling import RunPart, booked_as
+from castx.ranks import end_unless_all_failed
 from castx.solvers.counters import StepCounters
 from castx.solvers.diagnosis import FailedTry, diagnosis
 from castx.stateful import (
@@ -79,16 +81,22 @@ class Simulation:
         process: the process at its start.
         settings: of the step control.
         substeps: heat steps inside one mechanical step; None: by the temperature change.
+        comm: ranks of which none is left waiting for one that fails; None: it is alone.
     """
 
     def __init__(
-        self, process: Process, settings: StepSettings, substeps: int | None = None
+        self,
+        process: Process,
+        settings: StepSettings,
+        substeps: int | None = None,
+        comm: MPI.Intracomm | None = None,
     ) -> None:
         self.process = process
         self.mesh, self.pairs = process.now.mesh, process.now.pairs
         self.control = StepControl(settings)
         self._wanted, self._substeps = settings.temperature_change, substeps
         self._substep_rate = np.inf
+        self._verdicts = None if comm is None else comm.Dup()
         self._begun = False
         self.time = 0.0
         self.step = 0
@@ -117,7 +125,7 @@ class Simulation:
         process = process_of(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given
-        return cls(process, step_settings(case), substeps)
+        return cls(process, step_settings(case), substeps, comm)
 
     @property
     def problem(self) -> CoupledProblem:
@@ -138,6 +146,16 @@ class Simulation:
             ConvergenceError: even the smallest step fails; the last state yielded is the last one
                 accepted.
         """
+        try:
+            yield from self._states(after_failed_try)
+        except (Exception, SystemExit) as error:
+            # A driver that ends on this rank alone would leave the others waiting for ever.
+            why = "".join(traceback.format_exception(error)).rstrip()
+            if self._verdicts is not None:
+                end_unless_all_failed(self._verdicts, f"\n{why}")
+            raise
+
+    def _states(self, after_failed_try: Callable[[], None]) -> Iterator[State]:
         if not self._begun:
             self._begun = True
             self.problem.settle()
@@ -255,3 +273,6 @@ class Simulation:
     def destroy(self) -> None:
         """Free the PETSc objects."""
         self.process.destroy()
+        if self._verdicts is not None:
+            self._verdicts.Free()
+            self._verdicts = None

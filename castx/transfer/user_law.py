@@ -93,9 +93,14 @@ class UserLaw:
             self._check_slopes(h, gap, pressure, hot, cold)
 
     def _evaluated(
-        self, gap: FloatArray, pressure: FloatArray, hot: FloatArray, cold: FloatArray
+        self,
+        gap: FloatArray,
+        pressure: FloatArray,
+        hot: FloatArray,
+        cold: FloatArray,
+        time: float = 0.0,
     ) -> FloatArray:
-        h = np.asarray(self.coefficient(gap, pressure, hot, cold, 0.0), dtype=np.float64)
+        h = np.asarray(self.coefficient(gap, pressure, hot, cold, time), dtype=np.float64)
         if h.shape != gap.shape:
             shapes = f"{gap.shape}, not {h.shape}"
             raise CaseError(f"a law must return one number for each pair: {shapes}")
@@ -159,7 +164,9 @@ class UserLaw:
         else:
             for number, (a, b) in zip((SECONDARY, PRIMARY), _steps(), strict=True):
                 slopes[number] = (h(a, b) - h(-a, -b)) / (2.0 * DIFFERENCE)
-        return Conductance(Dual(h(), slopes), touching(state))
+        # What it gives during a run may be wrong where it was right when it was tried.
+        value = self._evaluated(state.gap, state.pressure, hot, cold, faces.time)
+        return Conductance(Dual(value, slopes), touching(state))
 
 
 def _steps() -> tuple[tuple[float, float], tuple[float, float]]:

@@ -85,3 +85,51 @@ def test_a_fault_on_one_rank_ends_all_of_them(
     assert ended - float((tmp_path / "fault").read_text()) < LONGEST
     record = json.loads((tmp_path / "out" / "run.json").read_text())
     assert record["exit"]["reason"] in ("failed", "running")
+
+
+DRIVER = """
+import sys, time
+from pathlib import Path
+from mpi4py import MPI
+import castx
+
+FAULTS = {
+    "exits": lambda gap: sys.exit(3),
+    "negative": lambda gap: -1.0 - gap,
+}
+fault = FAULTS[sys.argv[1]]
+
+def law(gap, pressure, secondary, primary, time_of_run):
+    if time_of_run > 0.1 and MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+        Path("fault").write_text(str(time.time()))
+        return fault(gap)
+    return 1.0 / (1.0 / 2300.0 + gap / 0.05)
+
+case = castx.load_case("case.toml")
+laws = {"casting/mould": castx.UserLaw(law)}
+for state in castx.Simulation.from_case(case, MPI.COMM_WORLD, laws):
+    pass
+"""
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(
+    ("fault", "text"),
+    [
+        ("negative", "CaseError: a heat-transfer coefficient must be finite and not negative"),
+        ("exits", "SystemExit: 3"),
+    ],
+)
+def test_a_law_of_a_driver_that_fails_on_one_rank_ends_all_of_them(
+    fault, text, tmp_path, monkeypatch
+):
+    (tmp_path / "driver.py").write_text(DRIVER)
+    (tmp_path / "case.toml").write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+    process = start("mpirun", "-n", "2", sys.executable, "driver.py", fault)
+    _, errors = process.communicate(timeout=60)
+    ended = time.time()
+    assert process.returncode != 0
+    assert "rank 1 has failed alone and ends the others" in errors
+    assert text in " ".join(errors.split())
+    assert ended - float((tmp_path / "fault").read_text()) < LONGEST

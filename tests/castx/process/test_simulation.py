@@ -39,6 +39,9 @@ class FakeProblem:
             raise ConvergenceError("too large for this problem")
         return StepChange(3, self.change * step, self.solid * step, self.frozen * step)
 
+    def settle(self) -> None:
+        assert not self.tried
+
     def commit(self) -> None:
         time, step, _ = self.tried[-1]
         self.committed.append(time + step)

@@ -115,3 +115,19 @@ def test_a_driver_replaces_the_law_of_an_interface(comm):
     assert heats(comm, other, {"casting/mould": UserLaw(limited)})[-1] < own[-1] * (1 - 1e-4)
     with pytest.raises(CaseError, match="a law for the interface 'mould'"):
         heats(comm, data, {"mould": UserLaw(limited)})
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("later", "text"),
+    [(-5.0, "the law gives -5 W/m²/K at gap 0 m"), (np.nan, "must be finite")],
+)
+def test_a_law_that_turns_wrong_during_a_run_is_refused(later, text):
+    def law(gap, pressure, hot, cold, time):
+        return np.full(len(gap), 900.0 if time < 3.0 else later)
+
+    made, faces = UserLaw(law), (np.full(2, 500.0), np.full(2, 100.0))
+    pairs = PairState.of(np.zeros(2), np.zeros(2))
+    assert made(pairs, Faces.at_temperatures(*faces, 0.0, 0.0)).coefficient.value[0] == 900.0
+    with pytest.raises(CaseError, match=text):
+        made(pairs, Faces.at_temperatures(*faces, 3.5, 0.0))
