@@ -180,3 +180,20 @@ def test_a_standstill_at_rounding_names_the_tolerance_that_accepts_it():
 )
 def test_what_does_not_stand_still_at_rounding_is_a_failure_of_the_forces(residuals, wanted):
     assert standstill(residuals, wanted, tolerance=1e-6) == ""
+
+
+@pytest.mark.parametrize(("share", "resolved"), [(1e-6, True), (1e-9, False)])
+def test_forces_of_a_millionth_count_and_those_of_a_billionth_do_not(
+    comm, monkeypatch, share, resolved
+):
+    """A hot casting weighs a millionth of its internal forces, and its weight is to balance."""
+    made = two_blocks(comm)
+    limits = limits_of(made, 1e-3)
+    internal = made.equilibrium.balance.assembly.force_scales()
+    internal = np.maximum(internal, 1e-4 * internal.max())
+    monkeypatch.setattr(limits._net, "acting", lambda forces: share * internal)
+    without_rounding(limits, made)
+    if resolved:
+        np.testing.assert_allclose(limits.acting, share * internal)
+    else:
+        np.testing.assert_allclose(limits.acting, 1e-7 * internal)

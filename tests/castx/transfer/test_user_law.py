@@ -131,3 +131,16 @@ def test_a_law_that_turns_wrong_during_a_run_is_refused(later, text):
     assert made(pairs, Faces.at_temperatures(*faces, 0.0, 0.0)).coefficient.value[0] == 900.0
     with pytest.raises(CaseError, match=text):
         made(pairs, Faces.at_temperatures(*faces, 3.5, 0.0))
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(("jump", "refused"), [(3e-7, False), (3e-6, True)])
+def test_a_jump_at_closure_counts_from_a_millionth_on(jump, refused):
+    def law(gap, pressure, hot, cold, time):
+        return np.where(gap > 0.0, 900.0 * (1.0 - jump), 900.0)
+
+    if refused:
+        with pytest.raises(CaseError, match="law jumps at closure"):
+            UserLaw(law)
+    else:
+        UserLaw(law)
