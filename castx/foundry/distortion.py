@@ -78,14 +78,14 @@ def allowance(
         areas: weights, (n,) [m²].
         axisymmetric: the first coordinate is a radius, whose stretch is that of all radii.
     """
-    shares = areas / areas.sum()
-    middle, moved = shares @ nominal, shares @ places
+    weights = areas / areas.sum()
+    middle, moved = weights @ nominal, weights @ places
     if axisymmetric:
         middle[0] = moved[0] = 0.0
     before, after = nominal - middle, places - moved
     if axisymmetric:
-        return np.asarray(1.0 - (shares @ (after * before)) / (shares @ before**2))
-    weighted = shares[:, None] * before
+        return np.asarray(1.0 - (weights @ (after * before)) / (weights @ before**2))
+    weighted = weights[:, None] * before
     gradient = (after.T @ weighted) @ np.linalg.pinv(before.T @ weighted)
     _, sizes, right = np.linalg.svd(gradient)
     return np.asarray(1.0 - np.diag(right.T * sizes @ right))
