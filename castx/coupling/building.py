@@ -18,6 +18,7 @@ from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.clamps import refuse_held_clamps, surface_clamps
 from castx.coupling.interface import CoupledInterface
+from castx.coupling.melt_flow import mush_metal
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.coupling.step import CoupledProblem
 from castx.coupling.temperatures import Temperatures
@@ -280,7 +281,10 @@ def _solved_material(mesh: CastingMesh, body: Body, material: Material) -> Mater
 def _mechanical_body(
     case: Case, mesh: CastingMesh, body: Body, material: Material, stress_free: StressFreeState
 ) -> MechanicalBody:
+    mush = mush_metal(case, body, material, formulation_of(mesh, body))
     material = _solved_material(mesh, body, material)
+    if mush is not None:
+        material = material.without_shrinkage()
     own = [boundary for boundary in case.boundaries if boundary.body == body.name]
     return MechanicalBody(
         Law(material, stress_free, body.law),
@@ -290,6 +294,7 @@ def _mechanical_body(
         tuple(load for boundary in own for load in _loads(boundary)),
         material.liquid is not None,
         clamps=surface_clamps(own, mesh.model),
+        mush=mush,
     )
 
 

@@ -70,6 +70,14 @@ class BodyLoads:
         for clamp in self.clamps:
             clamp.set_time(time)
 
+    def pressures(self) -> dict[str, float]:
+        """Return the pressures that push on surfaces at the present time, by surface [Pa]."""
+        found: dict[str, float] = {}
+        for load, (constant, _) in zip(self._loads, self._values, strict=True):
+            if load.pressure is not None:
+                found[load.surface] = found.get(load.surface, 0.0) + float(constant.value)
+        return found
+
     def virtual_work(self, eta: Any) -> Any:
         """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η, t̄ with the force of clamps."""
         dx = cell_measure(self._body, self._model, 2)

@@ -1,0 +1,280 @@
+"""Mixed formulation of a body through whose mush melt flows: pressure, feeding and pores at once.
+
+For all η and q, with β the contraction of freezing, f the solid fraction, φ pores and M the content
+of the nodes (`castx.mechanics.mush.content`),
+
+    ∫ ∇ˢη:s + ∫ p ∇·η = ∫ η·b + ∫_Γ η·t̄,
+    (1 + β f_i) [∫ q (1 + ∇·u - p/K - e^θ) - φ_i V_i] - M_i - flow_i = 0,
+    flow_i = Σ_e τ_D ∫ ∇q·(∇p + b) + Σ_e τ_x ∫ ∇q·(∇p - Π),
+
+where q is the shape function of a node i. Its row is divided by 1 + β f_i, so that ∇·u is the
+transpose of p in the momentum. p is the mean stress of the melt wherever some is left; solid cells
+have τ_D = 0, τ_x = τ_e, and the law of the solid with the volume of its birth in M.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem.petsc import create_matrix
+
+from castx.arrays import BoolArray, FloatArray
+from castx.domain.measures import nodal_volumes
+from castx.form_rows import FormRows
+from castx.forms import momentum, mush, stabilisation
+from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.fixed_directions import FixedDirections
+from castx.mechanics.formulation import PRESSURE_SHARE, BodyUnknowns, Product, WeakForms
+from castx.mechanics.loads import BodyLoads
+from castx.mechanics.mixed import PressureFormulation
+from castx.mechanics.mush.arms import RunningArms
+from castx.mechanics.mush.content import MeltContent
+from castx.mechanics.mush.feeding import FedNodes
+from castx.mechanics.mush.metal import MushMetal
+from castx.mechanics.mush.permeability import step_permeability
+from castx.mechanics.mush.pores import PoreSet
+from castx.mechanics.osgs import OrthogonalProjection
+from castx.stateful import Stateful
+
+
+class DarcyFormulation(PressureFormulation):
+    """Momentum balance of one body and the flow of its melt.
+
+    Args:
+        unknowns: of the body, with the pressure.
+        material: stress and tangent at its integration points, without strain of solidification.
+        loads: on the body.
+        metal: its melt.
+        closed: names of the surfaces that are not free.
+        kind: stabilisation, "osgs" or "gls".
+        planes: symmetry planes, behind which the body goes on as its mirror image.
+    """
+
+    def __init__(
+        self,
+        unknowns: BodyUnknowns,
+        material: MaterialPoints,
+        loads: BodyLoads,
+        metal: MushMetal,
+        closed: Collection[str],
+        kind: str,
+        planes: Sequence[FixedDirections],
+    ) -> None:
+        super().__init__(unknowns, material)
+        body, model = unknowns.mesh, unknowns.model
+        self._metal, self._resistance, self._loads = metal, metal.resistance(), loads
+        self._tau_d = fem.Function(material.compressibility.function_space)
+        self._tau_e = self._tau(kind)
+        self.forms = self._weak_forms(loads)
+        self._build_flow(loads, kind)
+        self._corner = body.nodes.dofmap.list
+        volumes = nodal_volumes(body, model)
+        self._content = MeltContent(body, volumes, metal.contraction)
+        self._fed = FedNodes(body, model, metal.feeders, closed, loads.pressures)
+        self._pores = PoreSet(body, loads.potential(), metal.cavitation)
+        self._arms = RunningArms(metal, self._corner, body.node_numbering)
+        self._projections = []
+        if kind == "osgs":
+            excess = mush.excess(self._tau_e, self._tau_d)
+            self._projections.append(OrthogonalProjection(unknowns, excess, planes))
+        # Rows of pressures that are given: as stiff as a body of the size of the node.
+        self._holding = volumes * PRESSURE_SHARE / (unknowns.pressure_scale * unknowns.length)
+        self._rows = slice(unknowns.pressure_component, None, unknowns.block_size)
+        self._mushy = False
+
+    def _weak_forms(self, loads: BodyLoads) -> WeakForms:
+        """Return momentum and ∫ q (∇·u - p/K - e^θ)."""
+        unknowns, state = self._unknowns, self._material.state()
+        variation, q = self._test()
+        increment, change = self._trial()
+        measures = self._dx, self._dx_p
+        return WeakForms(
+            unknowns,
+            momentum.mixed_internal_virtual_work(
+                self._total, self._p, variation, q, state, *measures
+            ),
+            momentum.mixed_tangent(increment, change, variation, q, state, *measures),
+            loads.virtual_work(unknowns.displacement(ufl.TestFunction(unknowns.space))),
+            loads.backing,
+            unknowns.held(self._material.thickness, self._dx),
+        )
+
+    def _build_flow(self, loads: BodyLoads, kind: str) -> None:
+        """Compile flow and stabilisation of the continuity rows, and their matrix."""
+        (_, q), (_, change), dx = self._test(), self._trial(), self._dx_p
+        excess, force = mush.excess(self._tau_e, self._tau_d), loads.body_force
+        if kind == "gls":
+            stabilised = mush.darcy_flow(self._p, q, force, excess, dx)
+        else:
+            stabilised = stabilisation.pressure_laplacian(self._p, q, excess, dx)
+        both = self._tau_d + excess
+        self._flow = fem.form(mush.darcy_flow(self._p, q, force, self._tau_d, dx))
+        self._stabilised = fem.form(stabilised)
+        matrix = fem.form(stabilisation.pressure_laplacian(change, q, both, dx))
+        self._flow_rows, self._flow_matrix = FormRows(matrix), create_matrix(matrix)
+
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
+        """Find permeability, fed nodes and first pores of a trial step; collective."""
+        material, content = self._material, self._content
+        c, before = material.conditions, material.start_volume
+        born = (c.share - c.start_share) * c.solid_compressibility * before.mean_stress
+        material.thermal_strain.x.array[:] = content.begin(solid_fraction, c.contraction - born)
+        start = 1.0 - content.start.solid
+        permeability = step_permeability(
+            self._resistance, start[self._corner], (1.0 - solid_fraction)[self._corner]
+        )
+        spacing = self._arms.begin(temperature, material.step_size)
+        flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
+        self._tau_d.x.array[:] = flows
+        self._fed.begin(start, self._resistance.cut_off)
+        freezes = solid_fraction > content.start.solid
+        self._pores.begin(start, freezes, flows > 0.0, self._fed.nodes)
+        comm = self._unknowns.mesh.mesh.comm
+        self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
+        self._assemble_flow()
+
+    def _assemble_flow(self) -> None:
+        self._flow_rows.assemble(self._flow_matrix)
+        for projection in self._projections:
+            projection.assemble()
+
+    def _held(self) -> tuple[BoolArray, FloatArray]:
+        """Return the owned nodes with a given pressure, and these pressures [Pa], (owned,)."""
+        fed, pores = self._fed.nodes[: self._content.owned], self._pores
+        given = np.where(fed, self._fed.mean_stress()[: len(fed)], self._metal.cavitation)
+        given = np.where(pores.resting, self._content.start.stress[: len(fed)], given)
+        return fed | pores.open | pores.resting, given
+
+    def _volumes(self, form: fem.Form) -> FloatArray:
+        """Return the rows of pressures of a linear form as volumes [m³], shape (owned,)."""
+        return self.forms.assemble(form)[self._rows] / self._unknowns.pressure_scale
+
+    def _missing(self, stretched: FloatArray) -> FloatArray:
+        """Return the volumes that nothing fills [m³], shape (owned,), see `MeltContent.missing`."""
+        flow = self._volumes(self._flow) + self._volumes(self._stabilised)
+        projected = np.zeros(self._unknowns.owned)
+        for projection in self._projections:
+            projection.add_product(self._unknowns.solution.x.array, projected)
+        flow -= projected[self._rows] / self._unknowns.pressure_scale
+        return self._content.missing(stretched, flow)
+
+    def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return forces of all rows, stretched and missing volumes [m³]; collective."""
+        b = self.forms.residual()
+        stretched = b[self._rows] / self._unknowns.pressure_scale
+        return b, stretched, self._missing(stretched)
+
+    def _stress(self) -> FloatArray:
+        """Return p at the owned nodes [Pa], shape (owned,)."""
+        return self.nodal_pressure()[: self._content.owned]
+
+    def residual(self) -> FloatArray:
+        """Return internal minus external forces for the stresses of `update`; collective."""
+        b, _, missing = self._balance()
+        held, given = self._held()
+        away = self._holding * (given - self._stress())
+        b[self._rows] = self._unknowns.pressure_scale * np.where(held, away, missing)
+        return b
+
+    def assemble_jacobian(self, A: PETSc.Mat) -> None:
+        """Assemble the Jacobian; for OSGS the one of GLS, as a preconditioner."""
+        self.forms.assemble_jacobian(A)
+        shares = A.createVecLeft()
+        shares.array[:] = 0.0
+        shares.array[self._rows] = -1.0 / self._content.weight
+        flow = self._flow_matrix.copy()
+        flow.diagonalScale(shares, None)
+        A.axpy(1.0, flow, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        flow.destroy()
+        held, _ = self._held()
+        shares.array[:] = 1.0
+        shares.array[self._rows] = np.where(held, 0.0, 1.0)
+        A.diagonalScale(shares, None)
+        A.getDiagonal(shares)
+        diagonal = -(self._unknowns.pressure_scale**2) * self._holding
+        values = shares.array
+        values[self._rows] = np.where(held, diagonal, values[self._rows])
+        A.setDiagonal(shares)
+        A.assemble()
+        shares.destroy()
+
+    def products(self) -> list[Product]:
+        """Return the part of OSGS beyond GLS, Σ_e τ_x ∫ ∇q·Π(p)/(1 + β f_i)."""
+        return [self._product] if self._projections else []
+
+    def _product(self, x: FloatArray, y: FloatArray) -> None:
+        projected = np.zeros(self._unknowns.owned)
+        for projection in self._projections:
+            projection.add_product(x, projected)
+        held, _ = self._held()
+        y[self._rows] += np.where(held, 0.0, projected[self._rows] / self._content.weight)
+
+    def improve_pressures(self) -> bool:
+        """Open and close pores at the present unknowns; return whether any has changed here."""
+        _, _, missing = self._balance()
+        return self._pores.change(missing, self._content.volumes, self._stress())
+
+    def mean_stress(self) -> FloatArray:
+        """Return the means of the nodal pressures of the cells [Pa], shape (cells,)."""
+        return np.asarray(self.nodal_pressure()[self._corner].mean(axis=1))
+
+    @property
+    def has_pockets(self) -> bool:
+        """Whether there is melt in the trial step, whose pores may open and close."""
+        return self._mushy
+
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return the volumes of the ledger, pores, and the mean pressure of what is left melt."""
+        ledger = self._content.ledger
+        return {
+            "feeding_demand": ledger.demand,
+            "fed_volume": ledger.fed,
+            "opened_volume": ledger.opened,
+            "yielded_volume": ledger.yielded,
+            "unfed_volume": self._content.porosity(),
+            "pocket_pressure": self._mean_pressure(),
+        }
+
+    def _mean_pressure(self) -> float:
+        content = self._content
+        melt = content.volumes * (1.0 - content.start.solid[: content.owned])
+        sums = np.array([float(melt @ self._stress()), float(melt.sum())])
+        total, volume = self._unknowns.mesh.mesh.comm.allreduce(sums, op=MPI.SUM)
+        return float(total / volume) if volume > 0.0 else 0.0
+
+    def commit(self) -> bool:
+        """Accept the trial state as the start of the next step; collective.
+
+        Returns:
+            False: the residual stays.
+        """
+        content, (_, stretched, missing) = self._content, self._balance()
+        fed, is_open = self._fed.nodes[: content.owned], self._pores.open
+        supply = np.where(fed, content.weight * missing, 0.0)
+        pores = np.where(is_open, missing / content.volumes, content.frozen_pores)
+        self._material.commit(self.mean_stress())
+        content.commit(stretched, self._volumes(self._flow), supply, pores, self._stress())
+        self._pores.commit()
+        self._arms.commit()
+        return False
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        self._material.rewind()
+        for part in (self._content, self._pores, self._arms):
+            part.rewind()
+        self._assemble_flow()
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return the histories of the integration points and of the melt."""
+        return {
+            "points": self._material, "melt": self._content, "pores": self._pores,
+            "arms": self._arms,
+        }  # fmt: skip
+

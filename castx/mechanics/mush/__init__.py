@@ -1,0 +1,5 @@
+"""Melt that flows through a mush: its metal, permeability, content, feeders and pores.
+
+Public: `metal.MushMetal`, `permeability.step_permeability`, `arms.RunningArms`,
+`content.MeltContent`, `feeding.FedNodes`, `pores.PoreSet`.
+"""
