@@ -9,7 +9,8 @@ of the nodes (`castx.mechanics.mush.content`),
 
 where q is the shape function of a node i. Its row is divided by 1 + β f_i, so that ∇·u is the
 transpose of p in the momentum. p is the mean stress of the melt wherever some is left; solid cells
-have τ_D = 0, τ_x = τ_e, and the law of the solid with the volume of its birth in M.
+have τ_D = 0, τ_x = τ_e, and the law of the solid with the volume of its birth in M. Cells at a node
+without melt, whose pores have reached 1 - f, let nothing through.
 """
 
 from __future__ import annotations
@@ -70,13 +71,16 @@ class DarcyFormulation(PressureFormulation):
         body, model = unknowns.mesh, unknowns.model
         self._metal, self._resistance, self._loads = metal, metal.resistance(), loads
         self._tau_d = fem.Function(material.compressibility.function_space)
-        self._tau_e = self._tau(kind)
+        self._full = fem.Function(material.compressibility.function_space)
+        self._tau_e = self._full * self._tau(kind)
+        self._fed = FedNodes(
+            body, model, metal.feeders, closed, loads.potential(), loads.pressures
+        )
         self.forms = self._weak_forms(loads)
         self._build_flow(loads, kind)
         self._corner = body.nodes.dofmap.list
         volumes = nodal_volumes(body, model)
         self._content = MeltContent(body, volumes, metal.contraction)
-        self._fed = FedNodes(body, model, metal.feeders, closed, loads.pressures)
         self._pores = PoreSet(body, loads.potential(), metal.cavitation)
         self._arms = RunningArms(metal, self._corner, body.node_numbering)
         self._projections = []
@@ -93,6 +97,7 @@ class DarcyFormulation(PressureFormulation):
         unknowns, state = self._unknowns, self._material.state()
         variation, q = self._test()
         increment, change = self._trial()
+        eta = unknowns.displacement(ufl.TestFunction(unknowns.space))
         measures = self._dx, self._dx_p
         return WeakForms(
             unknowns,
@@ -100,7 +105,7 @@ class DarcyFormulation(PressureFormulation):
                 self._total, self._p, variation, q, state, *measures
             ),
             momentum.mixed_tangent(increment, change, variation, q, state, *measures),
-            loads.virtual_work(unknowns.displacement(ufl.TestFunction(unknowns.space))),
+            loads.virtual_work(eta) + self._fed.virtual_work(eta),
             loads.backing,
             unknowns.held(self._material.thickness, self._dx),
         )
@@ -130,11 +135,13 @@ class DarcyFormulation(PressureFormulation):
             self._resistance, start[self._corner], (1.0 - solid_fraction)[self._corner]
         )
         spacing = self._arms.begin(temperature, material.step_size)
+        empty = content.emptied[self._corner].any(axis=1)
         flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
-        self._tau_d.x.array[:] = flows
+        self._tau_d.x.array[:] = flows = np.where(empty, 0.0, flows)
+        self._full.x.array[:] = ~empty
         self._fed.begin(start, self._resistance.cut_off)
         freezes = solid_fraction > content.start.solid
-        self._pores.begin(start, freezes, flows > 0.0, self._fed.nodes)
+        self._pores.begin(start, freezes, flows > 0.0, self._fed.nodes, empty)
         comm = self._unknowns.mesh.mesh.comm
         self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
         self._assemble_flow()

@@ -19,7 +19,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.stateful import Arrays, Saved, number
@@ -111,6 +111,12 @@ class MeltContent:
     def weight(self) -> FloatArray:
         """1 + β f of the owned nodes at the end of the step, shape (owned,)."""
         return np.asarray(1.0 + self.contraction * self.solid[: self.owned])
+
+    @property
+    def emptied(self) -> BoolArray:
+        """Whether local nodes have lost all their melt at the start of the step, (nodes,)."""
+        liquid = 1.0 - self.start.solid
+        return np.asarray((liquid > 0.0) & (self.start.pores >= liquid))
 
     @property
     def frozen_pores(self) -> FloatArray:

@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.regions import CellRegions
 from castx.stateful import Arrays, Saved
@@ -57,7 +58,12 @@ class PoreSet:
         self._changes: IntArray = np.zeros(self._owned, dtype=np.int32)
 
     def begin(
-        self, liquid: FloatArray, freezes: BoolArray, conducts: BoolArray, fed: BoolArray
+        self,
+        liquid: FloatArray,
+        freezes: BoolArray,
+        conducts: BoolArray,
+        fed: BoolArray,
+        empty: BoolArray,
     ) -> None:
         """Begin a trial step; collective.
 
@@ -66,14 +72,24 @@ class PoreSet:
             freezes: whether their solid fraction rises in the step, shape (nodes,).
             conducts: whether melt flows in the cells, shape (cells,).
             fed: local nodes that feeders keep at their pressure, shape (nodes,).
+            empty: whether a node of the cells has lost its melt, shape (cells,).
         """
         own = slice(self._owned)
         self._may = (liquid > 0.0)[own] & ~fed[own]
         self.open = self._committed & self._may
         self.resting = self._may & False
+        self.open |= self._left(conducts, empty) & self._may
         open_tops, resting = self._tops(liquid > 0.0, freezes, conducts, fed)
         self.open, self.resting = self.open | (open_tops & self._may), resting & self._may
         self._changes[:] = 0
+
+    def _left(self, conducts: BoolArray, empty: BoolArray) -> BoolArray:
+        """Return the owned nodes beside cells without melt that no cell connects to others."""
+        corners = self._regions.cell_nodes
+        marks = np.zeros((2, len(self._potential)))
+        marks[0, corners[empty]] = marks[1, corners[conducts]] = 1.0
+        beside, joined = (nodal_sum(self._body, mark) > 0.0 for mark in marks)
+        return np.asarray(beside & ~joined)[: self._owned]
 
     def _tops(
         self, mushy: BoolArray, freezes: BoolArray, conducts: BoolArray, fed: BoolArray
