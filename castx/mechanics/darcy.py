@@ -105,7 +105,7 @@ class DarcyFormulation(PressureFormulation):
                 self._total, self._p, variation, q, state, *measures
             ),
             momentum.mixed_tangent(increment, change, variation, q, state, *measures),
-            loads.virtual_work(eta) + self._fed.virtual_work(eta),
+            loads.virtual_work(eta),
             loads.backing,
             unknowns.held(self._material.thickness, self._dx),
         )
@@ -118,6 +118,9 @@ class DarcyFormulation(PressureFormulation):
             stabilised = mush.darcy_flow(self._p, q, force, excess, dx)
         else:
             stabilised = stabilisation.pressure_laplacian(self._p, q, excess, dx)
+        # Apart from the loads, since its facets have tags of their own.
+        test = self._unknowns.displacement(ufl.TestFunction(self._unknowns.space))
+        self._head = fem.form(self._fed.virtual_work(test))
         both = self._tau_d + excess
         self._flow = fem.form(mush.darcy_flow(self._p, q, force, self._tau_d, dx))
         self._stabilised = fem.form(stabilised)
@@ -173,7 +176,7 @@ class DarcyFormulation(PressureFormulation):
 
     def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return forces of all rows, stretched and missing volumes [m³]; collective."""
-        b = self.forms.residual()
+        b = self.forms.residual() - self.forms.assemble(self._head)
         stretched = b[self._rows] / self._unknowns.pressure_scale
         return b, stretched, self._missing(stretched)
 

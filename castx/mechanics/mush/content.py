@@ -6,7 +6,8 @@ volumetric strain of its solid without pressure and f its solid fraction, the co
     M = (1 + β f) X V,
 
 in volumes of liquid, changes by nothing but flow:  M ← M + Σ_e τ_D ∫ ∇q·(∇p + b) + supply. So solid
-that is born has its volume in M. Over a step and a body
+that is born has its volume in M. What is kept is S = M − (1 + β f) V, so that strains do not drown in
+the rounding of volumes. Over a step and a body
 
     demand Σ V β Δf X_n = supplied + Σ (1 + β f) Δφ V − Σ (1 + β f) Δ(∇·u − e − p/K) V.
 """
@@ -30,14 +31,14 @@ class MeltNodes(NamedTuple):
 
     Attributes:
         solid: f.
-        melt: M [m³].
+        surplus: S [m³].
         pores: φ.
         stretched: (∇·u − e − p/K) V [m³].
         stress: p [Pa].
     """
 
     solid: FloatArray
-    melt: FloatArray
+    surplus: FloatArray
     pores: FloatArray
     stretched: FloatArray
     stress: FloatArray
@@ -93,10 +94,7 @@ class MeltContent:
             gained: change of e in the step, shape (cells,).
         """
         if not self._started:
-            none, owned = np.zeros(len(solid)), len(self.volumes)
-            melt = none.copy()
-            melt[:owned] = (1.0 + self.contraction * solid[:owned]) * self.volumes
-            self.start = MeltNodes(solid.copy(), melt, none, none, none)
+            self.start = self.start._replace(solid=solid.copy())
             self._started = True
         self.solid = solid.copy()
         self._trial_strain = self.strain + gained
@@ -133,8 +131,13 @@ class MeltContent:
             stretched: (∇·u − e − p/K) V [m³], shape (owned,).
             flow: what has flown to the nodes [m³ of liquid], stabilisation included, (owned,).
         """
-        volume = stretched + self.volumes * (1.0 - self.frozen_pores)
-        return np.asarray(volume - (self.start.melt[: self.owned] + flow) / self.weight)
+        lacking = self._asked() - self.start.surplus[: self.owned] - flow
+        return np.asarray(stretched - self.volumes * self.frozen_pores + lacking / self.weight)
+
+    def _asked(self) -> FloatArray:
+        """Return β Δf V of the owned nodes in the trial step [m³], shape (owned,)."""
+        frozen = (self.solid - self.start.solid)[: self.owned]
+        return np.asarray(self.contraction * frozen * self.volumes)
 
     def commit(
         self,
@@ -161,9 +164,9 @@ class MeltContent:
         sums = np.array([demand, supply.sum(), opened, yielded])
         sums = self._body.mesh.comm.allreduce(sums, op=MPI.SUM)
         self.ledger = Ledger(*(np.array(self.ledger) + sums).tolist())
-        melt = start.melt[own] + flow + supply
+        surplus = start.surplus[own] + flow + supply - self._asked()
         self.start = MeltNodes(
-            self.solid, *(self._with_ghosts(values) for values in (melt, pores, stretched, stress))
+            self.solid, *(self._with_ghosts(values) for values in (surplus, pores, stretched, stress))
         )
         self.strain = self._trial_strain
 
