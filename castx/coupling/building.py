@@ -18,7 +18,7 @@ from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.clamps import refuse_held_clamps, surface_clamps
 from castx.coupling.interface import CoupledInterface
-from castx.coupling.melt_flow import mush_metal
+from castx.coupling.melt_flow import mush_metal, words_of
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.coupling.step import CoupledProblem
 from castx.coupling.temperatures import Temperatures
@@ -311,7 +311,13 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
         for body in case.bodies
         if body.law != "rigid"
     }
-    return [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+    lines = [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+    for body in case.bodies:
+        if body.feeding == "darcy":
+            given = find_material(body.material, case.materials)
+            metal = mush_metal(case, body, given, formulation_of(mesh, body))
+            lines += [] if metal is None else [words_of(body.name, metal)]
+    return lines
 
 
 def law_above_solidus(body: str, material: Material) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.errors import CaseError
-from castx.foundry.alloy import FEEDING, Alloy, missing
+from castx.foundry.alloy import Alloy
 from castx.materials.material import Material
 from castx.mechanics.mush.metal import MushMetal
 
@@ -20,8 +20,8 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
         formulation: of the body.
 
     Raises:
-        CaseError: the elements of the body have no pressure at the nodes, or the material lacks a
-            number.
+        CaseError: the elements of the body have no pressure at the nodes, the material lacks a
+            number, or it freezes at one temperature and has no mush.
     """
     if body.feeding != "darcy":
         return None
@@ -30,12 +30,6 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
             f"body {body.name!r} has feeding = 'darcy', which needs formulation 'mixed', a "
             f"pressure at the nodes, and has {formulation!r}; mesh it with triangles or "
             "tetrahedra, or leave feeding out"
-        )
-    lacking = missing(material.description, FEEDING)
-    if lacking or material.liquidus is None:
-        raise CaseError(
-            f"body {body.name!r} has feeding = 'darcy', and its material {material.name!r} has no "
-            f"{', '.join(lacking) or 'liquidus'}; add to [materials.{material.name}] of the case"
         )
     alloy = Alloy(material)
     melt, arms, feeders = alloy.melt(), alloy.spacing, case.foundry.feeders
@@ -49,6 +43,18 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
         1.0 - alloy.cut_off,
         arms.coefficient,
         arms.exponent,
-        material.liquidus,
+        alloy.path.liquidus,
         feeders,
+    )
+
+
+def words_of(body: str, metal: MushMetal) -> str:
+    """Describe in words how the melt of a body flows, and what its pores ask of the steps."""
+    arms = f"{1e6 * metal.spacing:.3g} µm"
+    if metal.exponent > 0.0:
+        arms += " at 1 K/s"
+    return (
+        f"{body}: its melt flows through the mush between arms of {arms}, and pores open at a "
+        f"suction of {metal.cavitation:.3g} Pa; a front that passes more than one element in a "
+        "step smears them"
     )

@@ -6,8 +6,9 @@
 
 Public: `body.BodyMechanics`, `description.MechanicalBody`, `description.SurfaceLoad`,
 `formulation.Formulation`, `mixed.MixedFormulation`, `q1p0.Q1P0Formulation`,
-`darcy.DarcyFormulation`, `displacement.DisplacementFormulation`, `osgs.OrthogonalProjection`, `trapped_liquid.Pockets`,
-`fixed_directions.SurfaceDisplacement`, `fixed_directions.fixed_directions`,
-`assembly.BodyAssembly`, `rigid_modes.rigid_modes`, `rigid_modes.near_null_modes`,
+`darcy.DarcyFormulation`, `displacement.DisplacementFormulation`, `osgs.OrthogonalProjection`,
+`trapped_liquid.Pockets`, `fixed_directions.SurfaceDisplacement`,
+`fixed_directions.fixed_directions`, `assembly.BodyAssembly`, `rigid_modes.rigid_modes`,
+`rigid_modes.near_null_modes`,
 `press_direction.press_direction`, `clamp.SurfaceClamp`, `clamp.Clamp`.
 """

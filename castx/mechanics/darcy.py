@@ -163,7 +163,8 @@ class DarcyFormulation(PressureFormulation):
 
     def _volumes(self, form: fem.Form) -> FloatArray:
         """Return the rows of pressures of a linear form as volumes [m³], shape (owned,)."""
-        return self.forms.assemble(form)[self._rows] / self._unknowns.pressure_scale
+        rows = self.forms.assemble(form)[self._rows]
+        return np.asarray(rows / self._unknowns.pressure_scale, dtype=np.float64)
 
     def _missing(self, stretched: FloatArray) -> FloatArray:
         """Return the volumes that nothing fills [m³], shape (owned,), see `MeltContent.missing`."""
@@ -177,7 +178,7 @@ class DarcyFormulation(PressureFormulation):
     def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return forces of all rows, stretched and missing volumes [m³]; collective."""
         b = self.forms.residual() - self.forms.assemble(self._head)
-        stretched = b[self._rows] / self._unknowns.pressure_scale
+        stretched = np.asarray(b[self._rows] / self._unknowns.pressure_scale, dtype=np.float64)
         return b, stretched, self._missing(stretched)
 
     def _stress(self) -> FloatArray:

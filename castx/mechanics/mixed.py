@@ -35,7 +35,7 @@ from castx.stateful import Stateful
 
 
 class PressureFormulation(Formulation):
-    """What formulations in displacement and nodal pressure have in common.
+    """Formulation in displacement and nodal pressure: its unknowns, strain, stress and τ_e.
 
     Args:
         unknowns: of the body, with the pressure.

@@ -50,7 +50,7 @@ def strip(
     root = SOLIDUS + ahead
     flux = CONDUCTIVITY * GRADIENT
     stretched = [[0.0, 0.0], [1.0, stretching * size]] if stretching else 0.0
-    held = {
+    held: dict[str, dict[str, Any]] = {
         "wall": {"displacement": {"x": 0.0}, "heat": {"type": "flux", "value": -flux}},
         "far": {"displacement": {"x": 0.0}, "heat": {"type": "flux", "value": flux}},
         "bottom": {"displacement": {"x": 0.0, "y": 0.0} if stretching else {"y": 0.0}},

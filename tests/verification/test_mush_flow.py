@@ -192,7 +192,8 @@ def chilled_alloy(comm, size: float, fractions: tuple[float, ...]) -> FloatArray
     data["boundaries"] += [
         {"on": f"casting/{side}", "displacement": {"y": 0.0}} for side in ("bottom", "top")
     ]
-    found, before = [], None
+    found: list[FloatArray] = []
+    before: FloatArray = np.zeros(0)
     for state in states(comm, data):
         fraction = along(state, "solid_fraction")[1]
         if state.time > 0.5 * end:
@@ -204,6 +205,7 @@ def chilled_alloy(comm, size: float, fractions: tuple[float, ...]) -> FloatArray
     return np.mean(found, axis=0)
 
 
+@pytest.mark.slow
 def test_suction_in_a_chilled_alloy(comm):
     errors = [
         chilled_alloy(comm, size, (0.2, 0.1)) / [438.530, 1361.013] - 1 for size in (1e-3, 0.5e-3)
@@ -216,10 +218,10 @@ def test_suction_in_a_chilled_alloy(comm):
 @pytest.mark.parametrize(("depression", "pores"), [(100.0, 3.276485e-3), (300.0, 1.461824e-3)])
 def test_pores_behind_a_front(comm, depression, pores):
     """Over the path of the front, 20 elements across the mush and 0.1 of one in a step."""
-    size, passed = LENGTH / 20, (1.5e-3, 4e-3)
+    size, passed = LENGTH / 20, (1e-3, 3.5e-3)
     data = strip(
         {"materials": {"alloy": {"cavitation": depression}}},
-        size=size, step=0.1 * size / SPEED, end=5.0, length=12e-3,
+        size=size, step=0.1 * size / SPEED, end=4.0, length=10e-3,
     )  # fmt: skip
     for state in states(comm, data):
         found = totals(state)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, IntArray
 from castx.mechanics.mush.metal import MushMetal
 from castx.stateful import Arrays, Numbering, Saved
 
@@ -25,12 +25,12 @@ class RunningArms:
     """
 
     def __init__(
-        self, metal: MushMetal, corners: FloatArray, numbering: Numbering
+        self, metal: MushMetal, corners: IntArray, numbering: Numbering
     ) -> None:
         self._metal, self._corners, self._numbering = metal, corners, numbering
-        none = np.zeros(len(numbering.numbers))
+        none: FloatArray = np.zeros(len(numbering.numbers))
         self._state: Nodes = (np.full_like(none, np.inf), none, none)
-        self._trial = self._state
+        self._trial: Nodes = self._state
 
     def begin(self, temperature: FloatArray, step: float) -> FloatArray:
         """Return the spacing in the cells in a trial step [m], shape (cells,).

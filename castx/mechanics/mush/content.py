@@ -6,8 +6,8 @@ volumetric strain of its solid without pressure and f its solid fraction, the co
     M = (1 + β f) X V,
 
 in volumes of liquid, changes by nothing but flow:  M ← M + Σ_e τ_D ∫ ∇q·(∇p + b) + supply. So solid
-that is born has its volume in M. What is kept is S = M − (1 + β f) V, so that strains do not drown in
-the rounding of volumes. Over a step and a body
+that is born has its volume in M. What is kept is S = M − (1 + β f) V, so that strains do not drown
+in the rounding of volumes. Over a step and a body
 
     demand Σ V β Δf X_n = supplied + Σ (1 + β f) Δφ V − Σ (1 + β f) Δ(∇·u − e − p/K) V.
 """
@@ -44,7 +44,7 @@ class MeltNodes(NamedTuple):
     stress: FloatArray
 
 
-class Ledger(NamedTuple):
+class MeltLedger(NamedTuple):
     """Volumes of liquid since the start of a run [m³].
 
     Attributes:
@@ -79,10 +79,11 @@ class MeltContent:
     def __init__(self, body: BodyMesh, volumes: FloatArray, contraction: float) -> None:
         self._body, self.volumes, self.contraction = body, volumes, contraction
         none: FloatArray = np.zeros(len(body.parent_vertices))
-        self.start, self.solid, self._started = MeltNodes(*[none] * 5), none, False
+        self.start, self._started = MeltNodes(*[none] * 5), False
+        self.solid: FloatArray = none
         self.strain: FloatArray = np.zeros(len(body.nodes.dofmap.list))
-        self._trial_strain = self.strain
-        self.ledger = Ledger()
+        self._trial_strain: FloatArray = self.strain
+        self.ledger = MeltLedger()
 
     def begin(self, solid: FloatArray, gained: FloatArray) -> FloatArray:
         """Begin a trial step; return e of the cells at its end, shape (cells,).
@@ -163,11 +164,10 @@ class MeltContent:
         yielded = -weight @ (stretched - start.stretched[own])
         sums = np.array([demand, supply.sum(), opened, yielded])
         sums = self._body.mesh.comm.allreduce(sums, op=MPI.SUM)
-        self.ledger = Ledger(*(np.array(self.ledger) + sums).tolist())
+        self.ledger = MeltLedger(*(np.array(self.ledger) + sums).tolist())
         surplus = start.surplus[own] + flow + supply - self._asked()
-        self.start = MeltNodes(
-            self.solid, *(self._with_ghosts(values) for values in (surplus, pores, stretched, stress))
-        )
+        found = (surplus, pores, stretched, stress)
+        self.start = MeltNodes(self.solid, *(self._with_ghosts(values) for values in found))
         self.strain = self._trial_strain
 
     def _with_ghosts(self, owned: FloatArray) -> FloatArray:
@@ -195,5 +195,5 @@ class MeltContent:
         """Take them back."""
         self.start = MeltNodes(*(arrays[name].copy() for name in MeltNodes._fields))
         self.strain, self._started = arrays["strain"].copy(), True
-        self.ledger = Ledger(*(float(arrays[name]) for name in Ledger._fields))
+        self.ledger = MeltLedger(*(float(arrays[name]) for name in MeltLedger._fields))
         self.rewind()

@@ -19,7 +19,8 @@ from mpi4py import MPI
 
 import numpy as np
 import ufl
-from dolfinx import fem, mesh as dmesh
+from dolfinx import fem
+from dolfinx import mesh as dmesh
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import nodal_sum

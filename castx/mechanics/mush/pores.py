@@ -54,7 +54,9 @@ class PoreSet:
         largest = comm.allreduce(float(np.abs(potential).max(initial=0.0)), op=MPI.MAX)
         self._level, self._slack = LEVEL * largest, EXCEEDING * max(cavitation, largest)
         self.open: BoolArray = np.zeros(self._owned, dtype=bool)
-        self._committed, self._may, self.resting = self.open, self.open, self.open
+        self._committed: BoolArray = self.open
+        self._may: BoolArray = self.open
+        self.resting: BoolArray = self.open
         self._changes: IntArray = np.zeros(self._owned, dtype=np.int32)
 
     def begin(

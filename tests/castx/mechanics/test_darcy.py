@@ -20,6 +20,7 @@ from tests.elastic_bodies import pushed
 
 pytestmark = pytest.mark.sampled
 
+MODELS = ("plane-strain", "axisymmetric", "generalised-plane-strain", "3d")
 METAL = MushMetal(0.06, 1e-3, 1e5, 0.98, 4e-5, 1 / 3, 650.0, ("far",))
 
 
@@ -62,7 +63,7 @@ def differs(comm, part: BodyMechanics) -> float:
 
 @pytest.mark.ranks
 @pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
-@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "generalised-plane-strain", "3d"])
+@pytest.mark.parametrize("model", MODELS)
 def test_jacobian_is_the_derivative_of_the_residual(comm, model, stabilisation):
     part = mushy(comm, model, stabilisation=stabilisation, body_force=(1e4, -3e4),
                  loads=(pushed("far", 2e4),))  # fmt: skip
