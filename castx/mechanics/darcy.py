@@ -37,9 +37,11 @@ from castx.mechanics.mixed import PressureFormulation
 from castx.mechanics.mush.arms import RunningArms
 from castx.mechanics.mush.content import MeltContent
 from castx.mechanics.mush.feeding import FedNodes
+from castx.mechanics.mush.levels import FeederLevels
 from castx.mechanics.mush.metal import MushMetal
 from castx.mechanics.mush.permeability import step_permeability
 from castx.mechanics.mush.pores import PoreSet
+from castx.mechanics.mush.sinking import SinkingLevels
 from castx.mechanics.osgs import OrthogonalProjection
 from castx.stateful import Stateful
 
@@ -74,8 +76,13 @@ class DarcyFormulation(PressureFormulation):
         self._full = fem.Function(material.compressibility.function_space)
         self._tau_e = self._full * self._tau(kind)
         self._fed = FedNodes(
-            body, model, metal.feeders, closed, loads.potential(), loads.pressures
+            body, model, metal.feeders, closed, loads.uniform_force, loads.pressures
         )
+        owned = int(body.nodes.dofmap.index_map.size_local)
+        self._levels = FeederLevels(
+            body.mesh.comm, body.name, self._fed.names, self._fed.areas, self._fed.feeder[:owned]
+        )
+        self._sinking = SinkingLevels(body.mesh.comm, self._levels)
         self.forms = self._weak_forms(loads)
         self._build_flow(loads, kind)
         self._corner = body.nodes.dofmap.list
@@ -87,8 +94,8 @@ class DarcyFormulation(PressureFormulation):
         if kind == "osgs":
             excess = mush.excess(self._tau_e, self._tau_d)
             self._projections.append(OrthogonalProjection(unknowns, excess, planes))
-        # Rows of pressures that are given: as stiff as a body of the size of the node.
-        self._holding = volumes * PRESSURE_SHARE / (unknowns.pressure_scale * unknowns.length)
+        self._least = volumes * PRESSURE_SHARE / (unknowns.pressure_scale * unknowns.length)
+        self._holding = self._least
         self._rows = slice(unknowns.pressure_component, None, unknowns.block_size)
         self._mushy = False
 
@@ -148,18 +155,48 @@ class DarcyFormulation(PressureFormulation):
         comm = self._unknowns.mesh.mesh.comm
         self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
         self._assemble_flow()
+        self._sinking.begin([self._of_metre(k) for k in range(len(self._levels.drops))])
+
+    def _of_metre(self, number: int) -> FloatArray:
+        """Return the change of the residual for a fall of a feeder by a metre, (unknowns,)."""
+        head = self._fed.of_metre(number)
+        self._fed.use(head)
+        change = -self.forms.assemble(self._head)
+        given = self._unknowns.pressure_scale * self._holding * -head[: self._content.owned]
+        change[self._rows] += given
+        return change
 
     def _assemble_flow(self) -> None:
         self._flow_rows.assemble(self._flow_matrix)
+        # Rows of given pressures count like the flow to their nodes, or the volume of a level.
+        diagonal = self._flow_matrix.getDiagonal()
+        flow = diagonal.array_r[self._rows] / self._unknowns.pressure_scale**2
+        self._holding = self._least + np.minimum(flow, self._fed.volumes[: len(flow)])
+        diagonal.destroy()
         for projection in self._projections:
             projection.assemble()
 
-    def _held(self) -> tuple[BoolArray, FloatArray]:
-        """Return the owned nodes with a given pressure, and these pressures [Pa], (owned,)."""
-        fed, pores = self._fed.nodes[: self._content.owned], self._pores
-        given = np.where(fed, self._fed.mean_stress()[: len(fed)], self._metal.cavitation)
-        given = np.where(pores.resting, self._content.start.stress[: len(fed)], given)
-        return fed | pores.open | pores.resting, given
+    @property
+    def _fed_nodes(self) -> BoolArray:
+        return self._fed.nodes[: self._content.owned]
+
+    def _held(self) -> BoolArray:
+        """Return whether the pressure of the owned nodes is given, shape (owned,)."""
+        return self._fed_nodes | self._pores.open | self._pores.resting
+
+    def _given(self, drops: FloatArray) -> FloatArray:
+        """Return given pressures of the owned nodes [Pa], shape (owned,).
+
+        Args:
+            drops: by which levels have sunk [m], shape (feeders,).
+        """
+        own = slice(self._content.owned)
+        given = np.where(self._fed_nodes, self._fed.mean_stress(drops)[own], self._metal.cavitation)
+        return np.where(self._pores.resting, self._content.start.stress[own], given)
+
+    def _supply(self, missing: FloatArray) -> FloatArray:
+        """Return what feeders give to the owned nodes [m³ of liquid], shape (owned,)."""
+        return np.where(self._fed_nodes, self._content.weight * missing, 0.0)
 
     def _volumes(self, form: fem.Form) -> FloatArray:
         """Return the rows of pressures of a linear form as volumes [m³], shape (owned,)."""
@@ -177,7 +214,7 @@ class DarcyFormulation(PressureFormulation):
 
     def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return forces of all rows, stretched and missing volumes [m³]; collective."""
-        b = self.forms.residual() - self.forms.assemble(self._head)
+        b = self.forms.residual()
         stretched = np.asarray(b[self._rows] / self._unknowns.pressure_scale, dtype=np.float64)
         return b, stretched, self._missing(stretched)
 
@@ -188,9 +225,11 @@ class DarcyFormulation(PressureFormulation):
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
         b, _, missing = self._balance()
-        held, given = self._held()
-        away = self._holding * (given - self._stress())
-        b[self._rows] = self._unknowns.pressure_scale * np.where(held, away, missing)
+        drops = self._levels.drops + self._levels.falls(self._supply(missing))
+        self._fed.use(self._fed.head(drops))
+        b -= self.forms.assemble(self._head)
+        away = self._holding * (self._given(drops) - self._stress())
+        b[self._rows] = self._unknowns.pressure_scale * np.where(self._held(), away, missing)
         return b
 
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
@@ -203,7 +242,8 @@ class DarcyFormulation(PressureFormulation):
         flow.diagonalScale(shares, None)
         A.axpy(1.0, flow, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         flow.destroy()
-        held, _ = self._held()
+        held = self._held()
+        self._sinking.update(self._supplies(A))
         shares.array[:] = 1.0
         shares.array[self._rows] = np.where(held, 0.0, 1.0)
         A.diagonalScale(shares, None)
@@ -215,6 +255,34 @@ class DarcyFormulation(PressureFormulation):
         A.assemble()
         shares.destroy()
 
+    def _supplies(self, A: PETSc.Mat) -> list[FloatArray]:
+        """Return the derivatives of what the feeders supply, each of shape (owned unknowns,).
+
+        Args:
+            A: Jacobian with the rows of all pressures as volumes.
+        """
+        if not self._sinking.sinks:
+            return []
+        found, (chosen, image) = [], (A.createVecLeft(), A.createVecRight())
+        feeder = self._fed.feeder[: self._content.owned]
+        for number in range(len(self._levels.drops)):
+            own = self._fed_nodes & (feeder == number)
+            chosen.array[:] = 0.0
+            chosen.array[self._rows] = own / self._unknowns.pressure_scale
+            weighed, rest = chosen.array_r.copy(), np.zeros(self._unknowns.owned)
+            chosen.array[self._rows] *= self._content.weight
+            A.multTranspose(chosen, image)
+            for projection in self._projections:
+                projection.add_product(weighed, rest)
+            found.append(image.array_r + rest)
+        chosen.destroy()
+        image.destroy()
+        return found
+
+    def coupled_products(self) -> list[Product]:
+        """Return what the fall of the feeders adds, by which supplies tie all unknowns."""
+        return [self._sinking.add_product]
+
     def products(self) -> list[Product]:
         """Return the part of OSGS beyond GLS, Σ_e τ_x ∫ ∇q·Π(p)/(1 + β f_i)."""
         return [self._product] if self._projections else []
@@ -223,8 +291,7 @@ class DarcyFormulation(PressureFormulation):
         projected = np.zeros(self._unknowns.owned)
         for projection in self._projections:
             projection.add_product(x, projected)
-        held, _ = self._held()
-        y[self._rows] += np.where(held, 0.0, projected[self._rows] / self._content.weight)
+        y[self._rows] += np.where(self._held(), 0.0, projected[self._rows] / self._content.weight)
 
     def improve_pressures(self) -> bool:
         """Open and close pores at the present unknowns; return whether any has changed here."""
@@ -250,6 +317,7 @@ class DarcyFormulation(PressureFormulation):
             "yielded_volume": ledger.yielded,
             "unfed_volume": self._content.porosity(),
             "pocket_pressure": self._mean_pressure(),
+            **self._levels.totals(),
         }
 
     def _mean_pressure(self) -> float:
@@ -266,11 +334,11 @@ class DarcyFormulation(PressureFormulation):
             False: the residual stays.
         """
         content, (_, stretched, missing) = self._content, self._balance()
-        fed, is_open = self._fed.nodes[: content.owned], self._pores.open
-        supply = np.where(fed, content.weight * missing, 0.0)
-        pores = np.where(is_open, missing / content.volumes, content.frozen_pores)
+        supply = self._supply(missing)
+        pores = np.where(self._pores.open, missing / content.volumes, content.frozen_pores)
         self._material.commit(self.mean_stress())
         content.commit(stretched, self._volumes(self._flow), supply, pores, self._stress())
+        self._levels.commit(supply)
         self._pores.commit()
         self._arms.commit()
         return False
@@ -286,6 +354,6 @@ class DarcyFormulation(PressureFormulation):
         """Return the histories of the integration points and of the melt."""
         return {
             "points": self._material, "melt": self._content, "pores": self._pores,
-            "arms": self._arms,
+            "arms": self._arms, "levels": self._levels,
         }  # fmt: skip
 

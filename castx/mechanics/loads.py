@@ -55,6 +55,11 @@ class BodyLoads:
         """Whether a uniform body force acts."""
         return bool(np.any(self._uniform))
 
+    @property
+    def uniform_force(self) -> FloatArray:
+        """The body force [N/m³], shape (dimension,), zero where it depends on the position."""
+        return self._uniform
+
     def potential(self) -> FloatArray:
         """Return x·b at the local nodes [Pa], shape (nodes,): pressures at rest differ by it.
 

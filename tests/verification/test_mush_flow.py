@@ -15,12 +15,14 @@ import numpy as np
 import pytest
 
 from castx.arrays import FloatArray
+from castx.foundry.melt_levels import communicating
 from castx.process.state import State
 from castx.proof.verification.heat.freezing_range import FreezingRange
 from castx.proof.verification.heat.neumann import strip_case
 from castx.proof.verification.verification import Resolution
 from tests.coupled_cases import merged, nodal, places, states
-from tests.verification.mush_strips import CONTRACTION, LENGTH, SPEED, skeleton, strip
+from tests.verification import two_risers
+from tests.verification.mush_strips import CONTRACTION, LENGTH, METAL, SPEED, skeleton, strip
 from tests.verification.test_rest_and_sealed_boxes import (
     DENSITY,
     GRAVITY,
@@ -246,3 +248,38 @@ def test_pressures_do_not_hang_on_the_ranks(comm):
         np.testing.assert_allclose(
             nodal(shared, "casting", name), values, atol=1e-7 * np.abs(values).max()
         )
+
+
+@pytest.mark.parametrize("gap", [0.0, 10e-3])
+def test_feeders_that_communicate(comm, tmp_path, gap):
+    """Areas of 4 to 1; levels of 50 and 40 mm, or a wider pair of 50 mm, end at one level."""
+    if comm.rank == 0:
+        two_risers.write(tmp_path / "risers.msh", narrow=5 - round(gap / two_risers.GRID))
+    folder = comm.bcast(tmp_path)
+    demand = 2e-4
+    volume = two_risers.volume(5 - round(gap / two_risers.GRID))
+    contraction = demand / volume / 0.5
+    metal = METAL | {
+        "latent_heat": 4e5, "density": DENSITY, "arm_spacing": 0.3,
+        "solidification_shrinkage": contraction / (1 + contraction),
+    }  # fmt: skip
+    data = {
+        "geometry": {"file": str(folder / "risers.msh"), "model": "plane-strain"},
+        "materials": {"alloy": metal},
+        "bodies": [{"name": "casting", "material": "alloy", "feeding": "darcy",
+                    "temperature_history": [[0.0, 550.0], [1.0, 525.0]]}],
+        "boundaries": [{"on": "casting/wall", "displacement": {"x": 0.0, "y": 0.0}}],
+        "loads": {"gravity": [0.0, -GRAVITY]},
+        "foundry": {"feeders": ["casting/wide", "casting/narrow"]},
+        "time": {"end": 1.0, "first_step": 0.5, "largest_step": 0.5},
+        "coupling": {"scheme": "mechanical"},
+        "solver": {"linear": "direct", "mechanics_tolerance": 1e-12},
+    }  # fmt: skip
+    for state in states(comm, data):
+        last = dict(state.totals)
+    drops = [last[f"casting.level_drop.{name}"] for name in ("wide", "narrow")]
+    levels = np.array([50e-3, 50e-3 - gap])
+    level, given = communicating(two_risers.AREAS, levels, demand)
+    np.testing.assert_allclose(levels - drops, level, rtol=1e-8)
+    np.testing.assert_allclose(np.multiply(drops, two_risers.AREAS), given, rtol=1e-6)
+    assert last["casting.fed_volume"] == pytest.approx(demand, rel=1e-8)

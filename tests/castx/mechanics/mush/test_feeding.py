@@ -18,8 +18,7 @@ WEIGHT = np.array([0.0, -2e4])
 def fed(comm, feeders, closed=(), pressures=None):
     body = slab(comm)
     given = pressures or {}
-    potential = body.points[:, :2] @ WEIGHT
-    return body, FedNodes(body, "plane-strain", feeders, closed, potential, lambda: given)
+    return body, FedNodes(body, "plane-strain", feeders, closed, WEIGHT, lambda: given)
 
 
 def test_named_feeders_and_free_surfaces(comm):
@@ -44,10 +43,10 @@ def test_head_below_the_highest_point_and_gas(comm):
     found.begin(np.ones(len(y)), 0.02)
     far = np.isclose(body.points[:, 0], LENGTH) & ~np.isclose(y, WIDTH)
     np.testing.assert_allclose(
-        found.mean_stress()[far], -3e3 - 2e4 * (WIDTH - y[far]), rtol=1e-12
+        found.mean_stress(np.zeros(2))[far], -3e3 - 2e4 * (WIDTH - y[far]), rtol=1e-12
     )
     top = np.isclose(y, WIDTH) & ~np.isclose(body.points[:, 0], LENGTH)
-    np.testing.assert_allclose(found.mean_stress()[top], 0.0, atol=1e-9)
+    np.testing.assert_allclose(found.mean_stress(np.zeros(2))[top], 0.0, atol=1e-9)
 
 
 @pytest.mark.ranks
@@ -59,6 +58,7 @@ def test_the_head_pushes_on_the_surface(comm):
     work = fem.form(found.virtual_work(ufl.TestFunction(space)))
 
     def resultant() -> float:
+        found.use(found.head(np.zeros(1)))
         rows = fem.assemble_vector(work).array.reshape(-1, 2)[:, 0]
         return comm.allreduce(float(rows.sum()))
 
@@ -66,3 +66,15 @@ def test_the_head_pushes_on_the_surface(comm):
     assert resultant() == pytest.approx(-0.5 * 2e4 * WIDTH**2, rel=1e-12)
     found.begin(np.zeros(len(y)), 0.02)
     assert resultant() == 0.0
+
+
+@pytest.mark.ranks
+def test_levels_that_sink(comm):
+    """The top is 20 mm wide, the far end has no horizontal area; the head falls with the level."""
+    body, found = fed(comm, ("top", "far"))
+    np.testing.assert_allclose(found.areas, [LENGTH, 0.0], atol=1e-15)
+    top = np.isclose(body.points[:, 1], WIDTH)
+    found.begin(np.ones(len(top)), 0.02)
+    fall = found.head(np.array([1e-3, 0.0])) - found.head(np.zeros(2))
+    np.testing.assert_allclose(fall, np.where(top, -20.0, 0.0), atol=1e-12)
+    np.testing.assert_allclose(1e-3 * found.of_metre(0), fall, atol=1e-12)
