@@ -23,16 +23,15 @@ from petsc4py import PETSc
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import create_matrix
 
 from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_volumes
-from castx.form_rows import FormRows
-from castx.forms import momentum, mush, stabilisation
+from castx.forms import momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.formulation import PRESSURE_SHARE, BodyUnknowns, Product, WeakForms
 from castx.mechanics.loads import BodyLoads
+from castx.mechanics.melt_flow import MeltFlow
 from castx.mechanics.mixed import PressureFormulation
 from castx.mechanics.mush.arms import RunningArms
 from castx.mechanics.mush.content import MeltContent
@@ -42,7 +41,6 @@ from castx.mechanics.mush.metal import MushMetal
 from castx.mechanics.mush.permeability import step_permeability
 from castx.mechanics.mush.pores import PoreSet
 from castx.mechanics.mush.sinking import SinkingLevels
-from castx.mechanics.osgs import OrthogonalProjection
 from castx.stateful import Stateful
 
 
@@ -72,9 +70,6 @@ class DarcyFormulation(PressureFormulation):
         super().__init__(unknowns, material)
         body, model = unknowns.mesh, unknowns.model
         self._metal, self._resistance, self._loads = metal, metal.resistance(), loads
-        self._tau_d = fem.Function(material.compressibility.function_space)
-        self._full = fem.Function(material.compressibility.function_space)
-        self._tau_e = self._full * self._tau(kind)
         self._fed = FedNodes(
             body, model, metal.feeders, closed, loads.uniform_force, loads.pressures
         )
@@ -84,19 +79,21 @@ class DarcyFormulation(PressureFormulation):
         )
         self._sinking = SinkingLevels(body.mesh.comm, self._levels)
         self.forms = self._weak_forms(loads)
-        self._build_flow(loads, kind)
+        # Apart from the loads, since its facets have tags of their own.
+        eta = unknowns.displacement(ufl.TestFunction(unknowns.space))
+        self._head = fem.form(self._fed.virtual_work(eta))
+        cells = material.compressibility.function_space
+        self._flow = MeltFlow(
+            unknowns, cells, self._tau(kind), loads.body_force, kind, planes, self._dx_p
+        )
+        self._rows = self._flow.rows
         self._corner = body.nodes.dofmap.list
         volumes = nodal_volumes(body, model)
         self._content = MeltContent(body, volumes, metal.contraction)
         self._pores = PoreSet(body, loads.potential(), metal.cavitation)
         self._arms = RunningArms(metal, self._corner, body.node_numbering)
-        self._projections = []
-        if kind == "osgs":
-            excess = mush.excess(self._tau_e, self._tau_d)
-            self._projections.append(OrthogonalProjection(unknowns, excess, planes))
         self._least = volumes * PRESSURE_SHARE / (unknowns.pressure_scale * unknowns.length)
         self._holding = self._least
-        self._rows = slice(unknowns.pressure_component, None, unknowns.block_size)
         self._mushy = False
 
     def _weak_forms(self, loads: BodyLoads) -> WeakForms:
@@ -117,23 +114,6 @@ class DarcyFormulation(PressureFormulation):
             unknowns.held(self._material.thickness, self._dx),
         )
 
-    def _build_flow(self, loads: BodyLoads, kind: str) -> None:
-        """Compile flow and stabilisation of the continuity rows, and their matrix."""
-        (_, q), (_, change), dx = self._test(), self._trial(), self._dx_p
-        excess, force = mush.excess(self._tau_e, self._tau_d), loads.body_force
-        if kind == "gls":
-            stabilised = mush.darcy_flow(self._p, q, force, excess, dx)
-        else:
-            stabilised = stabilisation.pressure_laplacian(self._p, q, excess, dx)
-        # Apart from the loads, since its facets have tags of their own.
-        test = self._unknowns.displacement(ufl.TestFunction(self._unknowns.space))
-        self._head = fem.form(self._fed.virtual_work(test))
-        both = self._tau_d + excess
-        self._flow = fem.form(mush.darcy_flow(self._p, q, force, self._tau_d, dx))
-        self._stabilised = fem.form(stabilised)
-        matrix = fem.form(stabilisation.pressure_laplacian(change, q, both, dx))
-        self._flow_rows, self._flow_matrix = FormRows(matrix), create_matrix(matrix)
-
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
         """Find permeability, fed nodes and first pores of a trial step; collective."""
         material, content = self._material, self._content
@@ -147,14 +127,16 @@ class DarcyFormulation(PressureFormulation):
         spacing = self._arms.begin(temperature, material.step_size)
         empty = content.emptied[self._corner].any(axis=1)
         flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
-        self._tau_d.x.array[:] = flows = np.where(empty, 0.0, flows)
-        self._full.x.array[:] = ~empty
+        flows = np.where(empty, 0.0, flows)
+        self._flow.begin(flows, np.where(empty, 0.0, 1.0))
         self._fed.begin(start, self._resistance.cut_off)
         freezes = solid_fraction > content.start.solid
         self._pores.begin(start, freezes, flows > 0.0, self._fed.nodes, empty)
         comm = self._unknowns.mesh.mesh.comm
         self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
-        self._assemble_flow()
+        # Rows of given pressures count like the flow to their nodes, or the volume of a level.
+        volumes = self._fed.volumes[: content.owned]
+        self._holding = self._least + np.minimum(self._flow.conductance, volumes)
         self._sinking.begin([self._of_metre(k) for k in range(len(self._levels.drops))])
 
     def _of_metre(self, number: int) -> FloatArray:
@@ -165,16 +147,6 @@ class DarcyFormulation(PressureFormulation):
         given = self._unknowns.pressure_scale * self._holding * -head[: self._content.owned]
         change[self._rows] += given
         return change
-
-    def _assemble_flow(self) -> None:
-        self._flow_rows.assemble(self._flow_matrix)
-        # Rows of given pressures count like the flow to their nodes, or the volume of a level.
-        diagonal = self._flow_matrix.getDiagonal()
-        flow = diagonal.array_r[self._rows] / self._unknowns.pressure_scale**2
-        self._holding = self._least + np.minimum(flow, self._fed.volumes[: len(flow)])
-        diagonal.destroy()
-        for projection in self._projections:
-            projection.assemble()
 
     @property
     def _fed_nodes(self) -> BoolArray:
@@ -198,25 +170,11 @@ class DarcyFormulation(PressureFormulation):
         """Return what feeders give to the owned nodes [m³ of liquid], shape (owned,)."""
         return np.where(self._fed_nodes, self._content.weight * missing, 0.0)
 
-    def _volumes(self, form: fem.Form) -> FloatArray:
-        """Return the rows of pressures of a linear form as volumes [m³], shape (owned,)."""
-        rows = self.forms.assemble(form)[self._rows]
-        return np.asarray(rows / self._unknowns.pressure_scale, dtype=np.float64)
-
-    def _missing(self, stretched: FloatArray) -> FloatArray:
-        """Return the volumes that nothing fills [m³], shape (owned,), see `MeltContent.missing`."""
-        flow = self._volumes(self._flow) + self._volumes(self._stabilised)
-        projected = np.zeros(self._unknowns.owned)
-        for projection in self._projections:
-            projection.add_product(self._unknowns.solution.x.array, projected)
-        flow -= projected[self._rows] / self._unknowns.pressure_scale
-        return self._content.missing(stretched, flow)
-
     def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return forces of all rows, stretched and missing volumes [m³]; collective."""
         b = self.forms.residual()
         stretched = np.asarray(b[self._rows] / self._unknowns.pressure_scale, dtype=np.float64)
-        return b, stretched, self._missing(stretched)
+        return b, stretched, self._content.missing(stretched, self._flow.arriving(self.forms))
 
     def _stress(self) -> FloatArray:
         """Return p at the owned nodes [Pa], shape (owned,)."""
@@ -235,14 +193,8 @@ class DarcyFormulation(PressureFormulation):
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
         """Assemble the Jacobian; for OSGS the one of GLS, as a preconditioner."""
         self.forms.assemble_jacobian(A)
-        shares = A.createVecLeft()
-        shares.array[:] = 0.0
-        shares.array[self._rows] = -1.0 / self._content.weight
-        flow = self._flow_matrix.copy()
-        flow.diagonalScale(shares, None)
-        A.axpy(1.0, flow, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        flow.destroy()
-        held = self._held()
+        self._flow.add_to(A, self._content.weight)
+        held, shares = self._held(), A.createVecLeft()
         self._sinking.update(self._supplies(A))
         shares.array[:] = 1.0
         shares.array[self._rows] = np.where(held, 0.0, 1.0)
@@ -263,21 +215,9 @@ class DarcyFormulation(PressureFormulation):
         """
         if not self._sinking.sinks:
             return []
-        found, (chosen, image) = [], (A.createVecLeft(), A.createVecRight())
-        feeder = self._fed.feeder[: self._content.owned]
-        for number in range(len(self._levels.drops)):
-            own = self._fed_nodes & (feeder == number)
-            chosen.array[:] = 0.0
-            chosen.array[self._rows] = own / self._unknowns.pressure_scale
-            weighed, rest = chosen.array_r.copy(), np.zeros(self._unknowns.owned)
-            chosen.array[self._rows] *= self._content.weight
-            A.multTranspose(chosen, image)
-            for projection in self._projections:
-                projection.add_product(weighed, rest)
-            found.append(image.array_r + rest)
-        chosen.destroy()
-        image.destroy()
-        return found
+        feeder, weight = self._fed.feeder[: self._content.owned], self._content.weight
+        chosen = [self._fed_nodes & (feeder == k) for k in range(len(self._levels.drops))]
+        return [self._flow.supply(A, nodes, weight) for nodes in chosen]
 
     def coupled_products(self) -> list[Product]:
         """Return what the fall of the feeders adds, by which supplies tie all unknowns."""
@@ -285,12 +225,10 @@ class DarcyFormulation(PressureFormulation):
 
     def products(self) -> list[Product]:
         """Return the part of OSGS beyond GLS, Σ_e τ_x ∫ ∇q·Π(p)/(1 + β f_i)."""
-        return [self._product] if self._projections else []
+        return [self._product]
 
     def _product(self, x: FloatArray, y: FloatArray) -> None:
-        projected = np.zeros(self._unknowns.owned)
-        for projection in self._projections:
-            projection.add_product(x, projected)
+        projected = self._flow.projected(x)
         y[self._rows] += np.where(self._held(), 0.0, projected[self._rows] / self._content.weight)
 
     def improve_pressures(self) -> bool:
@@ -316,16 +254,9 @@ class DarcyFormulation(PressureFormulation):
             "opened_volume": ledger.opened,
             "yielded_volume": ledger.yielded,
             "unfed_volume": self._content.porosity(),
-            "pocket_pressure": self._mean_pressure(),
+            "pocket_pressure": self._content.mean_pressure(self._stress()),
             **self._levels.totals(),
         }
-
-    def _mean_pressure(self) -> float:
-        content = self._content
-        melt = content.volumes * (1.0 - content.start.solid[: content.owned])
-        sums = np.array([float(melt @ self._stress()), float(melt.sum())])
-        total, volume = self._unknowns.mesh.mesh.comm.allreduce(sums, op=MPI.SUM)
-        return float(total / volume) if volume > 0.0 else 0.0
 
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.
@@ -337,7 +268,7 @@ class DarcyFormulation(PressureFormulation):
         supply = self._supply(missing)
         pores = np.where(self._pores.open, missing / content.volumes, content.frozen_pores)
         self._material.commit(self.mean_stress())
-        content.commit(stretched, self._volumes(self._flow), supply, pores, self._stress())
+        content.commit(stretched, self._flow.drained(self.forms), supply, pores, self._stress())
         self._levels.commit(supply)
         self._pores.commit()
         self._arms.commit()
@@ -348,7 +279,7 @@ class DarcyFormulation(PressureFormulation):
         self._material.rewind()
         for part in (self._content, self._pores, self._arms):
             part.rewind()
-        self._assemble_flow()
+        self._flow.assemble()
 
     def stateful_parts(self) -> dict[str, Stateful]:
         """Return the histories of the integration points and of the melt."""
@@ -356,4 +287,3 @@ class DarcyFormulation(PressureFormulation):
             "points": self._material, "melt": self._content, "pores": self._pores,
             "arms": self._arms, "levels": self._levels,
         }  # fmt: skip
-

@@ -220,10 +220,10 @@ def test_suction_in_a_chilled_alloy(comm):
 @pytest.mark.parametrize(("depression", "pores"), [(100.0, 3.276485e-3), (300.0, 1.461824e-3)])
 def test_pores_behind_a_front(comm, depression, pores):
     """Over the path of the front, 20 elements across the mush and 0.1 of one in a step."""
-    size, passed = LENGTH / 20, (1e-3, 3.5e-3)
+    size, passed = LENGTH / 20, (1.5e-3, 4e-3)
     data = strip(
         {"materials": {"alloy": {"cavitation": depression}}},
-        size=size, step=0.1 * size / SPEED, end=4.0, length=10e-3,
+        size=size, step=0.1 * size / SPEED, end=4.2, length=11e-3,
     )  # fmt: skip
     for state in states(comm, data):
         found = totals(state)
@@ -252,7 +252,10 @@ def test_pressures_do_not_hang_on_the_ranks(comm):
 
 @pytest.mark.parametrize("gap", [0.0, 10e-3])
 def test_feeders_that_communicate(comm, tmp_path, gap):
-    """Areas of 4 to 1; levels of 50 and 40 mm, or a wider pair of 50 mm, end at one level."""
+    """Areas of 4 to 1, levels of 50 and 50, or 40, mm: the narrow one rises in the end.
+
+    Arms of a metre let all flow.
+    """
     if comm.rank == 0:
         two_risers.write(tmp_path / "risers.msh", narrow=5 - round(gap / two_risers.GRID))
     folder = comm.bcast(tmp_path)
@@ -260,7 +263,7 @@ def test_feeders_that_communicate(comm, tmp_path, gap):
     volume = two_risers.volume(5 - round(gap / two_risers.GRID))
     contraction = demand / volume / 0.5
     metal = METAL | {
-        "latent_heat": 4e5, "density": DENSITY, "arm_spacing": 0.3,
+        "latent_heat": 4e5, "density": DENSITY, "arm_spacing": 1.0,
         "solidification_shrinkage": contraction / (1 + contraction),
     }  # fmt: skip
     data = {

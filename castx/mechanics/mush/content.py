@@ -180,6 +180,17 @@ class MeltContent:
         here = float(self.start.pores[: self.owned] @ self.volumes)
         return float(self._body.mesh.comm.allreduce(here, op=MPI.SUM))
 
+    def mean_pressure(self, stress: FloatArray) -> float:
+        """Return the mean over the melt of values of the owned nodes; 0 without any; collective.
+
+        Args:
+            stress: p [Pa], shape (owned,).
+        """
+        melt = self.volumes * (1.0 - self.start.solid[: self.owned])
+        sums = np.array([float(melt @ stress), float(melt.sum())])
+        total, volume = self._body.mesh.comm.allreduce(sums, op=MPI.SUM)
+        return float(total / volume) if volume > 0.0 else 0.0
+
     def rewind(self) -> None:
         """Return to the start of the step."""
         self.solid, self._trial_strain = self.start.solid, self.strain

@@ -87,3 +87,17 @@ def test_a_trial_step_is_rewound_and_restored(comm):
     begun(other, 0.6 + 0.4 * x)
     begun(found, 0.6 + 0.4 * x)
     np.testing.assert_array_equal(other.missing(none, none), found.missing(none, none))
+
+
+@pytest.mark.ranks
+def test_mean_pressure_of_what_is_left_melt(comm):
+    found, x = content(comm)
+    assert found.mean_pressure(np.full(found.owned, 3e3)) == pytest.approx(3e3)
+    none = np.zeros(found.owned)
+    begun(found, np.where(x < 0.6, 1.0, 0.5))
+    found.commit(none, none, none, none, none)
+    left = np.where(x[: found.owned] < 0.6, -1e9, 2e3)
+    assert found.mean_pressure(left) == pytest.approx(2e3)
+    begun(found, np.ones(len(x)))
+    found.commit(none, none, none, none, none)
+    assert found.mean_pressure(left) == 0.0
