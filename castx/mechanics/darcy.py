@@ -127,7 +127,7 @@ class DarcyFormulation(PressureFormulation):
         spacing = self._arms.begin(temperature, material.step_size)
         empty = content.emptied[self._corner].any(axis=1)
         flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
-        flows = np.where(empty, 0.0, flows)
+        flows = np.asarray(np.where(empty, 0.0, flows), dtype=np.float64)
         self._flow.begin(flows, np.where(empty, 0.0, 1.0))
         self._fed.begin(start, self._resistance.cut_off)
         freezes = solid_fraction > content.start.solid

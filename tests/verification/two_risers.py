@@ -51,6 +51,7 @@ def write(path: Path, narrow: int) -> None:
     lines += ["$EndPhysicalNames", "$Nodes", str(len(corners))]
     lines += [f"{number[i, j]} {i * GRID} {j * GRID} 0" for i, j in corners]
     lines += ["$EndNodes", "$Elements", str(len(edges) + len(cells))]
+    found: list[tuple[int, int, tuple[tuple[int, int], ...]]]
     found = [(1, NAMES.index(name) + 1, edge) for name, edge in edges]
     found += [(2, len(NAMES), cell) for cell in cells]
     for n, (kind, tag, points) in enumerate(found, 1):

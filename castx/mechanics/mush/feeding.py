@@ -73,7 +73,7 @@ class FedNodes:
         self._full: FloatArray = np.zeros(nodes)
         self.areas: FloatArray = np.zeros(len(self.names))
         self._head = fem.Function(body.nodes)
-        found = [np.zeros(0, dtype=np.int32)]
+        found: list[IntArray] = [np.zeros(0, dtype=np.int32)]
         for number, name in enumerate(self.names):
             if feeders is None:
                 facets = free_facets(body, model, closed)

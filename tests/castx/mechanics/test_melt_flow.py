@@ -7,6 +7,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.domain.measures import cell_measure
 from castx.mechanics.melt_flow import MeltFlow
 from tests.castx.mechanics.lone_bodies import LENGTH, WIDTH, alone, random_field
 
@@ -19,7 +20,7 @@ def flow(comm, kind: str, full: float = 1.0):
     """Return a slab and the flow in it, with a stabilisation that exceeds it by a half."""
     part = alone(comm)
     cells = part.material.compressibility.function_space
-    dx = part.formulation._dx_p
+    dx = cell_measure(part.mesh, part.model, 2)
     found = MeltFlow(part.unknowns, cells, 1.5 * TAU, part.loads.body_force, kind, (), dx)
     number = len(part.cell_nodes)
     found.begin(np.full(number, TAU), np.full(number, full))
