@@ -167,7 +167,7 @@ class DarcyFormulation(PressureFormulation):
         return np.where(self._pores.resting, self._content.start.stress[own], given)
 
     def _supply(self, missing: FloatArray) -> FloatArray:
-        """Return what feeders give to the owned nodes [m³ of liquid], shape (owned,)."""
+        """Return the supply of the owned nodes by feeders [m³ of liquid], shape (owned,)."""
         return np.where(self._fed_nodes, self._content.weight * missing, 0.0)
 
     def _balance(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -220,7 +220,7 @@ class DarcyFormulation(PressureFormulation):
         return [self._flow.supply(A, nodes, weight) for nodes in chosen]
 
     def coupled_products(self) -> list[Product]:
-        """Return what the fall of the feeders adds, by which supplies tie all unknowns."""
+        """Return the products of the sinking levels, by which supplies tie all unknowns."""
         return [self._sinking.add_product]
 
     def products(self) -> list[Product]:

@@ -21,7 +21,7 @@ from castx.mechanics.osgs import OrthogonalProjection
 
 
 class MeltFlow:
-    """What flows to the nodes in a step, Σ_e τ_D ∫ ∇q·(∇p + b) + Σ_e τ_x ∫ ∇q·(∇p - Π).
+    """Flow to the nodes in a step, Σ_e τ_D ∫ ∇q·(∇p + b) + Σ_e τ_x ∫ ∇q·(∇p - Π).
 
     Args:
         unknowns: of the body, with the pressure.
@@ -94,7 +94,7 @@ class MeltFlow:
         return np.asarray(rows, dtype=np.float64)
 
     def drained(self, forms: WeakForms) -> FloatArray:
-        """Return what Darcy's law brings to the owned nodes [m³], shape (owned,); collective."""
+        """Return the flow to the owned nodes by Darcy's law [m³], shape (owned,); collective."""
         return self._volumes(forms, self._flow)
 
     def arriving(self, forms: WeakForms) -> FloatArray:

@@ -69,7 +69,7 @@ class FeederLevels:
         return {f"level_drop.{name}": float(drop) for name, drop in pairs}
 
     def saved(self) -> dict[str, Saved]:
-        """Return how far the levels have sunk."""
+        """Return the drops of the levels."""
         return {"drops": Saved(self.drops, bodies=(self._name,))}
 
     def restore(self, arrays: Arrays) -> None:

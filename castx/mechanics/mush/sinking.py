@@ -20,7 +20,7 @@ from castx.mechanics.mush.levels import FeederLevels
 
 
 class SinkingLevels:
-    """Applies what the fall of the levels of one body adds to its Jacobian.
+    """Applies the block of the sinking levels of one body in its Jacobian.
 
     Args:
         comm: ranks that share the body.
