@@ -127,11 +127,11 @@ class DarcyFormulation(PressureFormulation):
         spacing = self._arms.begin(temperature, material.step_size)
         empty = content.emptied[self._corner].any(axis=1)
         flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
-        flows = np.asarray(np.where(empty, 0.0, flows), dtype=np.float64)
-        self._flow.begin(flows, np.where(empty, 0.0, 1.0))
+        tau_d: FloatArray = np.asarray(np.where(empty, 0.0, flows), dtype=np.float64)
+        self._flow.begin(tau_d, np.where(empty, 0.0, 1.0))
         self._fed.begin(start, self._resistance.cut_off)
         freezes = solid_fraction > content.start.solid
-        self._pores.begin(start, freezes, flows > 0.0, self._fed.nodes, empty)
+        self._pores.begin(start, freezes, tau_d > 0.0, self._fed.nodes, empty)
         comm = self._unknowns.mesh.mesh.comm
         self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
         # Rows of given pressures count like the flow to their nodes, or the volume of a level.

@@ -22,7 +22,7 @@ from tests.elastic_bodies import pushed
 
 pytestmark = pytest.mark.sampled
 
-MODELS = ("plane-strain", "axisymmetric", "generalised-plane-strain", "3d")
+MODELS = ("plane-stress", "plane-strain", "axisymmetric", "generalised-plane-strain", "3d")
 METAL = MushMetal(0.06, 1e-3, 1e5, 0.98, 4e-5, 1 / 3, 650.0, ("far",))
 
 
