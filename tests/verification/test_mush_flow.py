@@ -292,7 +292,7 @@ def test_feeders_that_communicate(comm, tmp_path, gap):
 def test_a_run_goes_on_as_if_it_had_not_stopped(comm):
     """From the middle of freezing, with pores, arms that coarsen and a level that sinks."""
     running = {"arm_spacing": {"coefficient": 4e-5}, "liquid": {"coherency": 0.7}}
-    data = chilled({"geometry": {"size": 0.02, "lid": False}, "time": {"end": 60.0}}, MUSH,
+    data = chilled({"geometry": {"size": 0.02, "lid": False}, "time": {"end": 40.0}}, MUSH,
                    {"materials": {"alloy": running}})  # fmt: skip
     data["bodies"][0] |= {"feeding": "darcy"}
     whole, begun = simulation(comm, data), simulation(comm, data)
