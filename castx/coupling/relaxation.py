@@ -13,6 +13,8 @@ from castx.arrays import FloatArray
 AITKEN_BOUNDS = (0.05, 1.5)
 PLAIN = 1.0
 """Factor that takes the image under the fixed-point map itself."""
+ROUND, PROGRESS = 6, 0.5
+"""Passes in which the least change has to fall to this share of the least one before."""
 LEAST_SHARE = 0.1
 """An iterate is not relaxed below this share of the smaller of its two last values."""
 
@@ -63,6 +65,17 @@ def _bounded(factor: float) -> float:
     its wall the farther the less heat it loses. Its state lies ahead, and is not to be crept up to.
     """
     return float(np.clip(factor, *AITKEN_BOUNDS)) if factor > 0.0 else PLAIN
+
+
+def goes_round(changes: Sequence[float]) -> bool:
+    """Return whether passes no longer come closer to each other: a smaller step does.
+
+    Args:
+        changes: of all passes so far, the same on all ranks.
+    """
+    if len(changes) < 2 * ROUND:
+        return False
+    return min(changes[-ROUND:]) > PROGRESS * min(changes[:-ROUND])
 
 
 def scaling(resistances: Sequence[FloatArray], wanted: FloatArray) -> list[FloatArray]:

@@ -21,7 +21,7 @@ from castx.coupling.agreement import disagreement
 from castx.coupling.change import StepChange, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
-from castx.coupling.relaxation import Relaxation, scaling
+from castx.coupling.relaxation import Relaxation, goes_round, scaling
 from castx.coupling.temperatures import Temperatures
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
@@ -108,6 +108,7 @@ class CoupledProblem:
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
         self.counters.begin_try()
+        changes: list[float] = []
         for number in range(1, self._most_passes + 1):
             temperature_change = self._pass(time, step, substeps, guess, factors)
             thermal = self.interfaces.thermal()
@@ -128,11 +129,14 @@ class CoupledProblem:
                     mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
                     skin=0.0 if self.mechanics is None else self.mechanics.skin_growth(),
                 )
+            changes.append(change)
+            if goes_round(changes):
+                break
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
-            f"the interfaces did not agree in {self._most_passes} passes (coupling.passes): their "
-            f"resistances still change by {change:.2g} of their values",
+            f"the interfaces did not agree in {number} passes (coupling.passes): their resistances "
+            f"still change by {change:.2g} of their values",
             COUPLING,
         )
 

@@ -5,7 +5,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from castx.coupling.relaxation import LEAST_SHARE, Relaxation
+from castx.coupling.relaxation import LEAST_SHARE, Relaxation, goes_round
 
 
 def iterate(comm, map_, start, passes: int, relaxed: bool = True):
@@ -97,8 +97,23 @@ def test_factor_is_one_for_all_ranks(comm):
     ("residuals", "factor"), [((0.2, 0.19), 1.5), ((0.2, 0.25), 1.0), ((0.2, -20.0), 0.05)]
 )
 def test_the_factor_stays_within_its_bounds(comm, residuals, factor):
-    """Aitken's would be 20, -4 and 0.0099; a negative one would go back from a state that lies ahead."""
+    """Aitken's would be 20, -4 and 0.0099; with a negative one the state lies ahead."""
     relaxation, tried = Relaxation(comm), np.array([100.0])
     for residual in residuals:
         before, tried = tried, relaxation.next(tried, tried + residual)
     assert tried - before == pytest.approx(factor * residuals[-1], rel=1e-9)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("changes", "round"),
+    [
+        ([0.85**n for n in range(40)], False),  # slow, but it will get there
+        ([0.5, 0.2, 0.1, *[0.05, 0.02, 0.3] * 3], True),
+        ([0.5, 0.2, 0.1, *[0.05, 0.02, 0.3] * 2], False),  # not yet
+        ([0.01 + 0.5**n for n in range(20)], True),
+        ([0.01, *[0.3] * 10, 0.004], False),
+    ],
+)
+def test_passes_that_come_no_closer_are_given_up(changes, round):
+    assert goes_round(changes) == round
