@@ -41,6 +41,7 @@ ORDER = [
     "heat",
     "mechanics/constitutive",
     "mechanics/liquid",
+    "mechanics/mush",
     "mechanics",
     "contact/kinematics",
     "contact/friction",

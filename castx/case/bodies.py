@@ -43,6 +43,7 @@ class Body(Description):
         law: constitutive law.
         formulation: finite elements of the displacement; None: "mixed" on simplices, else "q1p0".
         stabilisation: of the mixed formulation.
+        feeding: how liquid is fed: one pressure in each trapped pocket, or flow through the mush.
     """
 
     name: EntryName
@@ -60,6 +61,7 @@ class Body(Description):
     ] = "thermo-elastic"
     formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
+    feeding: Annotated[str, Choice(("pockets", "darcy"))] = "pockets"
 
     def starts_solid(self, material: MaterialDescription) -> bool:
         """Return whether the body starts solid, and stays so if its temperature is prescribed.

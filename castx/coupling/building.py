@@ -18,6 +18,7 @@ from castx.contact.choice import Contact
 from castx.contact.kinematics.rigid import RigidBody, rigid_body
 from castx.coupling.clamps import refuse_held_clamps, surface_clamps
 from castx.coupling.interface import CoupledInterface
+from castx.coupling.melt_flow import mush_metal, words_of
 from castx.coupling.prescribed import PrescribedBody, PrescribedTemperatures
 from castx.coupling.step import CoupledProblem
 from castx.coupling.temperatures import Temperatures
@@ -280,7 +281,10 @@ def _solved_material(mesh: CastingMesh, body: Body, material: Material) -> Mater
 def _mechanical_body(
     case: Case, mesh: CastingMesh, body: Body, material: Material, stress_free: StressFreeState
 ) -> MechanicalBody:
+    mush = mush_metal(case, body, material, formulation_of(mesh, body))
     material = _solved_material(mesh, body, material)
+    if mush is not None:
+        material = material.without_shrinkage()
     own = [boundary for boundary in case.boundaries if boundary.body == body.name]
     return MechanicalBody(
         Law(material, stress_free, body.law),
@@ -290,6 +294,7 @@ def _mechanical_body(
         tuple(load for boundary in own for load in _loads(boundary)),
         material.liquid is not None,
         clamps=surface_clamps(own, mesh.model),
+        mush=mush,
     )
 
 
@@ -306,7 +311,13 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
         for body in case.bodies
         if body.law != "rigid"
     }
-    return [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+    lines = [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+    for body in case.bodies:
+        if body.feeding == "darcy":
+            given = find_material(body.material, case.materials)
+            metal = mush_metal(case, body, given, formulation_of(mesh, body))
+            lines += [] if metal is None else [words_of(body.name, metal)]
+    return lines
 
 
 def law_above_solidus(body: str, material: Material) -> str:

@@ -29,21 +29,24 @@ class MushResistance:
         melt: viscosity, contraction by freezing; its cavitation is not used here.
         arm_spacing: λ2 [m].
         cut_off: g_c, the smallest liquid fraction of the permeability.
+        least_solid: smallest solid fraction of the permeability; 0: pure liquid has no resistance.
     """
 
     melt: Melt
     arm_spacing: float
     cut_off: float
+    least_solid: float = 0.0
 
     def permeability(self, liquid: FloatArray) -> FloatArray:
-        """Return K = λ2² g³/(180 (1-g)²) [m²], infinite in pure liquid.
+        """Return K = λ2² g³/(180 (1-g)²) [m²], infinite in pure liquid without `least_solid`.
 
         Args:
             liquid: g, of any shape; below g_c K is that of g_c.
         """
         g = np.maximum(np.asarray(liquid, dtype=np.float64), self.cut_off)
+        solid = np.maximum(1.0 - g, self.least_solid)
         with np.errstate(divide="ignore"):
-            return np.asarray(self.arm_spacing**2 * g**3 / (KOZENY_CARMAN * (1.0 - g) ** 2))
+            return np.asarray(self.arm_spacing**2 * g**3 / (KOZENY_CARMAN * solid**2))
 
     def mean_resistance(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Return 1/K_mean = ⟨g/K⟩/⟨g⟩ of elements whose g goes evenly from start to end [1/m²].
@@ -52,33 +55,40 @@ class MushResistance:
             start: g at one end, (elements,).
             end: at the other.
         """
-        low, high = np.minimum(start, end), np.maximum(start, end)
-        width = high - low
-        flat = width < EVEN
-        primitive = self._primitive(high) - self._primitive(low)
-        drag = np.divide(primitive, width, out=self._by_points(low, high), where=~flat)
-        middle = 0.5 * (low + high)
+        drag, middle = self.drag(start, end), 0.5 * (start + end)
         solid = (1.0 - self.cut_off) ** 2 / self.cut_off**3  # what it is below the cut-off
         ratio = np.divide(drag, middle, out=np.full_like(middle, solid), where=middle > 0.0)
         return np.asarray(KOZENY_CARMAN / self.arm_spacing**2 * ratio)
 
-    def _primitive(self, g: FloatArray) -> FloatArray:
-        """Return ∫ g (1-x)²/x³ dg from the cut-off, x = max(g, g_c)."""
-        cut = self.cut_off
+    def drag(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Return ⟨g/K⟩ λ2²/180 where g goes evenly from start to end, of any shape."""
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        width = high - low
+        primitive = self._primitive(high) - self._primitive(low)
+        flat = width < EVEN
+        return np.asarray(
+            np.divide(primitive, width, out=self._by_points(low, high), where=~flat)
+        )
 
-        def above(g: FloatArray) -> FloatArray:
+    def _primitive(self, g: FloatArray) -> FloatArray:
+        """Return ∫ g f²/x³ dg from the cut-off, x = max(g, g_c), f = max(1-x, `least_solid`)."""
+        cut, thin = self.cut_off, 1.0 - self.least_solid
+
+        def mush(g: FloatArray) -> FloatArray:
             return np.asarray(g - 2.0 * np.log(g) - 1.0 / g)
 
-        beyond = above(np.maximum(g, cut)) - above(np.array(cut))
+        beyond = mush(np.clip(g, cut, thin)) - mush(np.array(cut))
         below = 0.5 * (np.minimum(g, cut) ** 2 - cut**2) * (1.0 - cut) ** 2 / cut**3
-        return np.asarray(beyond + below)
+        liquid = self.least_solid**2 * (1.0 / thin - 1.0 / np.maximum(g, thin))
+        return np.asarray(beyond + below + liquid)
 
     def _by_points(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return ⟨g (1-x)²/x³⟩ by Gauss's rule, valid for equal ends too."""
+        """Return ⟨g f²/x³⟩ by Gauss's rule, valid for equal ends too."""
         points, weights = np.polynomial.legendre.leggauss(5)
-        g = low[:, None] + (high - low)[:, None] * 0.5 * (points + 1.0)
+        g = low[..., None] + (high - low)[..., None] * 0.5 * (points + 1.0)
         x = np.maximum(g, self.cut_off)
-        return np.asarray(0.5 * (g * (1.0 - x) ** 2 / x**3) @ weights)
+        solid = np.maximum(1.0 - x, self.least_solid)
+        return np.asarray(0.5 * (g * solid**2 / x**3) @ weights)
 
 
 def column_suction(

@@ -233,6 +233,11 @@ class Material:
         description = self.description.model_copy(update=changes)
         return replace(self, description=description)
 
+    def without_shrinkage(self) -> Material:
+        """Return the material without strain of solidification, of which its melt takes care."""
+        changes = {"solidification_shrinkage": 0.0}
+        return replace(self, description=self.description.model_copy(update=changes))
+
     def require(self, properties: Sequence[str], purpose: str) -> None:
         """Check that properties are given.
 

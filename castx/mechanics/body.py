@@ -14,6 +14,7 @@ from castx.materials.enthalpy import HeatState
 from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
 from castx.mechanics.constitutive.law import ELASTIC
 from castx.mechanics.constitutive.points import MaterialPoints
+from castx.mechanics.darcy import DarcyFormulation
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.displacement import DisplacementFormulation
 from castx.mechanics.fixed_directions import FixedDirections
@@ -130,7 +131,7 @@ class BodyMechanics:
         """
         self._evaluated_at, self.trials = NOWHERE, self.trials + 1
         self.material.begin(temperature, solid_fraction, step, between)
-        self.formulation.begin(solid_fraction)
+        self.formulation.begin(temperature, solid_fraction)
 
     def update_points(self) -> None:
         """Find stress and tangent at the present displacement and pressure.
@@ -254,6 +255,8 @@ def _formulation(
     parts, law = (unknowns, material, loads), given.law
     if given.formulation == "displacement":
         return DisplacementFormulation(*parts)
+    if given.mush is not None:
+        return DarcyFormulation(*parts, given.mush, given.closed, given.stabilisation, planes)
     pockets = (
         NoPockets(material.points.cells)
         if law.material.liquid is None

@@ -8,6 +8,7 @@ from typing import Any
 
 from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.constitutive.law import Law
+from castx.mechanics.mush.metal import MushMetal
 from castx.tables import Table
 
 
@@ -40,6 +41,7 @@ class MechanicalBody:
         starts_liquid: whether the body has no solid at the start.
         closed: names of the surfaces through which no liquid can follow.
         clamps: machines that press on surfaces.
+        mush: its melt, which flows through its mush; None: trapped liquid is found by pockets.
     """
 
     law: Law
@@ -50,3 +52,4 @@ class MechanicalBody:
     starts_liquid: bool = False
     closed: Collection[str] = ()
     clamps: Sequence[SurfaceClamp] = ()
+    mush: MushMetal | None = None

@@ -47,7 +47,7 @@ class DisplacementFormulation(Formulation):
         )
         self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
 
-    def begin(self, solid_fraction: FloatArray) -> None:
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
         """Do nothing: there is no liquid in such a body."""
 
     def update(self) -> None:

@@ -201,11 +201,12 @@ class Formulation(ABC):
     forms: WeakForms
 
     @abstractmethod
-    def begin(self, solid_fraction: FloatArray) -> None:
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
         """Find trapped liquid and the like for a trial step, behind its material; collective.
 
         Args:
-            solid_fraction: at the local nodes, shape (nodes,).
+            temperature: at the local nodes [°C], shape (nodes,).
+            solid_fraction: likewise.
         """
 
     @abstractmethod

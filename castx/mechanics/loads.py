@@ -55,6 +55,11 @@ class BodyLoads:
         """Whether a uniform body force acts."""
         return bool(np.any(self._uniform))
 
+    @property
+    def uniform_force(self) -> FloatArray:
+        """The body force [N/m³], shape (dimension,), zero where it depends on the position."""
+        return self._uniform
+
     def potential(self) -> FloatArray:
         """Return x·b at the local nodes [Pa], shape (nodes,): pressures at rest differ by it.
 
@@ -69,6 +74,14 @@ class BodyLoads:
             constant.value = values if constant.value.ndim else values[0]
         for clamp in self.clamps:
             clamp.set_time(time)
+
+    def pressures(self) -> dict[str, float]:
+        """Return the pressures that push on surfaces at the present time, by surface [Pa]."""
+        found: dict[str, float] = {}
+        for load, (constant, _) in zip(self._loads, self._values, strict=True):
+            if load.pressure is not None:
+                found[load.surface] = found.get(load.surface, 0.0) + float(constant.value)
+        return found
 
     def virtual_work(self, eta: Any) -> Any:
         """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η, t̄ with the force of clamps."""

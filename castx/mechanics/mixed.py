@@ -34,7 +34,57 @@ from castx.mechanics.trapped_liquid import TrappedLiquid
 from castx.stateful import Stateful
 
 
-class MixedFormulation(Formulation):
+class PressureFormulation(Formulation):
+    """Formulation in displacement and nodal pressure: its unknowns, strain, stress and τ_e.
+
+    Args:
+        unknowns: of the body, with the pressure.
+        material: stress and tangent at its integration points.
+    """
+
+    def __init__(self, unknowns: BodyUnknowns, material: MaterialPoints) -> None:
+        self._unknowns, self._material = unknowns, material
+        w, points, thickness = unknowns.solution, material.points, material.thickness
+        self._total = unknowns.strain(w, thickness.follows, thickness.kept)
+        self._p = unknowns.pressure(w)
+        self._dx = cell_measure(unknowns.mesh, unknowns.model, points.degree)
+        self._dx_p = cell_measure(unknowns.mesh, unknowns.model, 2)
+        components = kinematics.symmetric_components(self._total, unknowns.model)
+        self._strain, self._pressure = points.expression(components), points.expression(self._p)
+
+    def _test(self) -> tuple[Any, Any]:
+        """Return strain ε(η) and pressure q of the test functions."""
+        test = ufl.TestFunction(self._unknowns.space)
+        return self._strain_of(test), self._unknowns.pressure(test)
+
+    def _trial(self) -> tuple[Any, Any]:
+        """Return strain and pressure of the trial functions."""
+        trial = ufl.TrialFunction(self._unknowns.space)
+        return self._strain_of(trial), self._unknowns.pressure(trial)
+
+    def _strain_of(self, change: Any) -> Any:
+        return self._unknowns.strain(change, self._material.thickness.follows)
+
+    def _tau(self, kind: str) -> Any:
+        """Return τ_e of a stabilisation [m²/Pa]."""
+        length = stabilisation.element_length(self._unknowns.mesh.mesh, self._unknowns.dimension)
+        constant = stabilisation.CONSTANTS[kind]
+        return stabilisation.tau(self._material.secant_modulus, length, constant)
+
+    def update(self) -> None:
+        """Find stresses and tangents at the present displacement and pressure."""
+        points = self._material.points
+        pressure = points.evaluate(self._pressure)[:, 0]
+        self._material.update(points.evaluate(self._strain), pressure)
+
+    def nodal_pressure(self) -> FloatArray:
+        """Return the pressure at the local nodes [Pa], shape (nodes,)."""
+        unknowns = self._unknowns
+        scaled = unknowns.solution.x.array[unknowns.pressure_component :: unknowns.block_size]
+        return np.asarray(unknowns.pressure_scale * scaled)
+
+
+class MixedFormulation(PressureFormulation):
     """Momentum balance of one body in its displacement and pressure.
 
     Args:
@@ -55,28 +105,19 @@ class MixedFormulation(Formulation):
         kind: str,
         planes: Sequence[FixedDirections],
     ) -> None:
-        self._unknowns, self._material, self._pockets = unknowns, material, pockets
-        w, degree, thickness = unknowns.solution, material.points.degree, material.thickness
-        total = unknowns.strain(w, thickness.follows, thickness.kept)
-        pressure = unknowns.pressure(w)
-        self._dx = cell_measure(unknowns.mesh, unknowns.model, degree)
-        self._dx_p = cell_measure(unknowns.mesh, unknowns.model, 2)
+        super().__init__(unknowns, material)
+        self._pockets = pockets
         state = pockets.state(material.state())
-        length = stabilisation.element_length(unknowns.mesh.mesh, unknowns.dimension)
-        constant = stabilisation.CONSTANTS[kind]
         # A given pressure needs no stabilisation.
-        tau = (1 - state.trapped) * stabilisation.tau(material.secant_modulus, length, constant)
+        tau = (1 - state.trapped) * self._tau(kind)
         self.forms = WeakForms(
             unknowns,
-            self._internal(total, pressure, state, tau),
+            self._internal(self._total, self._p, state, tau),
             self._jacobian(state, tau),
             self._load(loads, kind, tau),
             loads.backing,
-            unknowns.held(thickness, self._dx),
+            unknowns.held(material.thickness, self._dx),
         )
-        points = material.points
-        self._strain = points.expression(kinematics.symmetric_components(total, unknowns.model))
-        self._pressure = points.expression(pressure)
         variation, q = self._test()
         self._of_pockets = [
             fem.form(momentum.pocket_pressure_work(variation, each, state, self._dx_p))
@@ -85,14 +126,6 @@ class MixedFormulation(Formulation):
         self._projections = []
         if kind == "osgs":
             self._projections.append(OrthogonalProjection(unknowns, tau, planes))
-
-    def _test(self) -> tuple[Any, Any]:
-        """Return strain ε(η) and pressure q of the test functions."""
-        test = ufl.TestFunction(self._unknowns.space)
-        return self._strain_of(test), self._unknowns.pressure(test)
-
-    def _strain_of(self, change: Any) -> Any:
-        return self._unknowns.strain(change, self._material.thickness.follows)
 
     def _internal(self, total: Any, pressure: Any, state: momentum.PointState, tau: Any) -> Any:
         """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·∇p."""
@@ -105,9 +138,7 @@ class MixedFormulation(Formulation):
 
     def _jacobian(self, state: momentum.PointState, tau: Any) -> Any:
         """Return the derivative of `_internal` for a change of displacement and pressure."""
-        trial = ufl.TrialFunction(self._unknowns.space)
-        increment, change = self._strain_of(trial), self._unknowns.pressure(trial)
-        variation, q = self._test()
+        (increment, change), (variation, q) = self._trial(), self._test()
         work = momentum.mixed_tangent(
             increment, change, variation, q, state, self._dx, self._dx_p
         )
@@ -123,7 +154,7 @@ class MixedFormulation(Formulation):
             work += stabilisation.body_force_residual(q, loads.body_force, tau, self._dx_p)
         return work
 
-    def begin(self, solid_fraction: FloatArray) -> None:
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
         """Find trapped liquid and projection for a trial step; collective."""
         self._pockets.begin(self._material, solid_fraction)
         if self._pockets.exist:
@@ -133,12 +164,6 @@ class MixedFormulation(Formulation):
     def _assemble_projections(self) -> None:
         for projection in self._projections:
             projection.assemble()
-
-    def update(self) -> None:
-        """Find stresses and tangents at the present displacement and pressure."""
-        points = self._material.points
-        pressure = points.evaluate(self._pressure)[:, 0]
-        self._material.update(points.evaluate(self._strain), pressure)
 
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
@@ -165,12 +190,6 @@ class MixedFormulation(Formulation):
         nodes = self._unknowns.mesh.nodes.dofmap.list
         given = self._pockets.cell_pressures()
         return np.where(np.isnan(given), self.nodal_pressure()[nodes].mean(axis=1), given)
-
-    def nodal_pressure(self) -> FloatArray:
-        """Return the pressure at the local nodes [Pa], shape (nodes,)."""
-        unknowns = self._unknowns
-        scaled = unknowns.solution.x.array[unknowns.pressure_component :: unknowns.block_size]
-        return np.asarray(unknowns.pressure_scale * scaled)
 
     @property
     def has_pockets(self) -> bool:

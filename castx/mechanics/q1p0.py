@@ -86,7 +86,7 @@ class Q1P0Formulation(Formulation):
             unknowns.mesh, cells, unknowns.space, increment, dx, shear_modulus
         )
 
-    def begin(self, solid_fraction: FloatArray) -> None:
+    def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
         """Find trapped liquid and mean dilatation for a trial step; collective."""
         self._pockets.begin(self._material, solid_fraction)
         material = self._material

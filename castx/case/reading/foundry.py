@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.errors import CaseError
-from castx.foundry.alloy import NEEDED, OF_THE_MUSH, missing
+from castx.foundry.alloy import FEEDING, NEEDED, OF_THE_MUSH, missing
 from castx.input.problems import Problem, Refusal, among
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -40,6 +40,7 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
     if "life" in case.output.fields:
         yield from _fatigue_problems(case)
     yield from _feeder_problems(case, [body.name for body, _ in poured])
+    yield from _melt_flow_problems(case)
 
 
 def _poured(case: Case) -> Iterator[tuple[Body, Material]]:
@@ -88,6 +89,28 @@ def _feeder_problems(case: Case, freezing: list[str]) -> Iterator[Problem]:
         if body not in freezing:
             text = f"no body {body!r} that freezes; {among(body, freezing)}"
             yield Problem(("foundry", "feeders", index), text)
+
+
+def _melt_flow_problems(case: Case) -> Iterator[Problem]:
+    """Yield bodies whose melt cannot flow through the mush."""
+    for index, body in enumerate(case.bodies):
+        if body.feeding != "darcy":
+            continue
+        place = ("bodies", index, "feeding")
+        if body.law == "rigid" or case.coupling.scheme == "thermal":
+            yield Problem(place, '"darcy" acts only in a body that deforms; leave it out')
+            continue
+        try:
+            material = find_material(body.material, case.materials)
+        except (CaseError, Refusal):
+            continue  # refused elsewhere
+        lacking = missing(material.description, FEEDING)
+        if not material.melts or material.is_isothermal:
+            text = f"material {material.name!r} has no freezing range, and so no mush"
+            yield Problem(place, f'{text}; take feeding = "pockets"')
+        elif lacking:
+            text = f'"darcy" needs {", ".join(lacking)}; give it in [materials.{material.name}]'
+            yield Problem(place, f'{text}, or take feeding = "pockets"')
 
 
 def _strength_problems(case: Case) -> Iterator[Problem]:

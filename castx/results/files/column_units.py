@@ -7,8 +7,9 @@ from castx.meshes.generators.declaration import PLANE_MODELS
 UNITS = {
     "time": "s", "step": "s", "wall": "s",
     "enthalpy": "J", "heat_in": "J", "heat": "J", "power": "W",
-    "feeding_demand": "m³", "fed_volume": "m³", "unfed_volume": "m³", "pipe_volume": "m³",
-    "pocket_pressure": "Pa", "suction": "Pa", "feeder_level": "m",
+    "feeding_demand": "m³", "fed_volume": "m³", "opened_volume": "m³", "yielded_volume": "m³",
+    "unfed_volume": "m³", "pipe_volume": "m³",
+    "pocket_pressure": "Pa", "suction": "Pa", "feeder_level": "m", "level_drop": "m",
     "mean_gap": "m", "min_gap": "m", "max_gap": "m", "clamp_displacement": "m",
     "force": "N", "ejection_force": "N", "clamp_force": "N", "support_force": "N",
     "largest_pull": "N", "support_moment": "N m",

@@ -1,0 +1,83 @@
+"""Spacing of the secondary arms while they coarsen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from castx.arrays import FloatArray, IntArray
+from castx.mechanics.mush.metal import MushMetal
+from castx.stateful import Arrays, Numbering, Saved
+
+Nodes = tuple[FloatArray, FloatArray, FloatArray]
+"""Temperature [°C], time since the liquidus [s] and spacing [m] of the nodes, each (nodes,)."""
+
+
+class RunningArms:
+    """Arm spacing λ2 = C_λ ((t − t_L)/(T_L − T))^n of the nodes, t_L the passing of the liquidus.
+
+    The rate is the mean one since the liquidus, in the first step its own. Arms never grow finer,
+    and what melts again loses them.
+
+    Args:
+        metal: of the body.
+        corners: nodes of each cell, shape (cells, corners).
+        numbering: of the nodes.
+    """
+
+    def __init__(
+        self, metal: MushMetal, corners: IntArray, numbering: Numbering
+    ) -> None:
+        self._metal, self._corners, self._numbering = metal, corners, numbering
+        none: FloatArray = np.zeros(len(numbering.numbers))
+        self._state: Nodes = (np.full_like(none, np.inf), none, none)
+        self._trial: Nodes = self._state
+
+    def begin(self, temperature: FloatArray, step: float) -> FloatArray:
+        """Return the spacing in the cells in a trial step [m], shape (cells,).
+
+        Args:
+            temperature: of the nodes at its end [°C], shape (nodes,).
+            step: its size [s].
+        """
+        metal = self._metal
+        if metal.exponent == 0.0:
+            return np.full(len(self._corners), metal.spacing)
+        before, elapsed, spacing = self._state
+        before = np.where(np.isinf(before), temperature, before)
+        below, cooled = metal.liquidus - temperature, before - temperature
+        mushy, cools = below > 0.0, cooled > 0.0
+        own = np.divide(step * below, cooled, out=np.zeros_like(below), where=cools)
+        since = np.where(elapsed > 0.0, elapsed + step, own)
+        since = np.where(mushy, since, 0.0)
+        ratio = np.divide(since, below, out=np.zeros_like(below), where=mushy)
+        spacing = np.where(mushy, np.maximum(spacing, metal.spacing * ratio**metal.exponent), 0.0)
+        self._trial = temperature.copy(), since, spacing
+        known = spacing[self._corners]
+        count = (known > 0.0).sum(axis=1)
+        return np.asarray(
+            np.divide(known.sum(axis=1), count, out=np.full(len(count), metal.spacing),
+                      where=count > 0)
+        )  # fmt: skip
+
+    def commit(self) -> None:
+        """Accept the trial state as the start of the next step."""
+        self._state = self._trial
+
+    def rewind(self) -> None:
+        """Return to the start of the step."""
+        self._trial = self._state
+
+    def saved(self) -> dict[str, Saved]:
+        """Return temperature, time since the liquidus and spacing of the nodes."""
+        names = ("temperature", "elapsed", "spacing")
+        return {
+            name: Saved(values, self._numbering)
+            for name, values in zip(names, self._state, strict=True)
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take them back."""
+        self._state = (
+            arrays["temperature"].copy(), arrays["elapsed"].copy(), arrays["spacing"].copy()
+        )  # fmt: skip
+        self._trial = self._state

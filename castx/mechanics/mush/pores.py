@@ -1,0 +1,154 @@
+"""Pores of a mush as a complementarity of nodes: where they open, and where melt fills them.
+
+At nodes that are not solid at the start of a step, with R the volume that nothing fills,
+
+    p ≤ Δp_c,   R = φ V ≥ 0,   (Δp_c − p) R = 0,
+
+so that either R = 0 or p = Δp_c. A primal–dual active set (M. Hintermüller, K. Ito and K. Kunisch,
+SIAM Journal on Optimization 13 (2002)) changes between Newton iterations: a node opens where p
+exceeds Δp_c, and closes where R is negative. Melt that no feeder reaches has no pressure in rigid
+walls until a pore opens: its highest nodes begin open where it freezes, and where it rests they
+keep the pressure of the last step as long as R = 0.
+"""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.domain.measures import nodal_sum
+from castx.domain.mesh import BodyMesh
+from castx.mechanics.liquid.regions import CellRegions
+from castx.stateful import Arrays, Saved
+
+NEGATIVE = 1e-12
+"""Pore fraction below which a pore is closed: rounding of volumes."""
+LEVEL = 1e-9
+"""Difference of heads relative to the largest one by which two nodes are equally high."""
+EXCEEDING = 1e-9
+"""Part of Δp_c by which p may exceed it; of the weight of the melt without it."""
+MOST_CHANGES = 6
+"""Changes of one node in a solution after which it stays open."""
+
+
+class PoreSet:
+    """Nodes of a body at which pores are open.
+
+    Args:
+        body: mesh of the body.
+        potential: x·b of the body force b at the local nodes [Pa], shape (nodes,).
+        cavitation: Δp_c [Pa].
+
+    Attributes:
+        open: owned nodes with pores in the trial step, shape (owned,).
+        resting: owned nodes that keep their pressure in it, likewise.
+    """
+
+    def __init__(self, body: BodyMesh, potential: FloatArray, cavitation: float) -> None:
+        self._body, self._potential, self._cavitation = body, potential, cavitation
+        self._regions = CellRegions(body)
+        self._owned = int(body.nodes.dofmap.index_map.size_local)
+        comm = self._regions.comm
+        largest = comm.allreduce(float(np.abs(potential).max(initial=0.0)), op=MPI.MAX)
+        self._level, self._slack = LEVEL * largest, EXCEEDING * max(cavitation, largest)
+        self.open: BoolArray = np.zeros(self._owned, dtype=bool)
+        self._committed: BoolArray = self.open
+        self._may: BoolArray = self.open
+        self.resting: BoolArray = self.open
+        self._changes: IntArray = np.zeros(self._owned, dtype=np.int32)
+
+    def begin(
+        self,
+        liquid: FloatArray,
+        freezes: BoolArray,
+        conducts: BoolArray,
+        fed: BoolArray,
+        empty: BoolArray,
+    ) -> None:
+        """Begin a trial step; collective.
+
+        Args:
+            liquid: liquid fraction of the local nodes at its start, shape (nodes,).
+            freezes: whether their solid fraction rises in the step, shape (nodes,).
+            conducts: whether melt flows in the cells, shape (cells,).
+            fed: local nodes that feeders keep at their pressure, shape (nodes,).
+            empty: whether a node of the cells has lost its melt, shape (cells,).
+        """
+        own = slice(self._owned)
+        self._may = (liquid > 0.0)[own] & ~fed[own]
+        self.open = self._committed & self._may
+        self.resting = self._may & False
+        self.open |= self._left(conducts, empty) & self._may
+        open_tops, resting = self._tops(liquid > 0.0, freezes, conducts, fed)
+        self.open, self.resting = self.open | (open_tops & self._may), resting & self._may
+        self._changes[:] = 0
+
+    def _left(self, conducts: BoolArray, empty: BoolArray) -> BoolArray:
+        """Return the owned nodes beside cells without melt that no cell connects to others."""
+        corners = self._regions.cell_nodes
+        marks = np.zeros((2, len(self._potential)))
+        marks[0, corners[empty]] = marks[1, corners[conducts]] = 1.0
+        beside, joined = (nodal_sum(self._body, mark) > 0.0 for mark in marks)
+        return np.asarray(beside & ~joined)[: self._owned]
+
+    def _tops(
+        self, mushy: BoolArray, freezes: BoolArray, conducts: BoolArray, fed: BoolArray
+    ) -> tuple[BoolArray, BoolArray]:
+        """Return the highest owned nodes of pools without feeder or pore that freeze, and rest."""
+        comm = self._regions.comm
+        count, region = self._regions.find(conducts, mushy)
+        of_node = np.full(len(mushy), -1, dtype=np.int64)
+        of_node[self._regions.cell_nodes[conducts]] = region[conducts][:, None]
+        inside = np.flatnonzero((of_node >= 0) & mushy)
+        pool, held = of_node[inside], fed.copy()
+        held[: self._owned] |= self.open
+        reached, freezing = np.zeros((2, count), dtype=np.int32)
+        reached[pool[held[inside]]] = 1
+        freezing[pool[freezes[inside]]] = 1
+        lowest = np.full(count, np.inf)
+        np.minimum.at(lowest, pool, self._potential[inside])
+        comm.Allreduce(MPI.IN_PLACE, reached, op=MPI.MAX)
+        comm.Allreduce(MPI.IN_PLACE, freezing, op=MPI.MAX)
+        comm.Allreduce(MPI.IN_PLACE, lowest, op=MPI.MIN)
+        at_top = (self._potential[inside] <= lowest[pool] + self._level) & (reached[pool] == 0)
+        found = np.zeros((2, len(mushy)), dtype=bool)
+        found[0, inside[at_top & (freezing[pool] > 0)]] = True
+        found[1, inside[at_top & (freezing[pool] == 0)]] = True
+        return found[0, : self._owned], found[1, : self._owned]
+
+    def change(self, missing: FloatArray, volumes: FloatArray, stress: FloatArray) -> bool:
+        """Open and close pores at an iterate; return whether any has changed on this rank.
+
+        Args:
+            missing: R of the owned nodes [m³], shape (owned,).
+            volumes: V of the owned nodes [m³], likewise.
+            stress: p of the owned nodes [Pa], likewise.
+        """
+        slack = NEGATIVE * volumes
+        closes = self.open & (missing < -slack) & (self._changes < MOST_CHANGES)
+        exceeds = (stress > self._cavitation + self._slack) & ~self.resting
+        opens = self._may & ~self.open & (exceeds | (self.resting & (missing > slack)))
+        leaves = self.resting & (opens | (missing < -slack))
+        changed = closes | opens | leaves
+        self.open, self.resting = (self.open & ~closes) | opens, self.resting & ~leaves
+        self._changes += changed
+        return bool(changed.any())
+
+    def commit(self) -> None:
+        """Accept the trial state as the start of the next step."""
+        self._committed = self.open.copy()
+
+    def rewind(self) -> None:
+        """Return to the start of the step."""
+        self.open, self.resting = self._committed.copy(), self.resting & False
+
+    def saved(self) -> dict[str, Saved]:
+        """Return the open nodes."""
+        return {"open": Saved(self._committed, self._body.node_numbering)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take them back."""
+        self._committed = arrays["open"][: self._owned].astype(bool)
+        self.rewind()
