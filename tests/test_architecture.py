@@ -62,6 +62,7 @@ ORDER = [
     "studies/asked",
     "studies/runs",
     "studies",
+    "studies/inverse",
     "proof/verification",
     "proof/verification/heat",
     "proof/verification/solids proof/verification/contact proof/verification/coupled",

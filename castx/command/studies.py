@@ -1,4 +1,4 @@
-"""The commands of many runs: `castx vary`."""
+"""The commands of many runs: `castx vary`, `castx identify`."""
 
 from __future__ import annotations
 
@@ -115,4 +115,36 @@ def say_runs(console: EnduringConsole, runner: Runner, count: int) -> None:
     console.print(f"{count} runs, {runner.made} of them made now", markup=False)
 
 
-STUDY_COMMANDS = (vary,)
+def identify(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Output = None,
+    processes: Processes = None,
+    anew: Anew = False,
+    overrides: Overrides = None,
+) -> None:
+    """Identify numbers of a case from measured curves, as its [identify] says, with their bands."""
+    from castx.studies.asked.identify import Identify
+    from castx.studies.asked.reading import read_study
+    from castx.studies.inverse.identify import PAGE
+    from castx.studies.inverse.identify import identify as make
+    from castx.studies.inverse.page import row
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
+    with naming(case_file):
+        study = read_study(case_file, Identify, asked.overrides)
+        study = study.relative_to(case_file.resolve().parent)
+        with runner_of(asked, study, "identify") as runner:
+            result = make(runner, study)
+    for one in result.found.estimates:
+        name, value, band, *_ = row(one)
+        console.print(f"{name}: {value} (95 %: {band})", markup=False)
+    for text in (*result.found.remarks, *result.found.unseen, *result.found.whiteness):
+        console.print(text, markup=False)
+    say_runs(console, runner, result.found.fit.runs)
+    console.print(f"written: {runner.folder / PAGE}, {result.case_file}", markup=False)
+
+
+STUDY_COMMANDS = (vary, identify)

@@ -9,10 +9,11 @@ from typing import TypeVar
 from castx.case.reading.read import STUDIES, case_data
 from castx.errors import CaseError
 from castx.input.problems import Problem, Refusal, summary
+from castx.studies.asked.identify import Identify
 from castx.studies.asked.runner import Running
 from castx.studies.asked.vary import Vary
 
-KINDS: dict[str, type[Running]] = {"vary": Vary}
+KINDS: dict[str, type[Running]] = {"vary": Vary, "identify": Identify}
 """What describes each table."""
 Study = TypeVar("Study", bound=Running)
 

@@ -162,7 +162,7 @@ class Runner:
                     f"{self.case_file} has changed while its study ran; start the study again: it "
                     "makes anew what the change concerns"
                 )
-        said = "" if how == FINISHED else ended.said
+        said = "" if how == FINISHED else ended.said.removeprefix(f"{how}: ")
         return KeptRun(
             digest=digest, changes=dict(changes), ended=how, said=said, seconds=ended.seconds,
             folder=str(folder.relative_to(self.folder)),
