@@ -18,6 +18,7 @@ from castx.command.terminal import EnduringConsole, output_of
 from castx.errors import CaseError
 
 if TYPE_CHECKING:
+    from castx.studies.asked.identify import Identify
     from castx.studies.asked.runner import Running
     from castx.studies.runs.runner import Runner
 
@@ -121,6 +122,9 @@ def identify(
     output: Output = None,
     processes: Processes = None,
     anew: Anew = False,
+    design: Annotated[
+        bool, typer.Option("--design", help="Say where the next thermocouple belongs instead.")
+    ] = False,
     overrides: Overrides = None,
 ) -> None:
     """Identify numbers of a case from measured curves, as its [identify] says, with their bands."""
@@ -137,6 +141,9 @@ def identify(
         study = read_study(case_file, Identify, asked.overrides)
         study = study.relative_to(case_file.resolve().parent)
         with runner_of(asked, study, "identify") as runner:
+            if design:
+                show_design(runner, study, console)
+                return
             result = make(runner, study)
     for one in result.found.estimates:
         name, value, band, *_ = row(one)
@@ -145,6 +152,23 @@ def identify(
         console.print(text, markup=False)
     say_runs(console, runner, result.found.fit.runs)
     console.print(f"written: {runner.folder / PAGE}, {result.case_file}", markup=False)
+
+
+def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> None:
+    """Show the order in which candidates should become sensors, and what they would tell."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from castx.studies.inverse.design import design
+
+    found = design(runner, study)
+    table = Table("sensor", "chosen", *found.numbers, box=SIMPLE_HEAD)
+    table.add_row("", "now", *(f"{one:.2g}" for one in found.before))
+    for title, order in (("D-optimal", found.d_order), ("A-optimal", found.a_order)):
+        for one in order:
+            table.add_row(one.name, title, *(f"{value:.2g}" for value in one.deviations))
+    console.print("deviations, of ln where logarithms are sought, with each sensor and those above")
+    console.print(table)
 
 
 STUDY_COMMANDS = (vary, identify)

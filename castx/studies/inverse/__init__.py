@@ -1,5 +1,5 @@
 """Numbers of a case identified from measured curves by runs of it.
 
 Public: `parameters.Parameters`, `sensors.Sensors`, `model.MeasuredCase`, `identify.identify`,
-`estimates.Estimates`.
+`design.design`, `estimates.Estimates`.
 """

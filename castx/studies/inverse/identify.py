@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from castx.errors import CaseError, ConvergenceError
+from castx.foundry.identification.ensemble import assimilate
 from castx.foundry.identification.fit import Fit, fit
 from castx.results.files.folder import write_whole
-from castx.studies.asked.identify import Identify
-from castx.studies.inverse.estimates import Estimates, estimates
+from castx.studies.asked.identify import ENSEMBLE, Identify
+from castx.studies.inverse.estimates import Estimates, estimates, prior_covariance
 from castx.studies.inverse.identified_case import identified_case
 from castx.studies.inverse.model import MeasuredCase
 from castx.studies.inverse.page import identified_page
@@ -54,6 +55,8 @@ def identify(runner: Runner, study: Identify) -> Identified:
         CaseError: samples or unknowns do not suit the case or each other.
         ConvergenceError: the fit does not settle.
     """
+    if not study.curves:
+        raise CaseError("[identify] has no [[identify.curves]]: nothing was measured")
     model = MeasuredCase.of(runner, study)
     model.refuse_bad_start()
     unknowns = model.unknowns()
@@ -81,8 +84,10 @@ def _sensor_unit(name: str) -> str:
 
 
 def fitted(model: MeasuredCase, study: Identify) -> Fit:
-    """Return the fit of a study by Levenberg and Marquardt; raises as `identify`."""
+    """Return the fit of a study by the engine that it names; raises as `identify`."""
     unknowns = model.unknowns()
+    if study.engine == ENSEMBLE:
+        return assimilated(model, study)
     try:
         return fit(
             model, model.sensors.measured, model.sensors.noise, unknowns,
@@ -98,6 +103,24 @@ def fitted(model: MeasuredCase, study: Identify) -> Fit:
             f"{error}; see its runs in {model.runner.folder}, raise tries, or begin nearer by with "
             "start"
         ) from None
+
+
+def assimilated(model: MeasuredCase, study: Identify) -> Fit:
+    """Return the fit of a study by an ensemble of runs.
+
+    Raises:
+        CaseError: there are too few members.
+        ConvergenceError: most runs fail.
+    """
+    unknowns = model.unknowns()
+    prior = prior_covariance(unknowns, model.parameters.smoothness(len(unknowns)))
+    try:
+        return assimilate(
+            model.several, model.sensors.measured, model.sensors.noise, unknowns, prior,
+            study.members, study.rounds, study.seed,
+        )  # fmt: skip
+    except ValueError as error:
+        raise CaseError(f"[identify] {error}") from None
 
 
 def write(result: Identified) -> None:

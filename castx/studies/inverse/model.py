@@ -86,6 +86,17 @@ class MeasuredCase:
         """Return the samples of all sensors, (samples,)."""
         return self.sensors.computed(self.columns(values), values)
 
+    def several(self, asked: Sequence[Mapping[str, float]]) -> list[FloatArray | None]:
+        """Return the samples of several values, whose runs go on at once; None of failed runs."""
+        self.ahead(asked)
+        found: list[FloatArray | None] = []
+        for values in asked:
+            try:
+                found.append(self(values))
+            except ConvergenceError:
+                found.append(None)
+        return found
+
     def refuse_bad_start(self) -> None:
         """Make the run of the start, and those of its slopes, and refuse what they do not tell.
 

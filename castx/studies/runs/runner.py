@@ -69,6 +69,7 @@ class Runner:
         self._executor, self._time_limit = executor, time_limit
         self._anew = anew
         self._known: dict[str, KeptRun] = {}
+        self._digests: dict[tuple[str, ...], str] = {}
         self.made = 0
         """How many runs were made, not taken from those that are kept."""
 
@@ -78,7 +79,10 @@ class Runner:
         Raises:
             CaseError: the case does not take these values.
         """
-        return f"{__version__} {load_case(self.case_file, self._set(changes)).digest}"
+        given = tuple(self._set(changes))
+        if given not in self._digests:
+            self._digests[given] = f"{__version__} {load_case(self.case_file, given).digest}"
+        return self._digests[given]
 
     def _set(self, changes: Changes) -> list[str]:
         return [*self.overrides, *changes_as_overrides(changes)]

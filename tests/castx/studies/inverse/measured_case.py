@@ -29,7 +29,7 @@ def opened(
     (folder / "near.csv").write_text(measured(1400.0, 2e-3, 1.0) if text is None else text)
     curve = {**CURVE, "depth_deviation": "0.3 mm"} if depth else CURVE
     unknowns = [{**UNKNOWN, **(unknown or {})}, *(others or [])]
-    asked = Identify.read({"curves": [curve], "unknowns": unknowns, **study}).relative_to(folder)
+    asked = Identify.read({"curves": [curve], "unknowns": unknowns} | study).relative_to(folder)
     runs = folder / "study"
     runs.mkdir(exist_ok=True)
     return Runner(folder / "case.toml", (), runs, executor or Formulas(formula)), asked

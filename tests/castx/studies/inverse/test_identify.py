@@ -154,3 +154,21 @@ def test_runs_of_castx_tell_the_coefficient(comm, tmp_path):
     found = found_in(identify(runner, study))
     assert abs(np.log(found["h"].value / 1300.0)) < 3.0 * found["h"].deviation < 0.2
     assert abs(found["depth of near"].value - 2e-4) < 3.0 * found["depth of near"].deviation
+
+
+def test_an_ensemble_agrees_with_the_descent(tmp_path):
+    """Within two posterior deviations of each other."""
+    known = {"unknown": {"deviation": 0.3}}
+    lm = found_in(identify(*opened(tmp_path, **known)))
+    runner, study = opened(tmp_path, engine="ensemble", members=12, rounds=3, **known)
+    found = found_in(identify(runner, study))
+    one, other = lm["h"], found["h"]
+    assert abs(np.log(other.value / one.value)) < 2.0 * one.deviation
+    assert 0.3 < other.deviation / one.deviation < 2.0
+    assert runner.made > 40
+
+
+def test_a_study_without_curves_is_for_designs_only(tmp_path):
+    place = {"name": "a", "body": "mould", "at": ["32 mm", "0.5 mm"], "depth_deviation": 0}
+    with pytest.raises(CaseError, match="nothing was measured"):
+        identify(*opened(tmp_path, candidates=[place], curves=[]))
