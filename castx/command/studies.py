@@ -1,4 +1,4 @@
-"""The commands of many runs: `castx vary`, `castx identify`."""
+"""The commands of many runs: `castx vary`, `castx identify`, `castx optimise`."""
 
 from __future__ import annotations
 
@@ -171,4 +171,37 @@ def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> No
     console.print(table)
 
 
-STUDY_COMMANDS = (vary, identify)
+def optimise(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Output = None,
+    processes: Processes = None,
+    anew: Anew = False,
+    overrides: Overrides = None,
+) -> None:
+    """Look for the best numbers of a case, as its [optimise] says, by many runs."""
+    from castx.studies.asked.optimise import Optimise
+    from castx.studies.asked.reading import read_study
+    from castx.studies.optimise import optimise as make
+    from castx.studies.table import with_unit
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
+    with naming(case_file):
+        study = read_study(case_file, Optimise, asked.overrides)
+        with runner_of(asked, study, "optimise") as runner:
+            found = make(runner, study)
+    table, best = found.table, found.best
+    for name, unit, value in zip(table.inputs, table.units, table.values[best], strict=True):
+        console.print(f"{with_unit(name, unit)}: {value:.5g}", markup=False)
+    for name in dict.fromkeys((study.goal, *(limit.of for limit in study.limits))):
+        answer = table.found[best][name]
+        console.print(f"{with_unit(name, answer.unit)}: {answer.shown:.5g}", markup=False)
+    if not found.within:
+        console.print("no run keeps all limits; this one is nearest", markup=False)
+    say_runs(console, runner, len(table.runs))
+    console.print(f"written: {found.case_file}, {runner.folder / 'table.csv'}", markup=False)
+
+
+STUDY_COMMANDS = (vary, identify, optimise)

@@ -77,20 +77,28 @@ def _value(one: VariedInput, share: float) -> float | str:
     return chosen.written(chosen.value)
 
 
-def refuse_unusable(case_file: Path, overrides: Sequence[str], study: Vary) -> None:
+def refuse_unusable(
+    case_file: Path, overrides: Sequence[str], inputs: Sequence[VariedInput], kind: str
+) -> None:
     """Refuse inputs that the case does not take at both ends of their ranges.
+
+    Args:
+        case_file: the case.
+        overrides: values that replace those of the file.
+        inputs: what is varied.
+        kind: the table of the study.
 
     Raises:
         CaseError: with path, value and what the case asks for.
     """
     load_case(case_file, overrides)
-    for one in study.inputs:
+    for one in inputs:
         for share in (0.0, 1.0):
             changes = {one.of: _value(one, share)}
             try:
                 load_case(case_file, [*overrides, *changes_as_overrides(changes)])
             except CaseError as error:
-                raise CaseError(f"[vary] {one.label}: {error}") from None
+                raise CaseError(f"[{kind}] {one.label}: {error}") from None
 
 
 def changes_of(study: Vary, values: Sequence[Sequence[float | str]]) -> list[Changes]:
@@ -108,7 +116,7 @@ def vary(runner: Runner, study: Vary) -> VariedCase:
     Raises:
         CaseError: an input does not suit the case, or not one run has finished.
     """
-    refuse_unusable(runner.case_file, runner.overrides, study)
+    refuse_unusable(runner.case_file, runner.overrides, study.inputs, "vary")
     points, values = sampled(study)
     runs = runner.runs(changes_of(study, values))
     finished = [run for run in runs if run.is_finished]

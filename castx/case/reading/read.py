@@ -23,7 +23,7 @@ from castx.input.toml_text import parse_toml, refuse_too_deep
 _log = logging.getLogger(__name__)
 
 _LARGEST_FILE = 4_000_000  # bytes
-STUDIES = ("vary", "identify")
+STUDIES = ("vary", "identify", "optimise")
 """Tables of a case file on many runs of it; a single run has no use of them."""
 
 

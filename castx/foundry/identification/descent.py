@@ -46,6 +46,7 @@ def descend(
     first: FloatArray,
     bounds: tuple[FloatArray, FloatArray],
     tries: int,
+    reach: FloatArray | float = np.inf,
 ) -> Descended:
     """Lower Φ until the next full step is less than 2 % of each posterior deviation.
 
@@ -58,6 +59,7 @@ def descend(
         first: where it begins, (parameters,).
         bounds: smallest and largest point, (parameters,) each.
         tries: how many points at most, refused ones too.
+        reach: largest step of each parameter.
 
     Raises:
         ConvergenceError: it has not settled.
@@ -70,12 +72,13 @@ def descend(
         curvature, gradient = matrix.T @ matrix, matrix.T @ miss
         limit = SETTLED * _deviations(curvature)
         room = bounds[0] - point, bounds[1] - point
+        near = np.maximum(room[0], -reach), np.minimum(room[1], reach)
         if np.all(np.abs(bounded_step(curvature, gradient, room)) < limit):
             return Descended(point, matrix)
         while tries > 0:
             tries -= 1
             damped = curvature + damping * np.diag(np.diag(curvature))
-            step = bounded_step(damped, gradient, room)
+            step = bounded_step(damped, gradient, near)
             there = residuals(point + step)
             foreseen = -float(2.0 * gradient @ step + step @ curvature @ step)
             gained = float(miss @ miss - there @ there)

@@ -173,6 +173,7 @@ def fit(
     smoothness: FloatArray | None = None,
     tries: int = TRIES,
     ahead: Ahead | None = None,
+    reach: float = np.inf,
 ) -> Fit:
     """Fit unknowns of a model to measured samples; prior knowledge counts as further samples.
 
@@ -187,6 +188,7 @@ def fit(
         smoothness: S/γ, (rows, unknowns), see `smoothness.second_differences`.
         tries: how many steps at most, refused ones too.
         ahead: told of all values whose samples the next slopes need.
+        reach: largest step of a logarithm.
 
     Raises:
         ConvergenceError: the model fails at the start, or the fit does not settle.
@@ -194,8 +196,9 @@ def fit(
     """
     misfit = _Misfit(model, measured, noise, unknowns, smoothness, ahead)
     low, high = misfit.bounds
+    far = np.array([reach if unknown.positive else np.inf for unknown in unknowns])
     try:
-        end = descend(misfit.residuals, misfit.slopes, misfit.first, (low, high), tries)
+        end = descend(misfit.residuals, misfit.slopes, misfit.first, (low, high), tries, far)
     except ConvergenceError:
         raise ConvergenceError(
             f"the fit has not settled after {misfit.runs} runs of the model"

@@ -10,10 +10,11 @@ from castx.case.reading.read import STUDIES, case_data
 from castx.errors import CaseError
 from castx.input.problems import Problem, Refusal, summary
 from castx.studies.asked.identify import Identify
+from castx.studies.asked.optimise import Optimise
 from castx.studies.asked.runner import Running
 from castx.studies.asked.vary import Vary
 
-KINDS: dict[str, type[Running]] = {"vary": Vary, "identify": Identify}
+KINDS: dict[str, type[Running]] = {"vary": Vary, "identify": Identify, "optimise": Optimise}
 """What describes each table."""
 Study = TypeVar("Study", bound=Running)
 

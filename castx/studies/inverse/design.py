@@ -79,7 +79,7 @@ def design(runner: Runner, study: Identify) -> SensorDesign:
     parameters = Parameters.of(study.unknowns, case.content)
     unknowns = parameters.unknowns()
     present = present_sensors(study, case)
-    tables = _tables(runner, parameters, unknowns, [*study.candidates, *present])
+    tables = slope_tables(runner, parameters, unknowns, [*study.candidates, *present])
     time = np.asarray(np.arange(study.every, case.time.end, study.every), dtype=np.float64)
     candidates = {one.name: with_slopes(one, tables, unknowns, time) for one in study.candidates}
     there = [with_slopes(one, tables, unknowns, time) for one in present]
@@ -148,13 +148,23 @@ def present_sensors(study: Identify, case: Case) -> list[CandidateSensor]:
     return found
 
 
-def _tables(
+def slope_tables(
     runner: Runner,
     parameters: Parameters,
     unknowns: Sequence[Unknown],
     places: Sequence[CandidateSensor],
 ) -> list[dict[str, FloatArray]]:
-    """Return the curves at the start, and with each number moved by its difference."""
+    """Return the curves at the start, and with each number moved by its difference.
+
+    Args:
+        runner: of the case.
+        parameters: unknowns of the case.
+        unknowns: their numbers.
+        places: sensors.
+
+    Raises:
+        ConvergenceError: a run fails.
+    """
     start = {one.name: one.value(one.first) for one in unknowns}
     moved = [start] + [
         {**start, one.name: one.value(one.first + one.difference)} for one in unknowns

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from castx.case.reading.read import STUDIES, case_data
-from castx.input.overrides import apply_overrides
 from castx.input.toml_written import toml_text
 from castx.studies.asked.curves import SensorCurve
 from castx.studies.asked.identify import CLOCK
 from castx.studies.inverse.model import MeasuredCase
-from castx.studies.runs.runner import changes_as_overrides
+from castx.studies.runs.case_text import changed_content
 
 HEAD = "# With numbers identified from measured curves by castx identify.\n\n"
 
@@ -28,9 +26,8 @@ def identified_case(model: MeasuredCase, values: Mapping[str, float]) -> str:
         values: of all unknowns.
     """
     runner = model.runner
-    content, _ = case_data(runner.case_file, runner.overrides)
-    found = changes_as_overrides(model.parameters.changes(values))
-    content = apply_overrides({k: v for k, v in content.items() if k not in STUDIES}, found)
+    found = model.parameters.changes(values)
+    content = changed_content(runner.case_file, runner.overrides, found)
     for one in model.sensors.sensors:
         shift = values.get(one.depth_name, 0.0)
         probe = next(p for p in content["probes"] if p["name"] == one.probe.name)
@@ -43,7 +40,6 @@ def identified_case(model: MeasuredCase, values: Mapping[str, float]) -> str:
     others = [m for m in content.get("measurements", [])
               if m.get("of") not in [curve["of"] for curve in curves]]  # fmt: skip
     content["measurements"] = [*others, *curves]
-    content.get("output", {}).pop("folder", None)
     return HEAD + toml_text(content)
 
 

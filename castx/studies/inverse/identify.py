@@ -22,6 +22,8 @@ from castx.studies.inverse.page import identified_page
 from castx.studies.inverse.predictions import Prediction, probe_bands, table_bands
 from castx.studies.runs.runner import Runner
 
+REACH = 1.0
+"""Largest step of a logarithm: a guess that is far off is left by steps that the model follows."""
 RESULT, PAGE = "identified.json", "identified.html"
 
 
@@ -91,7 +93,7 @@ def fitted(model: MeasuredCase, study: Identify) -> Fit:
     try:
         return fit(
             model, model.sensors.measured, model.sensors.noise, unknowns,
-            model.parameters.smoothness(len(unknowns)), study.tries, model.ahead,
+            model.parameters.smoothness(len(unknowns)), study.tries, model.ahead, REACH,
         )  # fmt: skip
     except ValueError as error:
         raise CaseError(

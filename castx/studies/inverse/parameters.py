@@ -21,6 +21,8 @@ from castx.tables import Table
 
 BETWEEN = 8
 """Pieces of a table between two knots, so that it is linear in ln."""
+DIGITS = 9
+"""Of the values of a table."""
 OF_LN = 0.01
 """Usual difference of a logarithm."""
 UNIT_OF_KNOTS = {"time": 1.0, "gap": 1e-5, "pressure": 1e6}
@@ -112,7 +114,7 @@ class SoughtValues:
         argument = (self.asked.knots or ())[0]
         curve = self.curve(found, at)
         rows = [
-            [argument.written(float(x)), Amount(0.0, self.unit).written(float(y))]
+            [argument.written(float(x)), Amount(0.0, self.unit).written(float(f"{y:.{DIGITS}g}"))]
             for x, y in zip(at, curve, strict=True)
         ]
         if not self.asked.of.startswith("interfaces"):

@@ -80,3 +80,17 @@ def test_what_does_not_settle_or_tell_is_refused():
         descend(valley, slopes, np.array([-1.2, 1.0]), FREE, 3)
     with pytest.raises(ValueError, match="do not tell all parameters apart"):
         descend(lambda p: np.array([p.sum()]), lambda p: np.ones((1, 2)), np.ones(2), FREE, 9)
+
+
+def test_steps_go_no_farther_than_their_reach():
+    seen = []
+
+    def watched(point):
+        seen.append(point.copy())
+        return valley(point)
+
+    reach = np.array([0.1, np.inf])
+    found = descend(watched, slopes, np.array([-1.2, 1.0]), FREE, 100, reach)
+    assert np.max(np.abs(np.diff(np.array(seen)[:, 0]))) < 0.2 + 1e-12
+    assert abs(seen[1][0] - seen[0][0]) <= 0.1 + 1e-12
+    assert found.point == pytest.approx([1.0, 1.0], abs=0.05)
