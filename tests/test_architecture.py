@@ -69,6 +69,7 @@ ORDER = [
     "proof/verification/foundry",
     "proof/validation",
     "proof",
+    "command/watches",
     "command",
     "__init__ __main__",
 ]
