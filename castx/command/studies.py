@@ -162,13 +162,15 @@ def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> No
     from castx.studies.inverse.design import design
 
     found = design(runner, study)
-    table = Table("sensor", "chosen", *found.numbers, box=SIMPLE_HEAD)
-    table.add_row("", "now", *(f"{one:.2g}" for one in found.before))
+    console.print(
+        "deviations, of ln where logarithms are sought, with each sensor and those before"
+    )
     for title, order in (("D-optimal", found.d_order), ("A-optimal", found.a_order)):
-        for one in order:
-            table.add_row(one.name, title, *(f"{value:.2g}" for value in one.deviations))
-    console.print("deviations, of ln where logarithms are sought, with each sensor and those above")
-    console.print(table)
+        table = Table(title, "now", *(f"+ {one.name}" for one in order), box=SIMPLE_HEAD)
+        for k, name in enumerate(found.numbers):
+            values = [found.before[k], *(one.deviations[k] for one in order)]
+            table.add_row(name, *(f"{value:.2g}" for value in values))
+        console.print(table)
 
 
 def optimise(

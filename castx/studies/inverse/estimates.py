@@ -25,7 +25,7 @@ LACKS = 2.0
 
 
 @dataclass(frozen=True)
-class Estimate:
+class IdentifiedNumber:
     """A number that was identified.
 
     Attributes:
@@ -66,7 +66,7 @@ class Estimates:
     """
 
     fit: Fit
-    estimates: Sequence[Estimate]
+    estimates: Sequence[IdentifiedNumber]
     whiteness: Sequence[str]
     unseen: Sequence[str]
     remarks: Sequence[str]
@@ -108,10 +108,10 @@ def estimates(
     )
 
 
-def _estimate(unknown: Unknown, unit: str, theta: float, sigma: float) -> Estimate:
+def _estimate(unknown: Unknown, unit: str, theta: float, sigma: float) -> IdentifiedNumber:
     low, high = unknown.bounds
     near = NEAR * sigma
-    return Estimate(
+    return IdentifiedNumber(
         unknown.name, unit, unknown.value(theta),
         unknown.value(theta - BAND * sigma), unknown.value(theta + BAND * sigma), sigma,
         unknown.positive, unknown.start, unknown.deviation,
@@ -168,7 +168,7 @@ def unseen_sentence(direction: Direction) -> str:
 
 
 def _remarks(
-    found: Fit, numbers: Sequence[Estimate], unknowns: Sequence[Unknown]
+    found: Fit, numbers: Sequence[IdentifiedNumber], unknowns: Sequence[Unknown]
 ) -> list[str]:  # fmt: skip
     remarks = []
     if found.chi_square > LACKS:

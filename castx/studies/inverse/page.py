@@ -8,7 +8,7 @@ import numpy as np
 
 from castx.report.page.assets import CURVES_ONLY, page
 from castx.report.page.charts import Panel, Section, merged
-from castx.studies.inverse.estimates import Estimate, Estimates
+from castx.studies.inverse.estimates import Estimates, IdentifiedNumber
 from castx.studies.inverse.predictions import Prediction
 from castx.studies.inverse.sensors import Sensors
 from castx.studies.page import probe_unit
@@ -50,7 +50,7 @@ def identified_page(
     )
 
 
-def row(one: Estimate) -> list[str]:
+def row(one: IdentifiedNumber) -> list[str]:
     """Return the line of an estimate in the table."""
     unit = f" {one.unit}" if one.unit else ""
     spread = f"{100.0 * one.deviation:.2g} %" if one.logarithmic else f"{one.deviation:.2g}{unit}"

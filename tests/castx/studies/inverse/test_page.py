@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.studies.inverse.estimates import Estimate
+from castx.studies.inverse.estimates import IdentifiedNumber
 from castx.studies.inverse.page import row, table_sections
 from castx.studies.inverse.predictions import Prediction
 
@@ -11,11 +11,11 @@ pytestmark = pytest.mark.serial
 
 
 def test_a_line_of_the_table():
-    one = Estimate("h", "W/m^2/K", 1234.56, 1100.0, 1400.0, 0.05, True, 900.0, np.inf, True)
+    one = IdentifiedNumber("h", "W/m^2/K", 1234.56, 1100.0, 1400.0, 0.05, True, 900.0, np.inf, True)
     assert row(one) == [
         "h", "1234.6 W/m^2/K, at its bound", "1100 to 1400", "5 %", "900", "nothing",
     ]  # fmt: skip
-    depth = Estimate("depth", "m", 1e-4, 0.0, 2e-4, 5e-5, False, 0.0, 3e-4, False)
+    depth = IdentifiedNumber("depth", "m", 1e-4, 0.0, 2e-4, 5e-5, False, 0.0, 3e-4, False)
     assert row(depth)[3:] == ["5e-05 m", "0", "0.0003 m"]
 
 
