@@ -63,15 +63,16 @@ def row(one: IdentifiedNumber) -> list[str]:
 
 
 def table_sections(tables: Sequence[Prediction]) -> list[Section]:
-    """Return a diagram for each unknown table over its own argument."""
+    """Return a diagram for each unknown table over time; of others the numbers tell."""
     return [
         Section(
             one.name,
-            "Identified table with its 95 % band, over the quantity of its first column.",
+            "Identified table with its 95 % band.",
             one.argument,
             [Panel(one.name, {"identified": one.value, "low": one.low, "high": one.high})],
         )
         for one in tables
+        if one.over_seconds
     ]
 
 

@@ -83,6 +83,14 @@ class SoughtValues:
         """Arguments of a table, in their unit, (knots,)."""
         return np.array([one.value for one in self.asked.knots or ()])
 
+    @property
+    def over_seconds(self) -> bool:
+        """Whether it is a table over time in seconds, which diagrams have as their axis."""
+        return self.asked.over == "time" and {one.unit for one in self.asked.knots or ()} <= {
+            "",
+            "s",
+        }
+
     def unknowns(self) -> list[Unknown]:
         """Return its numbers as a fit takes them."""
         asked, positive = self.asked, self.asked.scale == LOG

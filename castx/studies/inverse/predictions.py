@@ -26,6 +26,7 @@ class Prediction:
         value: (points,).
         low: lower end of the band, (points,).
         high: upper end, (points,).
+        over_seconds: whether the argument is time in seconds.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Prediction:
     value: FloatArray
     low: FloatArray
     high: FloatArray
+    over_seconds: bool = True
 
 
 def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
@@ -50,10 +52,10 @@ def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
             part = found.widened[first : first + count, first : first + count]
             weights = np.array([np.interp(at, one.knots, row) for row in np.eye(count)]).T
             middle, half = weights @ found.fitted[first : first + count], band(weights, part)
-            ends = [middle, middle - half, middle + half]
+            value, low, high = middle, middle - half, middle + half
             if one.asked.scale == LOG:
-                ends = [np.exp(values) for values in ends]
-            bands.append(Prediction(one.asked.name, at, *ends))
+                value, low, high = np.exp(value), np.exp(low), np.exp(high)
+            bands.append(Prediction(one.asked.name, at, value, low, high, one.over_seconds))
         first += count
     return bands
 

@@ -1,5 +1,7 @@
 """Tables of studies in a case file."""
 
+from pathlib import Path
+
 import pytest
 
 from castx.case.reading.read import STUDIES, load_case
@@ -52,3 +54,8 @@ def test_a_case_without_it_is_refused(tmp_path):
 def test_all_studies_have_a_description(tmp_path):
     assert set(KINDS) == set(STUDIES)
     assert refuse_wrong_studies(file(tmp_path, TABLE)) == ["vary"]
+
+
+def test_the_demo_has_all_studies():
+    demo = Path(__file__).parents[4] / "demos/interface_study.toml"
+    assert refuse_wrong_studies(demo) == list(STUDIES)

@@ -22,4 +22,5 @@ def test_a_line_of_the_table():
 def test_a_table_has_three_lines():
     x = np.array([0.0, 1.0])
     (section,) = table_sections([Prediction("h", x, x + 2, x + 1, x + 3)])
+    assert table_sections([Prediction("h", x, x, x, x, over_seconds=False)]) == []
     assert list(section.panels[0].lines) == ["identified", "low", "high"]

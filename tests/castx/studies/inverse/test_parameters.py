@@ -98,4 +98,8 @@ def test_smoothness_stands_in_the_columns_of_its_table(content):
     gap = SoughtNumber.read({**numbers[1], "over": "gap", "knots": ["0 um", "10 um", "30 um"]})
     with pytest.raises(CaseError, match=r"W/m\^2/K"):
         Parameters.of([SoughtNumber.read({**numbers[1], "low": "1 m"})], content)
-    assert SoughtValues.of(gap, content).smoothness().shape == (1, 3)
+    over_gap = SoughtValues.of(gap, content)
+    assert over_gap.smoothness().shape == (1, 3) and not over_gap.over_seconds
+    assert parameters.sought[1].over_seconds
+    change = over_gap.change(dict.fromkeys(over_gap.names, 500.0))
+    load_case(content, changes_as_overrides({CLOSED: change}))  # the case takes it
