@@ -19,6 +19,7 @@ from castx.command.foreign import verify
 from castx.command.look_up import EntryName, EntryPlot, look_up
 from castx.command.refusals import naming, seconds
 from castx.command.scheil import scheil
+from castx.command.studies import STUDY_COMMANDS, CaseFile, Overrides
 from castx.command.terminal import (
     LINES,
     Detail,
@@ -33,12 +34,6 @@ from castx.handover.target import Target
 from castx.input.printable import printable
 from castx.ranks import common_code, on_first_rank
 from castx.version import __version__
-
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value, for instance time.end=10."),
-]
 
 UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
 """A command line that is wrong; typer exports this base class of `BadParameter` by no name."""
@@ -209,9 +204,11 @@ def check(
     """Validate a case, build its mesh and name its bodies, surfaces and interfaces; no solve."""
     from castx.case.reading.read import load_case
     from castx.command.check import check_case
+    from castx.studies.asked.reading import refuse_wrong_studies
 
     comm, console = output_of(context)
     with naming(case_file):
+        on_first_rank(comm, lambda: refuse_wrong_studies(case_file, overrides or ()))
         check_case(load_case(case_file, overrides or ()), comm, console, picture)
     console.refuse_loss()
 
@@ -343,8 +340,8 @@ def materials(
     look_up(context, table, draw, name, plot)
 
 
-app.command()(scheil)
-app.command()(verify)
+for command in (scheil, verify, *STUDY_COMMANDS):
+    app.command()(command)
 
 
 @app.command()

@@ -45,6 +45,18 @@ def shortened(override: str) -> str:
     return override if len(override) <= _SHOWN else f"{override[:_SHOWN]} ..."
 
 
+def value_at(data: Any, path: str) -> Any:
+    """Return the value at a path of `apply_overrides`, None where there is none."""
+    for key in _INDEX.sub(r".\1", path).split("."):
+        if isinstance(data, dict) and key in data:
+            data = data[key]
+        elif isinstance(data, list) and key.isdecimal() and int(key) < len(data):
+            data = data[int(key)]
+        else:
+            return None
+    return data
+
+
 def _value(text: str) -> Any:
     """Return a TOML value, or the text itself where it is none."""
     try:

@@ -23,6 +23,8 @@ from castx.input.toml_text import parse_toml, refuse_too_deep
 _log = logging.getLogger(__name__)
 
 _LARGEST_FILE = 4_000_000  # bytes
+STUDIES = ("vary", "identify", "optimise")
+"""Tables of a case file on many runs of it; a single run has no use of them."""
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()) -> Case:
@@ -51,18 +53,36 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
     Raises:
         CaseError: the case cannot be read or accepted; the message shows all problems found.
     """
-    if isinstance(source, Mapping):
-        path, data = Path("case.toml"), dict(source)
-    else:
-        path = Path(source)
-        data = _read_file(path)
+    changed, remark = case_data(source, overrides)
+    path = Path("case.toml") if isinstance(source, Mapping) else Path(source)
+    alone = {key: value for key, value in changed.items() if key not in STUDIES}
+    return read_case(alone, path, remark)
+
+
+def case_data(
+    source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()
+) -> tuple[dict[str, Any], str]:
+    """Return keys and values of a case file with those that replace them, studies included.
+
+    Args:
+        source: a TOML file, or its content.
+        overrides: values that replace those of the source.
+
+    Returns:
+        The content, and what messages say of the overrides.
+
+    Raises:
+        CaseError: the file cannot be read, or a path leads nowhere.
+    """
+    path = Path("case.toml") if isinstance(source, Mapping) else Path(source)
+    data = dict(source) if isinstance(source, Mapping) else _read_file(path)
     remark = " ".join(f"--set {shortened(override)}" for override in overrides)
     changed = apply_overrides(data, overrides)
     try:
         refuse_too_deep(changed)
     except CaseError as error:
         raise CaseError(f"{path} {remark}: {error}") from None
-    return read_case(changed, path, remark)
+    return changed, remark
 
 
 def read_case(

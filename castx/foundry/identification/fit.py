@@ -1,8 +1,7 @@
 """Interface data fitted to measured temperatures: Levenberg and Marquardt over any model.
 
 A model is a function of named values, such as the run of a case that returns the samples of its
-sensors. Source of the method: K. Levenberg, Q. Appl. Math. 2 (1944) 164-168, D. W. Marquardt, SIAM
-J. Appl. Math. 11 (1963) 431-441, as the trust region of `scipy.optimize.least_squares`.
+sensors.
 """
 
 from __future__ import annotations
@@ -11,22 +10,21 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
 from castx.foundry.identification.covariance import (
-    deviations,
     posterior,
     reduced_chi_square,
     weighted,
     widened,
 )
+from castx.foundry.identification.descent import descend
 
 Model = Callable[[Mapping[str, float]], FloatArray]
 """Samples of named values, (samples,); a run that fails raises `ConvergenceError`."""
-SETTLED = 0.02
-"""Step, in posterior deviations, below which a fit has settled."""
+Ahead = Callable[[Sequence[Mapping[str, float]]], None]
+"""Told of values before a model is asked for them one by one, so that their runs go on at once."""
 TRIES = 60
 
 
@@ -42,6 +40,8 @@ class Unknown:
             be a hundred times smaller.
         deviation: of what is known before, in its unit, or of ln if positive; infinite: nothing is.
         positive: whether its logarithm is fitted.
+        low: smallest value that is tried, below the start.
+        high: largest one, above the start.
     """
 
     name: str
@@ -49,11 +49,21 @@ class Unknown:
     difference: float
     deviation: float = np.inf
     positive: bool = False
+    low: float = -np.inf
+    high: float = np.inf
 
     @property
     def first(self) -> float:
         """Fitted number at the start, a logarithm if positive."""
         return float(np.log(self.start)) if self.positive else self.start
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Smallest and largest fitted number."""
+        if not self.positive:
+            return self.low, self.high
+        low = float(np.log(self.low)) if self.low > 0.0 else -np.inf
+        return low, float(np.log(self.high))
 
     def value(self, fitted: float) -> float:
         """Return the value of the unknown from its fitted number."""
@@ -88,10 +98,6 @@ class Fit:
         return widened(self.covariance, self.chi_square)
 
 
-class _Settled(Exception):
-    """The next step would be small beside the posterior deviations."""
-
-
 class _Misfit:
     """Residuals of Φ = ½ Σ ((y - T)/σ)² + ½ (θ - θ_0)ᵀ Γ⁻¹ (θ - θ_0) + ½ ‖S θ‖²/γ²."""
 
@@ -102,7 +108,10 @@ class _Misfit:
         noise: FloatArray,
         unknowns: Sequence[Unknown],
         smoothness: FloatArray | None,
+        ahead: Ahead | None,
     ) -> None:
+        self.ahead = ahead
+        self.bounds = np.array([unknown.bounds for unknown in unknowns]).T
         self.model, self.measured, self.unknowns = model, measured, unknowns
         self.noise = np.broadcast_to(np.asarray(noise, dtype=np.float64), measured.shape)
         self.first = np.array([unknown.first for unknown in unknowns])
@@ -113,13 +122,17 @@ class _Misfit:
         self.target = np.concatenate([known @ self.first, np.zeros(len(smooth))])
         self.runs = 0
         self.last: tuple[FloatArray, FloatArray] = (self.first, self.samples(self.first))
-        self.linearised: tuple[FloatArray, FloatArray, FloatArray] | None = None
+        self.changes: FloatArray = np.zeros((len(measured), len(unknowns)))
 
     def samples(self, fitted: FloatArray) -> FloatArray:
         """Return the samples computed by the model."""
         self.runs += 1
+        return np.asarray(self.model(self.values(fitted)))
+
+    def values(self, fitted: FloatArray) -> dict[str, float]:
+        """Return the values of the unknowns by their names."""
         pairs = zip(self.unknowns, fitted, strict=True)
-        return np.asarray(self.model({u.name: u.value(theta) for u, theta in pairs}))
+        return {unknown.name: unknown.value(theta) for unknown, theta in pairs}
 
     def residuals(self, fitted: FloatArray) -> FloatArray:
         """Return the roots of the terms of 2 Φ, infinite where a run fails: a refused step."""
@@ -136,25 +149,20 @@ class _Misfit:
         self.residuals(fitted)
         here = self.last[1]
         columns = []
-        for k, unknown in enumerate(self.unknowns):
-            step = np.zeros(len(fitted))
-            step[k] = unknown.difference
+        steps = np.diag([unknown.difference for unknown in self.unknowns])
+        if self.ahead is not None:
+            self.ahead([self.values(fitted + step) for step in steps])
+        for step, unknown in zip(steps, self.unknowns, strict=True):
             try:
                 columns.append((self.samples(fitted + step) - here) / unknown.difference)
             except ConvergenceError:
                 columns.append((here - self.samples(fitted - step)) / unknown.difference)
         return np.column_stack(columns)
 
-    def jacobian(self, fitted: FloatArray) -> FloatArray:
-        """Return the slopes of the residuals, or end the fit where the next step is small."""
-        changes = self.sensitivity(fitted)
-        slopes = np.vstack([weighted(changes, self.noise), self.constraints])
-        covariance = posterior(slopes, np.array(1.0))
-        self.linearised = fitted.copy(), changes, covariance
-        step = covariance @ (slopes.T @ self.residuals(fitted))
-        if np.all(np.abs(step) < SETTLED * deviations(covariance)):
-            raise _Settled
-        return slopes
+    def slopes(self, fitted: FloatArray) -> FloatArray:
+        """Return the slopes of the residuals."""
+        self.changes = self.sensitivity(fitted)
+        return np.vstack([weighted(self.changes, self.noise), self.constraints])
 
 
 def fit(
@@ -164,11 +172,13 @@ def fit(
     unknowns: Sequence[Unknown],
     smoothness: FloatArray | None = None,
     tries: int = TRIES,
+    ahead: Ahead | None = None,
+    reach: float = np.inf,
 ) -> Fit:
     """Fit unknowns of a model to measured samples; prior knowledge counts as further samples.
 
-    It ends where the next full step is less than 2 % of each posterior deviation. A run that fails
-    is a refused step: a smaller one is tried.
+    It ends where the next full step, as far as bounds let it, is less than 2 % of each posterior
+    deviation. A run that fails is a refused step: a smaller one is tried.
 
     Args:
         model: asked once for each step, and once for each unknown after it.
@@ -177,34 +187,30 @@ def fit(
         unknowns: what is fitted.
         smoothness: S/γ, (rows, unknowns), see `smoothness.second_differences`.
         tries: how many steps at most, refused ones too.
+        ahead: told of all values whose samples the next slopes need.
+        reach: largest step of a logarithm.
 
     Raises:
         ConvergenceError: the model fails at the start, or the fit does not settle.
         ValueError: the samples do not tell all unknowns apart, and nothing known before does.
     """
-    misfit = _Misfit(model, measured, noise, unknowns, smoothness)
-    small = 10 * float(np.finfo(np.float64).eps)
+    misfit = _Misfit(model, measured, noise, unknowns, smoothness, ahead)
+    low, high = misfit.bounds
+    far = np.array([reach if unknown.positive else np.inf for unknown in unknowns])
     try:
-        least_squares(
-            misfit.residuals, misfit.first, misfit.jacobian, x_scale="jac",
-            ftol=small, xtol=small, gtol=small, max_nfev=tries,
-        )  # fmt: skip
-    except _Settled:
-        return _found(misfit)
-    raise ConvergenceError(f"the fit has not settled after {misfit.runs} runs of the model")
-
-
-def _found(misfit: _Misfit) -> Fit:
-    assert misfit.linearised is not None  # a fit settles at its slopes
-    fitted, changes, covariance = misfit.linearised
-    residuals = -misfit.residuals(fitted)[: len(misfit.measured)] * misfit.noise
-    pairs = zip(misfit.unknowns, fitted, strict=True)
+        end = descend(misfit.residuals, misfit.slopes, misfit.first, (low, high), tries, far)
+    except ConvergenceError:
+        raise ConvergenceError(
+            f"the fit has not settled after {misfit.runs} runs of the model"
+        ) from None
+    residuals = -misfit.residuals(end.point)[: len(measured)] * misfit.noise
+    covariance = posterior(end.slopes, np.array(1.0))
     return Fit(
-        {unknown.name: unknown.value(theta) for unknown, theta in pairs},
-        fitted,
+        misfit.values(end.point),
+        end.point,
         covariance,
-        reduced_chi_square(residuals, misfit.noise, changes, covariance),
+        reduced_chi_square(residuals, misfit.noise, misfit.changes, covariance),
         residuals,
-        changes,
+        misfit.changes,
         misfit.runs,
     )

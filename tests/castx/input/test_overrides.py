@@ -3,7 +3,7 @@
 import pytest
 
 from castx.errors import CaseError
-from castx.input.overrides import apply_overrides
+from castx.input.overrides import apply_overrides, value_at
 
 pytestmark = pytest.mark.serial
 
@@ -63,3 +63,11 @@ def test_refused_override(override, text):
 def test_keys_have_levels_like_those_of_a_file():
     with pytest.raises(CaseError, match=r"--set a\.a\.a.{195} \.\.\.: lists or tables are nested"):
         apply_overrides({}, [".".join("a" * 50_000) + "=1"])
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [("a.0.b", 3), ("a[0].b", 3), ("a.1", None), ("a.0.b.c", None), ("d", None), ("a.x", None)],
+)
+def test_the_value_at_a_path(path, value):
+    assert value_at({"a": [{"b": 3}]}, path) == value

@@ -17,7 +17,8 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.foundry.identification.covariance import correlation, deviations
-from castx.foundry.identification.fit import SETTLED, Unknown, fit
+from castx.foundry.identification.descent import SETTLED
+from castx.foundry.identification.fit import Unknown, fit
 from castx.foundry.identification.lumped import LumpedCooling
 from castx.proof.verification.verification import (
     MESHLESS,

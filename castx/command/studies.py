@@ -1,0 +1,209 @@
+"""The commands of many runs: `castx vary`, `castx identify`, `castx optimise`."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from mpi4py import MPI
+
+import typer
+
+from castx.command.refusals import naming
+from castx.command.terminal import EnduringConsole, output_of
+from castx.errors import CaseError
+
+if TYPE_CHECKING:
+    from castx.studies.asked.identify import Identify
+    from castx.studies.asked.runner import Running
+    from castx.studies.runs.runner import Runner
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
+Output = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Folder of the study, instead of that it names.")
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value, for instance time.end=10."),
+]
+Processes = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Runs at once; else one for each core.")
+]
+Anew = Annotated[bool, typer.Option("--anew", help="Make runs again that have failed.")]
+
+
+@dataclass(frozen=True)
+class Invocation:
+    """Command line of a study."""
+
+    case_file: Path
+    overrides: tuple[str, ...]
+    output: Path | None
+    processes: int | None
+    anew: bool
+
+
+def refuse_ranks(comm: MPI.Intracomm) -> None:
+    """Refuse a study on several ranks.
+
+    Raises:
+        CaseError: with the cure.
+    """
+    if comm.size > 1:
+        raise CaseError(
+            f"a study makes its runs itself, each on one rank, and was started on {comm.size}: "
+            "leave mpirun out, and say with --processes how many it makes at once"
+        )
+
+
+@contextmanager
+def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
+    """Open the folder of a study; what is asked to stop stops its runs too.
+
+    Args:
+        asked: the command line.
+        study: its settings.
+        kind: behind the name of the folder.
+    """
+    from castx.studies.runs.local import LocalProcesses
+    from castx.studies.runs.runner import Runner, study_folder
+
+    folder = asked.output or study.folder or Path("results") / f"{asked.case_file.stem}.{kind}"
+    executor = LocalProcesses(asked.processes or study.processes, study.memory)
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with study_folder(folder.resolve()) as opened:
+            yield Runner(
+                asked.case_file, asked.overrides, opened, executor, study.time_limit, asked.anew
+            )
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def vary(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Output = None,
+    processes: Processes = None,
+    anew: Anew = False,
+    overrides: Overrides = None,
+) -> None:
+    """Run a case many times with other numbers, as its [vary] says, and tell what matters."""
+    from castx.studies.asked.reading import read_study
+    from castx.studies.asked.vary import Vary
+    from castx.studies.vary import PAGE, TABLE
+    from castx.studies.vary import vary as make
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
+    with naming(case_file):
+        study = read_study(case_file, Vary, asked.overrides)
+        with runner_of(asked, study, "vary") as runner:
+            found = make(runner, study)
+    for one in found.importance:
+        console.print(one.sentence, markup=False)
+    say_runs(console, runner, len(found.table.runs))
+    console.print(f"written: {runner.folder / PAGE}, {TABLE}", markup=False)
+
+
+def say_runs(console: EnduringConsole, runner: Runner, count: int) -> None:
+    """Show how many runs were made and how many were there already."""
+    console.print(f"{count} runs, {runner.made} of them made now", markup=False)
+
+
+def identify(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Output = None,
+    processes: Processes = None,
+    anew: Anew = False,
+    design: Annotated[
+        bool, typer.Option("--design", help="Say where the next thermocouple belongs instead.")
+    ] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Identify numbers of a case from measured curves, as its [identify] says, with their bands."""
+    from castx.studies.asked.identify import Identify
+    from castx.studies.asked.reading import read_study
+    from castx.studies.inverse.identify import PAGE
+    from castx.studies.inverse.identify import identify as make
+    from castx.studies.inverse.page import row
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
+    with naming(case_file):
+        study = read_study(case_file, Identify, asked.overrides)
+        study = study.relative_to(case_file.resolve().parent)
+        with runner_of(asked, study, "identify") as runner:
+            if design:
+                show_design(runner, study, console)
+                return
+            result = make(runner, study)
+    for one in result.found.estimates:
+        name, value, band, *_ = row(one)
+        console.print(f"{name}: {value} (95 %: {band})", markup=False)
+    for text in (*result.found.remarks, *result.found.unseen, *result.found.whiteness):
+        console.print(text, markup=False)
+    say_runs(console, runner, result.found.fit.runs)
+    console.print(f"written: {runner.folder / PAGE}, {result.case_file}", markup=False)
+
+
+def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> None:
+    """Show the order in which candidates should become sensors, and what they would tell."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from castx.studies.inverse.design import design
+
+    found = design(runner, study)
+    console.print(
+        "deviations, of ln where logarithms are sought, with each sensor and those before"
+    )
+    for title, order in (("D-optimal", found.d_order), ("A-optimal", found.a_order)):
+        table = Table(title, "now", *(f"+ {one.name}" for one in order), box=SIMPLE_HEAD)
+        for k, name in enumerate(found.numbers):
+            values = [found.before[k], *(one.deviations[k] for one in order)]
+            table.add_row(name, *(f"{value:.2g}" for value in values))
+        console.print(table)
+
+
+def optimise(
+    context: typer.Context,
+    case_file: CaseFile,
+    output: Output = None,
+    processes: Processes = None,
+    anew: Anew = False,
+    overrides: Overrides = None,
+) -> None:
+    """Look for the best numbers of a case, as its [optimise] says, by many runs."""
+    from castx.studies.asked.optimise import Optimise
+    from castx.studies.asked.reading import read_study
+    from castx.studies.optimise import optimise as make
+    from castx.studies.table import with_unit
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
+    with naming(case_file):
+        study = read_study(case_file, Optimise, asked.overrides)
+        with runner_of(asked, study, "optimise") as runner:
+            found = make(runner, study)
+    table, best = found.table, found.best
+    for name, unit, value in zip(table.inputs, table.units, table.values[best], strict=True):
+        console.print(f"{with_unit(name, unit)}: {value:.5g}", markup=False)
+    for name in dict.fromkeys((study.goal, *(limit.of for limit in study.limits))):
+        answer = table.found[best][name]
+        console.print(f"{with_unit(name, answer.unit)}: {answer.shown:.5g}", markup=False)
+    if not found.within:
+        console.print("no run keeps all limits; this one is nearest", markup=False)
+    say_runs(console, runner, len(table.runs))
+    console.print(f"written: {found.case_file}, {runner.folder / 'table.csv'}", markup=False)
+
+
+STUDY_COMMANDS = (vary, identify, optimise)

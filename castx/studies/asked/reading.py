@@ -1,0 +1,57 @@
+"""The tables of studies in a case file, read beside the case itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from castx.case.reading.read import STUDIES, case_data
+from castx.errors import CaseError
+from castx.input.problems import Problem, Refusal, summary
+from castx.studies.asked.identify import Identify
+from castx.studies.asked.optimise import Optimise
+from castx.studies.asked.runner import Running
+from castx.studies.asked.vary import Vary
+
+KINDS: dict[str, type[Running]] = {"vary": Vary, "identify": Identify, "optimise": Optimise}
+"""What describes each table."""
+Study = TypeVar("Study", bound=Running)
+
+
+def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> Study:
+    """Return a study of a case file.
+
+    Args:
+        path: the case file.
+        kind: the description of the study.
+        overrides: values that replace those of the file.
+
+    Raises:
+        CaseError: the file has no such table, or it cannot be accepted.
+    """
+    name = next(key for key, value in KINDS.items() if value is kind)
+    data, remark = case_data(path, overrides)
+    if name not in data:
+        raise CaseError(f"{path} has no table [{name}], which says what the study is about")
+    try:
+        return kind.read(data[name])
+    except Refusal as refusal:
+        raise CaseError(summary(f"{path} {remark}".strip(), _inside(name, refusal), data)) from None
+
+
+def _inside(name: str, refusal: Refusal) -> tuple[Problem, ...]:
+    return refusal.inside(name).problems
+
+
+def refuse_wrong_studies(path: Path, overrides: Sequence[str] = ()) -> list[str]:
+    """Return the names of the studies of a case file.
+
+    Raises:
+        CaseError: one of them cannot be accepted.
+    """
+    data, _ = case_data(path, overrides)
+    found = [name for name in STUDIES if name in data]
+    for name in found:
+        read_study(path, KINDS[name], overrides)
+    return found

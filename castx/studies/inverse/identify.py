@@ -1,0 +1,167 @@
+"""A study that identifies numbers of a case from measured curves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from castx.errors import CaseError, ConvergenceError
+from castx.foundry.identification.ensemble import assimilate
+from castx.foundry.identification.fit import Fit, fit
+from castx.results.files.folder import write_whole
+from castx.studies.asked.identify import ENSEMBLE, Identify
+from castx.studies.inverse.estimates import Estimates, estimates, prior_covariance
+from castx.studies.inverse.identified_case import identified_case
+from castx.studies.inverse.model import MeasuredCase
+from castx.studies.inverse.page import identified_page
+from castx.studies.inverse.predictions import Prediction, probe_bands, table_bands
+from castx.studies.runs.runner import Runner
+
+REACH = 1.0
+"""Largest step of a logarithm: a guess that is far off is left by steps that the model follows."""
+RESULT, PAGE = "identified.json", "identified.html"
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """Result of a study: numbers that measured curves have told.
+
+    Attributes:
+        model: the measured case.
+        found: estimates with their uncertainty.
+        tables: unknown tables with their bands.
+        curves: of the probes of the sensors, with their bands.
+        case_file: the case with these numbers.
+    """
+
+    model: MeasuredCase
+    found: Estimates
+    tables: Sequence[Prediction]
+    curves: Sequence[Prediction]
+    case_file: Path
+
+
+def identify(runner: Runner, study: Identify) -> Identified:
+    """Fit the unknowns of a study, and write what was found into its folder and a new case file.
+
+    Args:
+        runner: of the case.
+        study: what was measured, and what is sought.
+
+    Raises:
+        CaseError: samples or unknowns do not suit the case or each other.
+        ConvergenceError: the fit does not settle.
+    """
+    if not study.curves:
+        raise CaseError("[identify] has no [[identify.curves]]: nothing was measured")
+    model = MeasuredCase.of(runner, study)
+    model.refuse_bad_start()
+    unknowns = model.unknowns()
+    smoothness = model.parameters.smoothness(len(unknowns))
+    found = fitted(model, study)
+    units = [one.unit for one in model.parameters.sought for _ in one.names]
+    units += [_sensor_unit(one.name) for one in unknowns[len(units) :]]
+    parts = model.sensors.parts(found.residuals)
+    residuals = [
+        (one.asked.of, part) for one, part in zip(model.sensors.sensors, parts, strict=True)
+    ]
+    result = Identified(
+        model,
+        estimates(found, unknowns, units, model.sensors.noise, smoothness, residuals),
+        table_bands(model.parameters.sought, found),
+        probe_bands(model, unknowns, found, [name for name, _ in residuals]),
+        runner.case_file.with_suffix(".identified.toml"),
+    )
+    write(result)
+    return result
+
+
+def _sensor_unit(name: str) -> str:
+    return "s" if name == "clock" else "m"
+
+
+def fitted(model: MeasuredCase, study: Identify) -> Fit:
+    """Return the fit of a study by the engine that it names; raises as `identify`."""
+    unknowns = model.unknowns()
+    if study.engine == ENSEMBLE:
+        return assimilated(model, study)
+    try:
+        return fit(
+            model, model.sensors.measured, model.sensors.noise, unknowns,
+            model.parameters.smoothness(len(unknowns)), study.tries, model.ahead, REACH,
+        )  # fmt: skip
+    except ValueError as error:
+        raise CaseError(
+            f"[identify] {error}: say what is known before (deviation), or hold tables smooth "
+            "(smoothness)"
+        ) from None
+    except ConvergenceError as error:
+        raise ConvergenceError(
+            f"{error}; see its runs in {model.runner.folder}, raise tries, or begin nearer by with "
+            "start"
+        ) from None
+
+
+def assimilated(model: MeasuredCase, study: Identify) -> Fit:
+    """Return the fit of a study by an ensemble of runs.
+
+    Raises:
+        CaseError: there are too few members.
+        ConvergenceError: most runs fail.
+    """
+    unknowns = model.unknowns()
+    prior = prior_covariance(unknowns, model.parameters.smoothness(len(unknowns)))
+    try:
+        return assimilate(
+            model.several, model.sensors.measured, model.sensors.noise, unknowns, prior,
+            study.members, study.rounds, study.seed,
+        )  # fmt: skip
+    except ValueError as error:
+        raise CaseError(f"[identify] {error}") from None
+
+
+def write(result: Identified) -> None:
+    """Write a result into the folder of its study, and the new case file."""
+    folder, model = result.model.runner.folder, result.model
+    text = json.dumps(as_json(result), indent=2, ensure_ascii=False, allow_nan=False)
+    write_whole(folder / RESULT, text + "\n")
+    write_whole(
+        folder / PAGE,
+        identified_page(
+            model.runner.case_file.stem, result.found, model.sensors, result.tables, result.curves
+        ),
+    )
+    write_whole(result.case_file, identified_case(model, result.found.fit.values))
+
+
+def as_json(result: Identified) -> dict[str, Any]:
+    """Return a result with the types of JSON."""
+    found = result.found
+    numbers = []
+    for one in found.estimates:
+        row = asdict(one)
+        row["known"] = row["known"] if np.isfinite(one.known) else None
+        numbers.append(row)
+    return {
+        "estimates": numbers,
+        "covariance": found.fit.covariance.tolist(),
+        "chi_square": found.fit.chi_square,
+        "whiteness": list(found.whiteness),
+        "unseen": list(found.unseen),
+        "remarks": list(found.remarks),
+        "curves": [
+            {
+                "name": one.name,
+                "argument": one.argument.tolist(),
+                "value": one.value.tolist(),
+                "low": one.low.tolist(),
+                "high": one.high.tolist(),
+            }
+            for one in (*result.tables, *result.curves)
+        ],
+    }

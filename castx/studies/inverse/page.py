@@ -1,0 +1,105 @@
+"""identified.html: estimates, what holds them, and curves with their bands on the measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from castx.report.page.assets import CURVES_ONLY, page
+from castx.report.page.charts import Panel, Section, merged
+from castx.studies.inverse.estimates import Estimates, IdentifiedNumber
+from castx.studies.inverse.predictions import Prediction
+from castx.studies.inverse.sensors import Sensors
+from castx.studies.page import probe_unit
+
+
+def identified_page(
+    name: str,
+    found: Estimates,
+    sensors: Sensors,
+    tables: Sequence[Prediction],
+    curves: Sequence[Prediction],
+) -> str:
+    """Return the page.
+
+    Args:
+        name: of the case.
+        found: estimates.
+        sensors: with their samples.
+        tables: unknown tables with their bands.
+        curves: of the probes of the sensors, with their bands.
+    """
+    sections = [
+        *table_sections(tables),
+        *curve_section(sensors, curves),
+        *residual_sections(found, sensors),
+    ]
+    return page(
+        "identified.html.j2",
+        CURVES_ONLY,
+        name=name,
+        found=found,
+        rows=[row(one) for one in found.estimates],
+        words=[
+            ("What to look at", found.remarks),
+            ("What the samples do not see", found.unseen),
+            ("Residuals", found.whiteness),
+        ],
+        curves=merged({name: sections}),
+    )
+
+
+def row(one: IdentifiedNumber) -> list[str]:
+    """Return the line of an estimate in the table."""
+    unit = f" {one.unit}" if one.unit else ""
+    spread = f"{100.0 * one.deviation:.2g} %" if one.logarithmic else f"{one.deviation:.2g}{unit}"
+    before = "nothing"
+    if np.isfinite(one.known):
+        before = f"{100.0 * one.known:.2g} %" if one.logarithmic else f"{one.known:.2g}{unit}"
+    value = f"{one.value:.5g}{unit}" + (", at its bound" if one.at_bound else "")
+    band = f"{one.low:.4g} to {one.high:.4g}"
+    return [one.name, value, band, spread, f"{one.start:.5g}", before]
+
+
+def table_sections(tables: Sequence[Prediction]) -> list[Section]:
+    """Return a diagram for each unknown table over time; of others the numbers tell."""
+    return [
+        Section(
+            one.name,
+            "Identified table with its 95 % band.",
+            one.argument,
+            [Panel(one.name, {"identified": one.value, "low": one.low, "high": one.high})],
+        )
+        for one in tables
+        if one.over_seconds
+    ]
+
+
+def curve_section(sensors: Sensors, curves: Sequence[Prediction]) -> list[Section]:
+    """Return the computed curves on the measured ones, a diagram for each sensor."""
+    if not curves:
+        return []
+    panels = []
+    for one, sensor in zip(curves, sensors.sensors, strict=True):
+        lines = {one.name: one.value, "low": one.low, "high": one.high}
+        points = {one.name: (sensor.time, sensor.values)}
+        panels.append(Panel(f"{one.name} [{probe_unit(one.name)}]", lines, points=points))
+    told = (
+        "Computed with the identified numbers, at the places of the case, on the measured curves."
+    )
+    return [Section("Curves on the measurements", told, curves[0].argument, panels)]
+
+
+def residual_sections(found: Estimates, sensors: Sensors) -> list[Section]:
+    """Return the residuals of each sensor over its own times."""
+    parts = sensors.parts(found.fit.residuals)
+    return [
+        Section(
+            f"Residuals of {one.asked.of}",
+            sentence,
+            one.time,
+            [Panel(f"measured - computed, {one.asked.of}", {"residual": part})],
+        )
+        for one, part, sentence in zip(sensors.sensors, parts, found.whiteness, strict=True)
+    ]

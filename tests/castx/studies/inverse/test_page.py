@@ -1,0 +1,26 @@
+"""Lines of the page of a study that identifies."""
+
+import numpy as np
+import pytest
+
+from castx.studies.inverse.estimates import IdentifiedNumber
+from castx.studies.inverse.page import row, table_sections
+from castx.studies.inverse.predictions import Prediction
+
+pytestmark = pytest.mark.serial
+
+
+def test_a_line_of_the_table():
+    one = IdentifiedNumber("h", "W/m^2/K", 1234.56, 1100.0, 1400.0, 0.05, True, 900.0, np.inf, True)
+    assert row(one) == [
+        "h", "1234.6 W/m^2/K, at its bound", "1100 to 1400", "5 %", "900", "nothing",
+    ]  # fmt: skip
+    depth = IdentifiedNumber("depth", "m", 1e-4, 0.0, 2e-4, 5e-5, False, 0.0, 3e-4, False)
+    assert row(depth)[3:] == ["5e-05 m", "0", "0.0003 m"]
+
+
+def test_a_table_has_three_lines():
+    x = np.array([0.0, 1.0])
+    (section,) = table_sections([Prediction("h", x, x + 2, x + 1, x + 3)])
+    assert table_sections([Prediction("h", x, x, x, x, over_seconds=False)]) == []
+    assert list(section.panels[0].lines) == ["identified", "low", "high"]

@@ -1,0 +1,105 @@
+"""Unknowns as numbers of a fit, and back as values of the case."""
+
+import numpy as np
+import pytest
+
+from castx.case.reading.read import load_case
+from castx.errors import CaseError
+from castx.foundry.identification.smoothness import second_differences
+from castx.studies.asked.unknowns import SoughtNumber
+from castx.studies.inverse.parameters import BETWEEN, Parameters, SoughtValues
+from castx.studies.runs.runner import changes_as_overrides
+from tests.castx.many_runs import CASE
+
+pytestmark = pytest.mark.serial
+
+CLOSED = "interfaces.0.heat.closed"
+
+
+@pytest.fixture
+def content(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(CASE)
+    return load_case(path).content
+
+
+def sought(content, **keys):
+    return SoughtValues.of(SoughtNumber.read({"of": CLOSED, "name": "h", **keys}), content)
+
+
+def test_a_number_begins_with_that_of_the_case_in_its_unit(content):
+    one = sought(content)
+    (unknown,) = one.unknowns()
+    assert (unknown.start, unknown.positive, unknown.difference) == (2000.0, True, 0.01)
+    assert one.change({"h": 1234.5}) == "1234.5 W/m^2/K"
+    other = sought(content, low="1 kW/m^2/K", high="4 kW/m^2/K")
+    (unknown,) = other.unknowns()
+    assert unknown.start == pytest.approx(2.0) and unknown.bounds[1] == pytest.approx(np.log(4.0))
+
+
+def test_a_linear_number(content):
+    one = sought(content, of="materials.die.conductivity", scale="linear", deviation=2.0)
+    (unknown,) = one.unknowns()
+    assert (unknown.start, unknown.positive, unknown.deviation) == (35.0, False, 2.0)
+    assert unknown.difference == pytest.approx(0.2)
+
+
+def test_a_table_is_linear_in_ln_between_its_knots(content):
+    one = sought(content, over="time", knots=["0 s", "1 s", "4 s"])
+    assert one.names == ["h at 0 s", "h at 1 s", "h at 4 s"]
+    change = one.change({"h at 0 s": 1000.0, "h at 1 s": 4000.0, "h at 4 s": 500.0})
+    assert change["over"] == "time" and len(change["table"]) == 2 * BETWEEN + 1
+    rows = {row[0]: float(row[1].split()[0]) for row in change["table"]}
+    assert rows["0.5 s"] == pytest.approx(2000.0)  # the geometric mean
+    assert rows["4.0 s"] == pytest.approx(500.0)
+    case = load_case({**content}, changes_as_overrides({CLOSED: change}))
+    assert case.content["interfaces"][0]["heat"]["closed"]["over"] == "time"
+
+
+def test_a_table_of_the_case_is_met_at_the_knots(content):
+    content["interfaces"][0]["heat"]["closed"] = {"over": "time", "table": [[0, 1e3], [10, 2e3]]}
+    one = sought(content, over="time", knots=[2, 8])
+    assert one.start.tolist() == [1200.0, 1800.0]
+    content["materials"]["die"]["conductivity"] = [["0 degC", 30], ["400 degC", 34]]
+    plain = sought(
+        content, of="materials.die.conductivity", over="temperature", knots=["100 degC", "300 degC"]
+    )
+    assert plain.start.tolist() == [31.0, 33.0]
+    change = plain.change(dict(zip(plain.names, [30.0, 40.0], strict=True)))
+    assert change[0] == ["100.0 degC", pytest.approx(30.0)] and change[-1] == [
+        "300.0 degC",
+        pytest.approx(40.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("keys", "text"),
+    [
+        ({"of": "interfaces.0.heat.close"}, "the case has nothing at interfaces.0.heat.close"),
+        ({"of": "bodies.0.name"}, r"bodies.0.name: a number is needed"),
+        ({"low": 1.0, "high": 2.0, "of": "bodies.1.temperature"}, "write both in the same unit"),
+    ],
+)
+def test_what_the_case_does_not_have_is_refused(content, keys, text):
+    with pytest.raises(CaseError, match=text):
+        sought(content, **keys)
+
+
+def test_smoothness_stands_in_the_columns_of_its_table(content):
+    knots = [0.0, 1.0, 4.0, 9.0]
+    numbers = [
+        {"of": "materials.die.conductivity", "name": "k"},
+        {"of": CLOSED, "name": "h", "over": "time", "knots": knots, "smoothness": 0.5},
+    ]
+    parameters = Parameters.of([SoughtNumber.read(one) for one in numbers], content)
+    rows = parameters.smoothness(6)
+    assert rows.shape == (2, 6) and not rows[:, [0, 5]].any()
+    np.testing.assert_allclose(rows[:, 1:5], 2.0 * second_differences(np.array(knots)))
+    gap = SoughtNumber.read({**numbers[1], "over": "gap", "knots": ["0 um", "10 um", "30 um"]})
+    with pytest.raises(CaseError, match=r"W/m\^2/K"):
+        Parameters.of([SoughtNumber.read({**numbers[1], "low": "1 m"})], content)
+    over_gap = SoughtValues.of(gap, content)
+    assert over_gap.smoothness().shape == (1, 3) and not over_gap.over_seconds
+    assert parameters.sought[1].over_seconds
+    change = over_gap.change(dict.fromkeys(over_gap.names, 500.0))
+    load_case(content, changes_as_overrides({CLOSED: change}))  # the case takes it
