@@ -129,7 +129,8 @@ class Checkpoints:
             )
         arrays = self._checkpoint.read(header, wanted)
         self._simulation.restore(part_of(arrays, "simulation"))
-        self._results.resume(part_of(arrays, "results"), header["results"])
+        state = self._simulation.state()
+        self._results.resume(part_of(arrays, "results"), header["results"], state)
         self._at = self._simulation.time
         log.info(
             "going on from t = %g s, step %d (checkpoint of %s)",

@@ -136,6 +136,11 @@ class CoupledProblem:
             COUPLING,
         )
 
+    def time_to_change(self, change: float) -> float:
+        """Return the time in which the fastest node changes by a temperature; collective."""
+        states = self.interfaces.thermal_at_start()
+        return self.heat.time_to_change(change, list(zip(states, states, strict=True)))
+
     def _require_finite(self) -> None:
         moving = {} if self.mechanics is None else self.mechanics.bodies
         motions = {name: body.solution for name, body in moving.items()}
