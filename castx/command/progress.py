@@ -13,8 +13,8 @@ from mpi4py import MPI
 from rich import progress
 from rich.console import Console
 
-from castx.command.remaining import Remaining
 from castx.command.terminal import console_of
+from castx.process.remaining import Remaining
 from castx.results.states.snapshot import Snapshot
 
 WIDE = 105

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.command.remaining import LARGEST_GROWTH, Remaining
+from castx.process.remaining import LARGEST_GROWTH, Remaining
 from castx.results.states.snapshot import ProcessState
 from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot
