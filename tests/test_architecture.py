@@ -66,6 +66,7 @@ ORDER = [
     "proof/verification/foundry",
     "proof/validation",
     "proof",
+    "command/watches",
     "command",
     "__init__ __main__",
 ]

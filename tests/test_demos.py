@@ -1,7 +1,6 @@
 """Every demo runs and gives the number it is about."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -27,25 +26,6 @@ def test_case_files_are_valid(name):
     case = load_case(DEMOS / name)
     assert case.output.folder.name == Path(name).stem
     assert case.name and case.probes
-
-
-@pytest.mark.slow
-def test_the_driver_runs_on_two_ranks(tmp_path):
-    foreign = ("PMIX", "PRTE", "PMI_", "OMPI_COMM", "OMPI_UNIVERSE")
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(foreign)}
-    run = subprocess.run(
-        ["mpirun", "-n", "2", sys.executable, str(DEMOS / "cylinder.py")],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=500,
-    )
-    assert run.returncode == 0, run.stderr
-    found = re.search(r"solid after ([\d.]+) s", run.stdout)
-    assert found is not None and 60.0 < float(found[1]) < 68.0
-    history = read_series(tmp_path / "results" / "cylinder_driver" / "history.csv")
-    assert history["casting/mould.mean_gap"][-1] == pytest.approx(1.1e-4, rel=0.05)
 
 
 @pytest.fixture(scope="module")

@@ -80,7 +80,7 @@ class Time(Description):
     smallest_step: _Duration | None = None
     temperature_change: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] = 20.0
     solid_fraction_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.04
-    skin_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.25
+    skin_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.1
     reject_above: Annotated[float, Quantity(PURE_NUMBER, least=1.0)] = 2.0
     fixed_step: _Duration | None = None
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"

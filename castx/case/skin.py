@@ -32,6 +32,7 @@ from dataclasses import dataclass
 from math import ceil, floor, log, log10
 
 import numpy as np
+from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
@@ -211,9 +212,10 @@ def finest(size: float, dimension: int) -> float:
         dimension: of the mesh.
     """
     allowed = MOST_GROWTH[dimension] ** (1.0 / dimension)
-    low, high = 1e-3, 1.0 - 1e-9
-    while high - low > 1e-6:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if -log(middle) / (1.0 - middle) > allowed else (low, middle)
-    digit = 10.0 ** (floor(log10(size * high)) - 1)
-    return float(f"{digit * ceil(size * high / digit):.2g}")
+
+    def excess(ratio: float) -> float:
+        return float(-log(ratio) / (1.0 - ratio) - allowed)
+
+    ratio = float(brentq(excess, 1e-3, 1.0 - 1e-9))
+    digit = 10.0 ** (floor(log10(size * ratio)) - 1)
+    return float(f"{digit * ceil(size * ratio / digit):.2g}")

@@ -21,7 +21,7 @@ from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.case.skin import skins
 from castx.command.cad_report import show_cad
-from castx.command.range_watch import outside_used_range, ranges_text
+from castx.command.watches.ranges import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
 from castx.domain.memory import refuse_too_large

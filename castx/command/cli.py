@@ -150,12 +150,10 @@ def run(
         bool, typer.Option("--restart", help="Go on from the checkpoint in the results folder.")
     ] = False,
     time_limit: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".'),
+        str | None, typer.Option(metavar="TIME", help='Stop with a checkpoint before this: "8 h".')
     ] = None,
     log: Annotated[
-        list[Detail] | None,
-        typer.Option(help="Show the residuals of each Newton iteration."),
+        list[Detail] | None, typer.Option(help="Show the residuals of each Newton iteration.")
     ] = None,
     profile: Annotated[
         bool, typer.Option("--profile", help="Show what the parts of the run have cost.")
@@ -163,14 +161,20 @@ def run(
     sensitivity: Annotated[
         VariedNumber | None, typer.Option(help="Run with this a little lower and higher too.")
     ] = None,
+    estimate: Annotated[
+        bool, typer.Option("--estimate", help="Estimate errors by a coarser mesh and larger steps.")
+    ] = False,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
+    from castx.command.estimate import estimate_table, run_estimate
     from castx.command.listing import profile_table
     from castx.command.run import run as run_case_file
     from castx.command.sensitivity import run_sensitivity, sensitivity_table
     from castx.environment import blas_advantage, blas_warning
 
+    if estimate and sensitivity is not None:
+        raise typer.BadParameter("--estimate and --sensitivity are runs of their own: take one")
     comm, console = output_of(context)
     show_details(comm, log or ())
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
@@ -178,7 +182,7 @@ def run(
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
         with naming(case_file):
-            solve = run_case_file if sensitivity is None else run_sensitivity
+            solve = run_estimate if estimate else run_sensitivity if sensitivity else run_case_file
             folder = solve(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
                 time_limit=limit, profile=profile,
@@ -186,10 +190,9 @@ def run(
     except KeyboardInterrupt as error:  # typer would not say why
         say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
-    if profile and comm.rank == 0:
-        console.print(profile_table(folder))
-    if sensitivity is not None and comm.rank == 0:
-        console.print(sensitivity_table(folder))
+    tables = (profile, profile_table), (sensitivity, sensitivity_table), (estimate, estimate_table)
+    for table in (table for wanted, table in tables if wanted and comm.rank == 0):
+        console.print(table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
 

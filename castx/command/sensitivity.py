@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import logging
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -16,13 +14,13 @@ from castx.case.case import Case
 from castx.case.coherency import coherencies
 from castx.case.reading.read import load_case
 from castx.case.reading.with_coherency import with_coherency
-from castx.command.run import run_case, with_output
+from castx.command.beside_runs import run_beside
+from castx.command.run import with_output
 from castx.command.terminal import VariedNumber
-from castx.errors import CaseError, ConvergenceError
+from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.freezing import LAST_LIQUID, freezing
 from castx.report.summary.gaps import gaps
-from castx.results.files.folder import CHECKPOINT
 from castx.results.files.sensitivity import (
     Sensitivity,
     VariedRun,
@@ -33,10 +31,6 @@ from castx.results.reading import Results
 
 SHIFTS = (-0.05, 0.05)
 """By what coherency is moved."""
-TOO_SHORT = 1e-3
-"""Time limit that is left at least, so that a run without time ends after a step [s]."""
-
-log = logging.getLogger(__name__)
 
 
 def run_sensitivity(
@@ -67,25 +61,11 @@ def run_sensitivity(
         MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a
             run with another coherency does not converge, its row says so instead.
     """
-    begin = time.monotonic()
     case = load_case(path, overrides)
     if output is not None:
         case = with_output(case, output)
     others = list(_others(case))  # refused before anything is solved
-
-    def left() -> float | None:
-        return None if time_limit is None else max(
-            comm.bcast(time_limit - time.monotonic() + begin), TOO_SHORT
-        )  # fmt: skip
-
-    folder = run_case(case, comm, restart, left(), profile)
-    for other in others:
-        there = on_first_rank(comm, (other.output.folder / CHECKPOINT).is_dir)
-        log.info("%s", other.output.folder.name)
-        try:
-            run_case(other, comm, restart and there, left(), profile)
-        except ConvergenceError as error:
-            log.warning("%s: not converged: %s", other.output.folder.name, error)
+    folder = run_beside(case, others, comm, restart, time_limit, profile)
     on_first_rank(comm, lambda: write_sensitivity(folder, compared([case, *others])))
     return folder
 

@@ -11,6 +11,8 @@ import numpy as np
 from castx.arrays import FloatArray
 
 AITKEN_BOUNDS = (0.05, 1.5)
+PLAIN = 1.0
+"""Factor that takes the image under the fixed-point map itself."""
 LEAST_SHARE = 0.1
 """An iterate is not relaxed below this share of the smaller of its two last values."""
 
@@ -30,7 +32,7 @@ class Relaxation:
 
     def __init__(self, comm: MPI.Intracomm) -> None:
         self._comm = comm
-        self._factor = 1.0
+        self._factor = PLAIN
         self._residual: FloatArray | None = None
 
     def next(self, tried: FloatArray, found: FloatArray) -> FloatArray:
@@ -47,11 +49,20 @@ class Relaxation:
             local = np.array([self._residual @ difference, difference @ difference])
             product, square = self._comm.allreduce(local, op=MPI.SUM)
             if square > 0:
-                self._factor = float(np.clip(-self._factor * product / square, *AITKEN_BOUNDS))
+                self._factor = _bounded(-self._factor * product / square)
         self._residual = residual
         relaxed = tried + self._factor * residual
         least = LEAST_SHARE * np.minimum(tried, found)
         return np.where(finite, np.maximum(relaxed, least), found)
+
+
+def _bounded(factor: float) -> float:
+    """Return a factor within its bounds.
+
+    A negative one belongs to a residual that grows in its own direction, as where a skin curls off
+    its wall the farther the less heat it loses. Its state lies ahead, and is not to be crept up to.
+    """
+    return float(np.clip(factor, *AITKEN_BOUNDS)) if factor > 0.0 else PLAIN
 
 
 def scaling(resistances: Sequence[FloatArray], wanted: FloatArray) -> list[FloatArray]:

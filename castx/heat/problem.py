@@ -49,6 +49,10 @@ class HeatReport:
 class HeatProblem:
     """Temperature and enthalpy of all bodies, committed and trial.
 
+    Gaps grow all through a step, from resistances R₀ of the pairs to R₁: the k-th of n sub-steps
+    takes those of its middle, R = R₀ + (k − ½)(R₁ − R₀)/n. A step without sub-steps takes R₁, so
+    that one that is large leads to the steady state.
+
     Args:
         mesh: of all bodies.
         bodies: one for each body of the mesh; their order numbers the unknowns.
@@ -155,7 +159,8 @@ class HeatProblem:
         changed = changed_before = np.zeros_like(state)
         iterations, linear_iterations = 0, 0
         for k in range(1, substeps + 1):
-            self._balance.exchanges.set_states(pairs, k / substeps, factors)
+            part = (k - 0.5) / substeps if substeps > 1 else 1.0
+            self._balance.exchanges.set_states(pairs, part, factors)
             again = k <= len(known)
             # The pass before and its change go on, or else the last substep does.
             guess = known[k - 1] + 2.0 * changed - changed_before if again else 2.0 * state - before

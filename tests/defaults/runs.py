@@ -17,8 +17,8 @@ import numpy as np
 
 from castx.case.control import Solver
 from castx.case.reading.read import read_case
-from castx.command.deformation_watch import DeformationWatch
-from castx.command.range_watch import RangeWatch
+from castx.command.watches.deformations import DeformationWatch
+from castx.command.watches.ranges import RangeWatch
 from castx.process.simulation import Simulation
 from castx.process.state import State
 from tests.elastic_bodies import everywhere

@@ -20,7 +20,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
 from castx.arrays import BoolArray, FloatArray
@@ -34,6 +33,7 @@ from castx.proof.verification.solids.freezing_plate import (
     SPAN,
     YOUNG,
     Plate,
+    freezing,
 )
 
 SECONDS = LENGTH**2 * DENSITY * CAPACITY / CONDUCTIVITY
@@ -88,49 +88,9 @@ class Layers:
         found[[0, -1]] *= 0.5
         return found
 
-    def heat(self) -> tuple[FloatArray, FloatArray]:
-        """Return temperatures and solid fractions of the nodes, both (steps + 1, cells + 1)."""
-        plate, latent = self.plate, 1.0 / self.plate.stefan
-        step = plate.end / plate.steps
-        states: list[FloatArray] = [np.full(self.cells + 1, latent)]
-        for number in range(plate.steps):
-            states.append(self._heated(states[-1], self.ambient((number + 0.5) * step), step))
-        found = np.array(states)
-        temperature = np.minimum(found, 0.0) + np.maximum(found - latent, 0.0)
-        return temperature, np.clip(1.0 - found / latent, 0.0, 1.0)
-
-    def _heated(self, start: FloatArray, outside: float, step: float) -> FloatArray:
-        """Return enthalpies after a step, by Newton's method that goes back where it must."""
-        volumes, latent, biot = self.volumes, 1.0 / self.plate.stefan, self.plate.biot
-        inner = np.full(self.cells, float(self.cells))
-        at_nodes = np.concatenate([[biot], inner]) + np.append(inner, 0.0)
-
-        def residual(enthalpy: FloatArray) -> FloatArray:
-            temperature = np.minimum(enthalpy, 0.0) + np.maximum(enthalpy - latent, 0.0)
-            flux = np.diff(temperature) * self.cells
-            gained = np.append(flux, 0.0) - np.concatenate([[0.0], flux])
-            gained[0] += biot * (outside - temperature[0])
-            return np.asarray(volumes * (enthalpy - start) / step - gained)
-
-        enthalpy, wrong = start, residual(start)
-        for _ in range(1000):
-            if np.abs(wrong).max() < 1e-10 * (1.0 + biot):
-                return enthalpy
-            slope = ((enthalpy <= 0.0) | (enthalpy >= latent)).astype(float)
-            bands = np.zeros((3, self.cells + 1))
-            bands[1] = volumes / step + at_nodes * slope
-            bands[0, 1:], bands[2, :-1] = -inner * slope[1:], -inner * slope[:-1]
-            change, size = solve_banded((1, 1), bands, wrong), np.linalg.norm(wrong)
-            for factor in 0.5 ** np.arange(30):
-                trial = enthalpy - factor * change
-                if np.linalg.norm(residual(trial)) < (1.0 - 1e-4 * factor) * size:
-                    break
-            enthalpy, wrong = trial, residual(trial)
-        raise AssertionError("the heat of the reference has not converged")
-
     def stress(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ε over time, and stress [Pa] and ξ of the layers at the end."""
-        temperature, fraction = self.heat()
+        temperature, fraction = freezing(self.plate, self.cells, self.ambient)
         temperature = np.minimum(temperature, 0.0)
         layers, step = _Frozen(self), self.plate.end / self.plate.steps * SECONDS
         strain = [0.0]

@@ -35,16 +35,39 @@ def errors(comm, plate, mesh, cells):
 
 @pytest.mark.sampled
 @pytest.mark.serial
-@pytest.mark.parametrize("name", PLATES)
-@pytest.mark.parametrize("mesh", MESHES)
-@pytest.mark.parametrize("cells", [8, 16])
-def test_a_plate_contracts_as_it_freezes(comm, name, mesh, cells):
-    """In steps that follow the cells."""
+@pytest.mark.parametrize(
+    "cells, mesh, name",
+    [*((8, mesh, name) for mesh in MESHES for name in PLATES), (16, "tetrahedra", "thin wall")],
+)
+def test_a_plate_contracts_as_it_freezes(comm, cells, mesh, name):
+    """In equal steps that follow the cells."""
     plate = replace(PLATES[name], steps=PLATES[name].steps * cells // 8)
     found = np.abs(errors(comm, plate, mesh, cells))
     at_half, at_end = BOUNDS[name][cells]
     assert found[plate.steps // 2 - 1] < at_half
     assert found[-1] < at_end
+
+
+@pytest.mark.sampled
+@pytest.mark.serial
+@pytest.mark.parametrize("name", PLATES)
+@pytest.mark.parametrize("mesh", MESHES)
+def test_a_plate_contracts_as_it_freezes_in_default_steps(comm, name, mesh):
+    """On 16 cells, 30 to 46 steps: behind the thin wall up to 4.4 and 3.6 % off."""
+    plate = PLATES[name]
+    data = plate_case(plate, *MESHES[mesh], 16)
+    data["time"] = {"end": data["time"]["end"]}
+    times = []
+
+    def states():
+        for state in simulation(comm, data):
+            times.append(state.time / data["time"]["end"])
+            yield state
+
+    strain = contraction(states(), data)
+    found = np.interp([0.5, 1.0], times, strain)
+    exact = reference(plate)[1][[plate.steps // 2, -1]]
+    assert np.all(np.abs(found / exact - 1.0) < THICK[16])
 
 
 @pytest.mark.slow

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from scipy.optimize import brentq
+
 from castx.case.cad.geometry import SUFFIXES, CadGeometry, is_cad_file
 from castx.case.cad.mould import AXES
 from castx.case.cad.process_template import process_text
@@ -222,13 +224,15 @@ def _finest(case: NewCase) -> float:
     """Return the size at interfaces with which a mesh has as many cells as it may [m]."""
     least = sum(volume for _, volume in case.bodies) / case.size**3
     area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
-    low, high = 1e-3 * case.size, case.size
-    while high - low > 1e-3 * case.size:
-        middle = 0.5 * (low + high)
-        layers = 0.5 * (middle**-2 - case.size**-2) - (case.size - middle) / case.size**3
-        more = EDGES * area * layers / GROWTH
-        low, high = (middle, high) if more > (MOST_GROWTH[3] - 1.0) * least else (low, middle)
-    return high
+
+    def excess(size: float) -> float:
+        layers = 0.5 * (size**-2 - case.size**-2) - (case.size - size) / case.size**3
+        return EDGES * area * layers / GROWTH - (MOST_GROWTH[3] - 1.0) * least
+
+    least_size = 1e-3 * case.size
+    if excess(least_size) <= 0.0:
+        return least_size
+    return float(brentq(excess, least_size, case.size, xtol=1e-3 * case.size))
 
 
 def _survey(

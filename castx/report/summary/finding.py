@@ -41,6 +41,7 @@ class Finding:
         place: where, (gdim,) [m]; None: everywhere, or unknown.
         time: when [s]; None: all the time.
         shown: its picture; None: it has none.
+        error: how far it is off by mesh and steps, estimated; empty: unknown.
     """
 
     topic: str
@@ -52,6 +53,7 @@ class Finding:
     place: Sequence[float] | None = None
     time: float | None = None
     shown: Shown | None = None
+    error: str = ""
 
     @property
     def name(self) -> str:

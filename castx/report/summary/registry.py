@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from castx.report.summary.coherency import coherency
+from castx.report.summary.estimated import with_estimates
 from castx.report.summary.finding import Finding
 from castx.report.summary.freezing import freezing
 from castx.report.summary.gaps import gaps
@@ -27,8 +28,8 @@ FINDERS: tuple[Finder, ...] = (
 
 
 def findings(run: Results) -> list[Finding]:
-    """Return all findings of a run that has written fields or not."""
-    return [finding for find in FINDERS for finding in find(run)]
+    """Return all findings of a run that has written fields or not, with errors if estimated."""
+    return with_estimates((finding for find in FINDERS for finding in find(run)), run)
 
 
 def leading(found: Iterable[Finding]) -> list[Finding]:

@@ -3,6 +3,7 @@
 Public: `folder.claimed_folder`, `folder.make_room`, `folder.record_of`, `folder.write_whole`,
 `folder.FolderLock`, `disk.Disk`, `series.Series`, `series.read_series`,
 `run_json.read_record`, `sensitivity.read_sensitivity`, `sensitivity.Sensitivity`,
+`estimate.read_estimate`, `estimate.Estimate`,
 `collection.FieldSeries`, `vtu.Piece`, `vtu.write_piece`,
 `measurements.measured_curves`, `measurements.read_measured`, `measurements.deviation`.
 """

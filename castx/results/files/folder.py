@@ -36,12 +36,14 @@ HOT_SPOTS = "hot_spots.csv"
 MEASURED = "measurements.csv"
 REPORT = "report.html"
 SENSITIVITY = "sensitivity.json"
+ESTIMATE = "estimate.json"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
 OURS = (
-    LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, FIELDS, CHECKPOINT,
+    LOCK, RECORD, CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, ESTIMATE, FIELDS,
+    CHECKPOINT,
 )  # fmt: skip
 CURE = "choose another one with output.folder or --output"
 PATIENCE = 1.0
@@ -223,7 +225,7 @@ def make_room(folder: Path) -> None:
 
 def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
-    for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY):
+    for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, ESTIMATE):
         (folder / name).unlink(missing_ok=True)
     ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
             ("", f".{CASE}.*"))  # fmt: skip

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
-
-from castx.errors import CaseError
-from castx.results.files.folder import SENSITIVITY, write_whole
+from castx.results.files.folder import SENSITIVITY
+from castx.results.files.json_contents import JsonContents, read_json, write_json
 
 MICRO = 1e6
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
-
-
-class VariedRun(_Frozen):
+class VariedRun(JsonContents):
     """Results of one of the runs.
 
     Attributes:
@@ -57,7 +49,7 @@ class VariedRun(_Frozen):
         return "none" if gap is None else f"{MICRO * gap:.4g} µm"
 
 
-class Sensitivity(_Frozen):
+class Sensitivity(JsonContents):
     """How answers hang on a number.
 
     Attributes:
@@ -81,8 +73,7 @@ class Sensitivity(_Frozen):
 
 def write_sensitivity(folder: Path, found: Sensitivity) -> None:
     """Write the file into the results folder of the run itself."""
-    text = json.dumps(found.model_dump(mode="json"), indent=2, ensure_ascii=False)
-    write_whole(folder / SENSITIVITY, text + "\n")
+    write_json(folder / SENSITIVITY, found)
 
 
 def read_sensitivity(folder: Path) -> Sensitivity | None:
@@ -91,11 +82,4 @@ def read_sensitivity(folder: Path) -> Sensitivity | None:
     Raises:
         CaseError: the file is broken.
     """
-    path = folder / SENSITIVITY
-    if not path.is_file():
-        return None
-    try:
-        content: Any = path.read_text(encoding="utf-8")
-        return Sensitivity.model_validate_json(content)
-    except (OSError, ValueError, ValidationError) as error:
-        raise CaseError(f"{path} cannot be read: {error}") from None
+    return read_json(folder / SENSITIVITY, Sensitivity)

@@ -17,7 +17,7 @@ def test_times_with_units():
             "smallest_step": "1e-4 s",
             "temperature_change": "20 K",
             "solid_fraction_change": 0.02,
-            "skin_change": 0.1,
+            "skin_change": 0.3,
             "reject_above": 3,
             "heat_substeps": 4,
         }
@@ -26,7 +26,7 @@ def test_times_with_units():
         (90.0, 0.05, 2.0, 1e-4)
     )
     assert (time.temperature_change, time.fixed_step, time.heat_substeps) == (20.0, None, 4)
-    assert (time.solid_fraction_change, time.skin_change) == (0.02, 0.1)
+    assert (time.solid_fraction_change, time.skin_change) == (0.02, 0.3)
     assert time.reject_above == 3.0
 
 
@@ -36,7 +36,7 @@ def test_defaults_are_in_order(given):
     assert 0 < time.usual_first_step <= time.largest_step
     assert (time.first_step, time.smallest_step) == (given.get("first_step"), None)
     assert (time.temperature_change, time.heat_substeps) == (20.0, "automatic")
-    assert (time.solid_fraction_change, time.skin_change) == (0.04, 0.25)
+    assert (time.solid_fraction_change, time.skin_change) == (0.04, 0.1)
     assert time.reject_above == 2.0
 
 

@@ -93,7 +93,7 @@ def test_one_that_cannot_rise_is_run_lower_alone(comm, alloy_file, shared_tmp_pa
 def test_another_run_that_fails_is_said_in_its_row(
     comm, alloy_file, shared_tmp_path, monkeypatch
 ):
-    from castx.command import sensitivity
+    from castx.command import beside_runs
 
     def failing(case, *others):
         found = sensitivity_run(case, *others)
@@ -101,8 +101,8 @@ def test_another_run_that_fails_is_said_in_its_row(
             raise ConvergenceError("no solution")
         return found
 
-    sensitivity_run = sensitivity.run_case
-    monkeypatch.setattr(sensitivity, "run_case", failing)
+    sensitivity_run = beside_runs.run_case
+    monkeypatch.setattr(beside_runs, "run_case", failing)
     short = [*THIN, "time.end=0.25"]
     folder = run_sensitivity(alloy_file, short, output=shared_tmp_path / "out", comm=comm)
     assert len(read_sensitivity(folder).runs) == 3

@@ -42,6 +42,17 @@ def test_two_cycle_of_a_kinked_map_converges(comm):
     assert relaxed[-1] == pytest.approx(fixed, rel=1e-4)
 
 
+def test_a_residual_that_grows_is_followed(comm):
+    """A gap that grows the faster the wider it is, up to a bound: its state lies ahead."""
+
+    def passes(x):
+        return np.where(x < 2.0, 1.1 * x + 0.1, 2.3 + 0.2 * (x - 2.0))
+
+    fixed = (2.3 - 0.4) / 0.8
+    iterates = iterate(comm, passes, [1.0], 12)
+    assert iterates[-1] == pytest.approx(fixed, rel=1e-6)
+
+
 def test_iterates_stay_positive(comm):
     """A resistance that jumps down to a tiny one must not be extrapolated below zero."""
     relaxation = Relaxation(comm)
@@ -83,10 +94,10 @@ def test_factor_is_one_for_all_ranks(comm):
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    ("residuals", "factor"), [((0.2, 0.19), 1.5), ((0.2, 0.25), 0.05), ((0.2, -20.0), 0.05)]
+    ("residuals", "factor"), [((0.2, 0.19), 1.5), ((0.2, 0.25), 1.0), ((0.2, -20.0), 0.05)]
 )
 def test_the_factor_stays_within_its_bounds(comm, residuals, factor):
-    """Aitken's would be 20, -4 and 0.0099: at nearly equal residuals it says nothing."""
+    """Aitken's would be 20, -4 and 0.0099; a negative one would go back from a state that lies ahead."""
     relaxation, tried = Relaxation(comm), np.array([100.0])
     for residual in residuals:
         before, tried = tried, relaxation.next(tried, tried + residual)

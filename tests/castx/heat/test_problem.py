@@ -170,15 +170,16 @@ def test_a_repeated_step_goes_on_as_its_last_substeps_have_changed(comm):
     assert largest(comm, repeated - alone) < 1e-3
 
 
-def test_resistances_run_straight_over_the_substeps(comm):
+def test_substeps_take_the_resistances_of_their_middle(comm):
+    """Resistances run straight from 1e-4 to 3e-4 over two sub-steps."""
     mesh = cylinder(comm)
     one, other = (problem(mesh, tolerance=1e-12) for _ in range(2))
     count = len(node_pairs(mesh, "casting", "mould").areas)
-    ends = [np.full(count, value) for value in (1e-4, 2e-4, 3e-4)]
-    one.advance(0.0, 2.0, [given(ends[0], ends[2])], substeps=2)
-    other.advance(0.0, 1.0, [given(ends[0], ends[1])])
+    start, quarter, rest, end = (np.full(count, 1e-4 * value) for value in (1, 1.5, 2.5, 3))
+    one.advance(0.0, 2.0, [given(start, end)], substeps=2)
+    other.advance(0.0, 1.0, [given(start, quarter)])
     other.commit()
-    other.advance(1.0, 1.0, [given(ends[0], ends[2])])
+    other.advance(1.0, 1.0, [given(quarter, rest)])
     assert largest(comm, state(one, mesh) - state(other, mesh)) < 1e-9
 
 

@@ -38,7 +38,7 @@ def meshed(comm, case):
         ("time", "smallest_step", 0.01, "smallest"),
         ("time", "temperature_change", 5.0, "temperature_change"),
         ("time", "solid_fraction_change", 0.02, "solid_fraction_change"),
-        ("time", "skin_change", 0.1, "skin_change"),
+        ("time", "skin_change", 0.3, "skin_change"),
         ("time", "reject_above", 3.0, "reject_above"),
         ("time", "fixed_step", 0.5, "fixed"),
     ],

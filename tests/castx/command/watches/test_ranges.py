@@ -12,7 +12,7 @@ import pytest
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.reading.read import read_case
-from castx.command.range_watch import RangeWatch, used_properties
+from castx.command.watches.ranges import RangeWatch, used_properties
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
@@ -20,7 +20,7 @@ from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
 from tests.partitions import PARTITION, on_the_last
 
-LISTENED = "castx.command.range_watch"
+LISTENED = "castx.command.watches.ranges"
 HEAT = {"heat_capacity", "conductivity"}
 ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 FLOW = {"yield_stress", "hardening", "kinematic_hardening"}

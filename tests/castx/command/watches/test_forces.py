@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from castx.case.reading.read import read_case
-from castx.command.force_watch import ForceWatch
+from castx.command.watches.forces import ForceWatch
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 
-LISTENED = "castx.command.force_watch"
+LISTENED = "castx.command.watches.forces"
 
 
 def watch(comm, *errors: dict[str, float], tolerance: float = 1e-3) -> None:

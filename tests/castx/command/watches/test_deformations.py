@@ -10,13 +10,13 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.command.cli import execute
-from castx.command.deformation_watch import DeformationWatch
+from castx.command.watches.deformations import DeformationWatch
 from castx.errors import ConvergenceError
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 from tests.partitions import PARTITION, on_the_last
 
-LISTENED = "castx.command.deformation_watch"
+LISTENED = "castx.command.watches.deformations"
 
 
 def moved(gradient, offset=(0.0, 0.0), solid=1.0):
