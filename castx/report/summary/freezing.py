@@ -71,7 +71,10 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
     else:
         time = after
         place = last_place(run, body, after) if followed is None else followed["place"]
-        told = f"All solid in the step from {before:.4g} to {after:.4g} s; last liquid there."
+        told = (
+            f"All solid in the step from {before:.4g} to {after:.4g} s; the last liquid was at "
+            "this place."
+        )
     return Finding(
         LAST_LIQUID, body, time, "s", told,
         place=place, time=time, shown=Shown("temperature", (body,), earlier(run.times, time)),
