@@ -34,7 +34,7 @@ LAWS = {
     "flowing": ("bodies.0.law=thermo-elasto-viscoplastic",),
     "elastic": (
         "materials.solid.extends=Al-pure", "materials.solid.liquid=none",
-        "bodies.0.material=solid",
+        "bodies.0.material=solid", "bodies.0.law=thermo-elastic",
     ),
 }  # fmt: skip
 COLUMNS = (

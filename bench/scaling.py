@@ -32,6 +32,7 @@ COLUMNS = (
 )
 SOLID = (
     "materials.solid.extends=Al-pure", "materials.solid.liquid=none", "bodies.0.material=solid",
+    "bodies.0.law=thermo-elastic",
 )  # fmt: skip
 COUNTS = (
     "cutbacks", "passes", "heat_iterations", "mechanics_iterations", "linear_iterations",
@@ -51,8 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--end", type=float, default=90.0, help="end of the run [s]")
     wanted = parser.parse_args(arguments)
     changes = [f"time.end={wanted.end}"]
-    if wanted.viscoplastic:
-        changes.append("bodies.0.law=thermo-elasto-viscoplastic")
+    if not wanted.viscoplastic:
+        changes.append("bodies.0.law=thermo-elastic")
     if wanted.elastic:
         changes += SOLID
     show(COLUMNS)

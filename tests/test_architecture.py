@@ -29,6 +29,7 @@ ORDER = [
     "materials",
     "foundry",
     "foundry/identification",
+    "case/processes",
     "case/cad case/fields",
     "case",
     "case/reading",

@@ -56,18 +56,15 @@ def _options(value: Any) -> PetscOptions:
     return dict(value)
 
 
-def _thousandth_of_end(time: dict[str, Any]) -> float:
-    return float(min(time.get("end", 1.0) * 1e-3, time.get("largest_step", 1.0)))
-
-
 class Time(Description):
     """Span and steps of a run.
 
     Attributes:
         end: of the run, or where cycles go on longer of the first one [s].
         largest_step: by default a twentieth of the end [s].
-        first_step: by default a thousandth of the end, or the largest step [s].
-        smallest_step: by default a thousandth of the first one [s].
+        first_step: None: a thousandth of the end at most, the largest step, and as long as the
+            fastest node takes for the wanted change of temperature at first [s].
+        smallest_step: None: a thousandth of the first one [s].
         temperature_change: wanted in a step, in any node [K].
         solid_fraction_change: wanted in a step, of the mean over any body.
         skin_change: wanted in a step, of the metal that bears at its wall, in the mean over any
@@ -79,10 +76,8 @@ class Time(Description):
 
     end: _Duration
     largest_step: _Duration = Field(default_factory=lambda time: time.get("end", 1.0) / 20.0)
-    first_step: _Duration = Field(default_factory=_thousandth_of_end)
-    smallest_step: _Duration = Field(
-        default_factory=lambda time: time.get("first_step", 1.0) * 1e-3
-    )
+    first_step: _Duration | None = None
+    smallest_step: _Duration | None = None
     temperature_change: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] = 20.0
     solid_fraction_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.04
     skin_change: Annotated[float, Quantity(PURE_NUMBER, above=0.0, most=1.0)] = 0.1
@@ -90,14 +85,20 @@ class Time(Description):
     fixed_step: _Duration | None = None
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"
 
+    @property
+    def usual_first_step(self) -> float:
+        """The longest first step that castx chooses [s]."""
+        return min(1e-3 * self.end, self.largest_step)
+
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield steps that exceed larger ones, and far too many steps."""
-        if self.first_step > self.largest_step:
+        if self.first_step is not None and self.first_step > self.largest_step:
             origin = "" if "largest_step" in self.model_fields_set else ", by default end/20"
             text = f"must not exceed largest_step, {self.largest_step:g} s{origin}"
             yield Problem(("first_step",), text)
-        if self.smallest_step > self.first_step:
-            yield Problem(("smallest_step",), f"must not exceed first_step, {self.first_step:g} s")
+        first = self.usual_first_step if self.first_step is None else self.first_step
+        if self.smallest_step is not None and self.smallest_step > first:
+            yield Problem(("smallest_step",), f"must not exceed first_step, {first:g} s")
         for key in ("largest_step", "fixed_step"):
             step = getattr(self, key)
             if step is not None and self.end / step > _MOST_STEPS:

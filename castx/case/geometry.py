@@ -7,7 +7,9 @@ from math import prod
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, PlainValidator, StrictStr, model_validator
+from pydantic import Field, GetJsonSchemaHandler, PlainValidator, StrictStr, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from castx.case.cad.geometry import CadGeometry, is_cad_file
 from castx.errors import CaseError
@@ -107,6 +109,10 @@ def _mesh_file(value: Any) -> Path:
     return Path(value)
 
 
+def _told(argument: Argument) -> dict[str, Any]:
+    return {"description": argument.meaning}
+
+
 class Geometry(Description):
     """A generator with its arguments, a gmsh file, or CAD files.
 
@@ -123,6 +129,20 @@ class Geometry(Description):
     file: Annotated[Path | None, PlainValidator(_mesh_file)] = None
     cad: CadGeometry | None = None
     arguments: dict[StrictStr, Any] = Field({})
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the schema of the file, in which the keys of generators and CAD stand beside."""
+        schema = handler.resolve_ref_schema(handler(core))
+        own = {key: schema["properties"][key] for key in ("model", "file")}
+        beside: dict[str, Any] = {key: {} for key in CadGeometry.model_fields}
+        for arguments in (COMMON_ARGUMENTS, *(found.arguments for found in GENERATORS.values())):
+            beside |= {key: _told(argument) for key, argument in arguments.items()}
+        generators = {"generator": {"type": "string", "enum": sorted(GENERATORS)}}
+        schema["properties"] = beside | generators | own
+        return schema
 
     @model_validator(mode="before")
     @classmethod

@@ -8,7 +8,9 @@ from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, GetJsonSchemaHandler, PlainValidator, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
@@ -135,6 +137,15 @@ class InterfaceHeat(Description):
     coating: Coating | None = None
     radiation: Radiation | None = None
     patches: Annotated[tuple[Patch, ...], PlainValidator(_patches)] = ()
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the schema of the file, in which an entry of the database may give the law."""
+        schema = handler.resolve_ref_schema(handler(core))
+        schema.pop("required", None)
+        return schema
 
     @model_validator(mode="before")
     @classmethod

@@ -56,7 +56,7 @@ class Output(Description):
 
     Attributes:
         folder: by default results/NAME-OF-THE-CASE-FILE; after loading an absolute path.
-        every: time between field outputs [s]; None: only the initial and the last state.
+        every: time between fields that are written beside those at events [s]; None: events alone.
         fields: names of the fields.
         checkpoint: time between checkpoints [s]; None: every minute of wall clock time, or less
             often if they take long.
@@ -69,6 +69,8 @@ class Output(Description):
         "solid_fraction",
         "displacement",
         "von_mises",
+        "gap",
+        "solidification_time",
     )
     checkpoint: Annotated[float | None, Quantity(TIME, above=0.0)] = None
 

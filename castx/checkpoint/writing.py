@@ -152,7 +152,8 @@ class Checkpoints:
         arrays = self._checkpoint.read(header, wanted)
         self._refuse_no_numbers(arrays, path)
         self._simulation.restore(part_of(arrays, "simulation"))
-        self._results.resume(part_of(arrays, "results"), header["results"])
+        state = self._simulation.state()
+        self._results.resume(part_of(arrays, "results"), header["results"], state)
 
     def _refuse_no_numbers(self, arrays: Mapping[str, Array], path: str) -> None:
         refusal = None

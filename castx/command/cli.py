@@ -17,6 +17,7 @@ import typer
 
 from castx.command.foreign import verify
 from castx.command.look_up import EntryName, EntryPlot, look_up
+from castx.command.new import new
 from castx.command.refusals import naming, seconds
 from castx.command.scheil import scheil
 from castx.command.studies import STUDY_COMMANDS, CaseFile, Overrides
@@ -237,27 +238,7 @@ def mesh(
     console.print(f"written: {output}", markup=False)
 
 
-@app.command()
-def new(
-    context: typer.Context,
-    cad_file: Annotated[
-        Path, typer.Argument(metavar="PART.step", help="CAD solids: .step, .iges or .brep.")
-    ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="CASE.toml", help="Instead of PART.toml."),
-    ] = None,
-) -> None:
-    """Write a case file for a CAD part: bodies, interfaces, first materials, sizes; a picture."""
-    from castx.command.check import draw_new_case
-    from castx.domain.cad.new_case import write_new_case
-
-    comm, console = output_of(context)
-    target = cad_file.with_suffix(".toml") if output is None else output
-    on_first_rank(comm, lambda: write_new_case(cad_file, target))
-    console.print(f"written: {target}", markup=False)
-    draw_new_case(target, comm, console)
-    console.print(f"look into it, then: castx check {target}", markup=False)
+app.command()(new)
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+import math
 from contextlib import suppress
 from datetime import timedelta
 from types import TracebackType
@@ -14,14 +14,11 @@ from rich import progress
 from rich.console import Console
 
 from castx.command.terminal import console_of
+from castx.process.remaining import Remaining
 from castx.results.states.snapshot import Snapshot
 
 WIDE = 105
 """Width of a terminal that has room for a bar beside the numbers."""
-
-REMEMBERED = 8
-"""Steps from which the remaining time is estimated."""
-
 
 class Progress:
     """Shows each accepted step, with the wall clock time left.
@@ -30,13 +27,19 @@ class Progress:
         end: end of the run [s].
         comm: ranks of the run.
         console: where to; by default the standard output of rank 0.
+        largest: step [s].
     """
 
-    def __init__(self, end: float, comm: MPI.Intracomm, console: Console | None = None) -> None:
-        self._end = end
+    def __init__(
+        self,
+        end: float,
+        comm: MPI.Intracomm,
+        console: Console | None = None,
+        largest: float = math.inf,
+    ) -> None:
         self._shown = comm.rank == 0
         self._console = console or console_of(comm)
-        self._recent: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
+        self._remaining = Remaining(end, largest)
         self._freezing: str | None = None
         bar = [progress.BarColumn(bar_width=20)] if self._console.width >= WIDE else []
         self._bar = progress.Progress(
@@ -71,22 +74,16 @@ class Progress:
         if self._freezing is None:
             self._freezing = freezing_body(snapshot)
         if snapshot.step > 0:
-            self._recent.append((snapshot.counters.step, snapshot.counters.wall))
+            self._remaining.note(snapshot, self._freezing)
         with suppress(OSError):  # of a terminal that was closed: the run goes on without it
             self._print(snapshot)
 
     def _print(self, snapshot: Snapshot) -> None:
-        line = describe(snapshot, self._freezing, self._remaining(snapshot.time))
+        line = describe(snapshot, self._freezing, self._remaining.wall())
         if self._bar.disable:
             self._console.print(line, markup=False, highlight=False)
         else:
             self._bar.update(self._task, completed=snapshot.time, description=line)
-
-    def _remaining(self, now: float) -> float | None:
-        """Return the wall clock time left at the pace of the last steps [s], None at first."""
-        passed = sum(step for step, _ in self._recent)
-        wall = sum(wall for _, wall in self._recent)
-        return wall / passed * max(self._end - now, 0.0) if passed > 0 else None
 
 
 def freezing_body(snapshot: Snapshot) -> str | None:

@@ -118,7 +118,8 @@ def _solve(
     comm = simulation.mesh.comm
     ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
     deformation = DeformationWatch(case, comm)
-    with results, checkpoints, forces, Progress(simulation.end, comm) as progress:
+    progress = Progress(simulation.end, comm, largest=case.time.largest_step)
+    with results, checkpoints, forces, progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()

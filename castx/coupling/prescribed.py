@@ -76,6 +76,12 @@ class PrescribedTemperatures:
         ]
         return HeatReport(0, 0, max(changes))
 
+    def time_to_change(
+        self, change: float, pairs: Sequence[tuple[PairState, PairState] | None] = ()
+    ) -> float:
+        """Return infinity: how steps follow given temperatures is a choice of the case."""
+        return float("inf")
+
     def between(self, name: str) -> Sequence[HeatState]:
         """Return nothing: a step goes straight from its start to its end."""
         return ()

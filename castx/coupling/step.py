@@ -176,6 +176,11 @@ class CoupledProblem:
         strained = self.comm.allreduce(float(largest), op=MPI.MAX) > SMALLEST_STRAIN
         return strained and all(body.is_compressible for body in bodies)
 
+    def time_to_change(self, change: float) -> float:
+        """Return the time in which the fastest node changes by a temperature; collective."""
+        states = self.interfaces.thermal_at_start()
+        return self.heat.time_to_change(change, list(zip(states, states, strict=True)))
+
     def _require_finite(self) -> None:
         moving = {} if self.mechanics is None else self.mechanics.bodies
         motions = {name: body.solution for name, body in moving.items()}

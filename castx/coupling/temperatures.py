@@ -38,6 +38,11 @@ class Temperatures(Protocol):
     ) -> HeatReport:
         """Find the trial state at the end of a step; arguments as of `HeatProblem.advance`."""
 
+    def time_to_change(
+        self, change: float, pairs: Sequence[tuple[PairState, PairState] | None] = ()
+    ) -> float:
+        """Return the time in which the fastest node changes by a temperature; collective."""
+
     def between(self, name: str) -> Sequence[HeatState]:
         """Return the states of a body inside the trial step, as far as known; collective."""
 

@@ -324,6 +324,11 @@ class HeatBalance:
         through += self.exchanges.add_heat(self._balance)
         self._storage, self._through = float(np.abs(storage).sum()), float(through)
 
+    @property
+    def leaving(self) -> FloatArray:
+        """Heat that leaves the owned nodes at the last evaluation [W], shape (owned nodes,)."""
+        return np.array(self._balance.array_r)
+
     def sums(self) -> BalanceSums:
         """Return the sums over all ranks that decide on convergence, at the last residual."""
         storage, through = self._storage, self._through

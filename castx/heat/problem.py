@@ -18,6 +18,7 @@ from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
+from castx.heat.pace import time_to_change
 from castx.materials.enthalpy import HeatState
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
@@ -173,6 +174,20 @@ class HeatProblem:
             iterations += report.iterations
             linear_iterations += report.linear_iterations
         return HeatReport(iterations, linear_iterations, self._largest_temperature_change())
+
+    def time_to_change(
+        self, change: float, pairs: Sequence[tuple[PairState, PairState] | None] = ()
+    ) -> float:
+        """Return the time in which the fastest node changes by a temperature; collective.
+
+        Args:
+            change: of its temperature [K].
+            pairs: for each interface the states of its pairs, as of `advance`.
+        """
+        self._balance.exchanges.set_states(pairs, 1.0)
+        found = time_to_change(self._balance, self._committed, change)
+        self.rewind()
+        return found
 
     def between(self, name: str) -> Sequence[HeatState]:
         """Return the states of a body at the ends of the sub-steps but the last; collective.

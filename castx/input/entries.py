@@ -21,6 +21,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from castx.errors import CaseError
+from castx.input.json_schema import EntrySchema
 from castx.input.problems import Problem, Refusal, among, refuse, show, translate
 from castx.input.units import TEMPERATURE, TIME, Dimension, number
 from castx.tables import Table
@@ -59,6 +60,11 @@ class Description(BaseModel):
             return cls.model_validate(data)
         except ValidationError as error:
             raise Refusal(translate(error, cls._keys())) from None
+
+    @classmethod
+    def model_json_schema(cls, *arguments: Any, **settings: Any) -> dict[str, Any]:
+        """Return the JSON schema of the keys; arguments as of pydantic."""
+        return super().model_json_schema(*arguments, **{"schema_generator": EntrySchema} | settings)
 
     @classmethod
     def _keys(cls) -> list[str]:
@@ -139,6 +145,12 @@ class Quantity:
         ]
         return " and ".join(text for given, text in bounds if given)
 
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        unit = self.dimension.unit.replace("degC", "°C")
+        said = " ".join(part for part in (self.dimension.name, f"[{unit}]" if unit else "") if part)
+        return {"type": ["number", "string"], "description": said}
+
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
@@ -189,6 +201,15 @@ class Tabulated:
             self.value.read(float(value))
         return table
 
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        said = self.value.json_schema()["description"]
+        over = self.over.dimension.name
+        return {
+            "type": ["number", "string", "array"],
+            "description": f"{said}; or a table over {over}: [[{over}, value], …]",
+        }
+
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
@@ -216,6 +237,10 @@ class Whole:
             raise CaseError(f"a whole number from {self.least} to {self.most} is needed")
         return int(value)
 
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        return {"type": "integer", "minimum": self.least, "maximum": self.most}
+
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
@@ -240,6 +265,10 @@ class Choice:
             return value
         near = value if isinstance(value, str) else ""
         raise CaseError(f"unknown; {among(near, self.names, what='allowed')}")
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        return {"type": "string", "enum": list(self.names)}
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -270,6 +299,10 @@ class Name:
                 f"a name has 1 to {_LONGEST_NAME} letters, digits, '_', '+', '-' or {inner}"
             )
         return value
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        return {"type": "string", "maxLength": _LONGEST_NAME}
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)

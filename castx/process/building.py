@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -30,6 +31,9 @@ from castx.process.process import Cycling, Process, StageProblem
 from castx.process.stage_case import stage_case
 from castx.process.step_control import StepSettings
 from castx.transfer.conductance import ConductionLaw
+
+SMALLEST = 1e-3
+"""Share of the first step that is the smallest one, unless the case says it."""
 
 _log = logging.getLogger(__name__)
 
@@ -130,17 +134,25 @@ def process_of(
     return Process(schedule, builder, ejected, cycling)
 
 
-def step_settings(case: Case) -> StepSettings:
-    """Return the settings of the step control of a case; steps end at stages and output times."""
+def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
+    """Return the settings of the step control of a case; steps end at stages.
+
+    Args:
+        case: the case.
+        fastest: time in which the fastest node changes by the wanted temperature at first [s]; a
+            first step that the case does not give is no longer.
+    """
     time, schedule = case.time, Schedule(case.stages, case.time.end)
+    first = float(f"{min(time.usual_first_step, fastest):.2g}")
+    first = first if time.first_step is None else time.first_step
+    smallest = SMALLEST * first if time.smallest_step is None else time.smallest_step
     return StepSettings(
         schedule.end,
-        time.first_step,
+        first,
         time.largest_step,
-        time.smallest_step,
+        min(smallest, first),
         time.temperature_change,
         time.fixed_step,
-        case.output.every,
         schedule.stops,
         time.solid_fraction_change,
         time.skin_change,

@@ -125,7 +125,8 @@ class Simulation:
         process = process_of(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given
-        return cls(process, step_settings(case), substeps, comm)
+        fastest = process.now.problem.time_to_change(case.time.temperature_change)
+        return cls(process, step_settings(case, fastest), substeps, comm)
 
     @property
     def problem(self) -> CoupledProblem:

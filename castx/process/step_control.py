@@ -3,8 +3,8 @@
 A step that changes some node by more than the wanted temperature, or freezes more of some body or
 of a skin at its wall than wanted, makes the next one smaller, by less larger, within bounds on
 growth and size; many passes or iterations forbid growth. A step that failed or changed far too much
-is halved. Steps land on the end, on stops and on milestones such as output times without leaving a
-sliver: the rest up to the next of them is divided evenly once it is shorter than two steps.
+is halved. Steps land on the end and on stops without leaving a sliver: the rest up to the next of
+them is divided evenly once it is shorter than two steps.
 """
 
 from __future__ import annotations
@@ -38,7 +38,6 @@ class StepSettings:
         smallest: a step that fails at this size ends the run.
         temperature_change: wanted change of the fastest node in a step [K].
         fixed: constant step, without adaptivity.
-        milestone: steps land on the multiples of this time, unless they are fixed.
         stops: all steps land on these times, ascending.
         solid_fraction_change: wanted change of the mean solid fraction of any body in a step.
         skin_change: wanted mean change over any interface of the metal that bears at its wall.
@@ -52,7 +51,6 @@ class StepSettings:
     smallest: float
     temperature_change: float
     fixed: float | None = None
-    milestone: float | None = None
     stops: tuple[float, ...] = ()
     solid_fraction_change: float = math.inf
     skin_change: float = math.inf
@@ -78,17 +76,15 @@ class StepControl:
 
     def propose(self, time: float) -> float:
         """Return the step to try from a time [s]."""
-        rest = self._next_stop(time) - time
+        rest = self._following(time) - time
         parts = math.ceil(rest / self._size - LANDING)
         if self._settings.fixed is not None and self._cutbacks == 0:
             return min(self._size, rest)
         return rest if parts <= 1 else rest / 2 if parts == 2 else self._size
 
     def landed(self, time: float) -> float:
-        """Return the end, stop or milestone that a time [s] is but for round-off, else the time."""
-        near, milestone = self._following(time - 2 * self._tolerance), self._settings.milestone
-        if milestone is not None and abs(near - time) > self._tolerance:
-            near = round(time / milestone) * milestone
+        """Return the end or stop that a time [s] is but for round-off, else the time."""
+        near = self._following(time - 2 * self._tolerance)
         return near if abs(near - time) <= self._tolerance else time
 
     def restart(self) -> None:
@@ -101,13 +97,6 @@ class StepControl:
         stops = self._settings.stops
         number = bisect_right(stops, time + self._tolerance)
         return stops[number] if number < len(stops) else self._settings.end
-
-    def _next_stop(self, time: float) -> float:
-        stop, milestone = self._following(time), self._settings.milestone
-        if milestone is None or self._settings.fixed is not None:
-            return stop
-        following = (math.floor((time + self._tolerance) / milestone) + 1) * milestone
-        return following if following < stop - self._tolerance else stop
 
     def exceeds(self, step: float, change: StepChange) -> bool:
         """Return whether a step changed so much that it is rejected, and cut it then.
@@ -152,7 +141,7 @@ class StepControl:
         excess = self._excess(change)
         ratio = SAFETY / excess if excess > 0 else GROWTH
         ratio = min(max(ratio, SHRINKAGE), GROWTH if easy and not recovering else 1.0)
-        # A step cut short by a milestone says nothing against the size it was cut from.
+        # A step cut short by a stop says nothing against the size it was cut from.
         size = max(step * ratio, self._size) if step < self._size and ratio >= 1 else step * ratio
         self._size = min(max(size, settings.smallest), settings.largest)
 

@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.results.field_times import FIRST_GAP, FRACTIONS, OPEN, crossing
 from castx.results.reading import Results
-from castx.results.states.snapshot import FULLY_SOLID
-
-FRACTIONS = {0.25: "25 % solid", 0.5: "50 % solid", 0.75: "75 % solid", FULLY_SOLID: "all solid"}
-OPEN = 1e-6
-"""Gap from which an air gap counts [m]."""
 
 
 def moments(run: Results) -> dict[float, str]:
@@ -24,19 +20,35 @@ def moments(run: Results) -> dict[float, str]:
     for body in run.freezing[:1]:
         solid = run.history[f"{body}.solid_fraction"]
         for fraction, text in FRACTIONS.items():
-            add(found, first_time(time, solid >= fraction), text)
+            add(found, crossing_time(time, solid, fraction), text)
     gaps = [
         run.history[f"{name}.max_gap"]
         for name in run.record["interfaces"]
         if f"{name}.max_gap" in run.history
     ]
     if gaps:
-        add(found, first_time(time, np.any(np.array(gaps) > OPEN, axis=0)), "first air gap")
+        add(found, first_time(time, np.any(np.array(gaps) > OPEN, axis=0)), FIRST_GAP)
     for event in run.record.get("process", []):
         if event.get("stage") and event.get("cycle") == 1:
             add(found, event["time"], f"stage {event['stage']}")
     add(found, float(time[-1]), "end")
     return found
+
+
+def crossing_time(time: FloatArray, solid: FloatArray, wanted: float) -> float | None:
+    """Return when a solid fraction was reached first, None if it never was or always.
+
+    Args:
+        time: of the steps [s].
+        solid: the solid fractions then.
+        wanted: that is to be reached.
+    """
+    steps = np.flatnonzero(solid >= wanted)
+    if not steps.size or steps[0] == 0:
+        return None
+    after = steps[0]
+    step = float(time[after - 1]), float(time[after])
+    return crossing(step, (float(solid[after - 1]), float(solid[after])), wanted)
 
 
 def first_time(time: FloatArray, reached: BoolArray) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 from xml.sax.saxutils import quoteattr
@@ -15,6 +15,8 @@ from castx.foundry.followed import histories
 from castx.foundry.followed.foundry_fields import entry_of, is_of_foundry
 from castx.foundry.stress.cracks import COLD_CRACKS
 from castx.foundry.stress.stage_ends import DEVIATION
+from castx.results.field_copies import FieldCopies, between
+from castx.results.field_times import FieldTimes
 from castx.results.files.disk import Disk
 from castx.results.files.folder import COLLECTION, write_whole
 from castx.results.files.vtu import Piece, write_piece
@@ -26,19 +28,6 @@ if TYPE_CHECKING:
 
 LATE_IN_CELLS = (COLD_CRACKS, *histories.CELLWISE)
 """Fields in cells that are found when they are written."""
-
-
-@dataclass
-class FieldCopies:
-    """Copies of the wanted fields of one moment: arrays of the pieces of this rank by body.
-
-    Bodies that are removed have none. Those of the foundry are found when they are written.
-    """
-
-    time: float
-    phase: tuple[int, int]
-    nodal: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
-    cellwise: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -65,12 +54,15 @@ class FoundrySource(Protocol):
 
 
 class Fields:
-    """Writer of the fields at chosen times; the last state is kept, to be written at any end.
+    """Writer of the fields at events and given times; the last state is kept, for any end.
+
+    Fields of a time within a step are linear between its start and its end; those that are followed
+    from step to step, such as the solidification time, are those of its end.
 
     Args:
         folder: the folder of the files.
         names: the wanted fields.
-        every: time between outputs [s]; None: first and last state only.
+        every: time between given moments [s]; None: events, first and last state only.
         mesh: the bodies.
         foundry: the quantities of the foundry.
         disk: takes the failures of single ranks.
@@ -91,7 +83,7 @@ class Fields:
         self._folder = folder
         self._names = tuple(names)
         self._melting = tuple(mesh.bodies) if melting is None else tuple(melting)
-        self._every = every
+        self._times = FieldTimes(every, self._melting)
         self._comm, self._disk = mesh.comm, disk
         self._foundry = foundry
         self._pieces = {name: Piece.of(body) for name, body in mesh.bodies.items()}
@@ -101,33 +93,30 @@ class Fields:
             for index, name in enumerate(self._pieces)
         }
         self._outputs: list[WrittenMoment] = []
-        self._pending: FieldCopies | None = None
+        self._last: FieldCopies | None = None
 
     def update(self, snapshot: Snapshot) -> None:
-        """Take over the state after an accepted step, and write it when its time has come.
+        """Take over the state after an accepted step, and write the moments within the step.
 
-        In the first cycle the last state of each stage is written as well.
+        In the first cycle the last state of each stage is written as well; collective.
         """
         self.leave_stage(snapshot)
-        self._pending = self._copy(snapshot)
-        if snapshot.step == 0 or self._due(snapshot.time):
+        before, self._last = self._last, self._copy(snapshot)
+        if before is None:
+            self._times.begin(snapshot)
             self.write_pending()
+            return
+        for time in self._times.within(snapshot):
+            self._write(between(before, self._last, time))
 
     def leave_stage(self, snapshot: Snapshot) -> None:
         """Write the last state of a stage of the first cycle if a state is of another one.
 
         Call it before the quantities of the foundry are followed to that state; collective.
         """
-        if self._pending is not None and self._pending.phase != phase_of(snapshot):
-            if self._pending.phase[0] == 1:
+        if self._last is not None and self._last.phase != phase_of(snapshot):
+            if self._last.phase[0] == 1:
                 self.write_pending()
-
-    def _due(self, now: float) -> bool:
-        """Return whether a multiple of `every` lies after the last output and not after now."""
-        if self._every is None or not self._outputs:
-            return False
-        slack = 1e-9 * self._every
-        return (now + slack) // self._every > (self._outputs[-1].time + slack) // self._every
 
     def _copy(self, snapshot: Snapshot) -> FieldCopies:
         """Return copies of the wanted fields; collective."""
@@ -160,10 +149,12 @@ class Fields:
         Raises:
             StorageError: the disk did not take it; on all ranks.
         """
-        if self._pending is None:
-            return
-        state, index = self._pending, len(self._outputs)
-        self._pending = None
+        last = self._last
+        if last is not None and (not self._outputs or self._outputs[-1].time < last.time):
+            self._write(last)
+
+    def _write(self, state: FieldCopies) -> None:
+        index = len(self._outputs)
         self._add_foundry(state)
         with self._disk.writing():
             for number, (body, piece) in enumerate(self._pieces.items()):
@@ -198,6 +189,15 @@ class Fields:
     def notes(self) -> list[dict[str, Any]]:
         """Return a description of the written files, for JSON."""
         return [asdict(output) for output in self._outputs]
+
+    def events(self) -> dict[str, object]:
+        """Return the events that have been written, for JSON."""
+        return self._times.notes()
+
+    def go_on(self, events: Mapping[str, object], snapshot: Snapshot) -> None:
+        """Follow the run from the state of a checkpoint with these events; collective."""
+        self._last = self._copy(snapshot)
+        self._times.resume(events, snapshot)
 
     def resume(self, notes: Sequence[Mapping[str, Any]]) -> None:
         """Go on behind the outputs of `notes`; pieces of later ones are removed."""

@@ -9,10 +9,7 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from castx.case.coherency import coherency_records
-from castx.case.stages import Schedule
 from castx.errors import CaseError
-from castx.foundry.alloy import Alloy
 from castx.foundry.followed.foundry_fields import (
     FoundryFields,
     pores_of,
@@ -24,12 +21,12 @@ from castx.foundry.followed.histories import histories_of
 from castx.foundry.pools.hot_spots import HotSpots
 from castx.foundry.pools.pooled_metal import pooled_metals
 from castx.foundry.stress.cracks import cracks_of
-from castx.foundry.stress.shape import is_axis, plane_of
 from castx.foundry.stress.stage_ends import StageEnds
 from castx.foundry.stress.surface_forms import SurfaceForms
 from castx.materials.lookup import find_material
 from castx.profiling import PartCost, RunPart, booked_as
 from castx.ranks import on_first_rank
+from castx.results.description import describe
 from castx.results.fields import Fields
 from castx.results.files.disk import Disk
 from castx.results.files.folder import (
@@ -58,6 +55,9 @@ if TYPE_CHECKING:
     from castx.case.case import Case
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
+
+NOT_BY_DEFAULT = {"thermal": {"gap"}, "mechanical": {"solid_fraction", "solidification_time"}}
+"""Fields of the default that never change in a run of a scheme."""
 
 log = logging.getLogger(__name__)
 
@@ -100,18 +100,17 @@ class ResultsWriter:
         self._metals = pooled_metals(case)
         self._pools = HotSpots(mesh, self._metals)
         forms = SurfaceForms(mesh, case.foundry.flat, case.foundry.round)
-        self._ends = StageEnds(mesh, deforming(case), forms)
+        heated = case.coupling.scheme != "mechanical"
+        self._ends = StageEnds(mesh, deforming(case), forms, heated)
         self._cracks = cracks_of(case, mesh)
         poured = poured_bodies(case)
         self._histories = histories_of(
             case, mesh, pairs, partial(pores_of, self._solidification, poured)
         )
         followed = self._pools, self._ends, self._cracks, self._histories
-        self._history = History(
-            self._folder / "history.csv",
-            [body.name for body in case.bodies],
-            [interface.name for interface in case.interfaces],
-        )
+        names = [body.name for body in case.bodies]
+        between = [interface.name for interface in case.interfaces]
+        self._history = History(self._folder / "history.csv", names, between)
         self._probes = Probes(self._folder / "probes.csv", case.probes, mesh, pairs)
         self._measured = measured_curves(case.measurements, self._probes.columns, mesh.comm)
         self._fields = Fields(
@@ -146,13 +145,14 @@ class ResultsWriter:
             "rows": self._rows,
             "lost_rows": self._lost,
             "outputs": self._fields.notes(),
+            "field_events": self._fields.events(),
             "record": self._record.notes(),
             "pools": self._pools.notes(),
             "stage_ends": self._ends.described(),
         }
 
-    def resume(self, arrays: Arrays, notes: Mapping[str, Any]) -> None:
-        """Go on behind the rows and outputs that `notes` names; collective.
+    def resume(self, arrays: Arrays, notes: Mapping[str, Any], snapshot: Snapshot) -> None:
+        """Go on behind the rows and outputs that `notes` names, from a state; collective.
 
         Raises:
             CaseError: a table lacks rows, or is damaged; on all ranks.
@@ -165,6 +165,7 @@ class ResultsWriter:
         self._ends.resume(notes.get("stage_ends", []))
         self._record.resume(notes["record"])
         self._record.note_hot_spots(self._pools.described())
+        self._fields.go_on(notes["field_events"], snapshot)
         self._rows, self._resumed = notes["rows"], notes
 
     def __enter__(self) -> Self:
@@ -292,10 +293,12 @@ def lost_rows(folder: Path, notes: Mapping[str, Any]) -> dict[str, int]:
 
 def wanted_fields(case: Case) -> list[str]:
     """Return the fields to write: those of the case, or those of the default that the run has."""
+    asked = "fields" in case.output.model_fields_set
+    lacking = set() if asked else NOT_BY_DEFAULT.get(case.coupling.scheme, set())
     return [
         name
         for entry in case.output.fields
-        if case.coupling.scheme != "thermal" or entry not in MECHANICAL
+        if (case.coupling.scheme != "thermal" or entry not in MECHANICAL) and entry not in lacking
         for name in written_names(entry, case)
     ]
 
@@ -327,74 +330,6 @@ def refuse_without_mechanics(case: Case) -> None:
                 )
 
 
-def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:
-    """Return case, bodies and interfaces with their sizes for run.json; collective."""
-    sizes = {
-        body.name: {
-            "material": body.material,
-            "law": body.law,
-            "temperature": body.temperature.text,
-            "freezes": freezing_range(case, body.material),
-            "coherency": coherency_records(case).get(body.name),
-            "tearing": Alloy(find_material(body.material, case.materials)).tearing_indices,
-            "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
-            "cells": cell_count(mesh, body.name),
-            "symmetry": symmetry_planes(mesh, body.name),
-        }
-        for body in case.bodies
-    }
-    written = case.content.get("interfaces", [])
-    keys = {"/".join(entry["bodies"]): entry.get("heat", {}) for entry in written}
-    interfaces = {
-        interface.name: {
-            "pairs": mesh.comm.allreduce(len(pairs[interface.name].secondary_local)),
-            "contact": interface.contact.method,
-            "heat": None if interface.heat is None else interface.heat.law,
-            "heat_keys": keys.get(interface.name, {}),
-        }
-        for interface in case.interfaces
-    }
-    return {
-        "case": {"name": case.name, "file": str(case.path.resolve()), "digest": case.digest},
-        "model": mesh.model,
-        "scheme": case.coupling.scheme,
-        "front": case.foundry.at.text,
-        "end": Schedule(case.stages, case.time.end).end,
-        "bodies": sizes,
-        "interfaces": interfaces,
-        "ranks": mesh.comm.size,
-    }
-
-
-def symmetry_planes(mesh: CastingMesh, name: str) -> list[dict[str, Any]]:
-    """Return the planes of symmetry of a body, n·x = offset, as JSON knows them; collective."""
-    body = mesh.bodies[name]
-    planes = [
-        plane_of(body, mesh.model, surface)
-        for surface in body.symmetry_planes
-        if not is_axis(body, mesh.model, surface)
-    ]
-    return [
-        {"normal": plane.normal.tolist(), "offset": plane.offset}
-        for plane in planes
-        if plane is not None
-    ]
-
-
 def melts(case: Case, name: str) -> bool:
     """Return whether a material melts."""
     return find_material(name, case.materials).melts
-
-
-def freezing_range(case: Case, name: str) -> list[float] | None:
-    """Return solidus and liquidus of a material [°C], None if it does not melt."""
-    material = find_material(name, case.materials)
-    if material.solidus is None or material.liquidus is None:
-        return None
-    return [material.solidus, material.liquidus]
-
-
-def cell_count(mesh: CastingMesh, body: str) -> int:
-    """Return the number of cells of a body on all ranks."""
-    topology = mesh.bodies[body].mesh.topology
-    return int(topology.index_map(topology.dim).size_global)

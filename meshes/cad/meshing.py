@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import pi
 
 import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray
 from castx.meshes.cad.cells import cell_qualities, solid_volumes
+from castx.meshes.cad.curvature import curved_cells
 from castx.meshes.cad.description import MILLIMETRES, CadPart
 from castx.meshes.cad.faces import Face
 from castx.meshes.cad.healing import WORST_CELL
@@ -26,6 +28,9 @@ from castx.meshes.cad.sizes import (
 
 FRONTAL, DELAUNAY, HXT = 6, 1, 10
 """gmsh's numbers of the algorithms on faces (the first) and in solids."""
+
+REMOVED = 4.0
+"""Tolerance that is proposed over the radius of an edge: a quarter of its circle is 1.6 wide."""
 
 
 def generate(
@@ -54,6 +59,7 @@ def generate(
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", part.curvature)
     gmsh.option.setNumber("Mesh.Algorithm", FRONTAL)
     gmsh.option.setNumber("Mesh.Optimize", 1)
+    _refuse_small_faces(part, *curved_cells(part, faces))
     _mesh_faces()
     samples = samples_of(faces)
     wishes = wanted_sizes(part, faces, named, samples)
@@ -97,6 +103,25 @@ def _refuse_crowds(part: CadPart, samples: Samples, sizes: FloatArray, grid: Siz
             f"{place_text(samples.points[least])} a wall, a wedge or a curved face asks for a size "
             f"of {sizes[least]:.2g} m; thicken it or round it off in CAD, allow more cells, or "
             "take walls as they come, geometry.across = 0"
+        )
+
+
+def _refuse_small_faces(part: CadPart, cells: float, size: float, place: FloatArray) -> None:
+    """Refuse rounded edges so small that they alone need too many cells, with a place and a cure.
+
+    Args:
+        part: what is meshed.
+        cells: that curved faces ask for.
+        size: the smallest one of them [m].
+        place: of it [m].
+    """
+    if cells > part.most_cells:
+        radius = size * part.curvature / (2.0 * pi)
+        raise ValueError(
+            f"about {cells:.1e} cells, and geometry.most_cells allows {part.most_cells:.1e}: round "
+            f"{place_text(place)} a face with a radius of {radius:.2g} m asks for a size of "
+            f"{size:.2g} m; remove faces that are so narrow, geometry.tolerance = "
+            f"{REMOVED * radius:.1g}, or allow fewer cells round a circle, geometry.curvature"
         )
 
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import gmsh
+import numpy as np
+
 from castx.meshes.cad.cells import Quality, cell_volumes, face_areas, node_points
+from castx.meshes.cad.description import MILLIMETRES, Box
 from castx.meshes.cad.faces import Face
 
 
@@ -39,6 +43,7 @@ class Report:
         extent: the longest one of the part [m].
         size: the largest one that was asked for [m].
         remarks: what was mended.
+        boxes: lowest and highest corner of the mesh of each body [m].
     """
 
     bodies: tuple[Measure, ...]
@@ -48,6 +53,7 @@ class Report:
     extent: float = 0.0
     size: float = 0.0
     remarks: tuple[str, ...] = ()
+    boxes: Mapping[str, Box] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """Return the report as lists and texts."""
@@ -63,6 +69,7 @@ class Report:
             extent=data["extent"],
             size=data["size"],
             remarks=tuple(data["remarks"]),
+            boxes={name: (tuple(low), tuple(high)) for name, (low, high) in data["boxes"].items()},
         )
 
 
@@ -101,7 +108,19 @@ def report_of(
     for face in faces:
         if len(face.bodies) == 2:
             between.setdefault("/".join(sorted(face.bodies)), []).append(areas[face.tag])
-    return Report(bodies, _measures(surfaces), _measures(between), quality, remarks=tuple(remarks))
+    return Report(
+        bodies, _measures(surfaces), _measures(between), quality,
+        remarks=tuple(remarks), boxes={name: _box(name, volumes) for name in drawn},
+    )  # fmt: skip
+
+
+def _box(body: str, volumes: Mapping[int, str]) -> Box:
+    """Return lowest and highest corner of the nodes of a body [m]."""
+    tags = [tag for tag, owner in volumes.items() if owner == body]
+    found = [gmsh.model.mesh.getNodes(3, tag, includeBoundary=True)[1] for tag in tags]
+    points = np.concatenate(found).reshape(-1, 3) / MILLIMETRES
+    low, high = np.round(points.min(axis=0), 9), np.round(points.max(axis=0), 9)
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 def _measures(found: Mapping[str, Sequence[tuple[float, float]]]) -> tuple[Measure, ...]:

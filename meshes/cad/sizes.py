@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil
 
 import gmsh
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.meshes.cad.cells import TRIANGLE, node_points
+from castx.meshes.cad.curvature import FILLING, curved_sizes
 from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeRule
 from castx.meshes.cad.faces import Face
 
@@ -29,8 +30,6 @@ MOST = 3000
 """Samples behind which walls are looked for."""
 MOST_PAIRS = 6e7
 """Of such samples with all others."""
-FILLING = 0.11
-"""Volume of a cell over the cube of its size."""
 NO_SIZE = 1e22
 """What gmsh takes for no size."""
 STEPS = 64
@@ -209,7 +208,8 @@ def wanted_sizes(
         least = min([part.size, *(rule.size for rule in part.rules if _on(rule, face, named))])
         if part.interface_size is not None and len(face.bodies) == 2:
             least = min(least, part.interface_size)
-        sizes[here] = np.minimum(least, _curved(face.tag, samples.points[here], part.curvature))
+        curved = curved_sizes(face.tag, samples.points[here], part.curvature)
+        sizes[here] = np.minimum(least, curved)
     corners, wanted = [samples.corners], []
     bodies = dict.fromkeys(name for face in faces for name in face.bodies)
     for body in bodies if part.across else ():
@@ -227,16 +227,6 @@ def _on(rule: SizeRule, face: Face, named: Mapping[str, Sequence[Face]]) -> bool
     if rule.surface is not None:
         return any(other.tag == face.tag for other in named.get(rule.surface, ()))
     return rule.body is not None and rule.body in face.bodies
-
-
-def _curved(tag: int, points: FloatArray, count: float) -> FloatArray:
-    """Return the sizes at points of a face of which `count` go round its circle of curvature."""
-    if not len(points):
-        return np.empty(0)
-    parameters = gmsh.model.getParametrization(2, tag, (MILLIMETRES * points).ravel())
-    bounds = gmsh.model.getPrincipalCurvatures(tag, parameters)[:2]
-    curvature = np.abs(np.array(bounds)).max(axis=0) * MILLIMETRES
-    return np.asarray(2.0 * pi / count / np.maximum(curvature, 1e-9))
 
 
 @dataclass(frozen=True)

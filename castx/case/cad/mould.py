@@ -16,7 +16,7 @@ from castx.input.units import LENGTH
 
 Box = tuple[Vector, Vector]
 
-_AXES = ("x", "y", "z")
+AXES = ("x", "y", "z")
 _PLACE = Quantity(LENGTH)
 _MARGIN = Quantity(LENGTH, above=0.0)
 _MOST_CORNERS = 100
@@ -34,14 +34,14 @@ def plane(value: Any, signs: tuple[str, ...]) -> tuple[int, str, float]:
         CaseError: it is no plane.
     """
     words = value.split(maxsplit=2) if isinstance(value, str) else []
-    if len(words) != 3 or words[0] not in _AXES or words[1] not in signs:
+    if len(words) != 3 or words[0] not in AXES or words[1] not in signs:
         examples = " or ".join(f'"z {sign} 10 mm"' for sign in signs)
         raise CaseError(f"a plane across x, y or z is needed: {examples}")
     try:
         place: float | str = float(words[2])
     except ValueError:
         place = words[2]
-    return _AXES.index(words[0]), words[1], _PLACE.read(place)
+    return AXES.index(words[0]), words[1], _PLACE.read(place)
 
 
 def _split(value: Any) -> tuple[int, float]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
+Box = tuple[Sequence[float], Sequence[float]]
 CASTING, CHILL, MOULD, SAND = range(4)
 _WORDS = {
     CHILL: ("chill", "cooler"),
@@ -28,11 +29,14 @@ class NewCase:
         file: of the part, as the case file names it.
         size: of the cells [m].
         margin: of a mould that is to be made round it [m]; None: there is one.
+        mould: text of such a mould instead, as a case file has it; None: a block by the margin.
         bodies: names and volumes [m³].
         interfaces: pairs of bodies with areas [m²].
         surfaces: free ones as "body/surface", with areas [m²].
         across: cells across walls with which it could be meshed.
         interface_size: of the cells on faces that bodies share [m]; None: as elsewhere.
+        tolerance: up to which faces are removed and gaps closed [m]; None: as usual.
+        boxes: lowest and highest corner of each solid [m].
     """
 
     file: str
@@ -43,6 +47,41 @@ class NewCase:
     surfaces: tuple[tuple[str, float], ...]
     across: int = 1
     interface_size: float | None = None
+    mould: str | None = None
+    tolerance: float | None = None
+    boxes: Mapping[str, Box] = field(default_factory=dict)
+
+    @property
+    def castings(self) -> tuple[str, ...]:
+        """Names of the bodies that are cast."""
+        role = roles([name for name, _ in self.bodies])
+        return tuple(name for name, _ in self.bodies if role[name] == CASTING)
+
+    def dimensions(self, density: float) -> Iterator[str]:
+        """Yield extents, volume, mass, modulus and mean wall of each casting in words.
+
+        Args:
+            density: of the alloy [kg/m³].
+        """
+        for name in self.castings:
+            yield f"{name}: {', '.join(self._sizes(name, dict(self.bodies)[name], density))}"
+
+    def _sizes(self, name: str, volume: float, density: float) -> Iterator[str]:
+        if name in self.boxes:
+            low, high = self.boxes[name]
+            extents = (f"{round(1e3 * (b - a), 1):g}" for a, b in zip(low, high, strict=True))
+            yield " × ".join(extents) + " mm"
+        modulus = self.modulus(name)
+        mass = density * volume
+        yield f"{1e6 * volume:.4g} cm³"
+        yield f"{mass:.3g} kg" if mass >= 1.0 else f"{1e3 * mass:.3g} g"
+        yield f"modulus {1e3 * modulus:.2g} mm, walls of {2e3 * modulus:.2g} mm in the mean"
+
+    def modulus(self, body: str) -> float:
+        """Return volume over surface of a body [m]."""
+        touching = sum(area for a, b, area in self.interfaces if body in (a, b))
+        free = sum(area for on, area in self.surfaces if on.partition("/")[0] == body)
+        return dict(self.bodies)[body] / (touching + free)
 
 
 def roles(names: Sequence[str]) -> dict[str, int]:
@@ -66,17 +105,22 @@ def roles(names: Sequence[str]) -> dict[str, int]:
 def case_text(case: NewCase) -> str:
     """Return the case file."""
     role = roles([name for name, _ in case.bodies])
-    parts = [_geometry(case), *(_body(name, v, role[name]) for name, v in case.bodies)]
+    parts = [HEAD + geometry_text(case), *(_body(name, v, role[name]) for name, v in case.bodies)]
     parts += [_interface(a, b, area, role) for a, b, area in case.interfaces]
     parts += [_boundary(on, area) for on, area in case.surfaces]
     parts.append('[time]\nend = "60 s"\n')
     return "\n".join(parts)
 
 
-def _geometry(case: NewCase) -> str:
+HEAD = (
+    "# Lengths are in metres, temperatures in °C, or carry a unit. Choose what is marked with\n"
+    "# CHOOSE, then: castx check, castx run, castx report.\n\n"
+)
+
+
+def geometry_text(case: NewCase) -> str:
+    """Return the geometry of a case file."""
     text = (
-        "# Lengths are in metres, temperatures in °C, or carry a unit. Choose what is marked with\n"
-        "# CHOOSE, then: castx check, castx run, castx report.\n\n"
         f'[geometry]\nmodel = "3d"\nfile = {json.dumps(case.file, ensure_ascii=False)}\n'
         f'size = "{1e3 * case.size:.3g} mm"                 # CHOOSE: largest cells\n'
         f"across = {case.across}                      # CHOOSE: cells across walls; 2 and more for "
@@ -89,7 +133,14 @@ def _geometry(case: NewCase) -> str:
             f'interface_size = "{1e3 * case.interface_size:.3g} mm"       # CHOOSE: cells in the '
             "skin that carries a gap; castx check says what they change\n"
         )
-    if case.margin is not None:
+    if case.tolerance is not None:
+        text += (
+            f'tolerance = "{1e3 * case.tolerance:g} mm"           # CHOOSE: narrower faces are '
+            "removed, gaps between solids closed\n"
+        )
+    if case.mould is not None:
+        text += case.mould
+    elif case.margin is not None:
         text += f'mould = {{ box = "{1e3 * case.margin:.3g} mm" }}      # a block round the part\n'
     return text
 

@@ -21,12 +21,13 @@ CROSSING = re.compile(r"intersect at point \(([-+.\de]+),([-+.\de]+),([-+.\de]+)
 """What gmsh prints of faces that cross each other."""
 
 
-def meshed_apart(part: CadPart, mesh: Path) -> Report:
+def meshed_apart(part: CadPart, mesh: Path, patience: float = PATIENCE) -> Report:
     """Mesh CAD files and write the mesh; call it on one rank only.
 
     Args:
         part: what is to be meshed.
         mesh: the gmsh file to write, in a folder for this purpose alone.
+        patience: time that it may take [s].
 
     Raises:
         MeshError: the mesher refuses the files, dies, or takes too long.
@@ -38,11 +39,11 @@ def meshed_apart(part: CadPart, mesh: Path) -> Report:
     files = [str(request), str(mesh), str(answer)]
     try:
         ended = run_apart(
-            ["-m", "castx.domain.cad.child", *files, str(REFUSED)], PATIENCE, errors=STDOUT
+            ["-m", "castx.domain.cad.child", *files, str(REFUSED)], patience, errors=STDOUT
         )
     except TimeoutExpired:
         raise MeshError(
-            f"{source} cannot be meshed: it took more than {PATIENCE:.0f} s; choose larger sizes"
+            f"{source} cannot be meshed: it took more than {patience:.0f} s; choose larger sizes"
         ) from None
     if ended.returncode == REFUSED:
         text = answer.read_text(errors="replace")[:LONGEST]

@@ -5,20 +5,29 @@ from __future__ import annotations
 import math
 import os
 from collections import defaultdict
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from scipy.optimize import brentq
 
 from castx.case.cad.geometry import SUFFIXES, CadGeometry, is_cad_file
+from castx.case.cad.mould import AXES
+from castx.case.cad.process_template import process_text
 from castx.case.cad.template import NewCase, case_text
+from castx.case.processes.plan import plan_of
+from castx.case.processes.process import casting_process
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH, skins
 from castx.domain.cad.guarded import meshed_apart
 from castx.errors import CaseError, MeshError
+from castx.input.entries import Quantity
 from castx.input.toml_text import parse_toml
-from castx.meshes.cad.description import CadFile, CadPart, Mould
+from castx.input.units import LENGTH
+from castx.materials.database import database_entry
+from castx.materials.lookup import find_material
+from castx.meshes.cad.description import Box, CadFile, CadPart, Mould
 from castx.meshes.cad.report import Report
 
 MARGIN = 0.25
@@ -27,43 +36,114 @@ GROWTH: float = CadGeometry.model_fields["growth"].default
 """By how much sizes grow over a distance if a case says nothing else."""
 EDGES = 1.3
 """What edges of interfaces and the changes between sizes add to the cells of plane layers."""
+BUDGET = 60.0
+"""Time for the mesh with one cell across walls, and for reading a part before [s]."""
+LAST_BUDGET = 600.0
+"""Time for the coarsest mesh [s]."""
+GUESSED = "AlSi7Mg"
+"""Alloy of a case of no process."""
+TOLERANCE = 1e-4
+"""Width up to which faces are removed where small ones ask for too many cells [m]."""
+NEXT = ("walls as they come", f"without faces narrower than {1e3 * TOLERANCE:g} mm")
+"""What is tried after a mesh that is refused."""
 FIRST_CELLS = 1e5
-"""Cells of a first mesh, with which a step takes seconds; thin walls alone may ask for more."""
+"""Cells of a first mesh, with which a step takes seconds."""
 
 
-def write_new_case(cad_file: Path, target: Path) -> None:
+@dataclass(frozen=True)
+class Wanted:
+    """Wishes of a user for a new case.
+
+    Attributes:
+        process: one of `castx.case.processes`; None: none, choices are left to the user.
+        alloy: of the database; None: that of the process.
+        mould: material of the mould; None: that of the process.
+        split: axis of the plane that divides the mould in the middle of the part, as "z", or the
+            plane, as "z=12mm"; None: the mould is one body.
+        open_top: whether the block ends at the top of the part, which is open to the air.
+    """
+
+    process: str | None = None
+    alloy: str | None = None
+    mould: str | None = None
+    split: str | None = None
+    open_top: bool = False
+
+
+NOTHING = Wanted()
+
+
+def _silent(text: str) -> None:
+    """Say nothing."""
+
+
+def write_new_case(
+    cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Callable[[str], None] = _silent
+) -> None:
     """Write a case file for a CAD file; call it on one rank only.
 
     Args:
         cad_file: with solids.
         target: the case file, which must not exist.
+        wanted: process, alloy and mould.
+        say: gets lines about what goes on, and the dimensions of the castings.
 
     Raises:
-        CaseError: the file is no CAD file, or the case file exists or cannot be written.
+        CaseError: the file is no CAD file, the case file exists or cannot be written, or what is
+            wanted is not known.
         MeshError: the CAD file cannot be meshed.
     """
     if not is_cad_file(cad_file):
         raise CaseError(f"{cad_file}: a CAD file is needed: {', '.join(SUFFIXES)}")
     if target.exists():
         raise CaseError(f"{target} exists; give another one with --output, or remove it")
-    text = case_text(with_interface_size(new_case(cad_file, target)))
+    if wanted.process is None and (wanted.alloy or wanted.mould):
+        raise CaseError("--alloy and --mould need --process, which says how they meet")
+    case = with_interface_size(new_case(cad_file, target, wanted, say))
+    alloy = GUESSED
+    if wanted.process is None:
+        text = case_text(case)
+    else:
+        process = casting_process(wanted.process)
+        modulus = max(case.modulus(name) for name in case.castings)
+        plan = plan_of(process, wanted.alloy, wanted.mould, modulus)
+        text = process_text(case, plan, database_entry(plan.alloy).material_class)
+        alloy = plan.alloy
+    for line in case.dimensions(find_material(alloy, {}).density):
+        say(line)
     try:
         target.write_text(text)
     except OSError as error:
         raise CaseError(f"cannot write {target}: {error.strerror}") from None
 
 
-def new_case(cad_file: Path, target: Path) -> NewCase:
+def new_case(
+    cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Callable[[str], None] = _silent
+) -> NewCase:
     """Return the data of a new case, found by a coarse mesh of a CAD file.
 
     Args:
         cad_file: with solids; a lone one gets a mould.
         target: the case file to which its path is relative.
+        wanted: process and mould.
+        say: gets lines about what goes on.
+
+    Raises:
+        CaseError: a mould is wanted of a part that has one, or a plane is none.
     """
-    (report, across), margin = _survey(cad_file, None), None
+    say(f"meshing {cad_file.name}, coarsely, to see its bodies and faces")
+    (report, attempt), margin, text = _survey(cad_file, None, say), None, None
     if len(report.bodies) == 1:
-        margin = _rounded(MARGIN * report.extent)
-        report, across = _survey(cad_file, Mould(margin=margin))
+        margin = _margin(report.extent, wanted)
+        mould, text = _mould(next(iter(report.boxes.values())), margin, wanted)
+        say("meshing it again, in its mould")
+        report, attempt = _survey(cad_file, mould, say, attempt)
+    elif wanted.split is not None or wanted.open_top:
+        names = ", ".join(measure.name for measure in report.bodies)
+        raise CaseError(
+            f"--split and --top are of the mould that is made round a lone solid; {cad_file} has "
+            f"the bodies {names}"
+        )
     file = os.path.relpath(cad_file.resolve(), target.resolve().parent)
     between = [(measure.name.split("/"), measure.cad) for measure in report.interfaces]
     return NewCase(
@@ -73,8 +153,53 @@ def new_case(cad_file: Path, target: Path) -> NewCase:
         tuple((measure.name, measure.cad) for measure in report.bodies),
         tuple((bodies[0], bodies[1], area) for bodies, area in between),
         tuple((measure.name, measure.cad) for measure in report.surfaces),
-        across,
+        1 if attempt == 0 else 0,
+        mould=text,
+        tolerance=TOLERANCE if attempt == len(NEXT) else None,
+        boxes=report.boxes,
     )
+
+
+def _margin(extent: float, wanted: Wanted) -> float:
+    """Return the thickness of a mould round a part of an extent [m]."""
+    numbers = {} if wanted.process is None else casting_process(wanted.process).numbers
+    return numbers.get("shell", _rounded(numbers.get("wall", MARGIN) * extent))
+
+
+def _mould(box: Box, margin: float, wanted: Wanted) -> tuple[Mould, str]:
+    """Return the mould round a lone solid, and its line in the case file.
+
+    Args:
+        box: of the solid [m].
+        margin: of the block [m].
+        wanted: planes and top.
+    """
+    split = None if wanted.split is None else _plane(wanted.split, box)
+    text = f'"{1e3 * margin:.3g} mm"'
+    block: Box | None = None
+    if wanted.open_top:
+        low, high = ([round(x, 7) for x in corner] for corner in box)
+        lowest, highest = [x - margin for x in low], [x + margin for x in high]
+        highest[2] = high[2]
+        block = (lowest[0], lowest[1], lowest[2]), (highest[0], highest[1], highest[2])
+        text = ", ".join(f"[{', '.join(f'{x:.7g}' for x in corner)}]" for corner in block)
+        text = f"[{text}]"
+    parts = [f"box = {text}"]
+    if split is not None:
+        parts.append(f'split = "{AXES[split[0]]} = {1e3 * split[1]:.5g} mm"')
+    line = f"mould = {{ {', '.join(parts)} }}      # a block round the part\n"
+    return Mould(margin=0.0 if block else margin, box=block, split=split), line
+
+
+def _plane(wanted: str, box: Box) -> tuple[int, float]:
+    """Return axis and place [m] of a plane such as "z", in the middle of a box, or "z=12mm"."""
+    axis, sign, place = (part.strip() for part in wanted.partition("="))
+    if axis not in AXES or (sign and not place):
+        raise CaseError(f'--split: a plane across x, y or z is needed: z or "z=12mm", got {wanted}')
+    number = AXES.index(axis)
+    if not sign:
+        return number, float(f"{0.5 * (box[0][number] + box[1][number]):.4g}")
+    return number, Quantity(LENGTH).read(place)
 
 
 def with_interface_size(case: NewCase) -> NewCase:
@@ -110,15 +235,30 @@ def _finest(case: NewCase) -> float:
     return float(brentq(excess, least_size, case.size, xtol=1e-3 * case.size))
 
 
-def _survey(cad_file: Path, mould: Mould | None) -> tuple[Report, int]:
-    """Return the report of a coarse mesh and its cells across walls: one, or none if refused."""
+def _survey(
+    cad_file: Path, mould: Mould | None, say: Callable[[str], None], attempt: int = 0
+) -> tuple[Report, int]:
+    """Return the report of a coarse mesh and which attempt has made it.
+
+    One cell across each wall is tried first, then walls as they come, then without small faces.
+
+    Args:
+        cad_file: with solids.
+        mould: made round them.
+        say: gets lines about what goes on.
+        attempt: to begin with.
+    """
     part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
+    coarse = replace(part, most_cells=FIRST_CELLS)
+    tries = [replace(coarse, across=1), coarse, replace(part, tolerance=TOLERANCE)]
     with TemporaryDirectory() as folder:
         mesh = Path(folder) / "mesh.msh"
-        try:
-            return meshed_apart(replace(part, across=1, most_cells=FIRST_CELLS), mesh), 1
-        except MeshError:  # too many or flat cells in thin walls; what is damaged is refused again
-            return meshed_apart(part, mesh), 0
+        for number in range(attempt, len(tries) - 1):
+            try:
+                return meshed_apart(tries[number], mesh, BUDGET), number
+            except MeshError:  # what is damaged is refused again
+                say(f"that asks for too much in a first mesh: {NEXT[number]}")
+        return meshed_apart(tries[-1], mesh, LAST_BUDGET), len(tries) - 1
 
 
 def _rounded(length: float) -> float:

@@ -251,7 +251,8 @@ def solidification_of(case: Case, mesh: CastingMesh) -> Solidification:
     """Return the solidification of the bodies that melt, of none if no field needs it."""
     curves = {}
     names = [name for entry in case.output.fields for name in written_names(entry, case)]
-    if any(follows_fronts(name) for name in names):
+    heated = case.coupling.scheme != "mechanical" or "fields" in case.output.model_fields_set
+    if heated and any(follows_fronts(name) for name in names):
         for body in case.bodies:
             material = find_material(body.material, case.materials)
             if material.melts:

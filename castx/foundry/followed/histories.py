@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
+from castx.foundry.followed.last_liquid import last_liquid_of
 from castx.foundry.pools.feeders import EMPTIED, feeders_of
 from castx.foundry.pools.feeding_path import FEEDING_PATH, Pores, feeding_reach_of
 from castx.foundry.stress.die_surfaces import LIFE, STRAIN_RANGE, die_surfaces_of
@@ -101,6 +102,7 @@ def histories_of(
     return Histories(
         {
             "feeding": feeders_of(case, mesh),
+            "last_liquid": last_liquid_of(case, mesh),
             "openings": first_openings_of(case, mesh, pairs),
             "heat_flux": heat_fluxes_of(case, mesh),
             "die": die_surfaces_of(case, mesh),

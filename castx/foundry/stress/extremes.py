@@ -1,4 +1,4 @@
-"""The extreme value of a quantity over all ranks, and its place."""
+"""The extreme value of a quantity over all ranks, its place, and quantiles over the volume."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from castx.arrays import FloatArray, LongArray
 
 TIE = 1e-9
 """Relative difference of values that counts as none: rounding would else choose the place."""
+
+BISECTIONS = 40
+"""Halvings of the range of a quantity: more than its digits."""
 
 
 def largest(
@@ -42,3 +45,22 @@ def smallest(
     """Return the smallest value and where it is, arguments as for `largest`; collective."""
     found = largest(comm, -values, numbers, points)
     return {**found, "value": -found["value"]}
+
+
+def quantile(comm: MPI.Intracomm, values: FloatArray, volumes: FloatArray, share: float) -> float:
+    """Return the value that a share of the volume does not exceed, by bisection; collective.
+
+    Args:
+        comm: the ranks.
+        values: of the owned entities (n,); there is one on some rank.
+        volumes: of these entities (n,) [m³].
+        share: of the whole volume, from 0 to 1.
+    """
+    low = float(comm.allreduce(float(values.min(initial=np.inf)), op=MPI.MIN))
+    high = -float(comm.allreduce(float((-values).min(initial=np.inf)), op=MPI.MIN))
+    wanted = share * comm.allreduce(float(volumes.sum()), op=MPI.SUM)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        below = comm.allreduce(float(volumes[values <= middle].sum()), op=MPI.SUM)
+        low, high = (low, middle) if below >= wanted else (middle, high)
+    return high

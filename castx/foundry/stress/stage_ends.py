@@ -6,6 +6,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from mpi4py import MPI
+
+import numpy as np
+
 from castx.arrays import FloatArray
 from castx.foundry.stress.shape import Shape
 from castx.foundry.stress.stresses import StressExtremes
@@ -50,6 +54,7 @@ class SolidCopies:
         stage: number of the stage.
         stress: of the owned cells, (cells, 6) [Pa].
         displacement: of the local nodes, (nodes, gdim) [m].
+        hottest: highest temperature on this rank, not a number in a run without heat [°C].
     """
 
     time: float
@@ -57,6 +62,7 @@ class SolidCopies:
     stage: int
     stress: Mapping[str, FloatArray]
     displacement: Mapping[str, FloatArray]
+    hottest: Mapping[str, float]
 
 
 class StageEnds:
@@ -68,12 +74,17 @@ class StageEnds:
         mesh: of all bodies.
         bodies: names of those that deform.
         forms: of selected surfaces; None: none is.
+        heated: whether the run knows temperatures.
     """
 
     def __init__(
-        self, mesh: CastingMesh, bodies: Collection[str], forms: SurfaceForms | None = None
+        self,
+        mesh: CastingMesh,
+        bodies: Collection[str],
+        forms: SurfaceForms | None = None,
+        heated: bool = True,
     ) -> None:
-        self._forms = forms
+        self._forms, self._heated, self._comm = forms, heated, mesh.comm
         there = {name: mesh.bodies[name] for name in bodies}
         self._owned = {
             name: body.mesh.topology.index_map(body.mesh.topology.dim).size_local
@@ -96,7 +107,12 @@ class StageEnds:
             process.stage,
             {name: state.cellwise(name, "stress")[: self._owned[name]].copy() for name in names},
             {name: state.nodal(name, "displacement").copy() for name in names},
+            {name: self._hottest(state, name) for name in names},
         )
+
+    def _hottest(self, state: SolidState, name: str) -> float:
+        temperature = state.nodal(name, "temperature") if self._heated else np.array([np.nan])
+        return float(temperature.max(initial=-np.inf))
 
     def described(self) -> list[dict[str, Any]]:
         """Return the ends of the stages so far, the last state included, as JSON; collective."""
@@ -107,14 +123,16 @@ class StageEnds:
                 "cycle": last.cycle,
                 "time": last.time,
                 "bodies": {
-                    name: self._body(name, stress, last.displacement[name])
-                    for name, stress in last.stress.items()
+                    name: self._body(name, last) for name in last.stress
                 },
             }
         return [self._found[stage] for stage in sorted(self._found)]
 
-    def _body(self, name: str, stress: FloatArray, displacement: FloatArray) -> dict[str, Any]:
-        found = {"stress": self._stresses[name].of(stress)}
+    def _body(self, name: str, last: SolidCopies) -> dict[str, Any]:
+        stress, displacement = last.stress[name], last.displacement[name]
+        found: dict[str, Any] = {"stress": self._stresses[name].of(stress)}
+        if self._heated:
+            found["hottest"] = self._comm.allreduce(last.hottest[name], op=MPI.MAX)
         if self._shapes[name].known:
             found["distortion"] = self._shapes[name].of(displacement)
         return found if self._forms is None else found | self._forms.of(name, displacement)

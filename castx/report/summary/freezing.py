@@ -49,8 +49,8 @@ def still_liquid(run: Results, body: str, time: float, liquid: float) -> Finding
 def last_liquid(run: Results, body: str, before: float, after: float) -> Finding:
     """Return when and where the last liquid of a casting has frozen.
 
-    Pools of liquid are followed in every step; where none was cut off, the written fields tell the
-    place, and the step the time.
+    The last liquid is followed in every step. A pool that ends in the last of them says when, and
+    that nothing can feed what it shrinks by.
 
     Args:
         run: the results.
@@ -63,15 +63,17 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
         if spot["body"] == body and spot["ended"] is not None and before <= spot["ended"] <= after
     ]  # fmt: skip
     place: Sequence[float] | None
+    followed = run.record.get("last_liquid", {}).get(body)
     if pools:
         latest = max(pools, key=lambda spot: float(spot["ended"]))
         time, place = float(latest["ended"]), latest["place"]
         told = "The last liquid freezes there; what it shrinks by then nothing can feed."
     else:
-        time, place = after, last_place(run, body, after)
+        time = after
+        place = last_place(run, body, after) if followed is None else followed["place"]
         told = (
-            f"All solid in the step from {before:.4g} to {after:.4g} s; the place is that of the "
-            "last liquid in the written fields."
+            f"All solid in the step from {before:.4g} to {after:.4g} s; the last liquid was at "
+            "this place."
         )
     return Finding(
         LAST_LIQUID, body, time, "s", told,

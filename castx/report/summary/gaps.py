@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from castx.errors import CaseError
-from castx.report.moments import OPEN
 from castx.report.summary.finding import Finding, Shown
+from castx.results.field_times import OPEN
 from castx.results.reading import Results
 
 ROUNDING = 1e-15

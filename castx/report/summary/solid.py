@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from castx.report.summary.finding import Finding, Shown, place_text
 from castx.results.reading import Results
 from castx.results.states.quantities import PRINCIPAL, parts
 
 RESIDUAL = "Residual stress"
 AT_THE_END = "Stress at the end"
+COLD = 100.0
+"""Temperature up to which a casting counts as cold [°C]: what it shrinks by then is little."""
 
 
 def last_ends(run: Results) -> Iterator[tuple[str, float, Mapping[str, Any]]]:
@@ -28,20 +32,61 @@ def last_ends(run: Results) -> Iterator[tuple[str, float, Mapping[str, Any]]]:
 def residual_stress(run: Results) -> Iterator[Finding]:
     """Yield the largest principal stress of each body at its last end.
 
-    It is residual in a casting that is cold and free; a die bears what its process asks of it.
+    It is residual in a casting that is cold and free and whose law can yield; else the sentence
+    says why it is not. A die bears what its process asks of it.
     """
     for body, time, found in last_ends(run):
         stress = found["stress"]
         pull, mises = stress["largest_principal"], stress["von_mises"]
+        casting = body in run.freezing
+        doubts = list(not_residual(run, body, time, found)) if casting else []
+        told = "".join(f" {doubt}" for doubt in doubts)
+        if casting and not doubts:
+            told = " The body is cold and free: this is residual stress."
         yield Finding(
-            RESIDUAL if body in run.freezing else AT_THE_END, body, pull["value"], "MPa",
-            f"Largest principal stress; von Mises at most {_mega(mises['value'])} at "
-            f"{place_text(mises['place'], run.model)}, {_mega(stress['mean_von_mises'])} in the "
-            "mean." + (" It is residual stress once the body is cold and free."
-                       if body in run.freezing else ""),
+            RESIDUAL if casting and not doubts else AT_THE_END, body, pull["value"], "MPa",
+            f"Largest principal stress{_most(stress.get('high_principal'))}; von Mises at most "
+            f"{_mega(mises['value'])} at {place_text(mises['place'], run.model)}, "
+            f"{_mega(stress['mean_von_mises'])} in the mean{_most(stress.get('high_von_mises'))}."
+            + told + "".join(beyond_strength(run, body, pull["value"])),
             factor=1e-6, place=pull["place"], time=time,
             shown=Shown(PRINCIPAL[0], (body,), time),
         )  # fmt: skip
+
+
+def not_residual(run: Results, body: str, time: float, found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield why the stress of a casting is no residual stress, as sentences.
+
+    Args:
+        run: the results.
+        body: the casting.
+        time: of its last end [s].
+        found: the record of this end.
+    """
+    if run.record["bodies"][body].get("law") == "thermo-elastic":
+        yield f"{body} is elastic (law): it cannot yield, and its stress is far too large."
+    hottest = found.get("hottest")
+    if hottest is not None and hottest > COLD:
+        yield f"{body} is still up to {hottest:.0f} °C hot: what remains when it is cold differs."
+    for interface in run.record["interfaces"]:
+        closed = run.history.get(f"{interface}.closed_fraction")
+        if body not in interface.split("/") or closed is None:
+            continue
+        touching = float(np.interp(time, run.history["time"], closed))
+        if touching > 0.0:
+            other = next(name for name in interface.split("/") if name != body)
+            yield f"{other} still holds it, at {100.0 * touching:.2g} % of their interface."
+
+
+def beyond_strength(run: Results, body: str, stress: float) -> Iterator[str]:
+    """Yield a sentence on a stress [Pa] beyond the strength of the material of a body."""
+    strength = run.record["bodies"][body].get("tensile_strength")
+    if strength is not None and stress > strength:
+        yield f" No {run.record['bodies'][body]['material']} bears more than {_mega(strength)}."
+
+
+def _most(stress: float | None) -> str:
+    return "" if stress is None else f" (99 % of the volume below {_mega(stress)})"
 
 
 def distortion(run: Results) -> Iterator[Finding]:

@@ -33,7 +33,8 @@ def test_times_with_units():
 @pytest.mark.parametrize("given", [{}, {"largest_step": 1e-3}, {"first_step": 0.1}])
 def test_defaults_are_in_order(given):
     time = Time.read({"end": 90, **given})
-    assert 0 < time.smallest_step <= time.first_step <= time.largest_step
+    assert 0 < time.usual_first_step <= time.largest_step
+    assert (time.first_step, time.smallest_step) == (given.get("first_step"), None)
     assert (time.temperature_change, time.heat_substeps) == (20.0, "automatic")
     assert (time.solid_fraction_change, time.skin_change) == (0.04, 0.1)
     assert time.reject_above == 2.0

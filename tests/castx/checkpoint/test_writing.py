@@ -34,12 +34,15 @@ class FakeSimulation:
     def restore(self, arrays) -> None:
         self.value = float(arrays["value"])
 
+    def state(self) -> SimpleNamespace:
+        return SimpleNamespace(value=self.value)
+
 
 class FakeResults:
     """Has nothing to save and counts what it is asked to write."""
 
     def __init__(self) -> None:
-        self.pending, self.synced, self.resumed = 0, 0, None
+        self.pending, self.synced, self.resumed, self.begun = 0, 0, None, None
 
     def saved(self) -> dict[str, Saved]:
         return {}
@@ -53,8 +56,8 @@ class FakeResults:
     def sync(self) -> None:
         self.synced += 1
 
-    def resume(self, arrays, notes) -> None:
-        self.resumed = notes
+    def resume(self, arrays, notes, state) -> None:
+        self.resumed, self.begun = notes, state.value
 
 
 def case_of(folder: Path, every: float | None = None) -> SimpleNamespace:
@@ -126,6 +129,7 @@ def test_a_run_goes_on_with_what_was_saved(comm, shared_tmp_path):
     assert (header["time"], header["ranks"]) == (2.5, comm.size)
     later.restore(header)
     assert (again.value, again.prepared, results.resumed) == (7.0, {"phase": 3}, {"rows": 5})
+    assert results.begun == 7.0, "what is saved comes before the state that results go on from"
 
 
 def test_another_mesh_is_refused(comm, shared_tmp_path):

@@ -9,7 +9,6 @@ import pytest
 import castx.command.run
 from castx.command.cli import execute
 from castx.errors import ConvergenceError
-from tests.cad_files import write_cad
 from tests.castx.command_line import start
 
 PNG = b"\x89PNG"
@@ -100,34 +99,6 @@ def test_export_names_what_is_missing_and_what_it_writes(comm, case_file, shared
     assert execute([*given, "--to", "csv"], comm) == 2
     assert "run the case again with" in said()
     assert execute([*given, "--to", "word"], comm) == 2
-
-
-@pytest.mark.slow
-def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
-    part, case = shared_tmp_path / "bar.step", shared_tmp_path / "bar.toml"
-    if comm.rank == 0:
-        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["my casting"])
-    comm.Barrier()
-    assert execute(["new", str(part)], comm) == 0
-    assert f"castx check {case}" in said().replace("\n", "")
-    assert execute(["check", str(case), "--set", "geometry.size=0.02"], comm) == 0
-    assert "interface my casting/mould" in said()
-    assert case.with_suffix(".png").read_bytes().startswith(PNG)
-    assert execute(["new", str(part)], comm) == 2
-    assert "bar.toml exists" in said().replace("\n", "")
-
-
-@pytest.mark.ranks
-def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
-    part, photo = shared_tmp_path / "bar.step", shared_tmp_path / "bar.png"
-    if comm.rank == 0:
-        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)])
-        photo.write_text("mine")
-    comm.Barrier()
-    assert execute(["new", str(part)], comm) == 0
-    text = said().replace("\n", "")
-    assert "bar.png exists" in text and f"look into it, then: castx check {part.parent}" in text
-    assert photo.read_text() == "mine" and part.with_suffix(".toml").is_file()
 
 
 @pytest.mark.ranks

@@ -13,7 +13,7 @@ from tests.castx.fakes import FakeSnapshot
 def show(comm, terminal):
     stream = io.StringIO()
     console = Console(file=stream, force_terminal=terminal, width=200, quiet=comm.rank != 0)
-    with Progress(10.0, comm, console) as progress:
+    with Progress(10.0, comm, console, largest=0.5) as progress:
         for step in range(3):
             counters = StepCounters(
                 step=0.5 if step else 0.0,

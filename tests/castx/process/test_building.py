@@ -41,11 +41,14 @@ def meshed(comm, case):
         ("time", "skin_change", 0.3, "skin_change"),
         ("time", "reject_above", 3.0, "reject_above"),
         ("time", "fixed_step", 0.5, "fixed"),
-        ("output", "every", 0.5, "milestone"),
     ],
 )
 def test_times_of_a_case_reach_the_step_control(table, key, value, name):
     assert getattr(step_settings(case_of(**{table: {key: value}})), name) == value
+
+
+def test_times_of_fields_cut_no_steps():
+    assert step_settings(case_of(output={"every": 0.5})) == step_settings(case_of())
 
 
 def test_steps_stop_where_stages_begin():

@@ -19,7 +19,7 @@ def test_moments_are_those_at_which_something_happens():
     history = Columns(
         {
             "time": TIME,
-            "casting.solid_fraction": np.clip(TIME / 8.0, 0.0, 1.0),
+            "casting.solid_fraction": np.clip((TIME + 0.5) / 8.0, 0.0, 1.0),
             "casting/mould.max_gap": np.where(TIME > 2.5, 1e-5, 0.0),
         }
     )
@@ -27,10 +27,10 @@ def test_moments_are_those_at_which_something_happens():
     record = {"interfaces": {"casting/mould": {}}, "process": events}
     run = SimpleNamespace(history=history, record=record, freezing=["casting"])
     assert moments(run) == {
-        2.0: "25 % solid",
+        1.5: "25 % solid",
         3.0: "first air gap",
-        4.0: "50 % solid",
-        6.0: "75 % solid",
+        3.5: "50 % solid",
+        5.5: "75 % solid",
         8.0: "all solid, stage 1",
         10.0: "end",
     }

@@ -11,7 +11,7 @@ from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.errors import CaseError, ConvergenceError
 from castx.results.files.series import read_series
-from castx.results.writing import ResultsWriter, symmetry_planes, wanted_fields
+from castx.results.writing import ResultsWriter, wanted_fields
 from castx.solvers.counters import StepCounters
 from castx.transfer.database import interface_entry
 from tests.castx.fakes import FakeSnapshot, casting_pairs
@@ -109,18 +109,6 @@ def test_the_last_accepted_state_is_there_after_a_common_end(comm, shared_tmp_pa
     assert reader.time_values == [0.0, 1.0]
 
 
-def test_planes_of_symmetry_are_recorded(comm, shared_tmp_path):
-    content = {**CONTENT, "geometry": {**CONTENT["geometry"], "model": "3d", "size": "10 mm",
-                                       "sector": "quarter"}, "probes": []}  # fmt: skip
-    case = read_case({**content, "output": {"folder": str(shared_tmp_path)}}, Path("case.toml"))
-    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
-    planes = symmetry_planes(mesh, "casting")
-    assert sorted(np.abs(plane["normal"]).round(12).tolist() for plane in planes) == [
-        [0.0, 1.0, 0.0], [1.0, 0.0, 0.0],
-    ]  # fmt: skip
-    assert [plane["offset"] for plane in planes] == pytest.approx([0.0, 0.0], abs=1e-15)
-
-
 @pytest.mark.ranks
 def test_a_bug_is_recorded_too(comm, shared_tmp_path):
     with pytest.raises(ZeroDivisionError):
@@ -156,7 +144,14 @@ def test_a_thermal_run_writes_what_it_has_and_refuses_what_it_has_not(comm, shar
     thermal = {**CONTENT, "coupling": {"scheme": "thermal"}}
     output = {"folder": str(shared_tmp_path)}
     case = read_case({**thermal, "output": output}, Path("case.toml"))
-    assert wanted_fields(case) == ["temperature", "solid_fraction"]
+    assert wanted_fields(case) == ["temperature", "solid_fraction", "solidification_time"]
+    asked = {**output, "fields": ["temperature", "gap"]}
+    assert wanted_fields(read_case({**thermal, "output": asked}, Path("case.toml")))[1:] == ["gap"]
+    mechanical = {**CONTENT, "coupling": {"scheme": "mechanical"}, "output": output}
+    mechanical["bodies"] = [{**body, "temperature_history": 20} for body in CONTENT["bodies"]]
+    assert wanted_fields(read_case(mechanical, Path("case.toml"))) == [
+        "temperature", "displacement", "von_mises", "gap",
+    ]  # fmt: skip
     mesh = build_mesh(case.geometry, [body.name for body in case.bodies], comm)
     case = read_case({**thermal, "output": {**output, "fields": ["stress"]}}, Path("case.toml"))
     with pytest.raises(CaseError, match=r"output.fields: there is no stress in a run with"):

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import gmsh
 import pytest
 
 from castx.case.cad.template import case_text
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
-from castx.domain.cad.new_case import new_case, with_interface_size, write_new_case
+from castx.domain.cad.guarded import meshed_apart
+from castx.domain.cad.new_case import Wanted, new_case, with_interface_size, write_new_case
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
+from castx.meshes.cad.description import CadFile, CadPart
 from tests.cad_files import two_blocks, write_cad
 
 pytestmark = pytest.mark.serial
@@ -136,6 +139,63 @@ def test_a_solid_turned_inside_out_is_refused(tmp_path):
     path.write_text(before + found + solid.replace("+3 0", "-3 0"))
     with pytest.raises(MeshError, match="m has no volume or is turned inside out; repair it"):
         write_new_case(path, tmp_path / "part.toml")
+
+
+def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 3, 40, 10, 10)])
+    said = []
+    wanted = Wanted("sand", "AlSi7Mg", split="z", open_top=True)
+    write_new_case(path, tmp_path / "bar.toml", wanted, said.append)
+    case = load_case(tmp_path / "bar.toml")
+    assert case.geometry.cad.mould.split == (2, pytest.approx(0.008))
+    low, high = case.geometry.cad.mould.box
+    assert low == pytest.approx((-0.01, -0.01, -0.007))
+    assert high == pytest.approx((0.05, 0.02, 0.013))
+    assert [body.name for body in case.bodies] == ["bar", "mould-low", "mould-high"]
+    assert "bar/outside" in [boundary.on for boundary in case.boundaries]
+    assert said[0].startswith("meshing bar.step") and said[-1].startswith("bar: 40 × 10 × 10 mm")
+    placed = new_case(path, tmp_path / "b.toml", replace(wanted, split="z=12mm"))
+    assert 'split = "z = 12 mm"' in placed.mould
+
+
+@pytest.mark.parametrize(
+    "wanted, text",
+    [
+        (Wanted(alloy="AlSi7Mg"), "--alloy and --mould need --process"),
+        (Wanted(split="z"), r"--split and --top are of the mould .* bodies casting, die"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(tmp_path, wanted, text):
+    path = write_cad(tmp_path / "two.step", two_blocks, ["casting", "die"])
+    with pytest.raises(CaseError, match=text):
+        write_new_case(path, tmp_path / "a.toml", wanted)
+
+
+def filleted(occ):
+    """A block whose upper edge is rounded by a hundredth of a millimetre."""
+    block = occ.addBox(0, 0, 0, 40, 20, 10)
+    occ.synchronize()
+    edges = gmsh.model.getEntitiesInBoundingBox(-1, -1, 9, 41, 1, 11, dim=1)
+    ((_, part),) = occ.fillet([block], [edges[0][1]], [0.01])
+    return [part]
+
+
+def test_tiny_fillets_are_refused_at_once_with_a_cure_that_works(tmp_path, monkeypatch):
+    path = write_cad(tmp_path / "crank.step", filleted)
+    part = CadPart((CadFile(str(path)),), 0.004, across=0, most_cells=2e4)
+    with pytest.raises(MeshError, match=r"a radius of 1e-05 m .* geometry.tolerance = 4e-05"):
+        meshed_apart(part, tmp_path / "a.msh", 60.0)
+    assert meshed_apart(replace(part, tolerance=4e-5), tmp_path / "a.msh", 60.0).quality.cells > 100
+    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 10.0)
+    said = []
+    case = new_case(path, tmp_path / "a.toml", say=said.append)
+    assert 'tolerance = "0.1 mm"' in case_text(case) and case.across == 0
+    assert said == [
+        "meshing crank.step, coarsely, to see its bodies and faces",
+        "that asks for too much in a first mesh: walls as they come",
+        "that asks for too much in a first mesh: without faces narrower than 0.1 mm",
+        "meshing it again, in its mould",
+    ]
 
 
 def test_refused(tmp_path):

@@ -216,7 +216,7 @@ def test_the_last_state_of_a_stage_knows_nothing_of_what_passes_later(comm, shar
         path.write_text(CASE + STAGED)
     comm.Barrier()
     results = Results(run(path, output=shared_tmp_path / "staged"))
-    assert results.times == [0.0, 0.2, 0.4]
+    assert {0.0, 0.2, 0.4} <= set(results.times)
     first, last = (results.field("passing_time_0.5", "casting", t).values for t in (0.2, 0.4))
     assert np.nanmax(first) <= 0.2 < np.nanmax(last)
     next_step = (last > 0.2) & (last <= 0.22)

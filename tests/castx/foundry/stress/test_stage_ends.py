@@ -25,6 +25,7 @@ def state(mesh, time, cycle, stage):
     formulas = {
         "stress": lambda x: np.tile([1e6 * time, 0, 0, 0, 0, 0], (len(x), 1)),
         "displacement": lambda x: -1e-3 * time * x,
+        "temperature": lambda x: 500.0 - 10.0 * time - x[:, 0],
     }
     process = ProcessState(stage=stage, cycle=cycle)
     return FakeSnapshot(time, 0, mesh, formulas=formulas, process=process)
@@ -47,6 +48,9 @@ def test_the_last_state_of_each_stage_in_the_last_cycle_is_described(mesh):
         stress = end["bodies"]["casting"]["stress"]
         assert stress["von_mises"]["value"] == pytest.approx(1e6 * end["time"], rel=1e-12)
         assert stress["mean_von_mises"] == pytest.approx(1e6 * end["time"], rel=1e-12)
+        assert stress["high_von_mises"] == pytest.approx(1e6 * end["time"], rel=1e-9)
+        hottest = end["bodies"]["casting"]["hottest"]
+        assert hottest == pytest.approx(500.0 - 10.0 * end["time"], abs=1e-9)
         shrunk = end["bodies"]["casting"]["distortion"]["allowance"]
         assert shrunk == pytest.approx([1e-3 * end["time"]] * 2, rel=1e-9)
 
@@ -69,7 +73,7 @@ def test_a_body_between_planes_of_symmetry_has_stress_alone(mesh):
     closed = replace(body, surfaces=surfaces, nodes_on=nodes)
     ends = StageEnds(replace(mesh, bodies={"casting": closed}), ["casting"])
     (end,) = follow(ends, mesh, COURSE[:1]).described()
-    assert list(end["bodies"]["casting"]) == ["stress"]
+    assert list(end["bodies"]["casting"]) == ["stress", "hottest"]
     assert ends.deviation("casting") is None
 
 

@@ -113,7 +113,7 @@ def test_each_number_of_the_summary_is_that_of_the_results(page, folder):
     assert shown["Largest gap: casting/mould"] == (widest if widest > 1e-15 else 0.0)
     assert shown["Still liquid: casting"] == 1.0 - results.history["casting.solid_fraction"][-1]
     stress = results.record["stage_ends"][-1]["bodies"]["casting"]["stress"]
-    assert shown["Residual stress: casting"] == stress["largest_principal"]["value"]
+    assert shown["Stress at the end: casting"] == stress["largest_principal"]["value"]
 
 
 def test_findings_without_a_picture_come_last(text):

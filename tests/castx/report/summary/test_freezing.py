@@ -26,6 +26,14 @@ def test_the_pool_that_ends_last_says_when_and_where():
     assert last.shown.time == 1.0  # the last fields with liquid
 
 
+def test_the_last_liquid_that_was_followed_says_where_it_was():
+    found = run()
+    found.record["last_liquid"] = {"casting": {"time": 1.0, "place": [0.013, 0.002]}}
+    found.record["hot_spots"] = [pool(0.9, [0.0, 0.0])]  # it ended before the last step
+    (last,) = freezing(found)
+    assert last.value == 2.0 and last.place == [0.013, 0.002]
+
+
 def test_without_pools_the_fields_say_where_and_the_step_when():
     (last,) = freezing(run())
     assert last.value == 2.0 and last.place == pytest.approx([0.02, 0.0])

@@ -1,5 +1,6 @@
 """Stress and distortion at the last end of each body."""
 
+import numpy as np
 import pytest
 
 from castx.report.summary.solid import distortion, residual_stress
@@ -36,7 +37,7 @@ def test_the_last_end_of_each_body_counts():
     (stress,), (shape,) = residual_stress(found), distortion(found)
     assert stress.number == "123.4 MPa" and stress.where("axisymmetric").endswith("t = 90 s")
     assert stress.name == "Residual stress: casting"
-    assert stress.sentence.endswith("residual stress once the body is cold and free.")
+    assert stress.sentence.endswith("The body is cold and free: this is residual stress.")
     assert "von Mises at most 90 MPa at r 0.0, z 30.0 mm, 25 MPa in the mean" in stress.sentence
     assert shape.number == "-0.6846 mm" and shape.place == [0.03, 0.06]
     assert "from -0.685 to 0.01 mm; allowance r 1.37 %, z 1.21 %" in shape.sentence
@@ -53,3 +54,37 @@ def test_a_body_without_distortion_has_its_stress():
     closed = end(0, 10.0, 5e7)
     del closed["bodies"]["casting"]["distortion"]
     assert not list(distortion(with_ends(closed))) and list(residual_stress(with_ends(closed)))
+
+
+DOUBTS = [
+    ({"law": "thermo-elastic"}, {}, "elastic"),
+    ({}, {"hottest": 585.0}, "still up to 585 °C hot"),
+    ({}, {"held": [0.0, 1.0, 0.5, 0.25]}, "mould still holds it, at 25 %"),
+]
+
+
+@pytest.mark.parametrize("body, state, told", DOUBTS)
+def test_stress_that_cannot_be_residual_is_not_called_so(body, state, told):
+    cold = {"hottest": 60.0, "held": [0.0, 1.0, 0.5, 0.0]}
+    for found_state, doubtful in ((cold, False), (cold | state, True)):
+        found = with_ends(end(0, 3.0, 5e7))
+        found.record["bodies"]["casting"] = body if doubtful else {"law": "thermo-elasto-plastic"}
+        found.record["stage_ends"][0]["bodies"]["casting"]["hottest"] = found_state["hottest"]
+        found.history["casting/mould.closed_fraction"] = np.array(found_state["held"])
+        (stress,) = residual_stress(found)
+        assert (told in stress.sentence) is doubtful
+        assert stress.topic == ("Stress at the end" if doubtful else "Residual stress")
+
+
+def test_the_strength_of_the_material_and_what_most_of_the_body_bears_stand_beside_the_largest():
+    found = with_ends(end(0, 3.0, 2.41e8))
+    found.record["bodies"]["casting"] = {"material": "AlSi7Mg", "tensile_strength": 2.4e8}
+    stress = found.record["stage_ends"][0]["bodies"]["casting"]["stress"]
+    stress |= {"high_principal": 1.1e8, "high_von_mises": 1.2e8}
+    (told,) = residual_stress(found)
+    assert "No AlSi7Mg bears more than 240 MPa." in told.sentence
+    assert "stress (99 % of the volume below 110 MPa); von Mises at most 90" in told.sentence
+    assert told.sentence.count("in the mean (99 % of the volume below 120 MPa).") == 1
+    stress["largest_principal"]["value"] = 2.39e8
+    (told,) = residual_stress(found)
+    assert "bears more" not in told.sentence

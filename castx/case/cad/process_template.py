@@ -1,0 +1,144 @@
+"""A first case file for a CAD part that is cast by a known process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text, roles
+from castx.case.processes.plan import Plan
+from castx.transfer.database import interface_entry
+
+CORES = {
+    "aluminium": "aluminium-core-sand", "cast iron": "iron-sand-coated",
+    "steel": "steel-sand-coated", "copper": "bronze-sand",
+}  # fmt: skip
+"""Interfaces between a casting and sand, by class of alloy."""
+CHILLS = {
+    "aluminium": ("Cu-pure", "aluminium-chill-copper"),
+    "cast iron": ("steel-carbon", "iron-chill-iron"),
+}
+"""Material of chills and their interface with the casting, by class of alloy."""
+DIE_PARTS = 'heat = { law = "constant", closed = 3000 }     # usual: ground faces, clamped\n'
+BETWEEN_SAND = 'heat = { law = "constant", closed = 500 }     # usual: cope on drag, a core\n'
+
+
+def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
+    """Return the case file of a part that is cast by a process.
+
+    Args:
+        case: properties of the part, with bodies, interfaces and surfaces of its mould.
+        plan: alloy, mould, temperatures and times.
+        of_class: of the alloy.
+    """
+    role = roles([name for name, _ in case.bodies])
+    parts = [_head(plan), geometry_text(case), *_own_material(plan)]
+    parts += [_body(name, volume, role[name], plan, of_class) for name, volume in case.bodies]
+    parts += [_interface(pair, role, plan, of_class) for pair in case.interfaces]
+    parts += [_boundary(on, area, role, plan) for on, area in case.surfaces]
+    parts += _stages(role, plan)
+    parts.append(
+        f'[time]\nend = "{plan.end:g} s"                   # until the casting is cold, by estimate'
+        "\n"
+    )
+    return "\n".join(parts)
+
+
+def _head(plan: Plan) -> str:
+    process = plan.process
+    lines = [
+        f"# {process.name}: {process.summary}.",
+        "# Numbers of the process are usual ones, those below; interfaces and materials are of the",
+        "# databases, with their sources. Change what you know better. Lengths are in metres,",
+        "# temperatures in °C, or carry a unit. Then: castx check, castx run, castx report.",
+    ]
+    lines += [
+        f"#   {key} = {process.numbers[key]:g}: {_unmarked(text)}"
+        for key, text in process.sources.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _unmarked(source: str) -> str:
+    return source.removeprefix("usual: ").removesuffix(
+        "; representative value, source not established"
+    )
+
+
+def _own_material(plan: Plan) -> Iterator[str]:
+    if plan.process.material and plan.mould == plan.process.mould:
+        rows = "".join(f"{key} = {value:g}\n" for key, value in plan.process.material.items())
+        yield f"[materials.{plan.mould}]        # representative, sources not established\n{rows}"
+
+
+def _body(name: str, volume: float, role: int, plan: Plan, of_class: str) -> str:
+    process = plan.process
+    warm = f"{process.numbers['mould_temperature']:g}"
+    chill = CHILLS.get(of_class, ("Cu-pure", ""))[0]
+    material, temperature, law = {
+        CASTING: (plan.alloy, f"{plan.pouring:g}", "thermo-elasto-viscoplastic"),
+        CHILL: (chill, "20", "thermo-elastic"),
+        MOULD: (plan.mould, warm, process.mould_law),
+        SAND: ("sand-silica", "20", "rigid"),
+    }[role]
+    return (
+        f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
+        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"\n'
+    )
+
+
+def _interface(
+    pair: tuple[str, str, float], role: Mapping[str, int], plan: Plan, of_class: str
+) -> str:
+    first, second = sorted(pair[:2], key=lambda name: role[name])
+    area = f"# {1e4 * pair[2]:.4g} cm²"
+    head = f'[[interfaces]]                  {area}\nbodies = ["{first}", "{second}"]\n'
+    if role[first] == CASTING and role[second] == CASTING:
+        return head + 'contact = { method = "tied" }\n'
+    if role[first] == CASTING:
+        entry = {
+            MOULD: plan.interface,
+            SAND: CORES.get(of_class, plan.interface),
+            CHILL: CHILLS.get(of_class, ("", plan.interface))[1],
+        }[role[second]]
+        return head + f'heat = {{ from = "{entry}" }}     # castx interfaces {entry}\n'
+    soft = plan.process.mould_law == "rigid" or SAND in (role[first], role[second])
+    contact = 'contact = { method = "none" }\n' if soft else 'contact = { method = "tied" }\n'
+    return head + contact + (BETWEEN_SAND if soft else DIE_PARTS)
+
+
+def _boundary(on: str, area: float, role: Mapping[str, int], plan: Plan) -> str:
+    numbers = plan.process.numbers
+    head = f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
+    if role.get(on.partition("/")[0]) == CASTING:
+        emissivity = interface_entry(plan.interface).heat["radiation"]["emissivities"][0]
+        return head + (
+            "heat = [                        # open top\n"
+            f'    {{ type = "radiation", emissivity = {emissivity:g}, ambient = 20 }},\n'
+            '    { type = "convection", coefficient = 10, ambient = 20 },\n]\n'
+        )
+    return head + (
+        f'heat = {{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
+        f'ambient = {numbers["ambient"]:g} }}\n'
+    )
+
+
+def _stages(role: Mapping[str, int], plan: Plan) -> Iterator[str]:
+    """Yield the stages in which the mould lets go of the casting, which then cools in air."""
+    around = [name for name, kind in role.items() if kind != CASTING]
+    moving = [name for name in around if name.endswith("-high")]
+    delay = plan.process.numbers.get("ejection_delay")
+    at, air = plan.release, plan.process.numbers["air_coefficient"]
+    if delay is not None and moving:
+        yield _stage(at, moving, air, "the die opens")
+        at, around = at + delay, [name for name in around if name not in moving]
+        yield _stage(at, around, air, "the casting is ejected")
+        return
+    yield _stage(at, around, air, f"the mould {plan.process.release}")
+
+
+def _stage(at: float, bodies: Sequence[str], air: float, what: str) -> str:
+    names = ", ".join(f'"{name}"' for name in bodies)
+    return (
+        f'[[stages]]                      # {what}\nat = "{at:g} s"\nremove = [{names}]\n'
+        f"spray = {{ coefficient = {air:g}, ambient = 20 }}     # air on what is left bare\n"
+    )

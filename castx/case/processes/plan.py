@@ -1,0 +1,161 @@
+"""What a process, an alloy and a part make of each other: materials, temperatures and times.
+
+Times are estimates for a first run. A casting of the modulus M = V/A gives up the heat ΔH [J/m³]
+down to a temperature in
+
+    t = f M ΔH/(h ΔT) + (π/4) (M ΔH/(b ΔT))²
+
+with the coefficient h at its surface, the effusivity b = √(k ρ c) of the mould, and the mean
+difference ΔT between casting and mould; f = 2 since a gap opens. The first term is that of an
+interface, the second Chvorinov's, see `castx.foundry.modulus`. A shell has its resistance and that
+of its outside in 1/h, and no second term. In air t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from castx.case.processes.process import CastingProcess
+from castx.errors import CaseError
+from castx.input.problems import among
+from castx.materials.database import database_entry, database_names
+from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+from castx.transfer.database import interface_entry
+
+COLD = 60.0
+"""Temperature at which a casting counts as cold [°C]."""
+AIR = 20.0
+"""Temperature of the air in which a casting cools at last [°C]."""
+GAP_FACTOR = 2.0
+"""By how much an air gap lengthens what a touching interface would take."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Numbers of a first case of a process.
+
+    Attributes:
+        process: the process.
+        alloy: of the casting.
+        mould: material of the mould.
+        interface: entry of the database of interfaces.
+        pouring: temperature of the melt [°C].
+        freezing: time until all is solid [s].
+        release: when the mould lets go [s].
+        end: when the casting is cold [s].
+    """
+
+    process: CastingProcess
+    alloy: str
+    mould: str
+    interface: str
+    pouring: float
+    freezing: float
+    release: float
+    end: float
+
+
+def plan_of(
+    process: CastingProcess, alloy: str | None, mould: str | None, modulus: float
+) -> Plan:
+    """Return the numbers of a first case.
+
+    Args:
+        process: the process.
+        alloy: of the database; None: that of the process.
+        mould: material of the database; None: that of the process.
+        modulus: volume over surface of the casting [m].
+
+    Raises:
+        CaseError: alloy or mould are not in the database, the alloy does not melt, or no interface
+            of the process is known for it.
+    """
+    alloy, mould = alloy or process.alloy, mould or process.mould
+    metal = _known(alloy, "--alloy")
+    around = (
+        Material(mould, MaterialDescription.read(dict(process.material)))
+        if mould == process.mould and process.material
+        else _known(mould, "--mould")
+    )
+    if not metal.melts or metal.liquidus is None or metal.solidus is None:
+        raise CaseError(f"--alloy: {alloy} has no latent heat and cannot be cast")
+    of_class = database_entry(alloy).material_class
+    if of_class not in process.interfaces:
+        known = among(of_class, sorted(process.interfaces), what="known classes")
+        raise CaseError(
+            f"no heat transfer between {of_class} and the mould of {process.name} is known; "
+            f"{known}; castx interfaces lists all there are"
+        )
+    interface = process.interfaces[of_class]
+    pouring = float(_rounded(metal.liquidus + process.numbers["superheat"], 5.0))
+    cooling = _Cooling(process, metal, around, interface, pouring, modulus)
+    freezing = cooling.time_to(metal.solidus)
+    if "release_factor" in process.numbers:
+        hot = 0.8 * metal.solidus
+        release = process.numbers["release_factor"] * freezing
+    else:
+        hot = process.numbers["release_temperature"] * metal.solidus
+        release = cooling.time_to(hot)
+    end = release + cooling.time_in_air(hot)
+    times = (float(f"{time:.2g}") for time in (freezing, release, end))
+    return Plan(process, alloy, mould, interface, pouring, *times)
+
+
+def _known(name: str, option: str) -> Material:
+    if name not in database_names():
+        raise CaseError(f"{option}: no material {name!r}; {among(name, database_names())}")
+    return find_material(name, {})
+
+
+def _rounded(value: float, step: float) -> float:
+    return step * round(value / step)
+
+
+@dataclass(frozen=True)
+class _Cooling:
+    process: CastingProcess
+    metal: Material
+    mould: Material
+    interface: str
+    pouring: float
+    modulus: float
+
+    def _heat(self, temperature: float) -> float:
+        """Return the heat per volume from the pouring down to a temperature [J/m³]."""
+        hot, cold = self.metal.enthalpy.enthalpy(np.array([self.pouring, temperature]))
+        return float(hot - cold)
+
+    def time_to(self, temperature: float) -> float:
+        """Return when the casting has a temperature in its mould [s]."""
+        numbers = self.process.numbers
+        heat = self.modulus * self._heat(temperature)
+        mean = 0.5 * ((self.metal.liquidus or self.pouring) + temperature)
+        closed = float(interface_entry(self.interface).heat["closed"])
+        if "shell" in numbers:
+            conductivity, _ = self._of_mould(numbers["mould_temperature"])
+            resistance = GAP_FACTOR / closed + numbers["shell"] / conductivity
+            resistance += 1.0 / numbers["outside_coefficient"]
+            return heat * resistance / (mean - numbers["ambient"])
+        warm = mean - numbers["mould_temperature"]
+        conductivity, capacity = self._of_mould(numbers["mould_temperature"])
+        through = GAP_FACTOR * heat / (closed * warm)
+        return through + 0.25 * math.pi * (heat / warm) ** 2 / (conductivity * capacity)
+
+    def _of_mould(self, temperature: float) -> tuple[float, float]:
+        """Return conductivity [W/m/K] and heat capacity [J/m³/K] of the mould."""
+        description = self.mould.description
+        assert description.conductivity is not None
+        low, high = self.mould.enthalpy.enthalpy(np.array([temperature, temperature + 50.0]))
+        return float(description.conductivity.solid(temperature)), float(high - low) / 50.0
+
+    def time_in_air(self, hot: float) -> float:
+        """Return the time in which the casting cools in air from a temperature to cold [s]."""
+        high, low = self.metal.enthalpy.enthalpy(np.array([hot, COLD]))
+        capacity = float(high - low) / (hot - COLD)
+        decay = math.log((hot - AIR) / (COLD - AIR))
+        return self.modulus * capacity / self.process.numbers["air_coefficient"] * decay

@@ -1,0 +1,122 @@
+"""The casting processes that come with castx: `database/NAME.toml`.
+
+Each number there is a table { value, unit, source }. A process releases the casting a multiple of
+its freezing time after the pouring, or when it has cooled to a share of its solidus in °C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from castx.errors import CaseError
+from castx.input.problems import Problem, among, summary
+from castx.input.sourced import entry_names, file_content, item_problems, plain, text_problems
+
+_FOLDER = files("castx.case.processes") / "database"
+_ABOUT = ("summary", "alloy", "mould", "mould_law", "release")
+_KEYS = ("value", "unit", "source")
+_UNITS = {
+    "superheat": "K", "mould_temperature": "°C", "wall": "", "shell": "m",
+    "outside_coefficient": "W/m²/K", "ambient": "°C", "release_factor": "",
+    "release_temperature": "", "ejection_delay": "s", "air_coefficient": "W/m²/K",
+}  # fmt: skip
+_ALWAYS = ("superheat", "mould_temperature", "outside_coefficient", "ambient", "air_coefficient")
+_EITHER = (("wall", "shell"), ("release_factor", "release_temperature"))
+_OWN = {"density": "kg/m³", "heat_capacity": "J/kg/K", "conductivity": "W/m/K"}
+
+
+@dataclass(frozen=True)
+class CastingProcess:
+    """A casting process with its usual numbers.
+
+    Attributes:
+        name: of its file.
+        summary: in one line.
+        alloy: that is cast unless another one is asked for.
+        mould: its material unless another one is asked for.
+        mould_law: constitutive law of the mould.
+        release: what the mould does in the end, in words.
+        interfaces: entries of the database of interfaces by class of alloy.
+        numbers: in SI, by key.
+        sources: of the numbers.
+        material: properties of the mould where the database of materials does not have it.
+    """
+
+    name: str
+    summary: str
+    alloy: str
+    mould: str
+    mould_law: str
+    release: str
+    interfaces: Mapping[str, str]
+    numbers: Mapping[str, float]
+    sources: Mapping[str, str]
+    material: Mapping[str, Any]
+
+
+@cache
+def process_names() -> tuple[str, ...]:
+    """Return the names of all processes in alphabetical order."""
+    return entry_names(_FOLDER)
+
+
+@cache
+def casting_process(name: str) -> CastingProcess:
+    """Return a process of the database.
+
+    Raises:
+        CaseError: there is none of this name, or its file is not right.
+    """
+    if name not in process_names():
+        raise CaseError(f"no process {name!r}; {among(name, process_names())}")
+    file = _FOLDER / f"{name}.toml"
+    return read_process(name, file_content(file), str(file))
+
+
+def read_process(name: str, content: dict[str, Any], file: str) -> CastingProcess:
+    """Return the process of a file.
+
+    Args:
+        name: of the process.
+        content: of the file.
+        file: its name, for messages.
+
+    Raises:
+        CaseError: a text, number, unit or source is missing or wrong; with all problems.
+    """
+    problems = [*text_problems(content, _ABOUT), *_missing(content)]
+    own = content.get("material", {})
+    given = {key: item for key, item in content.items() if key in _UNITS}
+    for key, item in given.items():
+        problems += item_problems((key,), item, _KEYS, _UNITS[key])
+    for key, item in own.items():
+        problems += item_problems(("material", key), item, _KEYS, _OWN.get(key))
+    unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material"}
+    problems += [Problem((key,), "unknown key") for key in sorted(unknown)]
+    if problems:
+        raise CaseError(summary(file, problems, content))
+    return CastingProcess(
+        name,
+        content["summary"],
+        content["alloy"],
+        content["mould"],
+        content["mould_law"],
+        content["release"],
+        content["interfaces"],
+        {key: float(item["value"]) for key, item in given.items()},
+        {key: item["source"] for key, item in given.items()},
+        {key: plain(item) for key, item in own.items()},
+    )
+
+
+def _missing(content: Mapping[str, Any]) -> list[Problem]:
+    needed = [key for key in (*_ALWAYS, "interfaces") if key not in content]
+    found = [Problem((key,), "missing; this key is needed") for key in needed]
+    for pair in _EITHER:
+        if sum(key in content for key in pair) != 1:
+            found.append(Problem((pair[0],), f"either this or {pair[1]} is needed"))
+    return found

@@ -1,0 +1,77 @@
+"""First case files of all processes are accepted, and say what the process says."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+from castx.case.cad.process_template import process_text
+from castx.case.cad.template import NewCase
+from castx.case.processes.plan import plan_of
+from castx.case.processes.process import casting_process, process_names
+from castx.case.reading.read import load_case
+from castx.materials.database import database_entry
+
+pytestmark = pytest.mark.serial
+
+HALVES = NewCase(
+    "part.step", 0.005, 0.02,
+    (("part", 2e-5), ("mould-low", 1e-4), ("mould-high", 1e-4)),
+    (("mould-low", "part", 4e-3), ("mould-high", "part", 2e-3), ("mould-high", "mould-low", 5e-3)),
+    (("part/outside", 3e-4), ("mould-low/outside", 1e-2), ("mould-high/outside", 1e-2)),
+    mould='mould = { box = "20 mm", split = "z = 3 mm" }\n',
+    boxes={"part": ((0.0, 0.0, -0.01), (0.06, 0.03, 0.016))},
+)  # fmt: skip
+CORED = NewCase(
+    "part.step", 0.005, None,
+    (("casting", 2e-5), ("core", 1e-5), ("chill", 1e-5), ("die", 1e-4)),
+    (("casting", "core", 4e-3), ("casting", "die", 2e-3), ("casting", "chill", 5e-4),
+     ("core", "die", 1e-4), ("chill", "die", 1e-4)),
+    (("die/outside", 1e-2),),
+)  # fmt: skip
+
+
+def case_of(new, name, alloy=None):
+    plan = plan_of(casting_process(name), alloy, None, new.modulus(new.castings[0]))
+    text = process_text(new, plan, database_entry(plan.alloy).material_class)
+    assert "CHOOSE: castx materials" not in text
+    return plan, load_case(tomllib.loads(text))
+
+
+@pytest.mark.parametrize("name", process_names())
+def test_halves_of_a_mould_let_go_and_the_casting_cools(name):
+    plan, case = case_of(HALVES, name)
+    casting, low, high = case.bodies
+    assert (casting.material, casting.law) == (plan.alloy, "thermo-elasto-viscoplastic")
+    assert casting.temperature.bounds == (plan.pouring, plan.pouring)
+    assert low.law == high.law == plan.process.mould_law
+    assert [i.heat.entry for i in case.interfaces[:2]] == [plan.interface] * 2
+    removed = [name for stage in case.stages for name in stage.remove]
+    assert sorted(removed) == ["mould-high", "mould-low"]
+    assert case.stages[0].at == plan.release < case.time.end == plan.end
+    assert len(case.stages) == (2 if name == "high-pressure-die" else 1)
+    assert [item.type for item in case.boundaries[0].heat] == ["radiation", "convection"]
+
+
+def test_cores_and_chills_have_interfaces_of_their_own():
+    _, case = case_of(CORED, "gravity-die")
+    entries = {i.name: i.heat.entry for i in case.interfaces}
+    assert entries["casting/core"] == "aluminium-core-sand"
+    assert entries["casting/chill"] == "aluminium-chill-copper"
+    methods = {i.name: i.contact.method for i in case.interfaces}
+    assert methods["die/core"] == "none" and methods["chill/die"] == "tied"
+    assert set(case.stages[0].remove) == {"core", "chill", "die"}
+    _, iron = case_of(CORED, "sand", "GJS-400")
+    assert {b.name: b.material for b in iron.bodies}["chill"] == "steel-carbon"
+
+
+def test_dimensions_are_those_of_the_part():
+    (told,) = HALVES.dimensions(2680.0)
+    modulus = 2e-5 / 6.3e-3
+    assert told == (
+        f"part: 60 × 30 × 26 mm, 20 cm³, 53.6 g, modulus {1e3 * modulus:.2g} mm, walls of "
+        f"{2e3 * modulus:.2g} mm in the mean"
+    )
+    (heavy,) = HALVES.dimensions(1e5)
+    assert "2 kg" in heavy

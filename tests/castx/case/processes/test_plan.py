@@ -1,0 +1,75 @@
+"""Temperatures and times of a process, beside Chvorinov's rule and a lump of metal in air."""
+
+import math
+
+import pytest
+
+from castx.case.processes.plan import COLD, GAP_FACTOR, plan_of
+from castx.case.processes.process import casting_process
+from castx.errors import CaseError
+from castx.materials.lookup import find_material
+
+pytestmark = pytest.mark.serial
+
+MODULUS = 0.01
+
+
+def heat(alloy, hot, cold):
+    """Return the heat of an alloy between two temperatures [J/m³]."""
+    curve = find_material(alloy, {}).enthalpy
+    return float(curve.enthalpy(hot) - curve.enthalpy(cold))
+
+
+def test_sand_follows_chvorinov_and_the_resistance_of_its_face():
+    plan = plan_of(casting_process("sand"), None, None, MODULUS)
+    iron, sand = find_material("GJL-250", {}), find_material("sand-silica", {})
+    mean = 0.5 * (iron.solidus + iron.liquidus) - 20.0
+    amount = MODULUS * heat("GJL-250", plan.pouring, iron.solidus)
+    conductivity = float(sand.description.conductivity.solid(20.0))
+    capacity = float(sand.enthalpy.enthalpy(70.0) - sand.enthalpy.enthalpy(20.0)) / 50.0
+    chvorinov = math.pi / 4 * (amount / mean) ** 2 / (conductivity * capacity)
+    face = GAP_FACTOR * amount / (700.0 * mean)  # h of iron-sand-coated
+    assert plan.freezing == pytest.approx(chvorinov + face, rel=0.02)  # two digits
+    assert 0.5 * chvorinov < plan.freezing and plan.freezing < plan.release < plan.end
+    assert plan.pouring == pytest.approx(iron.liquidus + 120.0, abs=2.5)
+
+
+def test_a_casting_is_cold_when_a_lump_in_air_is():
+    plan = plan_of(casting_process("gravity-die"), None, None, MODULUS)
+    solidus = find_material("AlSi7Mg", {}).solidus
+    hot = 0.8 * solidus
+    capacity = heat("AlSi7Mg", hot, COLD) / (hot - COLD)
+    lump = MODULUS * capacity / 25.0 * math.log((hot - 20.0) / (COLD - 20.0))
+    assert plan.end - plan.release == pytest.approx(lump, rel=0.1)
+    assert plan.release == pytest.approx(2.0 * plan.freezing, rel=0.05)
+
+
+def test_thicker_castings_take_longer_and_steel_pours_hotter_than_aluminium():
+    sand = casting_process("sand")
+    thin, thick = (plan_of(sand, "AlSi7Mg", None, modulus) for modulus in (0.01, 0.02))
+    assert 3.0 < thick.freezing / thin.freezing < 4.2
+    assert plan_of(sand, "G20Mn5", None, 0.01).pouring > thin.pouring + 800.0
+    assert plan_of(sand, "G20Mn5", None, 0.01).interface == "steel-sand-coated"
+
+
+def test_a_shell_resists_by_its_thickness_and_its_outside():
+    plan = plan_of(casting_process("investment"), None, None, MODULUS)
+    steel = find_material("G20Mn5", {})
+    resistance = 2.0 / 500.0 + 0.008 / 1.2 + 1.0 / 150.0
+    amount = MODULUS * heat("G20Mn5", plan.pouring, steel.solidus)
+    mean = 0.5 * (steel.liquidus + steel.solidus) - 20.0
+    assert plan.freezing == pytest.approx(amount * resistance / mean, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "process, alloy, mould, text",
+    [
+        ("sand", "AlSi8", None, "--alloy: no material 'AlSi8'"),
+        ("sand", "steel-H13", None, "steel-H13 has no latent heat"),
+        ("sand", None, "sandy", "--mould: no material 'sandy'"),
+        ("gravity-die", "GJL-250", None, "no heat transfer between cast iron and the mould of"),
+    ],
+)
+def test_what_is_not_known_is_refused(process, alloy, mould, text):
+    with pytest.raises(CaseError, match=text):
+        plan_of(casting_process(process), alloy, mould, MODULUS)

@@ -1,0 +1,70 @@
+"""Processes of the database: each number has a unit and a source, and faults are named."""
+
+from copy import deepcopy
+
+import pytest
+
+from castx.case.processes.process import casting_process, process_names, read_process
+from castx.errors import CaseError
+from castx.materials.database import database_entry, database_names
+from castx.transfer.database import interface_entry
+
+pytestmark = pytest.mark.serial
+
+NUMBER = {"value": 20, "unit": "K", "source": "usual"}
+CONTENT = {
+    "summary": "s", "alloy": "AlSi7Mg", "mould": "steel-H13", "mould_law": "rigid",
+    "release": "opens", "interfaces": {"aluminium": "aluminium-steel-coated"},
+    "superheat": NUMBER, "mould_temperature": NUMBER | {"unit": "°C"},
+    "ambient": NUMBER | {"unit": "°C"}, "wall": {"value": 0.2, "source": "usual"},
+    "outside_coefficient": NUMBER | {"unit": "W/m²/K"},
+    "air_coefficient": NUMBER | {"unit": "W/m²/K"},
+    "release_factor": {"value": 2, "source": "usual"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", process_names())
+def test_what_a_process_names_is_in_the_databases(name):
+    process = casting_process(name)
+    assert set(process.sources) == set(process.numbers) and all(process.sources.values())
+    assert database_entry(process.alloy).material_class in process.interfaces
+    assert process.mould in database_names() or process.material
+    for of_class, entry in process.interfaces.items():
+        found = interface_entry(entry)
+        assert found.alloy in (of_class, {"copper": "bronze"}.get(of_class)), entry
+
+
+def test_numbers_are_read():
+    process = read_process("mine", CONTENT, "mine.toml")
+    assert process.numbers["superheat"] == 20.0 and process.sources["wall"] == "usual"
+    assert (process.mould, process.material) == ("steel-H13", {})
+
+
+@pytest.mark.parametrize(
+    "path, value, text",
+    [
+        (("superheat",), None, "superheat: missing"),
+        (("superheat", "source"), "", "source"),
+        (("superheat", "unit"), "degC", 'superheat.unit.*must be "K"'),
+        (("wall",), None, "wall: either this or shell is needed"),
+        (("shell",), {"value": 1, "unit": "m", "source": "usual"}, "either this or shell"),
+        (("summary",), "", "summary.*missing"),
+        (("superheet",), NUMBER, "superheet: unknown key"),
+    ],
+)
+def test_faults_are_named(path, value, text):
+    content = deepcopy(CONTENT)
+    inner = content
+    for key in path[:-1]:
+        inner = inner[key]
+    if value is None:
+        del inner[path[-1]]
+    else:
+        inner[path[-1]] = value
+    with pytest.raises(CaseError, match=text):
+        read_process("mine", content, "mine.toml")
+
+
+def test_an_unknown_process_is_refused_with_those_there_are():
+    with pytest.raises(CaseError, match=r"no process 'sandd'.*sand"):
+        casting_process("sandd")

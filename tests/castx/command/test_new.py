@@ -1,0 +1,49 @@
+"""`castx new` writes a case that is accepted, with the process that is asked for."""
+
+import pytest
+
+from castx.command.cli import execute
+from tests.cad_files import write_cad
+
+PNG = b"\x89PNG"
+
+
+@pytest.mark.slow
+def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
+    part, case = shared_tmp_path / "bar.step", shared_tmp_path / "bar.toml"
+    if comm.rank == 0:
+        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["my casting"])
+    comm.Barrier()
+    assert execute(["new", str(part)], comm) == 0
+    assert f"castx check {case}" in said().replace("\n", "")
+    assert execute(["check", str(case), "--set", "geometry.size=0.02"], comm) == 0
+    assert "interface my casting/mould" in said()
+    assert case.with_suffix(".png").read_bytes().startswith(PNG)
+    assert execute(["new", str(part)], comm) == 2
+    assert "bar.toml exists" in said().replace("\n", "")
+
+
+@pytest.mark.ranks
+def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
+    part, photo = shared_tmp_path / "bar.step", shared_tmp_path / "bar.png"
+    if comm.rank == 0:
+        write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)])
+        photo.write_text("mine")
+    comm.Barrier()
+    asked = ["--process", "sand", "--alloy", "AlSi7Mg", "--split", "z", "--top", "open"]
+    assert execute(["new", str(part), *asked], comm) == 0
+    text = said().replace("\n", "")
+    assert "bar: 60 × 20 × 20 mm, 24 cm³" in text
+    assert 'split = "z = 10 mm"' in part.with_suffix(".toml").read_text()
+    assert "bar.png exists" in text and f"look into it, then: castx check {part.parent}" in text
+    assert photo.read_text() == "mine" and part.with_suffix(".toml").is_file()
+
+
+@pytest.mark.serial
+def test_an_unknown_process_is_refused_with_those_there_are(comm, shared_tmp_path, said):
+    part = write_cad(shared_tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 9, 9, 9)])
+    assert execute(["new", str(part), "--process", "sandd"], comm) == 2
+    text = said()
+    assert "no process 'sandd'" in text and "sand" in text and "investment" in text
+    assert execute(["new", "--help"], comm) == 0
+    assert "high-pressure-die" in said()
