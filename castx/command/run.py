@@ -11,10 +11,10 @@ from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.checkpoint.file import Checkpoint
 from castx.checkpoint.writing import Checkpoints, header_to_restart_from
-from castx.command.interruption import Interruption
 from castx.command.progress import Progress
 from castx.command.watches.deformations import DeformationWatch
 from castx.command.watches.forces import ForceWatch
+from castx.command.watches.interruption import Interruption
 from castx.command.watches.ranges import RangeWatch
 from castx.process.simulation import Simulation
 from castx.profiling import Profile

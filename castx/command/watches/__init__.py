@@ -1,4 +1,5 @@
-"""What a run warns of as it goes on: ranges left, missing forces, absurd displacements.
+"""What a run watches as it goes on: ranges left, missing forces, absurd displacements, signals.
 
-Public: `ranges.RangeWatch`, `deformations.DeformationWatch`, `forces.ForceWatch`.
+Public: `ranges.RangeWatch`, `deformations.DeformationWatch`, `forces.ForceWatch`,
+`interruption.Interruption`.
 """

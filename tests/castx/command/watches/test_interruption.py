@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from castx.command.interruption import Interruption
+from castx.command.watches.interruption import Interruption
 from castx.errors import Interrupted
 
 
@@ -30,7 +30,7 @@ def test_a_signal_on_one_rank_stops_all(comm, number):
 @pytest.mark.serial
 def test_asked_again_later_it_stops_at_once(comm, monkeypatch):
     clock = iter([0.0, 10.0, 10.5, 11.5])
-    monkeypatch.setattr("castx.command.interruption.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("castx.command.watches.interruption.time.monotonic", lambda: next(clock))
     with Interruption(comm), pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
@@ -43,7 +43,7 @@ def test_the_time_limit_leaves_room_for_one_more_try(comm, monkeypatch):
     """Preparations of 9 s and tries of 1, 3 and 1 s: after 14 s another of 3 s passes 16.5 s."""
     clock = iter([10.0, 19.0, 20.0, 23.0, 24.0])
     fake = SimpleNamespace(monotonic=lambda: next(clock))
-    monkeypatch.setattr("castx.command.interruption.time", fake)
+    monkeypatch.setattr("castx.command.watches.interruption.time", fake)
     with Interruption(comm, time_limit=16.5) as interruption:
         interruption.check()
         for _ in range(2):
