@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from castx.case.processes.process import process_names
+from castx.case.processes.names import process_names
 from castx.command.terminal import output_of
 from castx.ranks import on_first_rank
 

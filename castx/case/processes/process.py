@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from castx.case.processes.names import FOLDER, process_names
 from castx.errors import CaseError
 from castx.input.problems import Problem, among, summary
-from castx.input.sourced import entry_names, file_content, item_problems, plain, text_problems
+from castx.input.sourced import file_content, item_problems, plain, text_problems
 
-_FOLDER = files("castx.case.processes") / "database"
 _ABOUT = ("summary", "alloy", "mould", "mould_law", "release")
 _KEYS = ("value", "unit", "source")
 _UNITS = {
@@ -59,12 +58,6 @@ class CastingProcess:
 
 
 @cache
-def process_names() -> tuple[str, ...]:
-    """Return the names of all processes in alphabetical order."""
-    return entry_names(_FOLDER)
-
-
-@cache
 def casting_process(name: str) -> CastingProcess:
     """Return a process of the database.
 
@@ -73,7 +66,7 @@ def casting_process(name: str) -> CastingProcess:
     """
     if name not in process_names():
         raise CaseError(f"no process {name!r}; {among(name, process_names())}")
-    file = _FOLDER / f"{name}.toml"
+    file = FOLDER / f"{name}.toml"
     return read_process(name, file_content(file), str(file))
 
 

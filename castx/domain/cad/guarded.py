@@ -21,17 +21,18 @@ CROSSING = re.compile(r"intersect at point \(([-+.\de]+),([-+.\de]+),([-+.\de]+)
 """What gmsh prints of faces that cross each other."""
 
 
-def meshed_apart(part: CadPart, mesh: Path, patience: float = PATIENCE) -> Report:
+def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Report:
     """Mesh CAD files and write the mesh; call it on one rank only.
 
     Args:
         part: what is to be meshed.
         mesh: the gmsh file to write, in a folder for this purpose alone.
-        patience: time that it may take [s].
+        patience: time that it may take [s]; None: `PATIENCE`.
 
     Raises:
         MeshError: the mesher refuses the files, dies, or takes too long.
     """
+    patience = PATIENCE if patience is None else patience
     source = ", ".join(file.path for file in part.files)
     request, answer = mesh.with_suffix(".request"), mesh.with_suffix(".answer")
     # Whoever can write this file can run code in the child, and its folder is private to this run.

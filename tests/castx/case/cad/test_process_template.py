@@ -8,8 +8,9 @@ import pytest
 
 from castx.case.cad.process_template import process_text
 from castx.case.cad.template import NewCase
+from castx.case.processes.names import process_names
 from castx.case.processes.plan import plan_of
-from castx.case.processes.process import casting_process, process_names
+from castx.case.processes.process import casting_process
 from castx.case.reading.read import load_case
 from castx.materials.database import database_entry
 

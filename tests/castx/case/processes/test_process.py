@@ -4,7 +4,8 @@ from copy import deepcopy
 
 import pytest
 
-from castx.case.processes.process import casting_process, process_names, read_process
+from castx.case.processes.names import process_names
+from castx.case.processes.process import casting_process, read_process
 from castx.errors import CaseError
 from castx.materials.database import database_entry, database_names
 from castx.transfer.database import interface_entry
