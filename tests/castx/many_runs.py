@@ -100,7 +100,9 @@ def write_results(
 ) -> None:
     """Write a results folder with what studies read of it."""
     folder.mkdir()
-    record = {"castx": "0", "case": {"digest": digest}, "model": "axisymmetric", "bodies": {"casting": {}}}
+    record = {
+        "castx": "0", "case": {"digest": digest}, "model": "axisymmetric", "bodies": {"casting": {}}
+    }  # fmt: skip
     (folder / "run.json").write_text(json.dumps(record))
     (folder / "history.csv").write_text("time\n0\n1\n")
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in zip(*columns.values(),
