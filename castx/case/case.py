@@ -25,6 +25,8 @@ _LONGEST_TITLE = 200
 _MOST_BODIES = 100
 _MOST_ENTRIES = 1000
 _MOST_STAGES = 100
+STUDIES = ("vary", "identify", "optimise")
+"""Tables of a case file on many runs of it; a single run has no use of them."""
 
 
 def _title(value: Any) -> str:
@@ -82,6 +84,13 @@ class Case(Description):
     _path: Path = PrivateAttr(Path("case"))
     _digest: str = PrivateAttr("")
     _content: str = PrivateAttr("{}")
+
+    @classmethod
+    def model_json_schema(cls, *arguments: Any, **settings: Any) -> dict[str, Any]:
+        """Return the JSON schema of a case file, in which tables on many runs may stand too."""
+        schema = super().model_json_schema(*arguments, **settings)
+        studies = {name: {"type": "object", "description": "on many runs"} for name in STUDIES}
+        return schema | {"properties": schema["properties"] | studies}
 
     @property
     def path(self) -> Path:

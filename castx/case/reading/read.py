@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from castx.case.case import Case
+from castx.case.case import STUDIES, Case
 from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
 from castx.case.reading.changed_keys import CHANGED_KEYS, ChangedKey, with_new_names
@@ -23,8 +23,6 @@ from castx.input.toml_text import parse_toml, refuse_too_deep
 _log = logging.getLogger(__name__)
 
 _LARGEST_FILE = 4_000_000  # bytes
-STUDIES = ("vary", "identify", "optimise")
-"""Tables of a case file on many runs of it; a single run has no use of them."""
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] = ()) -> Case:

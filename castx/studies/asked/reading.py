@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from castx.case.reading.read import STUDIES, case_data
+from castx.case.case import STUDIES
+from castx.case.reading.read import case_data
 from castx.errors import CaseError
 from castx.input.problems import Problem, Refusal, summary
 from castx.studies.asked.identify import Identify

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from castx.case.reading.read import STUDIES, case_data
+from castx.case.case import STUDIES
+from castx.case.reading.read import case_data
 from castx.input.overrides import apply_overrides
 from castx.studies.runs.runner import Changes, changes_as_overrides
 

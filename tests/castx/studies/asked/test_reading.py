@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from castx.case.reading.read import STUDIES, load_case
+from castx.case.case import STUDIES
+from castx.case.reading.read import load_case
 from castx.errors import CaseError
 from castx.studies.asked.reading import KINDS, read_study, refuse_wrong_studies
 from castx.studies.asked.vary import Vary
