@@ -17,7 +17,7 @@ LARGEST = 64 * 1024**2
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(strict=True, extra="allow")
+    model_config = ConfigDict(strict=True)
 
 
 _Model = Literal["plane-stress", "plane-strain", "generalised-plane-strain", "axisymmetric", "3d"]
@@ -209,4 +209,17 @@ def read_record(path: Path) -> dict[str, Any]:
 
 def completed(record: Mapping[str, Any]) -> dict[str, Any]:
     """Return a record of `read_record` with the usual values of what it leaves out."""
-    return _Record.model_validate(record).model_dump()
+    known: dict[str, Any] = _with_rest(record, _Record.model_validate(record).model_dump())
+    return known
+
+
+def _with_rest(whole: Any, known: Any) -> Any:
+    """Return known entries with those of a record that are not known."""
+    if isinstance(whole, Mapping) and isinstance(known, dict):
+        return {**whole} | {
+            key: _with_rest(whole[key], value) if key in whole else value
+            for key, value in known.items()
+        }
+    if isinstance(whole, list) and isinstance(known, list):
+        return [_with_rest(*pair) for pair in zip(whole, known, strict=True)]
+    return known
