@@ -224,5 +224,5 @@ def test_the_notebook_compares_the_contact_methods():
         kelvin, micron, penetration = casting[name]
         assert kelvin < 0.1 and penetration < 0.06 and micron < 2.0 * penetration + 1e-3
     kelvin, micron, penetration = casting["penalty, 1e11 Pa/m"]
-    assert kelvin > 0.2 and micron == pytest.approx(penetration, rel=0.5)
+    assert kelvin > 0.2 and penetration < micron < 2.0 * penetration
     assert pictures == 4
