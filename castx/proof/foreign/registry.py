@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from castx.errors import CaseError
-from castx.input.problems import among
-from castx.input.registry import modules_of, refuse_incomplete
+from castx.input.numbered import by_number, chosen_from
+from castx.input.registry import modules_of
 from castx.proof.foreign.declaration import ForeignCase
 
+KIND = "foreign case"
 NEEDED = ("title", "program", "path", "exact", "remark")
 
 
@@ -18,13 +18,7 @@ def ordered(cases: Iterable[ForeignCase]) -> dict[str, ForeignCase]:
     Raises:
         TypeError: two have the same number, or one says too little.
     """
-    found: dict[str, ForeignCase] = {}
-    for case in sorted(cases, key=lambda case: int(case.number[1:])):
-        refuse_incomplete(f"foreign case {case.number}", case, NEEDED)
-        if case.number in found:
-            raise TypeError(f"foreign case {case.number} stands in two files")
-        found[case.number] = case
-    return found
+    return by_number(KIND, sorted(cases, key=lambda case: int(case.number[1:])), NEEDED)
 
 
 def _declared() -> Iterable[ForeignCase]:
@@ -42,9 +36,4 @@ def chosen(numbers: Sequence[str]) -> list[ForeignCase]:
     Raises:
         CaseError: a number is not known.
     """
-    for number in numbers:
-        if number.upper() not in FOREIGN_CASES:
-            known = among(number, list(FOREIGN_CASES))
-            raise CaseError(f"there is no foreign case {number!r}; {known}")
-    wanted = {number.upper() for number in numbers}
-    return [case for number, case in FOREIGN_CASES.items() if not wanted or number in wanted]
+    return chosen_from(KIND, FOREIGN_CASES, numbers)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from castx.errors import CaseError
-from castx.input.problems import among
-from castx.input.registry import modules_of, refuse_incomplete
+from castx.input.numbered import by_number, chosen_from
+from castx.input.registry import modules_of
 from castx.proof.verification.verification import Verification
 
+KIND = "verification"
+NEEDED = ("title", "formula", "source", "levels", "quick")
 ROOMS = ("heat", "solids", "contact", "coupled", "foundry")
 """Where the files are."""
 
@@ -26,14 +27,7 @@ def ordered(verifications: Iterable[Verification]) -> dict[str, Verification]:
     Raises:
         TypeError: two have the same number, or one says too little.
     """
-    found: dict[str, Verification] = {}
-    for verification in sorted(verifications, key=lambda v: place_of(v.number)):
-        what = f"verification {verification.number}"
-        refuse_incomplete(what, verification, ("title", "formula", "source", "levels", "quick"))
-        if verification.number in found:
-            raise TypeError(f"{what} stands in two files")
-        found[verification.number] = verification
-    return found
+    return by_number(KIND, sorted(verifications, key=lambda v: place_of(v.number)), NEEDED)
 
 
 def _declared() -> Iterable[Verification]:
@@ -53,9 +47,4 @@ def chosen(numbers: Sequence[str]) -> list[Verification]:
     Raises:
         CaseError: a number is not known.
     """
-    for number in numbers:
-        if number.upper() not in VERIFICATIONS:
-            known = among(number, list(VERIFICATIONS))
-            raise CaseError(f"there is no verification {number!r}; {known}")
-    wanted = {number.upper() for number in numbers}
-    return [v for number, v in VERIFICATIONS.items() if not wanted or number in wanted]
+    return chosen_from(KIND, VERIFICATIONS, numbers)
