@@ -19,6 +19,7 @@ from castx.errors import CaseError
 
 if TYPE_CHECKING:
     from castx.studies.asked.identify import Identify
+    from castx.studies.asked.reading import Study
     from castx.studies.asked.runner import Running
     from castx.studies.runs.runner import Runner
 
@@ -84,6 +85,28 @@ def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
         signal.signal(signal.SIGTERM, before)
 
 
+@contextmanager
+def opened(
+    context: typer.Context, asked: Invocation, kind: type[Study], name: str
+) -> Iterator[tuple[Study, Runner, EnduringConsole]]:
+    """Read a study and open its folder; refusals name the case file.
+
+    Args:
+        context: of the command.
+        asked: the command line.
+        kind: of the study.
+        name: of its table.
+    """
+    from castx.studies.asked.reading import read_study
+
+    comm, console = output_of(context)
+    refuse_ranks(comm)
+    with naming(asked.case_file):
+        study = read_study(asked.case_file, kind, asked.overrides)
+        with runner_of(asked, study, name) as runner:
+            yield study, runner, console
+
+
 def vary(
     context: typer.Context,
     case_file: CaseFile,
@@ -93,18 +116,13 @@ def vary(
     overrides: Overrides = None,
 ) -> None:
     """Run a case many times with other numbers, as its [vary] says, and tell what matters."""
-    from castx.studies.asked.reading import read_study
     from castx.studies.asked.vary import Vary
     from castx.studies.vary import PAGE, TABLE
     from castx.studies.vary import vary as make
 
-    comm, console = output_of(context)
-    refuse_ranks(comm)
     asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
-    with naming(case_file):
-        study = read_study(case_file, Vary, asked.overrides)
-        with runner_of(asked, study, "vary") as runner:
-            found = make(runner, study)
+    with opened(context, asked, Vary, "vary") as (study, runner, console):
+        found = make(runner, study)
     for one in found.importance:
         console.print(one.sentence, markup=False)
     say_runs(console, runner, len(found.table.runs))
@@ -129,22 +147,17 @@ def identify(
 ) -> None:
     """Identify numbers of a case from measured curves, as its [identify] says, with their bands."""
     from castx.studies.asked.identify import Identify
-    from castx.studies.asked.reading import read_study
     from castx.studies.inverse.identify import PAGE
     from castx.studies.inverse.identify import identify as make
     from castx.studies.inverse.page import row
 
-    comm, console = output_of(context)
-    refuse_ranks(comm)
     asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
-    with naming(case_file):
-        study = read_study(case_file, Identify, asked.overrides)
-        study = study.relative_to(case_file.resolve().parent)
-        with runner_of(asked, study, "identify") as runner:
-            if design:
-                show_design(runner, study, console)
-                return
-            result = make(runner, study)
+    with opened(context, asked, Identify, "identify") as (read, runner, console):
+        study = read.relative_to(case_file.resolve().parent)
+        if design:
+            show_design(runner, study, console)
+            return
+        result = make(runner, study)
     for one in result.found.estimates:
         name, value, band, *_ = row(one)
         console.print(f"{name}: {value} (95 %: {band})", markup=False)
@@ -183,17 +196,12 @@ def optimise(
 ) -> None:
     """Look for the best numbers of a case, as its [optimise] says, by many runs."""
     from castx.studies.asked.optimise import Optimise
-    from castx.studies.asked.reading import read_study
     from castx.studies.optimise import optimise as make
     from castx.studies.table import with_unit
 
-    comm, console = output_of(context)
-    refuse_ranks(comm)
     asked = Invocation(case_file, tuple(overrides or ()), output, processes, anew)
-    with naming(case_file):
-        study = read_study(case_file, Optimise, asked.overrides)
-        with runner_of(asked, study, "optimise") as runner:
-            found = make(runner, study)
+    with opened(context, asked, Optimise, "optimise") as (study, runner, console):
+        found = make(runner, study)
     table, best = found.table, found.best
     for name, unit, value in zip(table.inputs, table.units, table.values[best], strict=True):
         console.print(f"{with_unit(name, unit)}: {value:.5g}", markup=False)
