@@ -7,7 +7,7 @@ import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, inf
 from typing import Any, Self
 
 from mpi4py import MPI
@@ -125,7 +125,9 @@ class Simulation:
         process = process_of(case, mesh, pairs, laws)
         given = case.time.heat_substeps
         substeps = None if isinstance(given, str) else given
-        fastest = process.now.problem.time_to_change(case.time.temperature_change)
+        fastest = inf
+        if case.time.first_step is None:
+            fastest = process.now.problem.time_to_change(case.time.temperature_change)
         return cls(process, step_settings(case, fastest), substeps, comm)
 
     @property
