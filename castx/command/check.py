@@ -24,6 +24,7 @@ from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of
+from castx.coupling.thin_walls import thin_walls
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
 from castx.domain.pairs.areas import area_text, area_warning
@@ -85,7 +86,9 @@ def check_case(
         console.print(line, markup=False)
     areas = [area_warning(found, comm) for found in pairs.values()]
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
-    for warning in (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case)):
+    thin = [walls.text for walls in thin_walls(case, mesh)]
+    warnings = (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case), *thin)
+    for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
 
@@ -117,6 +120,8 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         mesh = build_mesh(case.geometry, [b.name for b in case.bodies], comm)
         for remark in () if mesh.report is None else mesh.report.remarks:
             console.print(remark, markup=False, style="yellow")
+        for walls in thin_walls(case, mesh):
+            console.print(walls.text, markup=False, style="yellow")
         draw_case(case, mesh, picture)
     except (CaseError, MeshError) as error:
         console.print(f"no picture: {error}", markup=False, style="yellow")

@@ -24,6 +24,7 @@ from castx.domain.gmsh_import import NamedMesh
 from castx.domain.partition import destinations, partition
 from castx.domain.soundness import doubts, refuse_far_away, refuse_folded
 from castx.domain.source import named_mesh, source_of
+from castx.domain.walls import Walls, walls
 from castx.errors import MeshError
 from castx.input.problems import among
 from castx.meshes.cad.report import Report
@@ -125,6 +126,7 @@ class CastingMesh:
         digest: hash (SHA-256) of points, cells and bodies before they are distributed.
         marked: points (points, gdim) of the faces between bodies that the mesh names [m].
         report: what was made of CAD files; None without them.
+        walls: of the bodies, by name.
     """
 
     comm: MPI.Intracomm
@@ -134,6 +136,7 @@ class CastingMesh:
     digest: str
     marked: dict[str, FloatArray] = field(default_factory=dict, repr=False)
     report: Report | None = field(default=None, repr=False)
+    walls: dict[str, Walls] = field(default_factory=dict, repr=False)
 
 
 def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracomm) -> CastingMesh:
@@ -151,10 +154,10 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
 
     def prepare() -> _Prepared:
         mesh = named_mesh(geometry, body_names)
-        return _prepare(mesh, body_names, comm.size, source_of(geometry))
+        return _prepare(mesh, body_names, comm.size, geometry)
 
     prepared = _on_rank_zero(comm, prepare)
-    kind, surface_names, bodies, names, digest, marked, report = comm.bcast(
+    kind, surface_names, bodies, names, digest, marked, report, thin = comm.bcast(
         (
             prepared.mesh.kind.name,
             prepared.mesh.surface_names,
@@ -163,6 +166,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
             _digest(prepared.mesh),
             prepared.marked,
             prepared.mesh.report,
+            prepared.walls,
         )
         if prepared
         else None
@@ -181,6 +185,7 @@ def build_mesh(geometry: Geometry, body_names: Sequence[str], comm: MPI.Intracom
         digest,
         marked,
         report,
+        dict(zip(body_names, thin, strict=True)),
     )
 
 
@@ -193,6 +198,7 @@ class _Prepared:
     parts: IntArray
     offsets: IntArray
     marked: dict[str, FloatArray]
+    walls: list[Walls]
 
 
 def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
@@ -211,16 +217,25 @@ def _on_rank_zero(comm: MPI.Intracomm, task: Callable[[], T]) -> T | None:
     return result
 
 
-def _prepare(mesh: NamedMesh, body_names: Sequence[str], parts: int, source: str) -> _Prepared:
+def _prepare(
+    mesh: NamedMesh, body_names: Sequence[str], parts: int, geometry: Geometry
+) -> _Prepared:
+    source = source_of(geometry)
     refuse_far_away(mesh, source)
     across = neighbours(mesh.cells, mesh.kind.faces, source)
     refuse_folded(mesh, across, source)
     for doubt in doubts(mesh, tuple(body_names), across):
         log.warning("%s: %s", source, doubt)
-    names = face_names(mesh, across, source).astype(np.int16)
+    names = face_names(mesh, across, source)
     midpoints = mesh.points[mesh.cells].mean(axis=1)
     ranks = partition(midpoints, mesh.bodies, across, parts)
-    return _Prepared(mesh, names, *destinations(ranks, across), marked_between(mesh, across))
+    return _Prepared(
+        mesh,
+        names.astype(np.int16),
+        *destinations(ranks, across),
+        marked_between(mesh, across),
+        walls(mesh, across, names, body_names, geometry.model == "axisymmetric"),
+    )
 
 
 def _digest(mesh: NamedMesh) -> str:

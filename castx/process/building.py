@@ -19,6 +19,7 @@ from castx.coupling.building import (
     laws_above_solidus,
     rigid_bodies,
 )
+from castx.coupling.thin_walls import thin_walls
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.areas import area_text, area_warning
 from castx.domain.pairs.node_pairs import NodePairs
@@ -117,6 +118,8 @@ def process_of(
         _log.info("%s", chosen)
     for caveat in caveats(case):
         _log.warning("%s", caveat)
+    for walls in thin_walls(case, mesh):
+        _log.warning("%s", walls.text)
     for found in pairs.values():
         if found.primary_area is not None:
             _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))

@@ -8,6 +8,7 @@ import numpy as np
 
 from castx.case.coherency import coherency_records
 from castx.case.stages import Schedule
+from castx.coupling.thin_walls import thin_wall_records
 from castx.foundry.alloy import Alloy
 from castx.foundry.stress.shape import is_axis, plane_of
 from castx.materials.lookup import find_material
@@ -25,6 +26,7 @@ ROOM_TEMPERATURE = 20.0
 
 def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> dict[str, Any]:
     """Return case, bodies and interfaces with their sizes for run.json; collective."""
+    thin = thin_wall_records(case, mesh)
     sizes = {
         body.name: {
             "material": body.material,
@@ -37,6 +39,7 @@ def describe(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> d
             "nodes": mesh.bodies[body.name].nodes.dofmap.index_map.size_global,
             "cells": cell_count(mesh, body.name),
             "symmetry": symmetry_planes(mesh, body.name),
+            "thin_walls": thin.get(body.name),
         }
         for body in case.bodies
     }

@@ -33,9 +33,9 @@ def error_texts(finding: Finding, estimate: Estimate) -> tuple[str, str]:
     """Return by how much a number is off by the mesh and by the steps.
 
     Without a sign: it changes from mesh to mesh, with the place of a front in its cell. Nothing is
-    said of a number that is the same in all runs, or that no other run has.
+    said of a number that is the same in all runs, that no other run has, or that is of the mesh.
     """
-    if estimate.values.get(finding.name) != finding.value:
+    if finding.of_mesh or estimate.values.get(finding.name) != finding.value:
         return "", ""
     by_mesh, by_steps = estimate.changes(finding.name)
     if not (by_mesh or by_steps):

@@ -42,6 +42,7 @@ class Finding:
         time: when [s]; None: all the time.
         shown: its picture; None: it has none.
         error: how far it is off by mesh and steps, estimated; empty: unknown.
+        of_mesh: whether it tells of the mesh itself, whose error no other mesh can tell.
     """
 
     topic: str
@@ -54,6 +55,7 @@ class Finding:
     time: float | None = None
     shown: Shown | None = None
     error: str = ""
+    of_mesh: bool = False
 
     @property
     def name(self) -> str:

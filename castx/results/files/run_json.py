@@ -58,6 +58,20 @@ class _Coherency(_Strict):
     source: str = ""
 
 
+class _ThinWalls(_Strict):
+    body: str = ""
+    cells: str = ""
+    formulation: str = ""
+    one: float = 0.0
+    two: float = 0.0
+    few: float = 0.0
+    thinnest: float = 0.0
+    thickest: float = 0.0
+    across: float = 0.0
+    error: float = 0.0
+    error_if_fine: float = 0.0
+
+
 class _Body(_Strict):
     material: str = ""
     law: str = ""
@@ -68,6 +82,7 @@ class _Body(_Strict):
     nodes: int = 0
     cells: int = 0
     symmetry: list[_Plane] = []
+    thin_walls: _ThinWalls | None = None
 
 
 class _Interface(_Strict):
