@@ -52,6 +52,7 @@ ORDER = [
     "coupling",
     "results/files results/states",
     "foundry/front foundry/pools",
+    "discretisation",
     "foundry/stress",
     "foundry/followed",
     "results",

@@ -8,6 +8,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.coupling.step import CoupledProblem
+from castx.discretisation.cell_errors import CellErrors
 from castx.errors import CaseError
 from castx.mechanics.body import BodyMechanics, point_stress
 
@@ -82,6 +83,11 @@ class FieldState(NoState):
         """Return the stress at the integration points [Pa], shape (cells, 6 points)."""
         return point_stress(self.mechanics)
 
+    def stress_error(self) -> FloatArray:
+        """Return the error of the stress by a recovered one [Pa], shape (cells,); collective."""
+        part = self.mechanics
+        return CellErrors(part.mesh, part.model, part.coherent).of(part.stress())
+
     def plastic_strain(self) -> FloatArray:
         """Return the equivalent plastic strain, shape (cells,)."""
         return self.mechanics.plastic_strain()
@@ -137,4 +143,5 @@ class PairsState(NoState):
         """Refuse: an interface has none."""
         return self._refuse()
 
-    displacement = pressure = point_stress = plastic_strain = plastic_strain_increment = stress
+    displacement = pressure = point_stress = stress_error = stress
+    plastic_strain = plastic_strain_increment = stress

@@ -44,6 +44,9 @@ class StateView(Protocol):
     def point_stress(self) -> FloatArray:
         """Return the stress at the integration points [Pa], shape (cells, 6 points)."""
 
+    def stress_error(self) -> FloatArray:
+        """Return the estimated error of the stress by the mesh [Pa], shape (cells,); collective."""
+
     def plastic_strain(self) -> FloatArray:
         """Return the equivalent plastic strain, shape (cells,)."""
 

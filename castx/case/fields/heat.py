@@ -63,4 +63,18 @@ FIELDS = (
             rank=9,
         ),
     ),
+    OutputField(
+        name="heat_flux_error",
+        title="Error of the heat flux by the mesh",
+        unit="W/m²",
+        place=FieldPlace.CELL,
+        followed=True,
+        shown=FieldColours(
+            unit="kW/m²",
+            colours="viridis",
+            factor=0.001,
+            caption="Root mean square over the time so far, estimated by a recovered heat flux.",
+            share=0.99,
+        ),
+    ),
 )

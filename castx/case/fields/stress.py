@@ -94,6 +94,21 @@ FIELDS = (
         ),
     ),
     OutputField(
+        name="stress_error",
+        title="Error of the stress by the mesh",
+        unit="Pa",
+        place=FieldPlace.CELL,
+        read=lambda state: state.stress_error(),
+        mechanical=True,
+        shown=FieldColours(
+            unit="MPa",
+            colours="viridis",
+            factor=1e-06,
+            caption="Difference of the stress from a recovered one, in cells that are solid.",
+            share=0.99,
+        ),
+    ),
+    OutputField(
         name="point_stress",
         title="Point stress",
         unit="Pa",

@@ -33,9 +33,10 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
     if "emptied" in case.output.fields and not any(case.loads.gravity):
         text = "missing; the field emptied needs to know what is up: gravity = [0, 0, -9.81]"
         yield Problem(("loads", "gravity"), text)
-    if "heat_flux" in case.output.fields and case.coupling.scheme == "mechanical":
-        text = 'there is no heat_flux in a run with coupling.scheme = "mechanical"; leave it out'
-        yield Problem(("output", "fields", case.output.fields.index("heat_flux")), text)
+    for name in ("heat_flux", "heat_flux_error"):
+        if name in case.output.fields and case.coupling.scheme == "mechanical":
+            text = f'there is no {name} in a run with coupling.scheme = "mechanical"; leave it out'
+            yield Problem(("output", "fields", case.output.fields.index(name)), text)
     yield from _form_problems(case)
     if "life" in case.output.fields:
         yield from _fatigue_problems(case)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
+from castx.discretisation.flux_errors import FLUX_ERROR, flux_errors_of
 from castx.foundry.followed.last_liquid import last_liquid_of
 from castx.foundry.pools.feeders import EMPTIED, feeders_of
 from castx.foundry.pools.feeding_path import FEEDING_PATH, Pores, feeding_reach_of
@@ -24,7 +25,7 @@ OF_MELTING = (EMPTIED, FEEDING_PATH)
 """Fields at the nodes of bodies that melt."""
 NODAL = (*OF_MELTING, FIRST_OPENING)
 """All fields at nodes that are found from what is followed."""
-CELLWISE = (HEAT_FLUX, STRAIN_RANGE, LIFE)
+CELLWISE = (HEAT_FLUX, FLUX_ERROR, STRAIN_RANGE, LIFE)
 """Those in cells."""
 
 
@@ -105,6 +106,7 @@ def histories_of(
             "last_liquid": last_liquid_of(case, mesh),
             "openings": first_openings_of(case, mesh, pairs),
             "heat_flux": heat_fluxes_of(case, mesh),
+            "flux_errors": flux_errors_of(case, mesh),
             "die": die_surfaces_of(case, mesh),
             "feeding_distance": feeding_reach_of(case, mesh, pairs, pores),
             "ejection": ejection_forces_of(case, mesh, pairs),

@@ -10,7 +10,8 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
+from castx.discretisation.cell_errors import CellErrors
 from castx.foundry.stress.shape import Shape
 from castx.foundry.stress.stresses import StressExtremes
 from castx.foundry.stress.surface_forms import SurfaceForms
@@ -52,7 +53,8 @@ class SolidCopies:
         time: [s].
         cycle: number of the cycle.
         stage: number of the stage.
-        stress: of the owned cells, (cells, 6) [Pa].
+        stress: of the local cells, (cells, 6) [Pa].
+        coherent: whether they are solid, (cells,).
         displacement: of the local nodes, (nodes, gdim) [m].
         hottest: highest temperature on this rank, not a number in a run without heat [°C].
     """
@@ -61,6 +63,7 @@ class SolidCopies:
     cycle: int
     stage: int
     stress: Mapping[str, FloatArray]
+    coherent: Mapping[str, BoolArray]
     displacement: Mapping[str, FloatArray]
     hottest: Mapping[str, float]
 
@@ -85,6 +88,7 @@ class StageEnds:
         heated: bool = True,
     ) -> None:
         self._forms, self._heated, self._comm = forms, heated, mesh.comm
+        self._mesh = mesh
         there = {name: mesh.bodies[name] for name in bodies}
         self._owned = {
             name: body.mesh.topology.index_map(body.mesh.topology.dim).size_local
@@ -105,7 +109,8 @@ class StageEnds:
             state.time,
             process.cycle,
             process.stage,
-            {name: state.cellwise(name, "stress")[: self._owned[name]].copy() for name in names},
+            {name: state.cellwise(name, "stress").copy() for name in names},
+            {name: state.cellwise(name, "coherent") > 0.0 for name in names},
             {name: state.nodal(name, "displacement").copy() for name in names},
             {name: self._hottest(state, name) for name in names},
         )
@@ -130,7 +135,10 @@ class StageEnds:
 
     def _body(self, name: str, last: SolidCopies) -> dict[str, Any]:
         stress, displacement = last.stress[name], last.displacement[name]
-        found: dict[str, Any] = {"stress": self._stresses[name].of(stress)}
+        found: dict[str, Any] = {"stress": self._stresses[name].of(stress[: self._owned[name]])}
+        errors = CellErrors(self._mesh.bodies[name], self._mesh.model, last.coherent[name])
+        if error := errors.described(stress):
+            found["stress_error"] = error
         if self._heated:
             found["hottest"] = self._comm.allreduce(last.hottest[name], op=MPI.MAX)
         if self._shapes[name].known:

@@ -138,8 +138,15 @@ class _Distortion(_Strict):
     allowance: list[float] = []
 
 
+class _MeshError(_Strict):
+    error: float = 0.0
+    size: float = 0.0
+    relative: float = 0.0
+
+
 class _SolidBody(_Strict):
     stress: _StressExtremes = _StressExtremes()
+    stress_error: _MeshError | None = None
     distortion: _Distortion | None = None
     flatness: dict[str, float] = {}
     roundness: dict[str, float] = {}
@@ -189,6 +196,7 @@ class _Record(_Strict):
     feeding: dict[str, _Feeding] = {}
     openings: dict[str, _Opening] = {}
     ejection: list[_Ejection] = []
+    flux_errors: dict[str, _MeshError] = {}
     feeding_distance: dict[str, float | None] = {}
     wall: float = 0.0
     peak_memory: dict[str, int] = {}
