@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from castx.studies.asked.identify import Identify
     from castx.studies.asked.reading import Study
     from castx.studies.asked.runner import Running
+    from castx.studies.runs.executor import Executor
     from castx.studies.runs.runner import Runner
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
@@ -62,6 +63,18 @@ def refuse_ranks(comm: MPI.Intracomm) -> None:
         )
 
 
+def executor_of(asked: Invocation, study: Running, folder: Path) -> Executor:
+    """Return the executor of a study: jobs of Slurm if it asks for them, else processes here."""
+    from castx.studies.runs.local import LocalProcesses
+
+    at_once = asked.processes or study.processes
+    if study.slurm is None:
+        return LocalProcesses(at_once, study.memory)
+    from castx.studies.runs.slurm import JOBS, SlurmArrays
+
+    return SlurmArrays(study.slurm, folder / JOBS, at_once, study.memory)
+
+
 @contextmanager
 def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
     """Open the folder of a study; what is asked to stop stops its runs too.
@@ -71,11 +84,10 @@ def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
         study: its settings.
         kind: behind the name of the folder.
     """
-    from castx.studies.runs.local import LocalProcesses
     from castx.studies.runs.runner import Runner, study_folder
 
     folder = asked.output or study.folder or Path("results") / f"{asked.case_file.stem}.{kind}"
-    executor = LocalProcesses(asked.processes or study.processes, study.memory)
+    executor = executor_of(asked, study, folder.resolve())
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with study_folder(folder.resolve()) as opened:
