@@ -6,6 +6,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from castx.studies.asked.identify import Identify
     from castx.studies.asked.reading import Study
     from castx.studies.asked.runner import Running
+    from castx.studies.runs.executor import Executor
     from castx.studies.runs.runner import Runner
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="The case file.")]
@@ -61,6 +63,18 @@ def refuse_ranks(comm: MPI.Intracomm) -> None:
         )
 
 
+def executor_of(asked: Invocation, study: Running, folder: Path) -> Executor:
+    """Return the executor of a study: jobs of Slurm if it asks for them, else processes here."""
+    from castx.studies.runs.local import LocalProcesses
+
+    at_once = asked.processes or study.processes
+    if study.slurm is None:
+        return LocalProcesses(at_once, study.memory)
+    from castx.studies.runs.slurm import JOBS, SlurmArrays
+
+    return SlurmArrays(study.slurm, folder / JOBS, at_once, study.memory)
+
+
 @contextmanager
 def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
     """Open the folder of a study; what is asked to stop stops its runs too.
@@ -70,11 +84,10 @@ def runner_of(asked: Invocation, study: Running, kind: str) -> Iterator[Runner]:
         study: its settings.
         kind: behind the name of the folder.
     """
-    from castx.studies.runs.local import LocalProcesses
     from castx.studies.runs.runner import Runner, study_folder
 
     folder = asked.output or study.folder or Path("results") / f"{asked.case_file.stem}.{kind}"
-    executor = LocalProcesses(asked.processes or study.processes, study.memory)
+    executor = executor_of(asked, study, folder.resolve())
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with study_folder(folder.resolve()) as opened:
@@ -130,8 +143,10 @@ def vary(
 
 
 def say_runs(console: EnduringConsole, runner: Runner, count: int) -> None:
-    """Show how many runs were made and how many were there already."""
-    console.print(f"{count} runs, {runner.made} of them made now", markup=False)
+    """Show how many runs were made, what they cost, and how many were there already."""
+    taken = timedelta(seconds=round(runner.processor_seconds))
+    cost = f" in {taken} of processor time" if runner.made else ""
+    console.print(f"{count} runs, {runner.made} of them made now{cost}", markup=False)
 
 
 def identify(
@@ -155,7 +170,7 @@ def identify(
     with opened(context, asked, Identify, "identify") as (read, runner, console):
         study = read.relative_to(case_file.resolve().parent)
         if design:
-            show_design(runner, study, console)
+            show_design(runner, study, console, output_of(context)[0])
             return
         result = make(runner, study)
     for one in result.found.estimates:
@@ -167,12 +182,16 @@ def identify(
     console.print(f"written: {runner.folder / PAGE}, {result.case_file}", markup=False)
 
 
-def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> None:
-    """Show the order in which candidates should become sensors, and what they would tell."""
+def show_design(
+    runner: Runner, study: Identify, console: EnduringConsole, comm: MPI.Intracomm
+) -> None:
+    """Show in which order candidates should become sensors, what they would tell, and where."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from castx.studies.inverse.design import design
+    from castx.case.reading.read import load_case
+    from castx.studies.inverse.design import RESULT, design
+    from castx.studies.inverse.design_picture import PICTURE, draw_design
 
     found = design(runner, study)
     console.print(
@@ -184,6 +203,14 @@ def show_design(runner: Runner, study: Identify, console: EnduringConsole) -> No
             values = [found.before[k], *(one.deviations[k] for one in order)]
             table.add_row(name, *(f"{value:.2g}" for value in values))
         console.print(table)
+    case = load_case(runner.case_file, runner.overrides)
+    picture = runner.folder / PICTURE
+    try:
+        draw_design(case, study.candidates, [one.name for one in found.d_order], comm, picture)
+    except CaseError as error:
+        console.print(f"no picture: {error}", markup=False, style="yellow")
+    else:
+        console.print(f"written: {picture}, {RESULT}", markup=False)
 
 
 def optimise(
@@ -196,6 +223,7 @@ def optimise(
 ) -> None:
     """Look for the best numbers of a case, as its [optimise] says, by many runs."""
     from castx.studies.asked.optimise import Optimise
+    from castx.studies.optimise import PAGE
     from castx.studies.optimise import optimise as make
     from castx.studies.table import with_unit
 
@@ -211,7 +239,7 @@ def optimise(
     if not found.within:
         console.print("no run keeps all limits; this one is nearest", markup=False)
     say_runs(console, runner, len(table.runs))
-    console.print(f"written: {found.case_file}, {runner.folder / 'table.csv'}", markup=False)
+    console.print(f"written: {runner.folder / PAGE}, {found.case_file}", markup=False)
 
 
 STUDY_COMMANDS = (vary, identify, optimise)

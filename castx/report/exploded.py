@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
+from matplotlib.transforms import BboxBase
 
 from castx.arrays import FloatArray
 from castx.errors import CaseError
@@ -36,6 +37,8 @@ PASSABLE = "/outside"
 OPACITY = 0.25
 MARGIN = 1.03
 """Size of a view over that of what is in it."""
+LINE = 10
+"""Height of the name of a mark [point]."""
 LONG = 34
 """Characters of a name beyond which the columns of the legend are fewer."""
 PERMANENT = [i for i in (*range(0, 20, 2), *range(1, 20, 2)) if i // 2 != 7]
@@ -138,6 +141,7 @@ def write_picture(
         for axis, view in zip(axes.ravel(), [view for row in rows for view in row], strict=True):
             axis.imshow(view.image)
             axis.axis("off")
+        canvas.draw_without_rendering()  # names of marks need to know how large views are
         for axis, (_, view) in zip(axes[:, 1], rows, strict=True):
             _show_marks(axis, marks, view.marks)
         for axis, paint, columns, place in zip(axes[0], sides, entries, ("left", "right"),
@@ -156,14 +160,23 @@ def write_picture(
 
 
 def _show_marks(axis: Axes, marks: Sequence[Mark], places: FloatArray) -> None:
-    """Draw probes with their names over a view, at places in pixels (marks, 2)."""
+    """Draw probes with their names over a view, at places in pixels (marks, 2).
+
+    A name that would cover another one stands as many lines higher as it has to.
+    """
     around = [Stroke(linewidth=3, foreground="white"), Normal()]
+    taken: list[BboxBase] = []
     for index, mark in enumerate(marks):
         x, y = float(places[index, 0]), float(places[index, 1])
         axis.plot(x, y, "o", color="black", markersize=5, path_effects=around, scalex=False,
                   scaley=False)  # fmt: skip
-        axis.annotate(mark.name, (x, y), (5, 4), textcoords="offset points", fontsize=8,
-                      path_effects=around, annotation_clip=False)  # fmt: skip
+        text = axis.annotate(mark.name, (x, y), (5, 4), textcoords="offset points", fontsize=8,
+                             path_effects=around, annotation_clip=False)  # fmt: skip
+        for line in range(len(marks)):
+            text.set_position((5, 4 + LINE * line))
+            if not any(text.get_window_extent().overlaps(other) for other in taken):
+                break
+        taken.append(text.get_window_extent())
 
 
 def _columns(paint: Paint) -> int:

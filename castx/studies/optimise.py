@@ -17,6 +17,7 @@ from castx.input.toml_written import toml_text
 from castx.results.files.folder import write_whole
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.optimise import EVOLUTION, LEAST, Optimise
+from castx.studies.optimised_page import optimised_page
 from castx.studies.runs.answers import RunAnswer, answers
 from castx.studies.runs.case_text import changed_content
 from castx.studies.runs.kept import KeptRun
@@ -24,7 +25,7 @@ from castx.studies.runs.runner import Changes, Runner
 from castx.studies.table import StudyTable
 from castx.studies.vary import TABLE, refuse_unusable
 
-RESULT = "optimised.json"
+RESULT, PAGE = "optimised.json", "optimised.html"
 HEAD = "# With the best numbers that castx optimise has found.\n\n"
 POPULATION = 3
 """Runs of a generation for each number, and four more."""
@@ -151,6 +152,9 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
     content = changed_content(runner.case_file, runner.overrides, values[best])
     write_whole(case_file, HEAD + toml_text(content))
     write_whole(runner.folder / RESULT, json.dumps(_json(found, study), indent=2) + "\n")
+    within = np.array(trials.costs) < FORBIDDEN
+    name = runner.case_file.stem
+    write_whole(runner.folder / PAGE, optimised_page(name, study, table, within, best))
     return found
 
 

@@ -155,6 +155,7 @@ def as_json(found: VariedCase, study: Vary) -> dict[str, Any]:
                 "ended": run.ended,
                 "said": run.said,
                 "seconds": run.seconds,
+                "processor_seconds": run.processor_seconds,
                 "inputs": [float(value) for value in table.values[index]],
                 "answers": {name: one.shown for name, one in table.found[index].items()},
             }

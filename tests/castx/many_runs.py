@@ -89,10 +89,10 @@ class Formulas:
             try:
                 answers, columns = self.formula(case.content)
             except RuntimeError as error:
-                yield index, Ended(3, f"not converged: {error}", 0.1)
+                yield index, Ended(3, f"not converged: {error}", 0.1, 0.1)
                 continue
             write_results(Path(given["--output"]), case.digest, answers, columns)
-            yield index, Ended(0, "done", 0.1)
+            yield index, Ended(0, "done", 0.1, 0.1)
 
 
 def write_results(

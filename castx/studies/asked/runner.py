@@ -10,6 +10,7 @@ from pydantic import PlainValidator
 from castx.errors import CaseError
 from castx.input.entries import Description, Quantity, Whole
 from castx.input.units import TIME, Dimension
+from castx.studies.asked.slurm import SlurmJobs
 
 MEMORY = Dimension("an amount of memory", "byte", ("GB", "MB"))
 _MOST_PROCESSES = 1000
@@ -29,9 +30,11 @@ class Running(Description):
         memory: that each run may take [byte]; None: no limit.
         time_limit: wall clock time of each run, after which it counts as failed [s].
         folder: of the study; None: results/NAME-OF-THE-CASE-FILE.STUDY.
+        slurm: settings of jobs on a cluster; None: the runs are processes of this machine.
     """
 
     processes: Annotated[int | None, Whole(1, _MOST_PROCESSES)] = None
     memory: Annotated[float | None, Quantity(MEMORY, above=0.0)] = None
     time_limit: Annotated[float | None, Quantity(TIME, above=0.0)] = None
     folder: Annotated[Path | None, PlainValidator(_folder)] = None
+    slurm: SlurmJobs | None = None

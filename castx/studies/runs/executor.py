@@ -29,11 +29,13 @@ class Ended:
         code: exit code of castx, negative for a signal that ended it.
         said: its last words.
         seconds: wall clock time that it took [s].
+        processor_seconds: time of processors that it took [s].
     """
 
     code: int
     said: str
     seconds: float
+    processor_seconds: float
 
 
 class Executor(Protocol):

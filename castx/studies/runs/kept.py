@@ -31,6 +31,7 @@ class KeptRun(BaseModel):
         ended: one of the words of this module.
         said: why it failed; "" if it has not.
         seconds: wall clock time [s].
+        processor_seconds: time of processors [s].
         folder: of the run, relative to that of the study.
     """
 
@@ -41,6 +42,7 @@ class KeptRun(BaseModel):
     ended: str
     said: str
     seconds: float
+    processor_seconds: float
     folder: str
 
     @property

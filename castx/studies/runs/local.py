@@ -48,13 +48,15 @@ class LocalProcesses:
                 while waiting and len(going) < most:
                     index, task = waiting.pop()
                     going[index] = self._started(task), time.monotonic()
-                done = [
-                    index for index, (process, _) in going.items() if process.poll() is not None
-                ]
-                for index in done:
+                done = {
+                    index: took
+                    for index, (process, _) in going.items()
+                    if (took := processor_seconds(process)) is not None
+                }
+                for index, took in done.items():
                     process, start = going.pop(index)
-                    said = last_words(tasks[index])
-                    yield index, Ended(process.returncode, said, time.monotonic() - start)
+                    passed = time.monotonic() - start
+                    yield index, Ended(process.returncode, last_words(tasks[index]), passed, took)
                 if not done:
                     time.sleep(PATIENCE)
         finally:
@@ -73,6 +75,21 @@ class LocalProcesses:
                 limit = int(self.memory)
                 resource.prlimit(process.pid, resource.RLIMIT_DATA, (limit, limit))
         return process
+
+
+def processor_seconds(process: subprocess.Popen[bytes]) -> float | None:
+    """Return the time of processors that a process took with its own children [s].
+
+    The system adds it to that of all children when the end of a process is asked for.
+
+    Returns:
+        None as long as it goes on.
+    """
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if process.poll() is None:
+        return None
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def stop(processes: Sequence[subprocess.Popen[bytes]]) -> None:

@@ -72,6 +72,8 @@ class Runner:
         self._digests: dict[tuple[str, ...], str] = {}
         self.made = 0
         """How many runs were made, not taken from those that are kept."""
+        self.processor_seconds = 0.0
+        """Time of processors that those took [s]."""
 
     def digest(self, changes: Changes) -> str:
         """Return the key of a run: the digest of its case, and the version of castx.
@@ -126,7 +128,8 @@ class Runner:
 
     def _refused(self, changes: Changes, why: str) -> KeptRun:
         return KeptRun(
-            digest="", changes=dict(changes), ended=REFUSED, said=why, seconds=0.0, folder=""
+            digest="", changes=dict(changes), ended=REFUSED, said=why, seconds=0.0,
+            processor_seconds=0.0, folder="",
         )
 
     def _make(self, wanted: Mapping[str, Changes]) -> Iterator[tuple[str, KeptRun]]:
@@ -139,6 +142,7 @@ class Runner:
             write_kept(self._folder(digest), run)
             self._known[digest] = run
             self.made += 1
+            self.processor_seconds += ended.processor_seconds
             why = "" if run.is_finished else f": {run.said}"
             log.info(
                 "run %d of %d: %s in %.3g s%s", count, len(tasks), run.ended, ended.seconds, why
@@ -169,7 +173,7 @@ class Runner:
         said = "" if how == FINISHED else ended.said.removeprefix(f"{how}: ")
         return KeptRun(
             digest=digest, changes=dict(changes), ended=how, said=said, seconds=ended.seconds,
-            folder=str(folder.relative_to(self.folder)),
+            processor_seconds=ended.processor_seconds, folder=str(folder.relative_to(self.folder)),
         )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 from castx.errors import CaseError
-from castx.report.exploded import Mark, colours, paints, write_picture
+from castx.report.exploded import DOTS_PER_INCH, LINE, Mark, colours, paints, write_picture
 from castx.report.shells import Shell
 
 pytestmark = pytest.mark.serial
@@ -130,6 +130,17 @@ def test_probes_are_marked_where_their_bodies_are_drawn(tmp_path):
     assert away[0] > 0 > away[1]
     assert away[0] / -away[1] == pytest.approx(0.5 / 0.4, rel=0.02)
     assert len(black([(0.2, 0.2), (0.7, 0.6)])) > 1.5 * len(black([(0.7, 0.6)]))
+
+
+def test_names_of_marks_do_not_cover_each_other(tmp_path):
+    """The second name of one place stands a line higher."""
+    file = tmp_path / "parts.png"
+    heights = []
+    for count in (1, 2, 3):
+        write_picture(nested()[:1], True, file, [Mark("name", "core", (5.0, 5.0))] * count)
+        dark = np.argwhere(imread(file)[60:-100, 500:, :3].max(axis=2) < 0.2)
+        heights.append(np.ptp(dark[:, 0]))
+    assert np.diff(heights) == pytest.approx(LINE / 72 * DOTS_PER_INCH, abs=2)
 
 
 def test_colours_all_differ():

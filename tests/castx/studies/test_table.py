@@ -15,7 +15,8 @@ pytestmark = pytest.mark.serial
 
 def kept(number, ended="finished"):
     return KeptRun(
-        digest="", changes={}, ended=ended, said="", seconds=1.0, folder=f"runs/{number}"
+        digest="", changes={}, ended=ended, said="", seconds=1.0,
+        processor_seconds=1.0, folder=f"runs/{number}"
     )
 
 

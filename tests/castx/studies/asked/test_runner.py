@@ -11,6 +11,7 @@ pytestmark = pytest.mark.serial
 def test_memory_and_time_have_units():
     found = Running.read({"memory": "1.5 GB", "time_limit": "2 min", "processes": 3})
     assert (found.memory, found.time_limit, found.processes) == (1.5e9, 120.0, 3)
+    assert found.slurm is None
 
 
 @pytest.mark.parametrize(

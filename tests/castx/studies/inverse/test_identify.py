@@ -133,7 +133,7 @@ class InProcess:
         for index, task in enumerate(tasks):
             _, case_file, _, output, *sets = task.arguments
             run(case_file, sets[1::2], output=output, comm=self.comm)
-            yield index, Ended(0, "", 0.0)
+            yield index, Ended(0, "", 0.0, 0.0)
 
 
 def test_runs_of_castx_tell_the_coefficient(comm, tmp_path):

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.serial
 def test_it_is_read_back(tmp_path):
     run = KeptRun(
         digest="0 ab", changes={"a.0": [[0, "1 mm"]]}, ended="refused", said="no", seconds=0.1,
-        folder="runs/ab",
+        processor_seconds=0.08, folder="runs/ab",
     )  # fmt: skip
     assert read_kept(tmp_path) is None
     write_kept(tmp_path, run)

@@ -59,6 +59,18 @@ def test_variables_of_mpi_and_threads(scripts, tmp_path, monkeypatch):
     assert ended.said == "None 1"
 
 
+def test_time_of_processors_is_that_of_each_run(scripts, tmp_path):
+    """One works for as long as it says itself, the other one sleeps beside it."""
+    lines = [
+        "import time\nwhile time.process_time() < 0.3: pass\nprint(time.process_time())",
+        "import time; time.sleep(0.4); print(time.process_time())",
+    ]
+    found = dict(LocalProcesses(processes=2).ended(tasks(tmp_path, *lines)))
+    for ended in found.values():
+        assert ended.processor_seconds == pytest.approx(float(ended.said), abs=0.05)
+    assert found[1].seconds > 0.4 and found[0].processor_seconds > 0.3
+
+
 def test_none_is_left_behind(scripts, tmp_path):
     lines = [
         "print(1)",
