@@ -41,6 +41,7 @@ ORDER = [
     "heat/foreign",
     "heat",
     "mechanics/constitutive",
+    "mechanics/midsides",
     "mechanics/liquid",
     "mechanics/mush",
     "mechanics",

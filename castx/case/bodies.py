@@ -41,7 +41,8 @@ class Body(Description):
             start of `temperature_history`.
         heat_source: over time [W/m³].
         law: constitutive law.
-        formulation: finite elements of the displacement; None: "mixed" on simplices, else "q1p0".
+        formulation: finite elements of the displacement; None: "mixed" on simplices, else
+            "q1p0".
         stabilisation: of the mixed formulation.
         feeding: how liquid is fed: one pressure in each trapped pocket, or flow through the mush.
     """
@@ -59,7 +60,9 @@ class Body(Description):
             ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic", "rigid")
         ),
     ] = "thermo-elastic"
-    formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0"))] = None
+    formulation: Annotated[
+        str | None, Choice(("mixed", "displacement", "q1p0", "taylor-hood"))
+    ] = None
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
     feeding: Annotated[str, Choice(("pockets", "darcy"))] = "pockets"
 

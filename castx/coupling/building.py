@@ -342,6 +342,8 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
     """
     kind, own = mesh.bodies[body.name].kind, _own_formulation(mesh, body)
     formulation = body.formulation or own
+    if formulation == "taylor-hood" and own == "mixed":
+        return formulation
     if formulation not in (own, "displacement"):
         raise CaseError(
             f"body {body.name!r} has formulation {formulation!r}; with the law {body.law!r} "

@@ -82,7 +82,7 @@ class DeformableBodies:
     Attributes:
         names: of the bodies.
         assembly: their residual and matrix.
-        fixed: fixed directions of each of them.
+        fixed: fixed directions of each of them, then of the mid-sides of those that have any.
         rigid: rigid bodies by name.
         length: size of the whole [m].
         moduli: G/L of the bodies, G the largest of each and L the size of the whole [Pa/m].
@@ -106,6 +106,12 @@ class DeformableBodies:
     def layout(self) -> Layout:
         """Numbering of their unknowns."""
         return self.assembly.layout
+
+    @property
+    def layout_names(self) -> list[str]:
+        """Names of the bodies and of their mid-sides in the order of the layout."""
+        midsides = [f"mid-sides of {self.names[b]}" for b in self.assembly.quadratic]
+        return [*self.names, *midsides]
 
     @property
     def parts(self) -> Sequence[BodyMechanics]:
@@ -147,7 +153,7 @@ def _build_equilibrium(
     method = common_method(contacts)
     rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
     transform = ConstraintTransform(
-        bodies.layout, bodies.names, bodies.parts[0].dimension, bodies.fixed, rows,
+        bodies.layout, bodies.layout_names, bodies.parts[0].dimension, bodies.fixed, rows,
         [body.axial for body in bodies.parts],
     )  # fmt: skip
     gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, bodies.rigid)
@@ -180,6 +186,7 @@ def _procedure(
     settings: MechanicsSettings,
 ) -> Procedure:
     direct = solves_directly(settings.linear, bodies.layout.size_global, largest_direct(bodies))
+    direct = direct or bool(bodies.assembly.quadratic)
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)

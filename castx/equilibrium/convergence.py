@@ -89,7 +89,9 @@ class ForceConvergence:
         acting = self._net.acting(pair_forces)
         net = np.clip(acting, NET_SHARE * internal, internal)
         self.acting = np.where(acting > 0, net, internal)
-        rest = np.full(len(self._parts) - len(internal), self.acting.min())
+        midsides = self.acting[self._assembly.quadratic]
+        others = len(self._parts) - len(internal) - len(midsides)
+        rest = np.append(midsides, np.full(others, self.acting.min()))
         # Of all rows together: linear solves mix them. Unknowns, all of them lengths, beyond the
         # size of the bodies are those of an iteration that ran away: its rows are mere rounding.
         terms = diagonal * np.minimum(np.abs(x.array_r), self._length)

@@ -41,6 +41,12 @@ class MechanicalMemory:
         self._balance = equilibrium.balance
         self._transform = self._balance.transform
         self._gaps, self._contact = self._balance.gaps, self._balance.contact
+        self._parts = [(n, b.block_size, b.mesh.node_numbering) for n, b in self._bodies.items()]
+        self._parts += [
+            (f"{name}.mid-sides", body.midsides.block_size, body.midsides.numbering)
+            for name, body in self._bodies.items()
+            if body.midsides is not None
+        ]
 
     def saved(self) -> dict[str, Saved]:
         """Return the committed state; collective."""
@@ -52,15 +58,12 @@ class MechanicalMemory:
         )
 
     def _motions(self, unknowns: FloatArray) -> dict[str, Saved]:
-        """Return the unknowns of the nodes: displacement, scaled pressure, axial strain."""
+        """Return the unknowns: displacement, scaled pressure, axial strain, and bubbles."""
         layout = self._transform.layout
         u = self._transform.displacements(unknowns[: layout.size_local])
         return {
-            name: Saved(
-                u[layout.local_slice(b)].reshape(-1, body.block_size).copy(),
-                body.mesh.node_numbering,
-            )
-            for b, (name, body) in enumerate(self._bodies.items())
+            name: Saved(u[layout.local_slice(k)].reshape(-1, size).copy(), numbering)
+            for k, (name, size, numbering) in enumerate(self._parts)
         }
 
     def _rows(self) -> dict[str, Saved]:
@@ -108,8 +111,8 @@ class MechanicalMemory:
     def _restore_unknowns(self, unknowns: FloatArray, motions: Arrays) -> None:
         layout = self._transform.layout
         u = np.zeros(layout.size_local)
-        for b, name in enumerate(self._bodies):
-            part = layout.local_slice(b)
+        for k, (name, _, _) in enumerate(self._parts):
+            part = layout.local_slice(k)
             u[part] = motions[name].ravel()[: part.stop - part.start]
         unknowns[: layout.size_local] = self._transform.unknowns(u)
 

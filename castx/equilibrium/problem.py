@@ -20,6 +20,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
+from castx.mechanics.fixed_midsides import midside_directions
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
@@ -67,11 +68,10 @@ class MechanicalProblem:
             for b, n in enumerate(names)
         ]
         self.bodies = dict(zip(names, parts, strict=True))
-        self.layout = Layout(
-            mesh.comm,
-            [body.space.dofmap.index_map for body in parts],
-            [body.block_size for body in parts],
-        )
+        midsides = [body.midsides for body in parts if body.midsides is not None]
+        spaces = [each.space for each in parts] + [each.space for each in midsides]
+        sizes = [each.block_size for each in parts] + [each.block_size for each in midsides]
+        self.layout = Layout(mesh.comm, [space.dofmap.index_map for space in spaces], sizes)
         if pairs is None:
             described = [Facing(c.secondary, c.primary, c.pairing, c.initial_gap) for c in contacts]
             pairs = pairs_of(mesh, described)
@@ -84,9 +84,15 @@ class MechanicalProblem:
         length = extent(mesh.parent)
         moduli = [bodies[n].law.largest_shear_modulus() / length for n in names]
         self._assembly = BodyAssembly(self.layout, parts)
+        straight = [
+            midside_directions(body.mesh, body.midsides, fixed[b])
+            for b, body in enumerate(parts)
+            if body.midsides is not None
+        ]
         deformable = DeformableBodies(
-            names, self._assembly, fixed, self.rigid, length, moduli, counters or StepCounters()
-        )
+            names, self._assembly, [*fixed, *straight], self.rigid, length, moduli,
+            counters or StepCounters(),
+        )  # fmt: skip
         self.equilibrium = build_methods(deformable, contacts, self.pairs, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 

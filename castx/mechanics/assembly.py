@@ -9,11 +9,12 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
+from dolfinx import fem
 
 from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
 from castx.mechanics.body import BodyMechanics
-from castx.mechanics.formulation import Product
+from castx.mechanics.formulation import MidsideForms, Product
 from castx.profiling import RunPart, booked_as
 from castx.solvers.layout import Layout
 
@@ -29,10 +30,12 @@ class BodyAssembly:
 
     Args:
         layout: numbering of the unknowns of all bodies.
-        bodies: the bodies in the order of the layout.
+        bodies: the bodies in the order of the layout, which has the mid-sides of those that have
+            any behind them.
 
     Attributes:
         unknowns: where the residual is evaluated, in the layout.
+        quadratic: numbers of the bodies with mid-sides, in the order of the layout.
     """
 
     def __init__(self, layout: Layout, bodies: Sequence[BodyMechanics]) -> None:
@@ -40,12 +43,33 @@ class BodyAssembly:
         self.unknowns = layout.create_vector()
         self.residual_vector = layout.create_vector()
         self._blocks = [body.formulation.forms.create_jacobian() for body in bodies]
-        count = range(len(bodies))
-        diagonal = [[self._blocks[i] if i == j else None for j in count] for i in count]
-        self._nest = PETSc.Mat().createNest(diagonal, comm=layout.comm)
+        self._midsides = {
+            b: MidsideBlocks(body.formulation.midside_forms)
+            for b, body in enumerate(bodies)
+            if body.formulation.midside_forms is not None
+        }
+        self.quadratic = list(self._midsides)
+        self._nest = PETSc.Mat().createNest(self._all_blocks(), comm=layout.comm)
         self._matrix: PETSc.Mat | None = None
         self._evaluations = [-1] * len(self.bodies)
         self._trials = [-1] * len(self.bodies)
+
+    def _all_blocks(self) -> list[list[PETSc.Mat | None]]:
+        """Return the blocks of nodes and mid-sides, none between bodies."""
+        count = len(self.bodies) + len(self._midsides)
+        blocks: list[list[PETSc.Mat | None]] = [[None] * count for _ in range(count)]
+        for b, block in enumerate(self._blocks):
+            blocks[b][b] = block
+        for k, (b, own) in enumerate(self._midsides.items(), len(self.bodies)):
+            blocks[k][k], blocks[k][b], blocks[b][k] = own.own, own.rows, own.columns
+        return blocks
+
+    def _functions(self) -> list[fem.Function]:
+        """Return the unknowns in the order of the layout."""
+        midsides = [self.bodies[b].midsides for b in self.quadratic]
+        return [
+            *(body.solution for body in self.bodies), *(m.solution for m in midsides if m)
+        ]  # fmt: skip
 
     @booked_as(RunPart.ASSEMBLY)
     def residual(self) -> PETSc.Vec:
@@ -56,12 +80,15 @@ class BodyAssembly:
         Raises:
             ConvergenceError: the law of a body cannot be solved; on all ranks.
         """
-        self.layout.to_functions(self.unknowns, [body.solution for body in self.bodies])
+        self.layout.to_functions(self.unknowns, self._functions())
         if not self._update_points():
             return self.residual_vector
         values = self.residual_vector.array
         for b, body in enumerate(self.bodies):
             values[self.layout.local_slice(b)] = body.formulation.residual()
+        for k, b in enumerate(self.quadratic, len(self.bodies)):
+            own = self.bodies[b].formulation.midside_residual()
+            values[self.layout.local_slice(k)] = own
         return self.residual_vector
 
     def _update_points(self) -> bool:
@@ -91,6 +118,8 @@ class BodyAssembly:
         for b, (body, block) in enumerate(zip(self.bodies, self._blocks, strict=True)):
             if not body.is_linear or body.trials != self._trials[b]:
                 body.formulation.assemble_jacobian(block)
+                if b in self._midsides:
+                    self._midsides[b].assemble()
                 self._trials[b] = body.trials
         self._nest.assemble()
         if self._matrix is None:
@@ -137,6 +166,8 @@ class BodyAssembly:
             part[:, : body.dimension] = 1.0
             if body.axial is not None:
                 part[:, body.axial] = 1.0
+        for k in range(len(self.bodies), len(self.bodies) + len(self.quadratic)):
+            rows[self.layout.local_slice(k)] = 1.0
         return rows
 
     def corrections(self) -> list[Correction]:
@@ -150,10 +181,18 @@ class BodyAssembly:
     def _on_parts(self, products: Sequence[Sequence[Product]]) -> list[Correction]:
         """Return products of each body as corrections of the unknowns of all."""
         return [
-            partial(_on_part, self.layout.local_slice(b), product)
+            partial(_on_parts, self._slices(b), product)
             for b, of_body in enumerate(products)
             for product in of_body
         ]
+
+    def _slices(self, b: int) -> list[slice]:
+        """Return where the unknowns of the nodes and of the mid-sides of a body lie."""
+        found = [self.layout.local_slice(b)]
+        if b in self._midsides:
+            k = len(self.bodies) + self.quadratic.index(b)
+            found.append(self.layout.local_slice(k))
+        return found
 
     @property
     def has_pockets(self) -> bool:
@@ -162,11 +201,52 @@ class BodyAssembly:
 
     def destroy(self) -> None:
         """Free matrices and vectors."""
+        for own in self._midsides.values():
+            own.destroy()
         for item in (self._matrix, self._nest, *self._blocks, self.unknowns, self.residual_vector):
             if item is not None:
                 item.destroy()
 
 
-def _on_part(part: slice, product: Product, x: FloatArray, y: FloatArray) -> None:
+class MidsideBlocks:
+    """The blocks of the mid-sides of one body in the matrix.
+
+    Attributes:
+        own: of the mid-sides themselves.
+        rows: of the mid-sides for the unknowns of the nodes.
+        columns: of the nodes for the unknowns of the mid-sides.
+
+    Args:
+        forms: of the mid-sides.
+    """
+
+    def __init__(self, forms: MidsideForms) -> None:
+        self._forms = forms
+        self.own, self.rows = forms.create_jacobian(), forms.create_coupling()
+        forms.assemble_coupling(self.rows)
+        self.columns = self.rows.transpose(PETSc.Mat())
+
+    def assemble(self) -> None:
+        """Assemble the blocks at the present stresses and tangents; collective."""
+        self._forms.assemble_jacobian(self.own)
+        self._forms.assemble_coupling(self.rows)
+        self.rows.transpose(self.columns)
+
+    def destroy(self) -> None:
+        """Free the matrices."""
+        for matrix in (self.own, self.rows, self.columns):
+            matrix.destroy()
+
+
+def _on_parts(parts: Sequence[slice], product: Product, x: FloatArray, y: FloatArray) -> None:
     """Add the product of one body to the unknowns of all."""
-    product(x[part], y[part])
+    if len(parts) == 1:
+        product(x[parts[0]], y[parts[0]])
+        return
+    own = np.concatenate([y[part] for part in parts])
+    product(np.concatenate([x[part] for part in parts]), own)
+    place = 0
+    for part in parts:
+        size = part.stop - part.start
+        y[part] = own[place : place + size]
+        place += size

@@ -11,7 +11,11 @@ from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.materials.enthalpy import HeatState
-from castx.mechanics.constitutive.integration_points import IntegrationPoints, quadrature_degree
+from castx.mechanics.constitutive.integration_points import (
+    IntegrationPoints,
+    VolumePoints,
+    quadrature_degree,
+)
 from castx.mechanics.constitutive.law import ELASTIC
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.darcy import DarcyFormulation
@@ -22,6 +26,7 @@ from castx.mechanics.formulation import BodyUnknowns, Formulation, cell_stress
 from castx.mechanics.loads import BodyLoads
 from castx.mechanics.mixed import MixedFormulation
 from castx.mechanics.q1p0 import Q1P0Formulation
+from castx.mechanics.taylor_hood import TaylorHoodFormulation
 from castx.mechanics.trapped_liquid import NoPockets, Pockets
 from castx.stateful import Stateful
 
@@ -43,6 +48,7 @@ class BodyMechanics:
 
     Attributes:
         unknowns: displacement, pressure and axial strain of the nodes.
+        midsides: unknowns of the mid-sides; None: the displacement is linear.
         loads: external forces.
         points: integration points.
         material: stress and tangent at the integration points.
@@ -61,14 +67,18 @@ class BodyMechanics:
     ) -> None:
         self.name, self.mesh, self.model = body.name, body, model
         self.cell_nodes = body.nodes.dofmap.list
-        self._law, with_pressure = description.law, description.formulation == "mixed"
-        self.unknowns = BodyUnknowns(body, model, with_pressure, self._law.largest_shear_modulus())
+        self._law, quadratic = description.law, description.formulation == "taylor-hood"
+        self.unknowns = BodyUnknowns(
+            body, model, quadratic or description.formulation == "mixed",
+            self._law.largest_shear_modulus(), quadratic,
+        )  # fmt: skip
+        self.midsides = self.unknowns.midsides
         self.dimension, self.block_size = self.unknowns.dimension, self.unknowns.block_size
         self.space, self.solution = self.unknowns.space, self.unknowns.solution
         self.axial, self.length = self.unknowns.axial, self.unknowns.length
-        self.loads = BodyLoads(body, model, description)
         degree = quadrature_degree(body, model, description.formulation)
-        self.points = IntegrationPoints(body, model, degree)
+        self.loads = BodyLoads(body, model, description, max(2, degree))
+        self.points = (VolumePoints if quadratic else IntegrationPoints)(body, model, degree)
         cells = fem.functionspace(body.mesh, ("DG", 0))
         self.owned_cells = int(cells.dofmap.index_map.size_local)
         self.material = MaterialPoints(self.points, self._law, cells, description.starts_liquid)
@@ -102,7 +112,7 @@ class BodyMechanics:
     @property
     def coherent(self) -> BoolArray:
         """Whether the cells are solid in the trial step, shape (cells,)."""
-        return self.material.conditions.coherent
+        return self.material.coherent
 
     def liquid_totals(self) -> dict[str, float] | None:
         """Return totals of feeding, pores and pressure by column; None: it never is a liquid."""
@@ -112,7 +122,7 @@ class BodyMechanics:
         """Set the loads of a time [s]; collective."""
         self._evaluated_at = NOWHERE
         self.loads.set_time(time)
-        self.formulation.forms.update_load()
+        self.formulation.update_load()
 
     def update_state(
         self,
@@ -142,12 +152,18 @@ class BodyMechanics:
         self._evaluated_at = NOWHERE
         self.formulation.update()
         self.evaluations += 1
-        self._evaluated_at = self.solution.x.array.copy()
+        self._evaluated_at = self._present().copy()
+
+    def _present(self) -> FloatArray:
+        """Return the local unknowns of nodes and mid-sides."""
+        if self.midsides is None:
+            return self.solution.x.array
+        return np.concatenate((self.solution.x.array, self.midsides.solution.x.array))
 
     @property
     def is_evaluated(self) -> bool:
         """Whether stress and tangent belong to the present unknowns, on this rank."""
-        return np.array_equal(self._evaluated_at, self.solution.x.array)
+        return np.array_equal(self._evaluated_at, self._present())
 
     def _evaluate(self) -> None:
         if not self.is_evaluated:
@@ -240,7 +256,11 @@ def point_stress(part: BodyMechanics) -> FloatArray:
     deviator = part.material.response.stress.reshape(*shape, points.components)
     stress = np.zeros((*shape, 6))
     stress[..., : points.components] = deviator[:, np.lexsort(places.T)]
-    stress[..., :3] += part.formulation.mean_stress()[:, None, None]
+    pressure = part.formulation.point_pressure()
+    if pressure is None:
+        stress[..., :3] += part.formulation.mean_stress()[:, None, None]
+    else:
+        stress[..., :3] += pressure.reshape(shape)[:, np.lexsort(places.T), None]
     return stress.reshape(points.cells, 6 * points.per_cell)
 
 
@@ -262,9 +282,11 @@ def _formulation(
         if law.material.liquid is None
         else Pockets(
             unknowns.mesh, unknowns.model, given.closed, loads.potential(),
-            law.material.cavitation, unknowns.block_size,
+            law.material.cavitation, unknowns.block_size, unknowns.midsides,
         )
     )  # fmt: skip
+    if given.formulation == "taylor-hood":
+        return TaylorHoodFormulation(*parts, pockets)
     if given.formulation == "q1p0":
         return Q1P0Formulation(*parts, pockets, cells, law.largest_shear_modulus())
     return MixedFormulation(*parts, pockets, given.stabilisation, planes)

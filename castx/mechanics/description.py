@@ -33,7 +33,7 @@ class MechanicalBody:
 
     Attributes:
         law: constitutive law with its material.
-        formulation: "mixed", "displacement" or "q1p0".
+        formulation: "mixed", "displacement", "q1p0" or "taylor-hood".
         stabilisation: "osgs" or "gls"; acts in the mixed formulation.
         body_force: force per volume [N/m³], one number for each direction, or a UFL vector as a
             function of the position.

@@ -31,6 +31,7 @@ class FixedDirections:
         directions: unit vectors, shape (n, dimension).
         value: displacement over time [m]; None: all nodes move equally, their resultant is free.
         symmetry: whether the body goes on as its mirror image behind the surface.
+        surface: where the nodes are; empty: on the axis.
     """
 
     name: str
@@ -38,6 +39,7 @@ class FixedDirections:
     directions: FloatArray
     value: Table | None = ZERO
     symmetry: bool = False
+    surface: str = ""
 
     def cancel(self, vectors: FloatArray, nodes: IntArray, owned: int) -> None:
         """Remove from sums over a surface the part that the mirror image behind this one cancels.
@@ -132,7 +134,8 @@ def _directions_on_surface(
         vectors = [np.tile(np.eye(dimension)[axes[a]], (len(owned), 1)) for a in wanted]
     name = f"{body.name}/{condition.surface} {condition.direction}"
     return [
-        FixedDirections(name, owned, v, condition.value, condition.symmetry) for v in vectors
+        FixedDirections(name, owned, v, condition.value, condition.symmetry, condition.surface)
+        for v in vectors
     ]
 
 

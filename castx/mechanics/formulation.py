@@ -15,7 +15,7 @@ from petsc4py import PETSc
 import numpy as np
 import ufl
 from dolfinx import fem, la
-from dolfinx.fem.petsc import create_matrix
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
 
 from castx.arrays import FloatArray
 from castx.domain.measures import extent
@@ -24,6 +24,7 @@ from castx.form_rows import FormRows
 from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.constitutive.thickness import Thickness
+from castx.mechanics.midsides.midsides import Midsides
 from castx.stateful import Stateful
 
 PRESSURE_SHARE = 0.1
@@ -45,8 +46,10 @@ class BodyUnknowns:
         model: geometric model.
         with_pressure: whether the pressure is an unknown.
         shear_modulus: largest shear modulus of the body [Pa].
+        quadratic: whether mid-sides have a displacement of their own.
 
     Attributes:
+        midsides: unknowns of the mid-sides; None: the displacement is linear.
         dimension: number of the displacement components, which come first.
         pressure_component: number of the pressure, if it is an unknown.
         axial: number of the axial strain, if it is one.
@@ -58,9 +61,15 @@ class BodyUnknowns:
     """
 
     def __init__(
-        self, body: BodyMesh, model: str, with_pressure: bool, shear_modulus: float
+        self,
+        body: BodyMesh,
+        model: str,
+        with_pressure: bool,
+        shear_modulus: float,
+        quadratic: bool = False,
     ) -> None:
         self.mesh, self.model = body, model
+        self.midsides = Midsides(body, model) if quadratic else None
         self.dimension: int = body.mesh.geometry.dim
         self.pressure_component = self.dimension if with_pressure else None
         displaced = self.dimension + int(with_pressure)
@@ -106,6 +115,13 @@ class BodyUnknowns:
         x = ufl.SpatialCoordinate(self.mesh.mesh)
         return kinematics.strain(self.displacement(w), self.model, x, axial)
 
+    def total_strain(self, thickness: Thickness) -> Any:
+        """Return the strain of the present unknowns, of the mid-sides too, shape (3, 3)."""
+        total = self.strain(self.solution, thickness.follows, thickness.kept)
+        if self.midsides is not None:
+            total += self.midsides.strain(self.midsides.solution)
+        return total
+
     def held(self, thickness: Thickness, dx: Any) -> tuple[Any, Any] | None:
         """Return the work that holds e while nothing is solid, and its derivative, if any does."""
         if thickness.hold is None:
@@ -123,7 +139,7 @@ class WeakForms:
     """Assembles internal forces, loads, springs and Jacobian of one body from their weak forms.
 
     Args:
-        unknowns: of the body.
+        unknowns: of the body, or of its mid-sides.
         internal: virtual work of the internal forces at `unknowns.solution`.
         jacobian: its derivative for a change of the unknowns.
         load: virtual work of the loads.
@@ -134,7 +150,7 @@ class WeakForms:
 
     def __init__(
         self,
-        unknowns: BodyUnknowns,
+        unknowns: BodyUnknowns | Midsides,
         internal: Any,
         jacobian: Any,
         load: Any,
@@ -188,6 +204,35 @@ class WeakForms:
         self._rows.assemble(A)
 
 
+class MidsideForms(WeakForms):
+    """Assembles the balance of the mid-sides and its coupling with the nodes.
+
+    Args:
+        midsides: of the body.
+        internal: virtual work of the internal forces for bubbles.
+        jacobian: its derivative for a change of the bubbles.
+        load: virtual work of the loads for bubbles.
+        coupling: derivative of `internal` for a change of the unknowns of the nodes; its transpose
+            is that of the rows of the nodes for a change of the bubbles.
+    """
+
+    def __init__(
+        self, midsides: Midsides, internal: Any, jacobian: Any, load: Any, coupling: Any
+    ) -> None:
+        super().__init__(midsides, internal, jacobian, load)
+        self._coupling = fem.form(coupling)
+
+    def create_coupling(self) -> PETSc.Mat:
+        """Return an unassembled matrix for `assemble_coupling`."""
+        return create_matrix(self._coupling)
+
+    def assemble_coupling(self, A: PETSc.Mat) -> None:
+        """Assemble the coupling."""
+        A.zeroEntries()
+        assemble_matrix(A, self._coupling)
+        A.assemble()
+
+
 class Formulation(ABC):
     """The momentum balance of one body, with its pressure treated in one way.
 
@@ -196,9 +241,11 @@ class Formulation(ABC):
 
     Attributes:
         forms: compiled weak forms of the balance.
+        midside_forms: those of the mid-sides; None: the displacement is linear.
     """
 
     forms: WeakForms
+    midside_forms: MidsideForms | None = None
 
     @abstractmethod
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:
@@ -217,9 +264,17 @@ class Formulation(ABC):
             ConvergenceError: the law cannot be solved at some point; on its own rank alone.
         """
 
+    def update_load(self) -> None:
+        """Assemble the loads at their present values; collective."""
+        self.forms.update_load()
+
     @abstractmethod
     def residual(self) -> FloatArray:
         """Return internal minus external forces for the stresses of `update`; collective."""
+
+    def midside_residual(self) -> FloatArray:
+        """Return the forces on the mid-sides, after those on the nodes; collective."""
+        return np.zeros(0)
 
     @abstractmethod
     def assemble_jacobian(self, A: PETSc.Mat) -> None:
@@ -240,6 +295,10 @@ class Formulation(ABC):
     @abstractmethod
     def mean_stress(self) -> FloatArray:
         """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""
+
+    def point_pressure(self) -> FloatArray | None:
+        """Return the mean stress of the points [Pa], (points,); None: that of their cells."""
+        return None
 
     @abstractmethod
     def nodal_pressure(self) -> FloatArray:

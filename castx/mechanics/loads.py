@@ -25,14 +25,18 @@ class BodyLoads:
         body: mesh of the body.
         model: geometric model.
         description: loads of the body.
+        degree: to which virtual work is integrated.
 
     Attributes:
         body_force: force per volume b [N/m³], for forms.
         clamps: machines that press on its surfaces.
     """
 
-    def __init__(self, body: BodyMesh, model: str, description: MechanicalBody) -> None:
+    def __init__(
+        self, body: BodyMesh, model: str, description: MechanicalBody, degree: int = 2
+    ) -> None:
         self._body, self._model, self._loads = body, model, tuple(description.loads)
+        self._degree = degree
         dimension = body.mesh.geometry.dim
         force = description.body_force
         self._uniform: FloatArray = np.zeros(dimension)
@@ -85,8 +89,8 @@ class BodyLoads:
 
     def virtual_work(self, eta: Any) -> Any:
         """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η, t̄ with the force of clamps."""
-        dx = cell_measure(self._body, self._model, 2)
-        ds = surface_measure(self._body, self._model, 2)
+        dx = cell_measure(self._body, self._model, self._degree)
+        ds = surface_measure(self._body, self._model, self._degree)
         normal = ufl.FacetNormal(self._body.mesh)
         work = momentum.body_force_work(eta, self.body_force, dx)
         for load, (value, _) in zip(self._loads, self._values, strict=True):

@@ -44,11 +44,11 @@ class PressureFormulation(Formulation):
 
     def __init__(self, unknowns: BodyUnknowns, material: MaterialPoints) -> None:
         self._unknowns, self._material = unknowns, material
-        w, points, thickness = unknowns.solution, material.points, material.thickness
-        self._total = unknowns.strain(w, thickness.follows, thickness.kept)
-        self._p = unknowns.pressure(w)
+        points = material.points
+        self._total = unknowns.total_strain(material.thickness)
+        self._p = unknowns.pressure(unknowns.solution)
         self._dx = cell_measure(unknowns.mesh, unknowns.model, points.degree)
-        self._dx_p = cell_measure(unknowns.mesh, unknowns.model, 2)
+        self._dx_p = cell_measure(unknowns.mesh, unknowns.model, max(2, points.degree))
         components = kinematics.symmetric_components(self._total, unknowns.model)
         self._strain, self._pressure = points.expression(components), points.expression(self._p)
 

@@ -37,7 +37,12 @@ from castx.mechanics.liquid.content import Content
 from castx.mechanics.liquid.feeding_paths import FeedingPaths
 from castx.mechanics.liquid.pores import SLACK, Pores
 from castx.mechanics.liquid.pressures import PocketPressures
-from castx.mechanics.liquid.stiffness import PocketStiffness, pockets_of_nodes
+from castx.mechanics.liquid.stiffness import (
+    PocketStiffness,
+    pockets_of_midsides,
+    pockets_of_nodes,
+)
+from castx.mechanics.midsides.midsides import Midsides
 from castx.stateful import Arrays, Saved, Stateful, number
 
 logger = logging.getLogger(__name__)
@@ -62,6 +67,7 @@ class Pockets:
             a pocket that is closed from the start carries it by a hydrostatic pressure.
         cavitation: p_c, the depression at which pores open [Pa].
         block_size: unknowns of a node.
+        midsides: of the body; None: it has none.
 
     Attributes:
         trapped: one in the pools of trapped liquid in the trial step, else zero.
@@ -79,6 +85,7 @@ class Pockets:
         potential: FloatArray | float = 0.0,
         cavitation: float = 0.0,
         block_size: int = 1,
+        midsides: Midsides | None = None,
     ) -> None:
         space = fem.functionspace(body.mesh, ("DG", 0))
         self.trapped, self.pressure = fem.Function(space), fem.Function(body.nodes)
@@ -89,7 +96,9 @@ class Pockets:
             fem.form(ufl.TestFunction(space) * cell_measure(body, model, 2))
         ).array[: space.dofmap.index_map.size_local]
         self.content = Content(body.mesh.comm, body.cell_numbering, volumes)
-        self.stiffness = PocketStiffness(body.mesh.comm, block_size)
+        self._block_size, self._midsides = block_size, midsides
+        each = block_size if midsides is None else 1
+        self.stiffness = PocketStiffness(body.mesh.comm, each)
         self.mean_pressure = 0.0
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
@@ -118,33 +127,45 @@ class Pockets:
             solid_fraction: at the nodes, shape (nodes,).
         """
         metal, content = material.law.material, self.content
+        points, before = material.points, material.start_volume
         shrunk = liquid_shrinkage(metal, solid_fraction)[self._cell_nodes].mean(axis=1)
         content.begin(
             self._paths.pockets(solid_fraction, metal.fed_until),
-            ~material.conditions.coherent,
+            ~material.coherent,
             shrunk,
-            material.start_volume.dilatation,
+            points.volumes_to_cells(before.dilatation),
         )
         material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()
         self._is_trial = True
-        trapped, solid = content.pocket >= 0, material.conditions.solid_compressibility
+        trapped = content.pocket >= 0
+        solid = points.volumes_to_cells(material.conditions.solid_compressibility)
         self._stiffness = np.zeros(0)
         if self.exist:
             self._stiffness = (1.0 / (FULL_SHARE * content.mean(solid))).astype(np.float64)
         self.trapped.x.array[:] = trapped
         self.pressure.x.array[:] = self._pressures.acting(np.zeros(len(self._stiffness)))
-        material.compressibility.x.array[trapped] = NODAL_SHARE * solid[trapped]
+        there = points.cells_to_volumes(trapped)
+        least = points.cells_to_volumes(NODAL_SHARE * solid)
+        material.compressibility.x.array[there] = least[there]
 
     def stiffen(self, rows: FloatArray, columns: FloatArray) -> None:
         """Prepare the block of full pockets in the Jacobian; collective.
 
         Args:
-            rows: derivative of the volumes of the pockets, shape (owned unknowns,) [m²].
+            rows: derivative of the volumes of the pockets, shape (owned unknowns,), of the nodes
+                and then of the mid-sides [m²].
             columns: derivative of the residual by their pressures, likewise.
         """
-        self.stiffness.begin(pockets_of_nodes(self._body, self.content.pocket), rows, columns)
+        of_nodes = pockets_of_nodes(self._body, self.content.pocket)
+        if self._midsides is None:
+            self.stiffness.begin(of_nodes, rows, columns)
+            return
+        of_midsides = pockets_of_midsides(self._midsides, self.content.pocket)
+        sizes = self._block_size, self._midsides.block_size
+        both = [np.repeat(p, n) for p, n in zip((of_nodes, of_midsides), sizes, strict=True)]
+        self.stiffness.begin(np.concatenate(both), rows, columns)
 
     def evaluate(self, dilatation: FloatArray) -> None:
         """Find the pressures of the pockets; collective.

@@ -26,9 +26,11 @@ BOUNDS = {"thin wall": THIN, "die": THICK, "chill": THICK}
 """Of the error at half of the time and at the end, by the cells across the plate."""
 
 
-def errors(comm, plate, mesh, cells):
+def errors(comm, plate, mesh, cells, formulation="mixed"):
     """Return the relative error of the contraction, (steps,)."""
     data = plate_case(plate, *MESHES[mesh], cells)
+    if formulation != "mixed":
+        data["bodies"][0]["formulation"] = formulation
     exact = reference(plate)[1][1:]
     return contraction(simulation(comm, data), data)[1:] / exact - 1.0
 
@@ -45,6 +47,16 @@ def test_a_plate_contracts_as_it_freezes(comm, cells, mesh, name):
     found = np.abs(errors(comm, plate, mesh, cells))
     at_half, at_end = BOUNDS[name][cells]
     assert found[plate.steps // 2 - 1] < at_half
+    assert found[-1] < at_end
+
+
+@pytest.mark.sampled
+@pytest.mark.serial
+@pytest.mark.parametrize("name", ["die", "thin wall", "chill"])
+def test_a_plate_of_quadratic_displacements_contracts_as_it_freezes(comm, name):
+    found = np.abs(errors(comm, PLATES[name], "triangles", 8, "taylor-hood"))
+    at_half, at_end = BOUNDS[name][8]
+    assert found[PLATES[name].steps // 2 - 1] < at_half
     assert found[-1] < at_end
 
 

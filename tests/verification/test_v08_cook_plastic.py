@@ -16,10 +16,12 @@ collapse. Errors of u_y, MINI and P2/P1 from an independent program for the same
     GLS of that program         -27.9 %  -9.6 %   -2.7 %
     MINI                        -29 %   -10.5 %   -3.3 %
     P2/P1                        +5.9 %  +1.3 %  +0.03 %
+    taylor-hood                  +7.5 %  +1.3 %
     OSGS, longer diagonals              -46.3 %
     GLS, longer diagonals               -45.7 %
     MINI, longer diagonals              -47 %
     P2/P1, longer diagonals      +0.7 %
+    taylor-hood, longer diag.    +0.7 %
 """
 
 from __future__ import annotations
@@ -49,6 +51,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "gls": {"stabilisation": "gls"},
     "q1p0": {"formulation": "q1p0"},
 }
+QUADRATIC = "taylor-hood"
 
 # A matter of meshes and laws; ranks agree in the other tests.
 pytestmark = pytest.mark.serial
@@ -71,8 +74,9 @@ def loaded(
     growing = Table.from_points([[0.0, 0.0], [STEPS, 1.8 / 16]])
     load = SurfaceLoad("right", traction=(Table.constant(0.0), growing))
     membrane = MechanicalBody(
-        Law(metal, 20.0, "thermo-elasto-plastic"), loads=(load,), **KINDS[kind]
-    )
+        Law(metal, 20.0, "thermo-elasto-plastic"), loads=(load,),
+        **KINDS.get(kind, {"formulation": kind}),
+    )  # fmt: skip
     made = problem(
         mesh, {"membrane": membrane}, {"membrane": [fixed("left", "all")]}, tolerance=1e-8,
         options=options or {},
@@ -123,6 +127,16 @@ def test_triangles_cut_by_the_longer_diagonals_show_half_of_the_collapse(
 ):
     tip = loaded(comm, shared_tmp_path, kind, 32, longer=True).tips[-1]
     assert tip / REFERENCE - 1 == pytest.approx(error, abs=0.01)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(
+    ("n", "longer", "error"), [(16, True, 0.007), (32, False, 0.013)]
+)
+def test_quadratic_displacements_show_the_collapse(comm, shared_tmp_path, n, longer, error):
+    """From the soft side, as those of an independent program."""
+    tip = loaded(comm, shared_tmp_path, QUADRATIC, n, longer=longer).tips[-1]
+    assert tip / REFERENCE - 1 == pytest.approx(error, abs=0.004)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -25,7 +25,7 @@ its stress away with it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -74,7 +74,7 @@ class Shares(NamedTuple):
 
 
 class CellVolume(NamedTuple):
-    """Volume of the cells at the end of a step, each of shape (cells,).
+    """Volume of the cells, or of the points, at the end of a step, each of shape (volumes,).
 
     Attributes:
         free: E in θ = w p/K + E, the volumetric strain without pressure.
@@ -87,6 +87,10 @@ class CellVolume(NamedTuple):
     dilatation: FloatArray
     mean_stress: FloatArray
     contracted: FloatArray
+
+    def mapped(self, change: Callable[[FloatArray], FloatArray]) -> CellVolume:
+        """Return the volume with each of its arrays changed by a function."""
+        return CellVolume(*(change(values) for values in self))
 
     def grown(
         self, start: FloatArray, end: FloatArray, compressibility: FloatArray, change: FloatArray
@@ -137,7 +141,7 @@ def contraction(
         passed: metal of the nodes at the start of the step, between, and at its end.
         frozen: c of the nodes as they become solid, shape (nodes,).
     """
-    cells = np.zeros(points.cells)
+    cells = np.zeros(points.volumes)
     weighted, weight, plain = np.zeros((3, points.count))
     for before, after in pairwise(passed):
         mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
@@ -153,7 +157,7 @@ def contraction(
         ):
             part = weighted_means(points, change, share)
             cells += part
-            size = points.from_cells(np.abs(part))
+            size = points.from_volumes(np.abs(part))
             weighted += size * points.from_nodes(share)
             weight += size
     share = np.divide(weighted, weight, out=plain, where=weight > 0)
@@ -163,17 +167,14 @@ def contraction(
 def weighted_means(
     points: IntegrationPoints, values: FloatArray, weight: FloatArray
 ) -> FloatArray:
-    """Return Σ W_v a_v/Σ W_v over the corners of the cells, zero without any W, shape (cells,).
+    """Return Σ W_v a_v/Σ W_v over the corners of the cells, zero without any W, shape (volumes,).
 
     Args:
         points: integration points of the body.
         values: a_v of the nodes, shape (nodes,).
         weight: W_v of the nodes, shape (nodes,).
     """
-    corners = points.cell_nodes
-    total = weight[corners].sum(axis=1)
-    weighted = (weight * values)[corners].sum(axis=1)
-    return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
+    return points.volume_means(values, weight)
 
 
 def in_the_solid(

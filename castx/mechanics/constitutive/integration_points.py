@@ -21,8 +21,11 @@ def quadrature_degree(body: BodyMesh, model: str, formulation: str) -> int:
     """Return the degree to which the terms with the deviatoric stress are integrated.
 
     Strains of linear simplices are constant. In plane stress the pressure enters the strain, so
-    that both must be integrated alike.
+    that both must be integrated alike. Strains of quadratic displacements are linear, and the
+    radius of axisymmetric bodies multiplies and divides them.
     """
+    if formulation == "taylor-hood":
+        return 4 if model == "axisymmetric" else 2
     if body.kind.name not in ("triangle", "tetrahedron"):
         return 2
     return 2 if model == "plane-stress" and formulation == "mixed" else 1
@@ -96,6 +99,53 @@ class IntegrationPoints:
         values = expression.eval(self._mesh, self._all_cells)
         return np.asarray(values).reshape(self.count, expression.value_size)
 
+    @property
+    def volumes(self) -> int:
+        """Number of local places that have a volume of their own: the cells."""
+        return self.cells
+
+    def volume_function(self, cells: fem.FunctionSpace) -> fem.Function:
+        """Return a function with a number at each place of a volume.
+
+        Args:
+            cells: functions constant in each cell.
+        """
+        return fem.Function(cells)
+
+    def volume_means(self, values: FloatArray, weight: FloatArray | None = None) -> FloatArray:
+        """Return weighted means Σ W_v a_v/Σ W_v over the corners, zero without any W, (volumes,).
+
+        Args:
+            values: a_v of the nodes, shape (nodes,).
+            weight: W_v of the nodes, shape (nodes,); None: 1.
+        """
+        corners = self.cell_nodes
+        if weight is None:
+            return np.asarray(np.mean(values[corners], axis=1))
+        total = weight[corners].sum(axis=1)
+        weighted = (weight * values)[corners].sum(axis=1)
+        return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
+
+    def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return values of the volumes at the points, shape (points,)."""
+        return self.from_cells(values)
+
+    def to_volumes(self, values: FloatArray) -> FloatArray:
+        """Return the means of values at the points over the volumes, shape (volumes,)."""
+        return self.cell_means(values)
+
+    def cells_to_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return cell values at the volumes, shape (volumes,)."""
+        return values
+
+    def volumes_to_cells(self, values: FloatArray) -> FloatArray:
+        """Return the means of values of the volumes over the cells, shape (cells,)."""
+        return values
+
+    def volumes_by_cell(self, values: FloatArray) -> FloatArray:
+        """Return values of the volumes with one row for each cell."""
+        return values
+
     def from_nodes(self, values: FloatArray) -> FloatArray:
         """Return nodal values interpolated to the points, shape (points,)."""
         return np.asarray(values[self.cell_nodes] @ self._shapes.T).ravel()
@@ -128,3 +178,44 @@ class IntegrationPoints:
             self.cell_nodes[:owned].ravel(), weights=weighted.ravel(), minlength=nodes
         )
         return np.asarray(sums[:nodes])
+
+
+class VolumePoints(IntegrationPoints):
+    """Points each of which has a volume of its own, where the dilatation varies in a cell."""
+
+    @property
+    def volumes(self) -> int:
+        """Number of local places that have a volume of their own: the points."""
+        return self.count
+
+    def volume_function(self, cells: fem.FunctionSpace) -> fem.Function:
+        """Return a function with a number at each point."""
+        return self.scalar()
+
+    def volume_means(self, values: FloatArray, weight: FloatArray | None = None) -> FloatArray:
+        """Return nodal values at the points, as means over the solid there, shape (points,)."""
+        if weight is None:
+            return self.from_nodes(values)
+        total = self.from_nodes(weight)
+        weighted = self.from_nodes(weight * values)
+        return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
+
+    def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the values as they are."""
+        return values
+
+    def to_volumes(self, values: FloatArray) -> FloatArray:
+        """Return the values as they are."""
+        return values
+
+    def cells_to_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return cell values at the points, shape (points,)."""
+        return self.from_cells(values)
+
+    def volumes_to_cells(self, values: FloatArray) -> FloatArray:
+        """Return means over the cells by weight, shape (cells,)."""
+        return self.cell_means(values)
+
+    def volumes_by_cell(self, values: FloatArray) -> FloatArray:
+        """Return values of the points with one row for each cell."""
+        return self.by_cell(values)

@@ -165,11 +165,10 @@ class Law:
         young, poisson = self._elastic_tables()
         E, nu = young(temperature), poisson(temperature)
         shear_modulus = in_the_solid(points, E / (2 * (1 + nu)), end.share)
-        corners = points.cell_nodes
-        share = np.mean(end.share[corners], axis=1)
+        share = points.volume_means(end.share)
         nodal = 3 * (1 - 2 * nu) / E
         compressibility = np.where(
-            share > 0, weighted_means(points, nodal, end.share), np.mean(nodal[corners], axis=1)
+            share > 0, weighted_means(points, nodal, end.share), points.volume_means(nodal)
         )
         contracted = self._contraction(points, start, between, end)
         shares = Shares.between(
@@ -182,7 +181,7 @@ class Law:
             flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
-            np.mean(start.share[corners], axis=1), share, compressibility,
+            points.volume_means(start.share), share, compressibility,
             contracted.cells, end,
         )  # fmt: skip
 

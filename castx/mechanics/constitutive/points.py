@@ -44,14 +44,15 @@ class MaterialPoints:
         self.points, self.law = points, law
         self.stress, self.direction = points.tensor(), points.tensor()
         self.isotropic, self.radial = points.scalar(), points.scalar()
-        self.compressibility, self.thermal_strain = fem.Function(cells), fem.Function(cells)
+        self.compressibility = points.volume_function(cells)
+        self.thermal_strain = points.volume_function(cells)
         self._secant = SecantModulus(points, cells)
         self.secant_modulus = self._secant.function
         self.thickness = thickness(points, law, cells, starts_liquid)
         self.history = self._start = PointHistory.initial(points)
         nodes = len(points.node_numbering.numbers)
         self._nodes = law.initial_nodes(nodes, liquid=starts_liquid)
-        self._volume = CellVolume(*np.zeros((4, points.cells)))
+        self._volume = CellVolume(*np.zeros((4, points.volumes)))
         self._contracted = self._volume.contracted
         self._conditions: Conditions | None = None
         self._response: Response | None = None
@@ -106,8 +107,8 @@ class MaterialPoints:
         c = self.law.conditions(
             self.points, temperature, solid_fraction, step, self._nodes, between
         )
-        self.thickness.begin(c.coherent)
         self._start, self._conditions, self._step = self.history, c, step
+        self.thickness.begin(self.coherent)
         self._secant.use(c, self.history.softening)
         self._contracted = self._volume.contracted + c.contraction
         self.compressibility.x.array[:] = c.compressibility
@@ -118,7 +119,12 @@ class MaterialPoints:
 
     def swell(self, strain: FloatArray) -> None:
         """Let the cells swell in the trial step by volumetric strains, shape (cells,)."""
-        self.thermal_strain.x.array[:] += strain
+        self.thermal_strain.x.array[:] += self.points.cells_to_volumes(strain)
+
+    @property
+    def coherent(self) -> BoolArray:
+        """Whether the cells hold any solid in the trial step, shape (cells,)."""
+        return np.asarray(self.points.volumes_to_cells(self.conditions.share) > 0)
 
     @property
     def start_nodes(self) -> MetalNodes:
@@ -127,7 +133,7 @@ class MaterialPoints:
 
     @property
     def start_volume(self) -> CellVolume:
-        """Volume of the cells at the start of the step."""
+        """Volume of the cells, or of the points, at the start of the step."""
         return self._volume
 
     def update(self, strain: FloatArray, pressure: FloatArray | None = None) -> None:
@@ -155,8 +161,8 @@ class MaterialPoints:
     ) -> tuple[FloatArray, FloatArray]:
         if pressure is not None:
             return pressure, np.zeros_like(pressure)
-        stiffness = 1 / self.points.from_cells(self.conditions.compressibility)
-        free = self.points.from_cells(self.thermal_strain.x.array)
+        stiffness = 1 / self.points.from_volumes(self.conditions.compressibility)
+        free = self.points.from_volumes(self.thermal_strain.x.array)
         dilatation = strain[:, 0] + strain[:, 1] + normal
         return stiffness * (dilatation - free), stiffness
 
@@ -168,7 +174,7 @@ class MaterialPoints:
     @property
     def contracted(self) -> FloatArray:
         """Volumetric strain by which the solid of the cells has contracted, shape (cells,)."""
-        return self._contracted
+        return self.points.volumes_to_cells(self._contracted)
 
     def mechanical_strain(self) -> FloatArray:
         """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
@@ -207,10 +213,8 @@ class MaterialPoints:
         A field of stress-free temperatures is kept, since the file that it came from may be gone.
         """
         found = self.history.saved(self.points) | self.thickness.saved()
-        for values, numbering in (
-            (self._nodes, self.points.node_numbering),
-            (self._volume, self.points.numbering),
-        ):
+        volume, points = self._volume.mapped(self.points.volumes_by_cell), self.points
+        for values, numbering in (self._nodes, points.node_numbering), (volume, points.numbering):
             found |= {name: Saved(v, numbering) for name, v in values._asdict().items()}
         unstressed = self.law.stress_free_state.temperature
         if np.ndim(unstressed):
@@ -222,7 +226,7 @@ class MaterialPoints:
         self.history, self._committed = self.history.restored(arrays), None
         self._gained = np.zeros(self.points.count)
         self._nodes = MetalNodes(*(arrays[name].copy() for name in MetalNodes._fields))
-        self._volume = CellVolume(*(arrays[name].copy() for name in CellVolume._fields))
+        self._volume = CellVolume(*(arrays[name].flatten() for name in CellVolume._fields))
         self.thickness.restore(arrays, self._solid_cells())
         if "stress_free" in arrays:
             unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
@@ -235,26 +239,22 @@ class MaterialPoints:
         """Accept the trial state as the start of the next step; collective.
 
         Args:
-            mean_stress: of the cells [Pa], shape (cells,).
+            mean_stress: of the volumes [Pa], shape (volumes,).
             pooled: cells of which a pool holds the volume of all together, shape (cells,); None:
                 there are none.
         """
         strain, response = deviatoric(self._strain), self.response
         self.thickness.commit(self._strain)
         self._gained = np.asarray(response.equivalent - self._start.equivalent)
-        self.history = PointHistory(
-            response.elastic,
-            response.plastic,
-            response.equivalent,
-            strain,
-            secant_softening(response, self.conditions, self._start, strain),
-        )
+        softening = secant_softening(response, self.conditions, self._start, strain)
+        past = response.elastic, response.plastic, response.equivalent, strain, softening
+        self.history = PointHistory(*past)
         self._nodes = self.conditions.nodes
         free = self.thermal_strain.x.array.copy()
-        dilatation = self.dilatation.copy()
+        dilatation = self.points.to_volumes(self._strain[:, :3].sum(axis=1)).copy()
         liquid = ~self.conditions.coherent
         if pooled is not None:
-            liquid = liquid | pooled
+            liquid = liquid | self.points.cells_to_volumes(pooled)
         kept = np.where(liquid, dilatation, free)
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()

@@ -10,6 +10,10 @@ The block is dense and of rank one for each pocket, and is applied without a mat
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
@@ -17,6 +21,7 @@ import numpy as np
 from castx.arrays import FloatArray, IntArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
+from castx.mechanics.midsides.midsides import Midsides
 
 
 class PocketStiffness:
@@ -76,12 +81,39 @@ def pockets_of_nodes(body: BodyMesh, pocket: IntArray) -> IntArray:
         body: mesh of the body.
         pocket: that of each cell, shape (cells,); pockets have no node in common.
     """
-    owned = pocket[: body.cell_numbering.owned]
+    nodes, count = body.nodes.dofmap.list[: body.cell_numbering.owned], len(body.parent_vertices)
+    found = _pockets_of(nodes, pocket, count, partial(nodal_sum, body))
+    return found[: body.nodes.dofmap.index_map.size_local]
+
+
+def pockets_of_midsides(midsides: Midsides, pocket: IntArray) -> IntArray:
+    """Return the number of the pocket of each owned mid-side, −1: none; collective.
+
+    Args:
+        midsides: of the body.
+        pocket: that of each cell, shape (cells,); pockets have no node in common.
+    """
+    owned = midsides.cell_midsides[: midsides.owned_cells]
+    found = _pockets_of(owned, pocket, midsides.count, midsides.sum)
+    return found[: midsides.owned_midsides]
+
+
+def _pockets_of(
+    places: Any, pocket: IntArray, count: int, sums: Callable[[FloatArray], FloatArray]
+) -> IntArray:
+    """Return the pocket round each local place, −1: none.
+
+    Args:
+        places: numbers of those of the owned cells, shape (owned cells, places of a cell).
+        pocket: that of each cell.
+        count: number of local places.
+        sums: returns the sums over all ranks of values at the local places.
+    """
+    owned = pocket[: len(places)]
     inside = owned >= 0
-    nodes = body.nodes.dofmap.list[: len(owned)][inside]
-    here = np.zeros((2, len(body.parent_vertices)))
-    np.add.at(here, (0, nodes), 1.0)
-    np.add.at(here, (1, nodes), owned[inside][:, None])
-    count, total = (nodal_sum(body, values) for values in here)
-    found = np.where(count > 0, np.round(total / np.maximum(count, 1.0)), -1.0)
-    return found[: body.nodes.dofmap.index_map.size_local].astype(np.int32)
+    here = np.zeros((2, count))
+    np.add.at(here, (0, places[inside]), 1.0)
+    np.add.at(here, (1, places[inside]), owned[inside][:, None])
+    number, total = (sums(values) for values in here)
+    found = np.where(number > 0, np.round(total / np.maximum(number, 1.0)), -1.0)
+    return found.astype(np.int32)

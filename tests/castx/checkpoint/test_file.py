@@ -109,6 +109,14 @@ def boxed(model: str) -> dict[str, Any]:
     return data
 
 
+def quadratic() -> dict[str, Any]:
+    """Return the cylinder whose casting has quadratic displacements and shrinks by itself."""
+    data = flowing()
+    data["bodies"][0]["formulation"] = "taylor-hood"
+    data["interfaces"][0]["contact"] = {"method": "none"}
+    return data
+
+
 def hanging() -> dict[str, Any]:
     """Return the cylinder in a mould with a floor, off which it comes and hangs on its in-gate."""
     data = merged(
@@ -155,6 +163,7 @@ CASES = (
         "thermal": thermal(),
         "mechanical": prescribed(),
         "quadrilaterals": flowing({"geometry": {"cells": "quadrilaterals"}}),
+        "quadratic": quadratic(),
         "staggered": flowing({"coupling": {"scheme": "staggered"}}),
         "closing": ring({"time": {"end": 4.0, "largest_step": 0.5}}),
         "friction": sticking("condensed"),
@@ -171,6 +180,7 @@ IN_PARALLEL = (
     "penalty, thermo-elastic",
     "augmented-lagrangian, thermo-elastic",
     "rigid, thermo-elasto-plastic",
+    "quadratic",
     "thermal",
     "mechanical",
 )

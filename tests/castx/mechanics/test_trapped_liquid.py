@@ -53,7 +53,9 @@ def update(pockets: Pockets, liquid: np.ndarray) -> np.ndarray:
     cells = np.full(len(liquid), COMPRESSIBILITY)
     material: Any = SimpleNamespace(
         law=Law(metal, STRESS_FREE),
-        conditions=SimpleNamespace(coherent=~liquid, solid_compressibility=cells),
+        coherent=~liquid,
+        conditions=SimpleNamespace(solid_compressibility=cells),
+        points=SimpleNamespace(volumes_to_cells=np.asarray, cells_to_volumes=np.asarray),
         compressibility=SimpleNamespace(x=SimpleNamespace(array=cells.copy())),
         start_volume=SimpleNamespace(dilatation=np.zeros(len(liquid))),
         swell=lambda strain: None,

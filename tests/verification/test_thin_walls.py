@@ -1,0 +1,77 @@
+"""Walls with one cell across: bending by a force and by temperature, in quadratic displacements.
+
+A cantilever of length L and height h under an end shear F per width has the tip F L³/(3 E I) plus
+the shear of 6/5 F L/(G h); in plane strain E/(1 − ν²) stands for E. Its clamped end holds ν too,
+less than a percent at L/h = 20. A plate whose temperature differs by ΔT across its height bends to
+the curvature α ΔT/h, (1 + ν) times as much in plane strain, without stress where it is free.
+Linear displacements are 54 % too stiff.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from castx.equilibrium.problem import MechanicalProblem
+from tests.elastic_bodies import (
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    generated,
+    heat,
+    motion,
+    places,
+    problem,
+    pulled,
+    stresses,
+)
+
+LENGTH, HEIGHT = 0.02, 0.001
+YOUNG, POISSON, EXPANSION, DIFFERENCE = 70e9, 0.33, 2e-5, 100.0
+MODELS = ("plane-strain", "plane-stress", "3d")
+
+
+def wall(comm, model: str, supports, **description) -> MechanicalProblem:
+    """Return a wall of cells as large as it is high."""
+    depth = {"depth": HEIGHT} if model == "3d" else {}
+    mesh = generated(comm, model, "slab", ["casting"], length=LENGTH, width=HEIGHT, size=HEIGHT,
+                     **depth)  # fmt: skip
+    metal = elastic(YOUNG, POISSON, EXPANSION)
+    described = body(metal, formulation="taylor-hood", **description)
+    return problem(mesh, {"casting": described}, {"casting": supports}, tolerance=1e-9)
+
+
+def deflection(comm, made: MechanicalProblem, height: float) -> float:
+    """Return the mean of u_y at the end, less that at the wall, at one height."""
+    points = everywhere(comm, places(made, "casting"))
+    moved = everywhere(comm, motion(made, "casting"))[:, 1]
+    level = np.abs(points[:, 1] - height) < 1e-9
+    ends = [level & (np.abs(points[:, 0] - x) < 1e-9) for x in (0.0, LENGTH)]
+    return float(moved[ends[1]].mean() - moved[ends[0]].mean())
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", MODELS)
+def test_a_cantilever_bends_with_one_cell_across(comm, model):
+    shear = 1e5
+    traction = (0.0, shear, 0.0) if model == "3d" else (0.0, shear)
+    made = wall(comm, model, [fixed("wall", "all")], loads=(pulled("far", *traction),))
+    made.equilibrium.solve(0.0)
+    stiff = YOUNG / (1 - POISSON**2) if model == "plane-strain" else YOUNG
+    bending = shear * HEIGHT * LENGTH**3 / (3 * stiff * HEIGHT**3 / 12)
+    exact = bending + 1.2 * shear * LENGTH / (YOUNG / (2 * (1 + POISSON)))
+    assert deflection(comm, made, 0.0) == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", MODELS)
+def test_a_plate_bends_by_its_temperature_without_stress(comm, model):
+    made = wall(comm, model, [fixed("wall")])
+    heat(made, lambda x: 20.0 + DIFFERENCE * (x[:, 1] / HEIGHT - 0.5))
+    made.equilibrium.solve(0.0)
+    held = 1 + POISSON if model == "plane-strain" else 1
+    exact = -EXPANSION * DIFFERENCE / HEIGHT * held * LENGTH**2 / 2
+    assert deflection(comm, made, 0.0) == pytest.approx(exact, rel=1e-6)
+    hindered = YOUNG * EXPANSION * DIFFERENCE
+    assert np.abs(stresses(comm, made, "casting")[:, :2]).max() < 1e-6 * hindered
