@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator, ValidationInfo, field_validator
 
 from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Quantity, over_time, with_entries
+from castx.input.placed import Placed, PlacedOverTime
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import (
     ACCELERATION,
@@ -30,6 +31,7 @@ CONDITIONS = ("heat", "displacement", *LOADS)
 """Kinds of conditions on a surface."""
 
 _MOST_CONDITIONS = 20
+_LOAD = PlacedOverTime(Quantity(STRESS))
 
 
 def _heat_number(value: Any, info: ValidationInfo) -> Any:
@@ -177,17 +179,17 @@ class Boundary(Description):
         on: the surface as "body/surface".
         heat: heat conditions, which add up.
         displacement: prescribed displacements by direction.
-        pressure: pressing on the surface, over time [Pa].
-        traction: force per area over time, one table for each direction of the model [Pa].
+        pressure: pressing on the surface, over time and place [Pa].
+        traction: force per area over time and place, one for each direction of the model [Pa].
         clamp: a machine that presses on the surface.
     """
 
     on: str
     heat: Annotated[tuple[HeatCondition, ...], PlainValidator(_heat_conditions)] = ()
     displacement: Annotated[tuple[DisplacementCondition, ...], PlainValidator(_displacements)] = ()
-    pressure: Annotated[Table | None, over_time(STRESS)] = None
+    pressure: Annotated[Table | Placed | None, _LOAD] = None
     traction: (
-        Annotated[tuple[Annotated[Table, over_time(STRESS)], ...], Field(max_length=3)] | None
+        Annotated[tuple[Annotated[Table | Placed, _LOAD], ...], Field(max_length=3)] | None
     ) = None
     clamp: Annotated[ClampCondition | None, PlainValidator(_clamp)] = None
 

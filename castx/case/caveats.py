@@ -80,7 +80,7 @@ def _stress_free(body: Body, material: Material) -> Iterator[str]:
                 "a mould, a core or a chill leave stress_free out: it is free of stress as it "
                 "starts"
             )
-    elif given < solidus and body.temperature.file is None:
+    elif given < solidus and body.temperature.bounds is not None:
         yield (
             f"{body.name} starts at {body.temperature.text} and freezes, but {body.material} says "
             f"stress_free = {given:g} °C: it contracts only below that; leave stress_free out, or "

@@ -24,7 +24,7 @@ from castx.transfer.conductance import ConductionLaw
 from castx.transfer.declaration import GapHeatLaw, Given
 from castx.transfer.naming import FROM, changed, with_entry
 from castx.transfer.registry import gap_heat_laws, with_keys_of_laws
-from castx.transfer.surfaces import Coating, ContactConductance, Radiation, Roughness
+from castx.transfer.surfaces import Coating, ContactConductance, CurvedGap, Radiation, Roughness
 
 _MOST_PATCHES = 100
 _NO_NUMBERS = frozenset({"entry", "law", "patches"})
@@ -123,6 +123,7 @@ class InterfaceHeat(Description):
         roughness: of the surfaces, a resistance of the gas in it.
         coating: between the surfaces, a resistance.
         radiation: across the gap.
+        curved: a wide gap between cylinders or spheres.
         patches: parts of the interface with other keys; the first that contains a pair counts.
     """
 
@@ -136,6 +137,7 @@ class InterfaceHeat(Description):
     roughness: Roughness | None = None
     coating: Coating | None = None
     radiation: Radiation | None = None
+    curved: CurvedGap | None = None
     patches: Annotated[tuple[Patch, ...], PlainValidator(_patches)] = ()
 
     @classmethod

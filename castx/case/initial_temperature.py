@@ -1,4 +1,4 @@
-"""The temperature of a body at the start: uniform, along a coordinate, or from a file."""
+"""The temperature of a body at the start: uniform, varying in space, or from a file."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.input.coordinates import AXES, coordinate
 from castx.input.entries import TEMPERATURES, Choice, Quantity, Tabulated
+from castx.input.placed import Placed, PlacedFormula, PlacedTable, Placing
 from castx.input.problems import Refusal, among, refuse
 from castx.input.units import LENGTH
 from castx.tables import Table
@@ -41,17 +42,19 @@ class FieldFile:
 
 @dataclass(frozen=True, eq=False)
 class InitialTemperature:
-    """Temperature of a body at the start: uniform, along a coordinate, or from a file [°C].
+    """Temperature of a body at the start: uniform, varying in space, or from a file [°C].
 
     Args:
-        table: over the coordinate; constant where there is one number; None: from a file.
+        table: over the coordinate; constant where there is one number; None: otherwise given.
         along: coordinate of the table, one of `AXES`.
         file: the file.
+        placed: by a formula, or a table of two coordinates.
     """
 
     table: Table | None
     along: str = "x"
     file: FieldFile | None = None
+    placed: Placed | None = None
 
     @property
     def uniform(self) -> float | None:
@@ -62,28 +65,40 @@ class InitialTemperature:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Lowest and highest temperature [°C]; None for a file."""
+        """Lowest and highest temperature [°C]; None for a file or a formula."""
+        if isinstance(self.placed, PlacedTable):
+            return float(self.placed.values.min()), float(self.placed.values.max())
         if self.table is None:
             return None
         return float(self.table.values.min()), float(self.table.values.max())
 
     @property
     def hottest(self) -> float:
-        """Highest temperature [°C]; infinite for a file."""
+        """Highest temperature [°C]; infinite for a file or a formula."""
         return math.inf if self.bounds is None else self.bounds[1]
 
     @property
     def is_missing(self) -> bool:
-        """Whether there is neither a table nor a file."""
-        return self.table is None and self.file is None
+        """Whether nothing is given."""
+        return self.table is None and self.file is None and self.placed is None
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Coordinates along which it varies; () for a file."""
+        if self.placed is not None:
+            return self.placed.axes
+        return () if self.table is None or self.table.is_constant else (self.along,)
 
     @property
     def text(self) -> str:
         """The temperature as a text for messages."""
         if self.file is not None:
             return f"{self.file.field} of {self.file.path.name}"
+        if isinstance(self.placed, PlacedFormula):
+            return f"{self.placed.text} °C"
         low, high = self.bounds or (math.nan, math.nan)
-        return f"{low:g} °C" if low == high else f"{low:g} to {high:g} °C along {self.along}"
+        along = " and ".join(self.axes)
+        return f"{low:g} °C" if low == high else f"{low:g} to {high:g} °C along {along}"
 
     def relative_to(self, case: Path) -> InitialTemperature:
         """Return the same with an absolute path of its file, given relative to the case file."""
@@ -93,7 +108,12 @@ class InitialTemperature:
         return replace(self, file=replace(self.file, path=path))
 
     def at(self, points: npt.ArrayLike) -> FloatArray:
-        """Return the temperatures of the table at points (n, gdim) [°C], shape (n,)."""
+        """Return the temperatures that are not in a file at points (n, gdim) [°C], shape (n,).
+
+        Those of a formula may be none: not finite, or below absolute zero.
+        """
+        if self.placed is not None:
+            return self.placed(points, 0.0)
         assert self.table is not None
         return np.asarray(self.table(coordinate(points, self.along)))
 
@@ -102,7 +122,9 @@ MISSING = InitialTemperature(None)
 
 
 def read_initial_temperature(value: Any) -> InitialTemperature:
-    """Return the temperature described by a number, { along, table } or { file, field, unit }.
+    """Return the temperature described by a number or a table of keys.
+
+    These are { along, table }, { formula } or { file, field, unit }.
 
     Raises:
         Refusal: with the offending key.
@@ -113,6 +135,8 @@ def read_initial_temperature(value: Any) -> InitialTemperature:
         return InitialTemperature(Table.constant(TEMPERATURES.read(value)))
     if "file" in value:
         return InitialTemperature(None, file=_field_file(value))
+    if "formula" in value or isinstance(value.get("along"), list | tuple):
+        return InitialTemperature(None, placed=Placing(TEMPERATURES).read(value))
     _check_keys(value, ("along", "table"), ("along", "table"))
     along = _choice(value, "along", AXES)
     try:

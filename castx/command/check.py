@@ -141,7 +141,7 @@ def _formulations(
     ]
     measured_curves(case.measurements, columns, mesh.comm)
     for body in case.bodies:
-        if body.temperature.file is not None:
+        if body.temperature.table is None:
             initial_temperatures(body.temperature, mesh.bodies[body.name], mesh.comm)
     for described in case.interfaces:
         heat_exchange(described, pairs[described.name], mesh)

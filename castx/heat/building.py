@@ -23,6 +23,7 @@ from castx.heat.field_files import temperatures_at
 from castx.heat.interface import HeatExchange
 from castx.heat.ledger import Account, Accounts, accounts_of, joined_accounts
 from castx.input.problems import among
+from castx.input.units import ABSOLUTE_ZERO
 from castx.transfer.conductance import ConductionLaw
 from castx.transfer.patched import PatchedLaw
 from castx.transfer.radiation import facing_factor
@@ -131,7 +132,10 @@ def _parts_of_pairs(
 
 
 def _grey_factor(heat: InterfaceHeat) -> float:
-    return 0.0 if heat.radiation is None else facing_factor(heat.radiation.emissivities)
+    if heat.radiation is None:
+        return 0.0
+    factor = facing_factor if heat.curved is None else heat.curved.facing_factor
+    return factor(heat.radiation.emissivities)
 
 
 def initial_temperatures(
@@ -142,12 +146,24 @@ def initial_temperatures(
     A file is read on rank 0, so that every number of ranks gives the same temperatures.
 
     Raises:
-        CaseError: the file cannot serve; on all ranks.
+        CaseError: the file cannot serve, or a formula gives no temperature; on all ranks.
     """
     points = body.points[: body.nodes.dofmap.index_map.size_local]
     if description.file is None:
-        return description.at(points)
+        return _checked(description, body.name, description.at(points), comm)
     return _from_rank_zero(description.file, body, points, comm)
+
+
+def _checked(
+    description: InitialTemperature, body: str, found: FloatArray, comm: MPI.Intracomm
+) -> FloatArray:
+    """Return temperatures of the owned nodes unless one of them is none; collective."""
+    wrong = int(np.count_nonzero(~(np.isfinite(found) & (found >= ABSOLUTE_ZERO))))
+    wrong = comm.allreduce(wrong)
+    if wrong:
+        text = "is not finite or below absolute zero (coordinates in m, result in °C)"
+        raise CaseError(f"temperature of {body!r}: {description.text} {text} at {wrong} nodes")
+    return found
 
 
 def initial_state(bodies: Sequence[Body], mesh: CastingMesh) -> dict[str, FloatArray]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler
@@ -57,12 +58,15 @@ class Varying:
         over: quantities it may vary with.
         of: temperatures it may vary with, the default first.
         rows: whether plain rows are allowed too, a table over time.
+        ends_at_zero: quantities over which the last row of a table may be 0, where numbers are
+            positive else.
     """
 
     value: Quantity
     over: tuple[str, ...]
     of: tuple[str, ...] = ()
     rows: bool = field(default=False)
+    ends_at_zero: tuple[str, ...] = ()
 
     def read(self, value: Any) -> Variation:
         """Return the coefficient.
@@ -88,12 +92,28 @@ class Varying:
                 raise refuse("missing; both over and table are needed", key)
         over = self._choice("over", self.over, value["over"])
         try:
-            table = Tabulated(self.value, ARGUMENTS[over]).read(value["table"])
+            table = self._table(over, value["table"])
         except Refusal as error:
             raise error.inside("table") from None
         except CaseError as error:
             raise refuse(str(error), "table") from None
         return Variation(table, over, self._read_of(over, value))
+
+    def _table(self, over: str, rows: Any) -> Table:
+        if over not in self.ends_at_zero:
+            return Tabulated(self.value, ARGUMENTS[over]).read(rows)
+        kind = replace(self.value, above=-math.inf, least=0.0)
+        table = Tabulated(kind, ARGUMENTS[over]).read(rows)
+        if (table.values[:-1] == 0.0).any() or len(table.values) == 1:
+            for value in table.values:
+                self._positive(float(value), over)
+        return table
+
+    def _positive(self, value: float, over: str) -> None:
+        try:
+            self.value.read(value)
+        except CaseError as error:
+            raise CaseError(f"{error}; only the last row over {over} may be 0") from None
 
     def _read_of(self, over: str, value: dict[str, Any]) -> str:
         if over != "temperature":

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from castx.input.placed import Placed
 from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.mush.metal import MushMetal
@@ -18,13 +19,13 @@ class SurfaceLoad:
 
     Attributes:
         surface: name of the surface.
-        pressure: over time [Pa], positive against the outward normal.
-        traction: components over time [Pa].
+        pressure: over time, or place and time [Pa], positive against the outward normal.
+        traction: components likewise [Pa].
     """
 
     surface: str
-    pressure: Table | None = None
-    traction: tuple[Table, ...] | None = None
+    pressure: Table | Placed | None = None
+    traction: tuple[Table | Placed, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from castx.domain.measures import cell_measure, surface_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms import momentum
 from castx.mechanics.clamp import Clamp
-from castx.mechanics.description import MechanicalBody
+from castx.mechanics.description import MechanicalBody, SurfaceLoad
+from castx.mechanics.surface_values import EvenValue, UnevenValue
 from castx.tables import Table
 
 
@@ -45,12 +46,7 @@ class BodyLoads:
         else:
             self._uniform[: len(force)] = force[:dimension]
             self.body_force = fem.Constant(body.mesh, self._uniform)
-        self._values: list[tuple[fem.Constant, tuple[Table, ...]]] = []
-        for load in self._loads:
-            tables = load.traction if load.pressure is None else (load.pressure,)
-            assert tables is not None
-            none = np.zeros(len(tables)) if load.pressure is None else np.float64(0.0)
-            self._values.append((fem.Constant(body.mesh, none), tables))
+        self._values = [_value_of(body, load) for load in self._loads]
         self.clamps = [Clamp(body, model, given) for given in description.clamps]
         self._backed = [given for given in self.clamps if given.stiffness > 0]
 
@@ -72,19 +68,25 @@ class BodyLoads:
         return np.asarray(self._body.points @ self._uniform)
 
     def set_time(self, time: float) -> None:
-        """Set the loads of a time [s]."""
-        for constant, tables in self._values:
-            values = np.array([float(table(time)) for table in tables])
-            constant.value = values if constant.value.ndim else values[0]
+        """Set the loads of a time [s]; collective.
+
+        Raises:
+            CaseError: a load that varies in space is not finite; on all ranks.
+        """
+        for value in self._values:
+            value.set_time(time)
         for clamp in self.clamps:
             clamp.set_time(time)
 
-    def pressures(self) -> dict[str, float]:
-        """Return the pressures that push on surfaces at the present time, by surface [Pa]."""
-        found: dict[str, float] = {}
-        for load, (constant, _) in zip(self._loads, self._values, strict=True):
+    def pressures(self) -> dict[str, float | FloatArray]:
+        """Return the pressures that push on surfaces at the present time, by surface [Pa].
+
+        Those that vary in space are at its local nodes, shape (nodes,).
+        """
+        found: dict[str, float | FloatArray] = {}
+        for load, value in zip(self._loads, self._values, strict=True):
             if load.pressure is not None:
-                found[load.surface] = found.get(load.surface, 0.0) + float(constant.value)
+                found[load.surface] = found.get(load.surface, 0.0) + value.pressures
         return found
 
     def virtual_work(self, eta: Any) -> Any:
@@ -93,12 +95,12 @@ class BodyLoads:
         ds = surface_measure(self._body, self._model, self._degree)
         normal = ufl.FacetNormal(self._body.mesh)
         work = momentum.body_force_work(eta, self.body_force, dx)
-        for load, (value, _) in zip(self._loads, self._values, strict=True):
+        for load, value in zip(self._loads, self._values, strict=True):
             measure = ds(self._body.surfaces[load.surface])
             if load.pressure is not None:
-                work += momentum.pressure_work(eta, value, normal, measure)
+                work += momentum.pressure_work(eta, value.coefficient, normal, measure)
             else:
-                work += momentum.traction_work(eta, value, measure)
+                work += momentum.traction_work(eta, value.coefficient, measure)
         for clamp in self.clamps:
             work += clamp.work(eta)
         return work
@@ -118,3 +120,13 @@ class BodyLoads:
             motion: of the owned nodes, shape (owned, dimension).
         """
         return np.concatenate([np.zeros(0), *(clamp.strained(motion) for clamp in self._backed)])
+
+
+def _value_of(body: BodyMesh, load: SurfaceLoad) -> EvenValue | UnevenValue:
+    components = load.traction if load.pressure is None else (load.pressure,)
+    assert components is not None
+    scalar = load.pressure is not None
+    even = tuple(each for each in components if isinstance(each, Table))
+    if len(even) == len(components):
+        return EvenValue(body, even, scalar)
+    return UnevenValue(body, load.surface, components, scalar)

@@ -12,6 +12,7 @@ from castx.transfer.coefficients import Coefficient
 from castx.transfer.conductance import VARIABLES, Faces
 from castx.transfer.duals import Dual
 from castx.transfer.pair_state import PairState
+from castx.transfer.surfaces import CurvedGap
 
 
 class Layer(Protocol):
@@ -29,13 +30,16 @@ class ConductingLayer:
 
     Attributes:
         gas: conductivity k [W/m/K].
+        curved: gap between cylinders or spheres; None: plane.
     """
 
     gas: Coefficient
+    curved: CurvedGap | None = None
 
     def __call__(self, gap: FloatArray, state: PairState, faces: Faces) -> Dual:
         """Return the resistance across gaps [m² K/W]."""
-        return Dual.constant(gap, VARIABLES) / self.gas(state, faces)
+        thickness = gap if self.curved is None else self.curved.thickness(gap)
+        return Dual.constant(thickness, VARIABLES) / self.gas(state, faces)
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,11 @@ class TabulatedLayer:
     coefficient: Coefficient
 
     def __call__(self, gap: FloatArray, state: PairState, faces: Faces) -> Dual:
-        """Return the resistance at the gaps of the state [m² K/W]."""
-        return self.coefficient(state, faces).inverse().where(state.gap > 0.0, 0.0)
+        """Return the resistance at the gaps of the state [m² K/W], infinite where h = 0."""
+        h = self.coefficient(state, faces)
+        passes = h.value > 0.0
+        resistance = h.where(passes, 1.0).inverse().where(passes, np.inf)
+        return resistance.where(state.gap > 0.0, 0.0)
 
 
 def rounded_gap(gap: FloatArray, width: float) -> FloatArray:

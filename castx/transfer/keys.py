@@ -6,12 +6,13 @@ from castx.input.entries import Quantity
 from castx.input.units import CONDUCTIVITY, HEAT_TRANSFER, LENGTH
 from castx.input.variation import Variation, Varying
 from castx.transfer.declaration import HeatKey
-from castx.transfer.surfaces import Coating, ContactConductance, Radiation, Roughness
+from castx.transfer.surfaces import Coating, ContactConductance, CurvedGap, Radiation, Roughness
 
 _COEFFICIENT = Varying(
     Quantity(HEAT_TRANSFER, above=0.0),
     ("temperature", "time", "gap", "pressure"),
     ("secondary", "primary", "mean"),
+    ends_at_zero=("gap",),
 )
 _GAS = Varying(
     Quantity(CONDUCTIVITY, above=0.0), ("temperature", "time"), ("mean", "secondary", "primary")
@@ -59,6 +60,12 @@ RADIATION: HeatKey[Radiation] = HeatKey(
     "across the gap: emissivities of both surfaces",
     Radiation | None,
     usual={"emissivities": [(0.2, 0.9), (0.2, 0.9)]},
+)
+CURVED: HeatKey[CurvedGap] = HeatKey(
+    "curved",
+    "wide gap of concentric cylinders or spheres: shape, radii of both surfaces [m]",
+    CurvedGap | None,
+    usual={"shape": "cylinder", "radii": [(0.05, 0.1), (0.11, 0.2)]},
 )
 ROUGH: tuple[HeatKey[object], ...] = (ROUGHNESS, COATING)
 """Keys that give the resistance of touching surfaces in place of `closed`."""

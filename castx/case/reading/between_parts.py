@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from castx.case.bodies import Body
 from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampCondition
@@ -13,11 +13,13 @@ from castx.case.reading.contact import face_problems, rigid_problems, surface_pr
 from castx.case.reading.foundry import foundry_problems
 from castx.case.reading.taylor_hood import taylor_hood_problems
 from castx.errors import CaseError
+from castx.input.placed import NOW, PlacedFormula
 from castx.input.problems import KeyPath, Problem, Refusal, among
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.tables import Table
 
 RIGID = 'law = "rigid", as sand may have, and to stand second in the bodies of its interfaces'
 
@@ -123,12 +125,18 @@ def _needed_properties(
         yield "expansion", "its thermal strain"
 
 
+def _axes_problems(case: Case, place: KeyPath, axes: Sequence[str]) -> Iterator[Problem]:
+    """Yield coordinates along which something varies that the model does not have."""
+    known = case.geometry.coordinates
+    for axis in axes:
+        if axis not in (*known, NOW):
+            yield Problem(place, among("", known, what=f"not {axis}; coordinates of this model"))
+
+
 def _temperature_problems(case: Case, index: int, body: Body) -> Iterator[Problem]:
     given, place = body.temperature, ("bodies", index, "temperature")
-    coordinates = case.geometry.coordinates
-    if given.table is not None and not given.table.is_constant and given.along not in coordinates:
-        allowed = among("", coordinates, what="coordinates of this model")
-        yield Problem((*place, "along"), allowed)
+    key = "formula" if isinstance(given.placed, PlacedFormula) else "along"
+    yield from _axes_problems(case, (*place, key), given.axes)
     if given.uniform is not None or given.is_missing:
         return
     if case.coupling.scheme == "mechanical":
@@ -212,6 +220,10 @@ def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterat
         if condition is not FREE and condition.direction not in allowed:
             known = among("", allowed, what=f"directions of the model {case.geometry.model!r}")
             yield Problem((*place, "displacement", condition.direction), known)
+    loads = [("pressure", boundary.pressure), *(("traction", t) for t in boundary.traction or ())]
+    for key, load in loads:
+        if load is not None and not isinstance(load, Table):
+            yield from _axes_problems(case, (*place, key), load.axes)
     if boundary.traction is not None and len(boundary.traction) != case.geometry.gdim:
         yield Problem((*place, "traction"), f"needs {case.geometry.gdim} components")
     if boundary.clamp is not None:

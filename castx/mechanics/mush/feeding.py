@@ -42,7 +42,8 @@ class FedNodes:
             one level.
         closed: names of the surfaces that are not free.
         force: the body force b [N/m³], shape (dimension,).
-        pressures: returns the pressures that push on surfaces at the present time [Pa].
+        pressures: returns the pressures that push on surfaces at the present time [Pa], of each one
+            number or those of its local nodes.
 
     Attributes:
         nodes: whether the local nodes are fed in the trial step, shape (nodes,).
@@ -60,7 +61,7 @@ class FedNodes:
         feeders: Collection[str] | None,
         closed: Collection[str],
         force: FloatArray,
-        pressures: Callable[[], Mapping[str, float]],
+        pressures: Callable[[], Mapping[str, float | FloatArray]],
     ) -> None:
         self._pressures, self._body = pressures, body
         self._pressed = {name: body.surface_nodes(name) for name in pressures()}

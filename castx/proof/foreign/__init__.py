@@ -3,5 +3,5 @@
 The cases are in `cases`.
 
 Public: `declaration.ForeignCase`, `declaration.Number`, `registry.FOREIGN_CASES`,
-`page.write_page`, `rings.draw_rings`.
+`page.write_page`, `rings.draw_rings`, `blocks.draw_blocks`.
 """

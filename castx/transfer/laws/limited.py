@@ -23,6 +23,7 @@ from castx.transfer.gas_layer import ConductingLayer, Layer, TabulatedLayer, rou
 from castx.transfer.keys import (
     CLOSED,
     COATING,
+    CURVED,
     GAS_CONDUCTIVITY,
     OPEN,
     PRESSURE,
@@ -73,7 +74,7 @@ def build(given: Given) -> LimitedLaw:
     """Return the law of an interface."""
     opened = given.get(OPEN)
     layer = (
-        ConductingLayer(Varied(given.need(GAS_CONDUCTIVITY)))
+        ConductingLayer(Varied(given.need(GAS_CONDUCTIVITY)), given.get(CURVED))
         if opened is None
         else TabulatedLayer(Varied(opened))
     )
@@ -111,7 +112,7 @@ LAW = GapHeatLaw(
     source="M. Chiumenti, Thermo-mechanical contact in casting analysis, sections 9.1 and 9.2",
     build=build,
     needed=(CLOSED.varying_over("temperature", "time", "pressure"), GAS_CONDUCTIVITY),
-    useful=(OPEN.varying_over("gap"), PRESSURE, TRANSITION, *ROUGH, RADIATION),
+    useful=(OPEN.varying_over("gap"), PRESSURE, TRANSITION, *ROUGH, RADIATION, CURVED),
     instead={OPEN: (GAS_CONDUCTIVITY, TRANSITION)},
     problems=problems,
     follows_gap=True,

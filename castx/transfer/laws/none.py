@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from castx.transfer.conductance import ConstantConductance
 from castx.transfer.declaration import GapHeatLaw, Given
-from castx.transfer.keys import RADIATION
+from castx.transfer.keys import CURVED, RADIATION
 
 
 def build(given: Given) -> ConstantConductance:
@@ -18,6 +18,6 @@ LAW = GapHeatLaw(
     formula="h = 0",
     source="limit h → 0 of q = h (T_secondary − T_primary)",
     build=build,
-    useful=(RADIATION,),
+    useful=(RADIATION, CURVED),
     exchange="none",
 )

@@ -16,7 +16,15 @@ from castx.transfer.coefficients import (
 from castx.transfer.conductance import Conductance, Faces
 from castx.transfer.declaration import GapHeatLaw, Given
 from castx.transfer.gas_layer import ConductingLayer, rounded_gap
-from castx.transfer.keys import CLOSED, GAS_CONDUCTIVITY, PRESSURE, RADIATION, ROUGH, TRANSITION
+from castx.transfer.keys import (
+    CLOSED,
+    CURVED,
+    GAS_CONDUCTIVITY,
+    PRESSURE,
+    RADIATION,
+    ROUGH,
+    TRANSITION,
+)
 from castx.transfer.pair_state import PairState
 
 
@@ -51,7 +59,7 @@ class SeriesLaw:
 
 def build(given: Given) -> SeriesLaw:
     """Return the law of an interface."""
-    layer = ConductingLayer(Varied(given.need(GAS_CONDUCTIVITY)))
+    layer = ConductingLayer(Varied(given.need(GAS_CONDUCTIVITY)), given.get(CURVED))
     closed, term = closed_coefficient(given), pressure_term(given)
     return SeriesLaw(closed, layer, term, given.need(TRANSITION))
 
@@ -64,6 +72,6 @@ LAW = GapHeatLaw(
     "in casting analysis, sections 9.1 and 9.2",
     build=build,
     needed=(CLOSED.varying_over("temperature", "time", "pressure"), GAS_CONDUCTIVITY),
-    useful=(PRESSURE, TRANSITION, *ROUGH, RADIATION),
+    useful=(PRESSURE, TRANSITION, *ROUGH, RADIATION, CURVED),
     follows_gap=True,
 )

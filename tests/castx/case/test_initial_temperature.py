@@ -32,6 +32,14 @@ def test_numbers_tables_and_files():
     assert along.uniform is None and along.hottest == pytest.approx(250.0)
     assert along.at([[9.0, 0.03]]) == pytest.approx([200.0])
     assert along.text == "150 to 250 °C along z"
+    formula = read_initial_temperature({"formula": "150 + 1e3*z + r"})
+    assert (formula.uniform, formula.bounds, formula.hottest) == (None, None, np.inf)
+    assert formula.at([[9.0, 0.05]]) == pytest.approx([209.0])
+    assert formula.text == "150 + 1e3*z + r °C"
+    grid = {"along": ["r", "z"], "table": [[0, 0, 10], [1, 0, 20], [0, 1, "303.15 K"], [1, 1, 80]]}
+    plane = read_initial_temperature(grid)
+    assert plane.bounds == (10.0, 80.0) and plane.text == "10 to 80 °C along r and z"
+    assert plane.at([[0.5, 0.5]]) == pytest.approx([35.0])
     file = read_initial_temperature({"file": "filling.vtu", "field": "T", "unit": "K"})
     assert (file.bounds, file.hottest, file.text) == (None, np.inf, "T of filling.vtu")
     assert file.relative_to(Path("/cases/a.toml")).file.path == Path("/cases/filling.vtu")
@@ -78,6 +86,19 @@ def test_coordinate_of_the_model():
     wrong = {"along": "x", "table": [[0, 150], [1, 200]]}
     with pytest.raises(CaseError, match=r"temperature.along.*coordinates of this model: r, z"):
         read_case(with_temperatures(670.0, wrong), Path("case.toml"))
+    with pytest.raises(CaseError, match=r"temperature.formula.*not x; coordinates of this model"):
+        read_case(with_temperatures(670.0, {"formula": "20 + x"}), Path("case.toml"))
+
+
+def test_a_formula_is_the_start_of_a_run_unless_it_gives_no_temperature(comm):
+    data = with_temperatures(670.0, {"formula": "200 + 1e3*z*z - 100*r"})
+    first = next(iter(simulation(comm, data)))
+    r, z = places(first, "mould")[:, :2].T
+    found, given = nodal(first, "mould", "temperature"), 200 + 1e3 * z * z - 100 * r
+    np.testing.assert_allclose(np.sort(found), np.sort(given))
+    for wrong in ("-300 - z", "1/(z - z)"):
+        with pytest.raises(CaseError, match=r"temperature of 'mould'.*not finite or below"):
+            simulation(comm, with_temperatures(670.0, {"formula": wrong}))
 
 
 @pytest.mark.parametrize("metal", ["steel", "copper"])

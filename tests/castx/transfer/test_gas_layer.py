@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.errors import CaseError
 from castx.transfer.conductance import VARIABLES
 from castx.transfer.duals import Dual
 from castx.transfer.gas_layer import rounded_gap, rounded_maximum
-from tests.castx.transfer.law_samples import LIMITED, coefficient
+from tests.castx.transfer.law_samples import LIMITED, coefficient, conductance
 
 pytestmark = pytest.mark.serial
 
@@ -60,3 +61,26 @@ def test_a_rounded_maximum_carries_its_derivatives():
         step[k] = 1e-6
         rise = (larger(x + step).value - larger(x - step).value) / 2e-6
         assert found.slopes[k] == pytest.approx(rise, abs=1e-8)
+
+
+@pytest.mark.parametrize("law", ["limited", "constant"])
+def test_a_table_over_the_gap_may_end_at_zero(law):
+    table = {"over": "gap", "table": [[0, 800], ["1 mm", 0]]}
+    heat = {"law": law, "closed": 800, "open": table} if law == "limited" else {
+        "law": law, "closed": table}  # fmt: skip
+    found = conductance(heat, np.array([0.0, 5e-4, 1e-3, 2e-3]))
+    np.testing.assert_allclose(found.coefficient.value, [800.0, 400.0, 0.0, 0.0])
+    assert not found.coefficient.slopes.any()
+    for rows in ([[0, 800], [1e-4, 0], [1e-3, 5]], [[0, 0]], [[0, 800], [1e-4, 0], [1e-3, 0]]):
+        wrong = {"over": "gap", "table": rows}
+        with pytest.raises(CaseError, match=r"must be positive.*; only the last row over gap"):
+            conductance({**heat, "open" if law == "limited" else "closed": wrong}, 0.0)
+
+
+def test_a_wide_curved_gap_conducts_otherwise_than_a_plane_one():
+    """k/(R ln(1 + g/R)) between cylinders, in series with the contact."""
+    curved = {"shape": "cylinder", "radii": [0.1, 0.2]}
+    gas = 0.04 / (0.1 * np.log(2.0))
+    assert coefficient({**LIMITED, "curved": curved}, 0.1) == pytest.approx(gas)
+    series = coefficient({**LIMITED, "law": "series", "curved": curved}, 0.1)
+    assert series == pytest.approx(1 / (1 / 800 + 1 / gas))

@@ -104,6 +104,8 @@ def test_accepted(changes):
             "displacement.r = 0: directions of the model '3d': x, y, z, normal, all",
         ),
         ({"boundaries__1__traction": [1, 2, 3]}, "traction = [1, 2, 3]: needs 2 components"),
+        ({"boundaries__1__pressure": {"formula": "t*x"}}, "pressure: not x; coordinates of this"),
+        ({"boundaries__1__traction": [1, {"formula": "x"}]}, "not x; coordinates of this model"),
         (
             {"boundaries__1__clamp": {"force": 1, "direction": "y"}},
             "clamp.direction = \"y\": a clamp in the model 'axisymmetric' may have: z",
