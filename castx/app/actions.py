@@ -8,6 +8,7 @@ from typing import Any
 from castx.app.arguments import Asked, number_of, text_of, word_of
 from castx.app.checking import checked
 from castx.app.commands import Commands
+from castx.app.part_actions import PartActions, choices, new_arguments
 from castx.app.progress import RunProgress
 from castx.app.session import Session
 from castx.app.workplace import Workplace
@@ -33,6 +34,7 @@ class Actions:
         self.commands = Commands(workplace.folder)
         self._session = session
         self._progress = RunProgress()
+        self._parts = PartActions(workplace)
         self.known: Mapping[str, Callable[[Asked], Answer]] = {
             "claim": self.claim,
             "leave": self.leave,
@@ -44,6 +46,12 @@ class Actions:
             "state": self.state,
             "stop": self.stop,
             "show": self.show,
+            "choices": lambda asked: choices(),
+            "faces": self._parts.view,
+            "surfaces": self._parts.surfaces,
+            "propose": self._parts.proposed,
+            "select": self._parts.selected,
+            "name": self.name,
         }
 
     def claim(self, asked: Asked) -> Answer:
@@ -77,6 +85,10 @@ class Actions:
         digest = self.workplace.write_case(name, text, text_of(asked, "digest"))
         return {"text": text, "digest": digest, **self._checked(name, text)}
 
+    def name(self, asked: Asked) -> Answer:
+        """Give the faces of a selector a name, perhaps with a condition, in the case file."""
+        return self.save({**asked, "text": self._parts.named(asked)})
+
     def _checked(self, name: str, text: str) -> Answer:
         return checked(text, self.workplace.case_path(name))
 
@@ -84,6 +96,8 @@ class Actions:
         """Start a command of castx on a case file."""
         name = text_of(asked, "path")
         kind = text_of(asked, "command")
+        if kind == "new":
+            return self.commands.start(new_arguments(self.workplace, asked)).state()
         path = self.workplace.case_path(name) if kind != "report" else self.workplace.path(name)
         if not path.exists():
             raise CaseError(f"{name} is not there; save it first")

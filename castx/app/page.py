@@ -9,9 +9,9 @@ from castx.report.page.assets import text as of_report
 from castx.report.page.assets import uplot
 
 STATIC = files("castx.app") / "static"
-SHARED = ("data", "gl", "camera", "charts")
+SHARED = ("data", "geometry", "gl", "camera", "charts")
 """Scripts of the report that the page uses too."""
-OWN = ("server", "editor", "run", "start")
+OWN = ("server", "editor", "run", "view", "part", "start")
 STYLES = ("vendor/uPlot.min.css",)
 
 

@@ -20,7 +20,7 @@ castx.tabs = (() => {
     window.dispatchEvent(new Event("resize"));
   };
   at("tabs").append(...panels.map(({ dataset }) => make("button", { role: "tab", onclick: () => show(dataset.tab) }, dataset.tab)));
-  show(panels[0].dataset.tab);
+  show("Run");
   return { show };
 })();
 
@@ -58,6 +58,8 @@ castx.tabs = (() => {
     alive = answer.claimed;
     if (!alive) return;
     const files = await list();
+    await castx.parts.choose();
+    castx.parts.ofProcess();
     if (files.cases.length === 1 && !editor.state.path) await open(files.cases[0]);
     document.body.dataset.ready = "yes";
   };
