@@ -75,6 +75,7 @@ ORDER = [
     "proof/foreign/cases",
     "proof/validation",
     "proof",
+    "app",
     "command/watches",
     "command",
     "__init__ __main__",

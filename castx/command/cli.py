@@ -353,6 +353,27 @@ def interfaces(context: typer.Context, name: EntryName = None, plot: EntryPlot =
     look_up(context, table, draw, name, plot)
 
 
+@app.command("app")
+def local_page(
+    context: typer.Context,
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="With case files.")] = Path("."),
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Of 127.0.0.1; 0: a free one.")
+    ] = 0,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address only.")
+    ] = False,
+) -> None:
+    """Serve a local page for case files: edit, check, name faces, run, watch, report."""
+    from castx.app.installed import refuse_missing_server
+
+    comm, console = output_of(context)
+    refuse_missing_server(comm.size)
+    from castx.app.serving import serve
+
+    serve(folder, port, not no_browser, lambda text: console.print(text, markup=False))
+
+
 @app.command()
 def info(context: typer.Context) -> None:
     """Show the versions of castx and of its dependencies, and whether the BLAS is fast."""

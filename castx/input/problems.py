@@ -70,6 +70,20 @@ def refuse(text: str, *path: str | int) -> Refusal:
     return Refusal([Problem(path, text)])
 
 
+class RefusedFile(CaseError):
+    """A case file that cannot be accepted, with all its problems.
+
+    Args:
+        source: the file, named at the start of the message.
+        problems: with paths from the top of the file.
+        data: content of the file, for the values.
+    """
+
+    def __init__(self, source: str, problems: Sequence[Problem], data: Any) -> None:
+        self.problems = tuple(problems)
+        super().__init__(summary(source, self.problems, data))
+
+
 def dotted(path: KeyPath) -> str:
     """Return a path in the form `bodies[1].material`, keys in quotes where TOML needs them."""
     parts = ""

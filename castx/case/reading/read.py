@@ -17,7 +17,7 @@ from castx.case.reading.written_out import written_out
 from castx.case.skin import interface_size
 from castx.errors import CaseError
 from castx.input.overrides import apply_overrides, shortened
-from castx.input.problems import Refusal, summary
+from castx.input.problems import Refusal, RefusedFile
 from castx.input.toml_text import parse_toml, refuse_too_deep
 
 _log = logging.getLogger(__name__)
@@ -106,7 +106,7 @@ def read_case(
         case = Case.read(data)
         _refuse_contradictions(case)
     except Refusal as refusal:
-        raise CaseError(summary(source, refusal.problems, data)) from None
+        raise RefusedFile(source, refusal.problems, data) from None
     for warning in warnings:
         _log.warning("%s: %s", source, warning)
     return _sized(_completed(case, path)).with_source(path, written_out(data))

@@ -1,8 +1,8 @@
-"""The process that meshes CAD files.
+"""The process that meshes CAD files, or tells their faces.
 
 It gets in its arguments the file of the request, the file of the mesh to write, the file of the
-answer, and the exit code of a refusal. It ends with 0 after writing mesh and report (JSON), or with
-the code of a refusal after writing its reason.
+answer, the exit code of a refusal, and perhaps the word `faces`. It ends with 0 after writing mesh
+and report (JSON), or the faces, or with the code of a refusal after writing its reason.
 """
 
 from __future__ import annotations
@@ -17,11 +17,15 @@ from pathlib import Path
 import gmsh
 
 from castx.meshes.cad.part import mesh_part
+from castx.meshes.cad.seen import see_part
+
+FACES = "faces"
+"""Last argument where faces are wanted and no mesh."""
 
 
 def main() -> None:
     """Answer the request of the command line, and end the process."""
-    request, mesh, answer, refused = sys.argv[1:]
+    request, mesh, answer, refused, *wanted = sys.argv[1:]
     part = pickle.loads(Path(request).read_bytes())  # written by the process that asks
     gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
@@ -29,7 +33,7 @@ def main() -> None:
     gmsh.model.add("castx")
     code = 0
     try:
-        report = mesh_part(part, mesh)
+        report = see_part(part, mesh) if wanted == [FACES] else mesh_part(part, mesh)
         Path(answer).write_text(json.dumps(report.as_data()))
     except ValueError as error:
         Path(answer).write_text(str(error))

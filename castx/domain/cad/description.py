@@ -34,7 +34,7 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         bodies=None if body_names is None else tuple(body_names),
         names=dict(cad.names),
         tolerance=cad.tolerance,
-        selectors=tuple(_selector(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
+        selectors=tuple(selector_of(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
         curvature=cad.curvature * finer,
         across=cad.across * finer,
         interface_size=None if on_interface is None else on_interface / finer,
@@ -46,7 +46,14 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
     )
 
 
-def _selector(name: str, selector: FaceSelector, tolerance: float) -> Selector:
+def selector_of(name: str, selector: FaceSelector, tolerance: float) -> Selector:
+    """Return the selector of a named surface, as the mesher takes it.
+
+    Args:
+        name: of the surface.
+        selector: of the case.
+        tolerance: of lengths [m].
+    """
     return Selector(
         name,
         body=selector.body,

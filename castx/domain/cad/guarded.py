@@ -7,11 +7,13 @@ import pickle
 import re
 from pathlib import Path
 from subprocess import STDOUT, TimeoutExpired
+from typing import Any
 
 from castx.errors import MeshError
 from castx.input.child_process import REFUSED, end_of, run_apart
 from castx.meshes.cad.description import CadPart
 from castx.meshes.cad.report import Report
+from castx.meshes.cad.seen import SeenPart
 
 PATIENCE = 3600.0
 """Time that it may take [s]."""
@@ -32,6 +34,25 @@ def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Re
     Raises:
         MeshError: the mesher refuses the files, dies, or takes too long.
     """
+    return Report.of_data(_answered(part, mesh, patience))
+
+
+def seen_apart(part: CadPart, folder: Path, patience: float | None = None) -> SeenPart:
+    """Return the faces of CAD files; call it on one rank only.
+
+    Args:
+        part: what is to be seen.
+        folder: for this purpose alone.
+        patience: time that it may take [s]; None: `PATIENCE`.
+
+    Raises:
+        MeshError: the files are refused, the process dies, or it takes too long.
+    """
+    return SeenPart.of_data(_answered(part, folder / "faces.msh", patience, "faces"))
+
+
+def _answered(part: CadPart, mesh: Path, patience: float | None, *wanted: str) -> Any:
+    """Return the answer of the process that meshes, or gives what is wanted beside."""
     patience = PATIENCE if patience is None else patience
     source = ", ".join(file.path for file in part.files)
     request, answer = mesh.with_suffix(".request"), mesh.with_suffix(".answer")
@@ -40,7 +61,7 @@ def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Re
     files = [str(request), str(mesh), str(answer)]
     try:
         ended = run_apart(
-            ["-m", "castx.domain.cad.child", *files, str(REFUSED)], patience, errors=STDOUT
+            ["-m", "castx.domain.cad.child", *files, str(REFUSED), *wanted], patience, errors=STDOUT
         )
     except TimeoutExpired:
         raise MeshError(
@@ -55,7 +76,7 @@ def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Re
             f"{source} cannot be meshed: {end_of('mesher', ended.returncode, ended.stdout)}; the "
             "part is damaged, repair it in CAD and export it again"
         )
-    return Report.of_data(json.loads(answer.read_text()))
+    return json.loads(answer.read_text())
 
 
 def place_in(said: str) -> str:

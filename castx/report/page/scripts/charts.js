@@ -103,7 +103,8 @@ castx.charts = (() => {
     };
   };
 
-  const draw = (root, pages) => {
+  // signal: ends the listening of curves that are taken away.
+  const draw = (root, pages, signal) => {
     const drawn = [];
     for (const page of pages) {
       const target = root.querySelector(`[data-curves="${CSS.escape(page.title)}"]`);
@@ -116,9 +117,9 @@ castx.charts = (() => {
       }
     }
     const fit = (width, height) => drawn.forEach(({ plot, holder }) => plot.setSize({ width: width ?? holder.clientWidth, height }));
-    window.addEventListener("resize", () => fit(null, HEIGHT));
-    window.addEventListener("beforeprint", () => fit(...PAPER));
-    window.addEventListener("afterprint", () => fit(null, HEIGHT));
+    window.addEventListener("resize", () => fit(null, HEIGHT), { signal });
+    window.addEventListener("beforeprint", () => fit(...PAPER), { signal });
+    window.addEventListener("afterprint", () => fit(null, HEIGHT), { signal });
     return drawn;
   };
 

@@ -1,0 +1,99 @@
+// The text of the case file: its lines, its problems beside them, and what is saved.
+"use strict";
+
+castx.editor = (() => {
+  const { at, make, server } = castx;
+  const area = at("text"), gutter = at("gutter");
+  const state = { path: "", digest: "", saved: "", problems: [], case: null };
+  const listeners = [];
+  let waiting = null, checks = 0;
+
+  const dirty = () => area.value !== state.saved;
+
+  const number = () => {
+    const wrong = new Set(state.problems.map((problem) => problem.line)), lines = area.value.split("\n").length;
+    gutter.replaceChildren();
+    let plain = "";
+    for (let line = 1; line <= lines; line++) {
+      if (!wrong.has(line)) { plain += `${line}\n`; continue; }
+      gutter.append(plain, make("span", { className: "wrong" }, String(line)), "\n");
+      plain = "";
+    }
+    gutter.append(plain);
+    gutter.scrollTop = area.scrollTop;
+  };
+
+  const goTo = (line) => {
+    const lines = area.value.split("\n"), start = lines.slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
+    area.focus();
+    area.setSelectionRange(start, start + lines[line - 1].length);
+    area.scrollTop = Math.max(0, (line - 6) * parseFloat(getComputedStyle(area).lineHeight));
+  };
+
+  const list = () => {
+    const found = state.problems.map(({ line, key, text }) => make("button",
+      { className: "problem", onclick: () => { if (line !== null) goTo(line); } },
+      make("b", {}, [line === null ? "" : `line ${line}`, key].filter(Boolean).join(", ")), line === null && !key ? text : `: ${text}`));
+    if (!found.length && state.path) found.push(make("p", { className: "fine quiet" }, "Keys and values of this file are accepted; Check builds its mesh too."));
+    at("problems").replaceChildren(...found);
+  };
+
+  const show = () => {
+    at("file-name").textContent = state.path || "No case is open";
+    at("dirty").textContent = dirty() ? "not saved" : "";
+    at("save").disabled = !state.path || !dirty();
+    area.disabled = !state.path;
+    number();
+    list();
+  };
+
+  // Take what the server says of a text; text and digest only where they come from the file.
+  const take = (answer) => {
+    if (answer.text !== undefined && answer.text !== area.value) {
+      const top = area.scrollTop;
+      area.value = answer.text;
+      area.scrollTop = top;
+    }
+    if (answer.digest !== undefined) { state.digest = answer.digest; state.saved = answer.text; }
+    state.problems = answer.problems;
+    if (answer.case !== null) state.case = answer.case;
+    show();
+    listeners.forEach((listener) => listener(state));
+  };
+
+  const check = async () => {
+    const mine = ++checks, answer = await server.ask("check", { path: state.path, text: area.value });
+    if (mine === checks) take(answer);
+  };
+
+  const open = async (path) => {
+    const answer = await server.ask("open", { path });
+    Object.assign(state, { path, case: null });
+    checks++;
+    take(answer);
+  };
+
+  // Ask for a change of the file as it is shown; it is written and shown as it is then.
+  const change = async (action, asked = {}) => {
+    checks++;
+    const answer = await server.ask(action, { path: state.path, text: area.value, digest: state.digest, ...asked });
+    take(answer);
+    return answer;
+  };
+
+  const save = () => change("save");
+  const saved = async () => { if (dirty()) await save(); };
+
+  area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
+  area.addEventListener("input", () => {
+    checks++;
+    at("dirty").textContent = dirty() ? "not saved" : "";
+    at("save").disabled = !dirty();
+    number();
+    clearTimeout(waiting);
+    waiting = setTimeout(() => castx.trying(check), 400);
+  });
+  window.addEventListener("beforeunload", (event) => { if (dirty()) event.preventDefault(); });
+
+  return { open, save, saved, change, goTo, state, dirty, text: () => area.value, onChange: (act) => listeners.push(act) };
+})();

@@ -1,0 +1,196 @@
+// The part of a case: its faces in space, their names and conditions, and the first case of a part.
+"use strict";
+
+castx.parts = (() => {
+  const { at, make, server, editor } = castx;
+  const state = { path: "", text: "", faces: [], bodies: [], surfaces: {}, rest: [], found: new Set(), face: null, choices: null };
+  let view = null;
+
+  const source = () => ({ path: state.path, text: state.path === editor.state.path ? editor.text() : "" });
+  const ofCase = () => state.path === editor.state.path && state.path !== "";
+
+  // A face between two bodies is seen from the one that is shown.
+  const shown = (face) => state.faces[face].bodies.some((body) => !view.hidden.has(body));
+  const colour = (face) => {
+    const { COLOURS } = castx.FaceView;
+    if (face === state.face) return COLOURS.length + 2;
+    if (state.found.has(face)) return COLOURS.length + 1;
+    if (state.named.has(face)) return COLOURS.length;
+    const body = state.faces[face].bodies.find((name) => !view.hidden.has(name));
+    return Math.max(state.bodies.indexOf(body), 0) % COLOURS.length;
+  };
+
+  const open = () => {
+    if (view !== null) return view;
+    try {
+      view = new castx.FaceView(at("part-canvas"), (face) => castx.trying(() => pick(face)));
+    } catch {
+      throw new Error("This browser has no WebGL 2, without which the part cannot be drawn. Its faces can still be named in the text.");
+    }
+    Object.assign(view, { colour, shown });
+    return view;
+  };
+
+  const takeSurfaces = ({ surfaces, wrong, rest }) => {
+    Object.assign(state, { surfaces, rest, named: new Set(Object.values(surfaces).flat()) });
+    const row = (name, faces, kind) => make("button", { className: kind, onclick: () => mark(faces) }, `${name} `, make("span", { className: "quiet" }, `${faces.length} ${faces.length === 1 ? "face" : "faces"}`));
+    at("surfaces").replaceChildren(
+      ...Object.entries(surfaces).map(([name, faces]) => row(name, faces, "chip named")),
+      ...(rest.length ? [row("outside", rest, "chip")] : []),
+      ...Object.entries(wrong).map(([name, text]) => make("p", { className: "notice" }, `${name}: ${text}`)));
+  };
+
+  const mark = (faces) => {
+    state.found = new Set(faces);
+    state.face = null;
+    view.refresh();
+  };
+
+  const bodies = () => {
+    at("bodies").replaceChildren(...state.bodies.map((name) => make("label", {}, make("input", {
+      type: "checkbox", checked: !view.hidden.has(name),
+      onchange: (event) => { if (event.target.checked) view.hidden.delete(name); else view.hidden.add(name); view.refresh(); },
+    }), ` ${name}`)));
+  };
+
+  // Show the faces of a case, or of a part that has no case yet.
+  const show = async (path) => {
+    if (!path) return;
+    open();
+    at("part-state").textContent = "reading the part …";
+    try {
+      const fresh = path !== state.path;
+      const asked = { path, text: path === editor.state.path ? editor.text() : "" };
+      const answer = await server.ask("faces", asked);
+      const counts = await castx.unpacked(answer.counts), points = await castx.unpacked(answer.points);
+      if (fresh) {
+        view.hidden.clear();
+        // A mould hides the casting in it.
+        for (const name of answer.bodies) if (answer.bodies.length > 1 && /mould|mold|die\b/i.test(name)) view.hidden.add(name);
+        if (view.hidden.size === answer.bodies.length) view.hidden.clear();
+      }
+      Object.assign(state, { path, faces: answer.faces, bodies: answer.bodies, found: new Set(), face: null });
+      takeSurfaces(answer);
+      view.load(points, counts, !fresh);
+      bodies();
+      at("part-state").textContent = `${path}: ${answer.bodies.length} ${answer.bodies.length === 1 ? "body" : "bodies"}, ${answer.faces.length} faces. ${ofCase() ? "Click a face to name it." : "Write a case for it in the tab New case; then its faces can be named."}`;
+      at("naming").hidden = true;
+      at("part-view").hidden = false;
+      view.refresh();
+    } catch (error) {
+      at("part-state").textContent = "";
+      throw error;
+    }
+  };
+
+  const pick = async (face) => {
+    state.face = face;
+    if (face === null) {
+      state.found = new Set();
+      at("naming").hidden = true;
+      view.refresh();
+      return;
+    }
+    view.refresh();
+    const answer = await server.ask("propose", { ...source(), face });
+    state.found = new Set(answer.faces);
+    view.refresh();
+    at("face-text").textContent = answer.text;
+    at("selector").value = answer.selector;
+    at("selector").dataset.proposal = answer.proposal;
+    at("surface-name").value = answer.name ?? "";
+    at("kind").disabled = !answer.free;
+    if (!answer.free) at("kind").value = "";
+    numbers();
+    at("finds").textContent = finds(answer.faces);
+    at("naming").hidden = !ofCase();
+  };
+
+  const finds = (faces) => `finds ${faces.length} ${faces.length === 1 ? "face" : "faces"}`;
+
+  const select = async () => {
+    try {
+      const { faces } = await server.ask("select", { ...source(), selector: at("selector").value });
+      state.found = new Set(faces);
+      at("finds").textContent = finds(faces);
+    } catch (error) {
+      state.found = new Set();
+      at("finds").textContent = error.message;
+    }
+    view.refresh();
+  };
+
+  const numbers = () => {
+    const kind = state.choices?.conditions.find(({ name }) => name === at("kind").value);
+    at("kind-text").textContent = kind?.summary ?? "";
+    at("numbers").replaceChildren(...(kind?.keys ?? []).map((key) => make("label", { title: key.meaning },
+      `${key.name}${key.unit ? ` [${key.unit}]` : ""}${key.needed ? "" : " (optional)"} `, make("input", { name: key.name, size: 12 }))));
+  };
+
+  const name = async () => {
+    const given = Object.fromEntries([...at("numbers").querySelectorAll("input")].map((input) => [input.name, input.value]));
+    const answer = await editor.change("name", { name: at("surface-name").value, selector: at("selector").value, kind: at("kind").value, numbers: given });
+    takeSurfaces(await server.ask("surfaces", source()));
+    view.refresh();
+    at("finds").textContent = "written into the case file";
+    const line = answer.text.split("\n").findIndex((text) => text.includes(at("selector").value));
+    if (line >= 0) editor.goTo(line + 1);
+  };
+
+  const list = (parts) => {
+    const options = (none) => [make("option", { value: "" }, parts.length ? none : "no STEP, IGES or BREP file here"), ...parts.map((part) => make("option", { value: part }, part))];
+    for (const id of ["new-part", "part-file"]) at(id).replaceChildren(...options("choose a part"));
+  };
+
+  const choose = async () => {
+    if (state.choices !== null) return;
+    state.choices = await server.ask("choices");
+    const { processes, materials, conditions } = state.choices;
+    const option = (value, text) => make("option", { value }, text);
+    at("new-process").append(...processes.map((one) => option(one.name, one.name)));
+    at("new-alloy").append(...materials.filter((one) => one.melts).map((one) => option(one.name, `${one.name} (${one.class})`)));
+    at("new-mould").append(...materials.filter((one) => !one.melts).map((one) => option(one.name, `${one.name} (${one.class})`)));
+    at("kind").append(...conditions.map((one) => option(one.name, one.name)));
+  };
+
+  const ofProcess = () => {
+    const process = state.choices.processes.find((one) => one.name === at("new-process").value);
+    at("process-text").textContent = process ? process.summary : "Without a process, materials and temperatures are left to you, marked with CHOOSE.";
+    at("new-alloy").options[0].textContent = process ? `as usual: ${process.alloy}` : "–";
+    at("new-mould").options[0].textContent = process ? `as usual: ${process.mould}` : "–";
+    for (const id of ["new-alloy", "new-mould"]) at(id).disabled = !process;
+  };
+
+  const write = async () => {
+    const given = Object.fromEntries(["process", "alloy", "mould", "split", "top"].map((key) => [key, at(`new-${key}`).disabled ? "" : at(`new-${key}`).value]));
+    state.output = at("new-output").value || at("new-part").value.replace(/\.[^.]*$/, ".toml");
+    await server.ask("command", { command: "new", path: at("new-part").value, output: state.output, ...given });
+    castx.tabs.show("Run");
+    await castx.run.tick();
+  };
+
+  // After castx new its case is opened.
+  castx.finished = (command, code) => castx.trying(async () => {
+    await castx.list();
+    if (command !== "new" || code !== 0) return;
+    await castx.open(state.output);
+    castx.tabs.show("Part");
+    await show(state.output);
+  });
+
+  at("show-part").addEventListener("click", () => castx.trying(() => show(editor.state.path)));
+  at("part-file").addEventListener("change", (event) => castx.trying(() => show(event.target.value)));
+  at("selector").addEventListener("input", () => castx.trying(select));
+  at("propose").addEventListener("click", () => { at("selector").value = at("selector").dataset.proposal; castx.trying(select); });
+  at("kind").addEventListener("change", numbers);
+  at("do-name").addEventListener("click", () => castx.trying(name));
+  at("new-part").addEventListener("change", () => { at("new-output").placeholder = at("new-part").value.replace(/\.[^.]*$/, ".toml"); });
+  at("new-process").addEventListener("change", ofProcess);
+  at("do-new").addEventListener("click", () => castx.trying(write));
+  editor.onChange(({ path, case: known }) => {
+    at("show-part").disabled = !known?.cad;
+    if (path !== state.path) at("naming").hidden = true;
+  });
+
+  return { list, show, pick, choose, ofProcess, state, view: () => view };
+})();

@@ -1,0 +1,71 @@
+"""The faces of a case for the page, read once, and never outside the folder."""
+
+import os
+
+import pytest
+
+from castx.app import faces
+from castx.app.faces import PartViews
+from castx.app.workplace import Workplace
+from castx.errors import CaseError
+from castx.meshes.cad.seen import SeenPart
+from tests.castx.app.test_selectors import FACES
+
+pytestmark = pytest.mark.serial
+
+CASE = """
+[geometry]
+model = "3d"
+file = "part.step"
+size = "5 mm"
+surfaces = { up = { normal = "+z" }, none = { radius = 1 } }
+"""
+
+
+@pytest.fixture
+def views(tmp_path, monkeypatch):
+    """Views of a folder whose parts all have the same faces, and the parts that were read."""
+    (tmp_path / "work").mkdir()
+    for name in ("secret.step", "work/part.step"):
+        (tmp_path / name).write_text("")
+    read = []
+
+    def seen(part, folder, patience):
+        read.append(part)
+        return SeenPart(tuple(FACES), tuple(f.points.reshape(1, 3, 3) for f in FLAT), {})
+
+    monkeypatch.setattr(faces, "seen_apart", seen)
+    return PartViews(Workplace(tmp_path / "work")), read
+
+
+FLAT = [FACES[0]] * len(FACES)
+
+
+def test_a_part_is_read_again_only_when_it_has_changed(views):
+    found, read = views
+    view = found.view("case.toml", CASE)
+    assert view["bodies"] == ["part"] and view["surfaces"] == {"up": [0, 1, 2]}
+    assert view["rest"] == [3, 4, 5] and "selects no face" in view["wrong"]["none"]
+    found.surfaces("case.toml", CASE.replace("+z", "-z").replace("5 mm", "7 mm"))
+    assert len(read) == 1
+    found.of("case.toml", CASE.replace("size", 'mould = { box = "9 mm" }\nsize', 1))
+    assert len(read) == 2
+    os.utime(read[0].files[0].path, ns=(1, 1))
+    found.of("case.toml", CASE)
+    assert len(read) == 3
+    assert found.view("part.step", "")["rest"] == list(range(6))
+
+
+@pytest.mark.parametrize("file", ["../secret.step", "/etc/x.step", "missing.step"])
+def test_parts_elsewhere_are_not_read(views, file):
+    found, read = views
+    with pytest.raises(CaseError):
+        found.of("case.toml", CASE.replace("part.step", file))
+    with pytest.raises(CaseError):
+        found.of(file, "")
+    assert not read
+
+
+def test_a_case_without_cad_says_so(views):
+    with pytest.raises(CaseError, match="no CAD file"):
+        views[0].of("case.toml", "[time]\nend = 1\n")

@@ -1,0 +1,64 @@
+"""The page in a headless browser: a case opens, a click on a face writes its selector."""
+
+import tomllib
+
+import pytest
+
+from tests.cad_files import write_cad
+from tests.castx.app.browser import Browser, found_browser
+from tests.castx.app.served import served
+
+pytestmark = [
+    pytest.mark.serial,
+    pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine"),
+]
+
+CASE = """# by hand
+[geometry]
+model = "3d"
+file = "bar.step"
+size = "10 mm"
+[[bodies]]
+name = "bar"
+material = "Al-pure"
+temperature = 700
+[time]
+end = 1
+"""
+
+
+def test_a_click_on_a_face_writes_its_selector_into_the_case_file(tmp_path, monkeypatch):
+    folder = tmp_path / "work"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    write_cad(folder / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["bar"])
+    (folder / "bar.toml").write_text(CASE)
+    with (
+        served(folder, claim=False) as page,
+        Browser(found_browser() or "", tmp_path / "profile") as browser,
+    ):
+        browser.open(page.address)
+        browser.wait_for("document.body && document.body.dataset.ready === 'yes'")
+        assert browser.value("castx.at('text').value") == CASE
+        assert "are accepted" in browser.value("castx.at('problems').textContent")
+        browser.value("castx.tabs.show('Part'), castx.at('show-part').click()")
+        browser.wait_for("castx.at('part-state').textContent.startsWith('bar.toml: 1 body, 6')")
+        browser.value("castx.at('part-canvas').scrollIntoView({ block: 'center' })")
+        # the eye looks along (1, -1.4, 0.9): a little above the middle is the top
+        box = "castx.at('part-canvas').getBoundingClientRect()"
+        x, y = browser.value(f"[{box}.left + {box}.width / 2, {box}.top + 0.43 * {box}.height]")
+        browser.click(x, y)
+        browser.wait_for("!castx.at('naming').hidden && castx.at('finds').textContent")
+        assert browser.value("castx.at('selector').value") == '{ normal = "+z" }'
+        assert browser.value("castx.at('finds').textContent") == "finds 1 face"
+        browser.value("castx.at('surface-name').value = 'top', castx.at('do-name').click()")
+        browser.wait_for("castx.at('finds').textContent.startsWith('written')")
+        assert 'top = { normal = "+z" }' in browser.value("castx.at('text').value")
+        assert browser.errors == []
+        # at the width of a telephone nothing lies beside the page
+        browser.resize(400, 800)
+        assert browser.value("document.documentElement.scrollWidth") <= 400
+        browser.picture(tmp_path / "page.png")
+    text = (folder / "bar.toml").read_text()
+    assert text.startswith("# by hand\n")
+    assert tomllib.loads(text)["geometry"]["surfaces"] == {"top": {"normal": "+z"}}

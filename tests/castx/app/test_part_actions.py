@@ -1,0 +1,102 @@
+"""Names and conditions of faces stand in the case file; castx new gets what was chosen."""
+
+import tomllib
+
+import pytest
+
+from castx.app import faces
+from castx.app.part_actions import HELD, PartActions, choices, new_arguments, value_of
+from castx.app.workplace import Workplace
+from castx.errors import CaseError
+from castx.meshes.cad.seen import SeenPart
+from tests.castx.app.test_faces import CASE, FLAT
+from tests.castx.app.test_selectors import FACES, flat
+
+pytestmark = pytest.mark.serial
+
+SHARED = flat(22, [0, 1, 0], [0, 0.1, 0], [1, 0.1, 1], bodies=("part", "mould"))
+
+
+@pytest.fixture
+def actions(tmp_path, monkeypatch):
+    (tmp_path / "part.step").write_text("")
+    found = [*FACES, SHARED]
+    triangles = tuple(face.points.reshape(1, 3, 3) for face in (*FLAT, SHARED))
+    monkeypatch.setattr(
+        faces, "seen_apart", lambda *_: SeenPart(tuple(found), triangles, {"symmetry-x": (4,)})
+    )
+    return PartActions(Workplace(tmp_path))
+
+
+def named(actions, text=CASE, **asked):
+    return actions.named({"path": "case.toml", "text": text, **asked})
+
+
+def test_a_click_proposes_a_selector_and_tells_a_name_that_there_is(actions):
+    asked = {"path": "case.toml", "text": CASE}
+    found = actions.proposed({**asked, "face": 3})
+    assert found["selector"] == '{ body = "part", normal = "-z" }' and found["name"] is None
+    assert found["faces"] == [3] and found["free"] and found["body"] == "part"
+    known = actions.proposed({**asked, "face": 1})
+    assert known["name"] == "up" and known["selector"] == '{ normal = "+z" }'
+    assert known["faces"] == [0, 1, 2] and "within" in known["proposal"]
+    assert not actions.proposed({**asked, "face": 6})["free"]
+    with pytest.raises(CaseError):
+        actions.proposed({**asked, "face": 7})
+    assert actions.selected({**asked, "selector": "{ radius = 0.01 }"}) == {"faces": [5]}
+    with pytest.raises(CaseError):
+        actions.selected({**asked, "selector": "3"})
+
+
+def test_a_name_and_a_condition_are_written(actions):
+    bore = {"name": "bore", "selector": "{ radius = 0.01 }"}
+    numbers = {"coefficient": "500", "ambient": "20 degC"}
+    text = named(actions, **bore, kind="convection", numbers=numbers)
+    found = tomllib.loads(text)
+    assert found["geometry"]["surfaces"]["bore"] == {"radius": 0.01}
+    assert found["geometry"]["surfaces"]["up"] == {"normal": "+z"}
+    heat = {"type": "convection", "coefficient": 500, "ambient": "20 degC"}
+    assert found["boundaries"] == [{"on": "part/bore", "heat": heat}]
+    text = named(actions, text, **bore, kind=HELD)
+    again = named(actions, text, **bore, kind="insulated")
+    (entry,) = tomllib.loads(again)["boundaries"]
+    assert entry == {
+        "on": "part/bore", "heat": {"type": "insulated"}, "displacement": {"normal": 0}
+    }  # fmt: skip
+
+
+def test_faces_between_bodies_have_names_only(actions):
+    shared = {"name": "side", "selector": '{ touches = "mould" }'}
+    assert "boundaries" not in tomllib.loads(named(actions, **shared))
+    with pytest.raises(CaseError, match="interface"):
+        named(actions, **shared, kind=HELD)
+    for wrong in ({"name": "a/b"}, {"selector": "{ radius = 5 }"}, {"kind": "magic"}):
+        with pytest.raises(CaseError):
+            named(actions, **{"name": "x", "selector": '{ normal = "-z" }', **wrong})
+
+
+def test_values_are_read_as_toml_or_as_text():
+    assert [value_of(text) for text in ("20", '"a"', "20 degC", "[[0, 1]]")] == [
+        20, "a", "20 degC", [[0, 1]]
+    ]  # fmt: skip
+
+
+def test_choices_are_those_of_the_databases():
+    found = choices()
+    assert {p["name"] for p in found["processes"]} >= {"gravity-die", "sand"}
+    melts = {m["name"]: m["melts"] for m in found["materials"]}
+    assert melts["AlSi7Mg"] and not melts["steel-H13"]
+    convection = next(c for c in found["conditions"] if c["name"] == "convection")
+    assert [key["name"] for key in convection["keys"]] == ["coefficient", "ambient"]
+
+
+def test_castx_new_gets_what_was_chosen(actions, tmp_path):
+    place = Workplace(tmp_path)
+    asked = {"path": "part.step", "process": "sand", "alloy": "", "split": "z", "output": "c.toml"}
+    assert new_arguments(place, asked) == [
+        "new", "part.step", "--output", "c.toml", "--process", "sand", "--split", "z"
+    ]  # fmt: skip
+    (tmp_path / "c.toml").write_text("")
+    for wrong in ({}, {"path": "../part.step"}, {"output": "../d.toml"}, {"split": "--help"}):
+        with pytest.raises(CaseError):
+            new_arguments(place, {**asked, **wrong})

@@ -1,0 +1,35 @@
+"""Faces of CAD solids with triangles, without a mesh of the solids."""
+
+import json
+
+import numpy as np
+import pytest
+
+from castx.domain.source import gmsh_session
+from castx.meshes.cad.description import CadFile, CadPart, SymmetryPlane
+from castx.meshes.cad.seen import SeenPart, see_part
+from tests.cad_files import two_blocks, write_cad
+
+pytestmark = pytest.mark.serial
+
+
+def area(triangles):
+    sides = triangles[:, 1:] - triangles[:, :1]
+    return 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+
+
+def test_each_face_has_its_triangles(tmp_path):
+    path = write_cad(tmp_path / "two.step", two_blocks, ["casting", "die"])
+    cut = SymmetryPlane(axis=1, place=0.005, above=True)
+    with gmsh_session():
+        seen = see_part(CadPart((CadFile(str(path)),), 1.0, symmetry=(cut,)), str(tmp_path / "x"))
+    seen = SeenPart.of_data(json.loads(json.dumps(seen.as_data())))
+    for face, triangles in zip(seen.faces, seen.triangles, strict=True):
+        assert area(triangles) == pytest.approx(face.area, rel=1e-5)
+    shared = [face for face in seen.faces if len(face.bodies) == 2]
+    assert len(shared) == 1 and set(shared[0].bodies) == {"casting", "die"}
+    at_cut = [seen.faces[number] for number in seen.made["symmetry-y"]]
+    assert len(at_cut) == 2
+    for face in at_cut:
+        assert face.points[:, 1] == pytest.approx(0.005)
+        assert face.normals_from(face.bodies[0])[:, 1] == pytest.approx(-1.0)
