@@ -47,7 +47,7 @@ class PartActions:
         return self._views.surfaces(text_of(asked, "path"), text_of(asked, "text"))
 
     def proposed(self, asked: Asked) -> Answer:
-        """Return the selector of a face, the faces that it finds, and the name that it has."""
+        """Return the selector of a face, the faces found by it, and its name."""
         name, text = text_of(asked, "path"), text_of(asked, "text")
         faces = self._views.of(name, text).faces
         number = number_of(asked, "face")

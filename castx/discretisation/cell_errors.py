@@ -89,7 +89,7 @@ class CellErrors:
 
 
 def often(values: FloatArray) -> FloatArray:
-    """Return how often components count in the square of values, (components,)."""
+    """Return the weights of components in the square of values, (components,)."""
     return SYMMETRIC if values.shape[1] == len(SYMMETRIC) else np.ones(values.shape[1])
 
 

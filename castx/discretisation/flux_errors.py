@@ -24,7 +24,7 @@ FLUX_ERROR = "heat_flux_error"
 """Name of the field."""
 
 
-class HotState(Protocol):
+class TemperatureState(Protocol):
     """The part of a state after an accepted step that is needed here."""
 
     @property
@@ -54,7 +54,7 @@ class BodyFluxErrors:
         self._nodes = body.nodes.dofmap.list
         corners = body.points[self._nodes]
         self._gradients = midpoint_gradients(body.nodes, corners)[0]
-        self._sums = np.zeros((len(self._nodes), 2))
+        self._sums: FloatArray = np.zeros((len(self._nodes), 2))
         self._duration = 0.0
 
     def add(self, temperature: FloatArray, step: float) -> None:
@@ -106,7 +106,7 @@ class FluxErrors:
         }
         self._time: float | None = None
 
-    def update(self, state: HotState) -> None:
+    def update(self, state: TemperatureState) -> None:
         """Take over the state after an accepted step; collective."""
         step = 0.0 if self._time is None else state.time - self._time
         self._time = state.time

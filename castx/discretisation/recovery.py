@@ -54,9 +54,7 @@ class PatchRecovery:
         self._sweeps = self._levels(~_on_surface(body) & (self._summed(missing) == 0.0))
 
     def _levels(self, known: BoolArray) -> list[tuple[BoolArray, BoolArray, FloatArray]]:
-        """Return for each sweep from the inside the nodes known before it, those it reaches, and
-        how many corners of cells reach each node.
-        """
+        """Return sweeps from the inside: nodes known before, those reached, by how many corners."""
         found = []
         for _ in range(MOST_SWEEPS):
             usable = known[self.cell_nodes] & self.counting[:, None]
@@ -92,7 +90,7 @@ class PatchRecovery:
         fits[:, 1:] /= self._sizes[:, None, None]
         for known, reached, counts in self._sweeps:
             fits = self._extended(fits, known, reached, counts)
-        return fits[:, 0]
+        return np.asarray(fits[:, 0])
 
     def _extended(
         self, fits: FloatArray, known: BoolArray, reached: BoolArray, counts: FloatArray

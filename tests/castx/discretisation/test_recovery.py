@@ -1,4 +1,4 @@
-"""Values recovered at the nodes: linear functions exactly, at the surface and beside other cells."""
+"""Values recovered at the nodes: linear functions exactly, at the surface and beside others."""
 
 from __future__ import annotations
 
