@@ -49,7 +49,8 @@ def modules_of(package: str) -> set[str]:
 def test_dependencies_are_what_is_imported():
     imported = {name.split(".")[0] for path in LIBRARY for name in imported_modules(path)}
     imported -= {"castx", *sys.stdlib_module_names}
-    assert imported == set().union(*(modules_of(name) for name in required("calphad", "app", "slurm")))
+    packages = required("calphad", "app", "slurm")
+    assert imported == set().union(*(modules_of(name) for name in packages))
 
 
 def test_the_conda_environment_has_the_same_packages():

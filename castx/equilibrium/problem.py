@@ -20,7 +20,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
-from castx.mechanics.midsides.fixed_midsides import midside_directions
+from castx.mechanics.fixed_midsides import midside_directions
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout

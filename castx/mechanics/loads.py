@@ -12,10 +12,10 @@ from dolfinx import fem
 from castx.arrays import FloatArray
 from castx.domain.measures import cell_measure, surface_measure
 from castx.domain.mesh import BodyMesh
+from castx.domain.surface_values import EvenValue, UnevenValue
 from castx.forms import momentum
 from castx.mechanics.clamp import Clamp
 from castx.mechanics.description import MechanicalBody, SurfaceLoad
-from castx.mechanics.surface_values import EvenValue, UnevenValue
 from castx.tables import Table
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
-from castx.mechanics.midsides.fixed_midsides import midside_directions
+from castx.mechanics.fixed_midsides import midside_directions
 from castx.mechanics.midsides.midsides import Midsides
 from tests.castx.mechanics.lone_bodies import slab
 from tests.elastic_bodies import everywhere, fixed
