@@ -41,7 +41,7 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Sequence[str] =
     60.0
     >>> castx.load_case(data, ["bodies.0.material=Al-pur"])
     Traceback (most recent call last):
-    castx.errors.CaseError: case.toml --set bodies.0.material=Al-pur: ...
+    castx.input.problems.RefusedFile: case.toml --set bodies.0.material=Al-pur: ...
 
     Args:
         source: a TOML file as described in the contract of case files, or its content; mesh and

@@ -22,7 +22,7 @@ def test_measured_enthalpies_have_units():
 
 
 def test_the_heat_flux_is_followed_in_cells():
-    assert followed(FIELDS) == {"heat_flux": "cells"}
+    assert followed(FIELDS) == {"heat_flux": "cells", "heat_flux_error": "cells"}
 
 
 @pytest.mark.parametrize(
