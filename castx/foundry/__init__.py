@@ -10,5 +10,5 @@ Public: `mush.FreezingPath`, `porosity.niyama`, `porosity.dimensionless_niyama`,
 `cracking.cold_crack_index`, `distortion.best_fit`, `roundness.flatness`, `roundness.roundness`,
 `die_life.Fatigue`, `mush_column.MushResistance`, `mush_column.column_suction`,
 `moving_front.PoresBehindFront`, `skeleton.consolidation`, `skeleton.undrained`,
-`melt_levels.communicating`.
+`melt_levels.communicating`, `bending.ThinWalls`.
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from castx.coupling.thin_walls import ThinWalls
+from castx.foundry.bending import ThinWalls
 from castx.report.summary.finding import Finding
 from castx.results.reading import Results
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from castx.case.reading.read import read_case
-from castx.coupling.thin_walls import BENDING, bending_error, thin_wall_records, thin_walls
+from castx.coupling.thin_walls import thin_wall_records, thin_walls
 from castx.domain.mesh import build_mesh
+from castx.foundry.bending import bending_error
 from castx.proof.verification.states import drawn_mesh, nodal, places, states
 
 LENGTH, HEIGHT, POISSON, STRESS = 40.0, 2.0, 0.33, 1e-6
@@ -96,13 +97,6 @@ def test_the_table_says_how_far_a_cantilever_is_off(comm, kind, formulation, lay
     assert bending_error(formulation, kind, layers) == pytest.approx(error, abs=0.02)
     assert walls.across == pytest.approx(layers, rel=1e-6)
     assert walls.error == pytest.approx(error, abs=0.02)
-
-
-def test_between_the_counts_errors_go_by_the_logarithm():
-    assert bending_error("mixed", "triangle", np.sqrt(8.0)) == pytest.approx(-0.205)
-    assert bending_error("mixed", "triangle", 0.3) == BENDING["mixed", "triangle"][0]
-    assert bending_error("mixed", "triangle", 99.0) == BENDING["mixed", "triangle"][-1]
-    assert bending_error("unknown", "triangle", 2.0) is None
 
 
 def slabs(formulation="mixed", **changes):

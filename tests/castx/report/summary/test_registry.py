@@ -1,5 +1,8 @@
 """All findings of a run."""
 
+import subprocess
+import sys
+
 import pytest
 
 from castx.report.summary.registry import FINDERS, findings, leading
@@ -27,3 +30,10 @@ def test_findings_come_in_the_order_of_the_registry_and_have_names_of_their_own(
 def test_a_run_without_anything_has_no_findings():
     quiet = run(freezing=[], interfaces=())
     assert len(FINDERS) > 5 and not findings(quiet)
+
+
+def test_findings_load_no_solvers():
+    """So a report of a small run begins at once."""
+    code = "import sys, castx.report.summary.registry; print(list(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"dolfinx", "gmsh", "petsc4py.PETSc", "ufl"} & set(eval(found.stdout))

@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import pytest
 
-from castx.coupling.thin_walls import ThinWalls
+from castx.foundry.bending import ThinWalls
 from castx.report.summary.estimated import error_texts
 from castx.report.summary.thin_walls import thin_walls
 from castx.results.files.estimate import Coarser, Estimate
