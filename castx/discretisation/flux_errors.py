@@ -12,9 +12,8 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.discretisation.cell_errors import CellErrors, described_error, squared
-from castx.foundry.front.gradients import midpoint_gradients
-from castx.materials.conduction_potential import ConductionPotential, conduction_potential
-from castx.materials.lookup import find_material
+from castx.discretisation.cell_flux import CellHeatFlux, potentials_of
+from castx.materials.conduction_potential import ConductionPotential
 from castx.stateful import Arrays, Saved, part_of, saved_parts
 
 if TYPE_CHECKING:
@@ -49,12 +48,9 @@ class BodyFluxErrors:
     """
 
     def __init__(self, body: BodyMesh, model: str, potential: ConductionPotential) -> None:
-        self._errors, self._potential = CellErrors(body, model), potential
+        self._errors, self._flux = CellErrors(body, model), CellHeatFlux(body, potential)
         self._comm, self._numbering = body.mesh.comm, body.cell_numbering
-        self._nodes = body.nodes.dofmap.list
-        corners = body.points[self._nodes]
-        self._gradients = midpoint_gradients(body.nodes, corners)[0]
-        self._sums: FloatArray = np.zeros((len(self._nodes), 2))
+        self._sums: FloatArray = np.zeros((len(self._numbering.numbers), 2))
         self._duration = 0.0
 
     def add(self, temperature: FloatArray, step: float) -> None:
@@ -64,8 +60,7 @@ class BodyFluxErrors:
             temperature: at the local nodes, (nodes,) [°C].
             step: size of the step [s].
         """
-        potential = self._potential(temperature)[self._nodes]
-        flux = -np.einsum("cak,ca->ck", self._gradients, potential)
+        flux = self._flux(temperature)
         squares = np.column_stack([self._errors.of(flux) ** 2, squared(flux)])
         self._sums += step * squares
         self._duration += step
@@ -147,5 +142,4 @@ def flux_errors_of(case: Case, mesh: CastingMesh) -> FluxErrors:
     """Return the errors of the heat flux of a case, of no body without the heat equation."""
     if case.coupling.scheme == "mechanical":
         return FluxErrors(mesh, {})
-    materials = {body.name: find_material(body.material, case.materials) for body in case.bodies}
-    return FluxErrors(mesh, {n: conduction_potential(m) for n, m in materials.items()})
+    return FluxErrors(mesh, potentials_of(case))

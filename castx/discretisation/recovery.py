@@ -11,9 +11,10 @@ passes from body to body.
 from __future__ import annotations
 
 import numpy as np
+from dolfinx.mesh import exterior_facet_indices
 
 from castx.arrays import BoolArray, FloatArray, LongArray
-from castx.domain.measures import nodal_sum
+from castx.domain.measures import nodal_sum, nodes_on_facets
 from castx.domain.mesh import BodyMesh
 
 MOST_SWEEPS = 2
@@ -51,7 +52,8 @@ class PatchRecovery:
             moments[:, i, j] = self._summed(self._terms[:, :, i] * self._terms[:, :, j])
         self._inverse = _inverses(moments)
         missing = np.repeat(1.0 * ~self.counting[:, None], self.cell_nodes.shape[1], axis=1)
-        self._sweeps = self._levels(~_on_surface(body) & (self._summed(missing) == 0.0))
+        outside = nodes_on_facets(body, exterior_facet_indices(body.mesh.topology))
+        self._sweeps = self._levels(~outside & (self._summed(missing) == 0.0))
 
     def _levels(self, known: BoolArray) -> list[tuple[BoolArray, BoolArray, FloatArray]]:
         """Return sweeps from the inside: nodes known before, those reached, by how many corners."""
@@ -134,18 +136,3 @@ def _inverses(moments: FloatArray) -> FloatArray:
     few = ~enough & (moments[:, 0, 0] > 0.0)
     found[few, 0, 0] = 1.0 / moments[few, 0, 0]
     return found
-
-
-def _on_surface(body: BodyMesh) -> BoolArray:
-    """Return whether local nodes lie on the surface of a body, (nodes,); collective."""
-    topology, kind = body.mesh.topology, body.kind
-    dim = topology.dim
-    owned_cells = topology.index_map(dim).size_local
-    around = np.diff(topology.connectivity(dim - 1, dim).offsets)
-    facets_of = topology.connectivity(dim, dim - 1).array.reshape(-1, len(kind.faces))
-    # A facet of an owned cell at the edge of the part of a rank has a ghost cell on its other side.
-    outer = around[facets_of[:owned_cells]] == 1
-    nodes = body.nodes.dofmap.list[:owned_cells][:, kind.faces][outer]
-    marks = np.zeros(len(body.parent_vertices))
-    marks[nodes.ravel()] = 1.0
-    return nodal_sum(body, marks) > 0.0

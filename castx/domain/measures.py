@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
+from dolfinx.common import IndexMap
 from dolfinx.mesh import Mesh, meshtags
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
 from castx.forms.nodal import nodal_area_vector, nodal_measure
@@ -145,11 +146,34 @@ def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
         body: mesh of the body.
         values: of this rank at its local nodes, shape (nodes,).
     """
-    sums = la.vector(body.nodes.dofmap.index_map)
+    return summed_over_ranks(body.nodes.dofmap.index_map, values)
+
+
+def summed_over_ranks(index_map: IndexMap, values: npt.NDArray[Any]) -> FloatArray:
+    """Return the sums over all ranks of values at local places, (places,); collective.
+
+    Args:
+        index_map: of the places.
+        values: of this rank at its local places, (places,).
+    """
+    sums = la.vector(index_map)
     sums.array[:] = values
     sums.scatter_reverse(la.InsertMode.add)
     sums.scatter_forward()
     return np.asarray(sums.array.copy())
+
+
+def nodes_on_facets(body: BodyMesh, facets: IntArray) -> BoolArray:
+    """Return whether the local nodes lie on some owned facets of any rank, (nodes,); collective.
+
+    Args:
+        body: mesh of the body.
+        facets: owned facets of this rank.
+    """
+    here = fem.locate_dofs_topological(body.nodes, body.mesh.topology.dim - 1, facets)
+    marks = np.zeros(len(body.parent_vertices))
+    marks[here] = 1.0
+    return nodal_sum(body, marks) > 0.0
 
 
 def nodal_mean(body: BodyMesh, values: FloatArray) -> FloatArray:

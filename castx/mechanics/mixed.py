@@ -84,7 +84,57 @@ class PressureFormulation(Formulation):
         return np.asarray(unknowns.pressure_scale * scaled)
 
 
-class MixedFormulation(PressureFormulation):
+class PocketedFormulation(PressureFormulation):
+    """Formulation in displacement and nodal pressure of a body that may hold trapped liquid.
+
+    Args:
+        unknowns: of the body, with the pressure.
+        material: stress and tangent at its integration points.
+        pockets: its trapped liquid.
+    """
+
+    def __init__(
+        self, unknowns: BodyUnknowns, material: MaterialPoints, pockets: TrappedLiquid
+    ) -> None:
+        super().__init__(unknowns, material)
+        self._pockets = pockets
+
+    def coupled_products(self) -> list[Product]:
+        """Return the products of the Jacobian of full pockets of trapped liquid."""
+        return [self._pockets.stiffness.add_product]
+
+    @property
+    def has_pockets(self) -> bool:
+        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
+        return self._pockets.exist
+
+    def liquid_totals(self) -> dict[str, float] | None:
+        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
+        return self._pockets.totals()
+
+    def commit(self) -> bool:
+        """Accept the trial state as the start of the next step; collective.
+
+        Returns:
+            False: the residual stays.
+        """
+        at_points = self.point_pressure()
+        pressure = self.mean_stress() if at_points is None else at_points
+        self._material.commit(pressure, self._pockets.hold_volume)
+        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
+        return False
+
+    def rewind(self) -> None:
+        """Return to the last accepted step, whose displacement the caller sets."""
+        self._material.rewind()
+        self._pockets.rewind()
+
+    def stateful_parts(self) -> dict[str, Stateful]:
+        """Return the histories of the integration points and of trapped liquid."""
+        return {"points": self._material, **self._pockets.stateful_parts()}
+
+
+class MixedFormulation(PocketedFormulation):
     """Momentum balance of one body in its displacement and pressure.
 
     Args:
@@ -105,8 +155,7 @@ class MixedFormulation(PressureFormulation):
         kind: str,
         planes: Sequence[FixedDirections],
     ) -> None:
-        super().__init__(unknowns, material)
-        self._pockets = pockets
+        super().__init__(unknowns, material, pockets)
         state = pockets.state(material.state())
         # A given pressure needs no stabilisation.
         tau = (1 - state.trapped) * self._tau(kind)
@@ -181,41 +230,13 @@ class MixedFormulation(PressureFormulation):
         """Return the part of OSGS beyond GLS, Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
         return [projection.add_product for projection in self._projections]
 
-    def coupled_products(self) -> list[Product]:
-        """Return the products of the Jacobian of full pockets of trapped liquid."""
-        return [self._pockets.stiffness.add_product]
-
     def mean_stress(self) -> FloatArray:
         """Return means of the nodal pressures, or pressures of pockets, [Pa], shape (cells,)."""
         nodes = self._unknowns.mesh.nodes.dofmap.list
         given = self._pockets.cell_pressures()
         return np.where(np.isnan(given), self.nodal_pressure()[nodes].mean(axis=1), given)
 
-    @property
-    def has_pockets(self) -> bool:
-        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
-        return self._pockets.exist
-
-    def liquid_totals(self) -> dict[str, float] | None:
-        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
-        return self._pockets.totals()
-
-    def commit(self) -> bool:
-        """Accept the trial state as the start of the next step; collective.
-
-        Returns:
-            False: the residual stays.
-        """
-        self._material.commit(self.mean_stress(), self._pockets.hold_volume)
-        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
-        return False
-
     def rewind(self) -> None:
         """Return to the last accepted step, whose displacement the caller sets."""
-        self._material.rewind()
-        self._pockets.rewind()
+        super().rewind()
         self._assemble_projections()
-
-    def stateful_parts(self) -> dict[str, Stateful]:
-        """Return the histories of the integration points and of trapped liquid."""
-        return {"points": self._material, **self._pockets.stateful_parts()}

@@ -26,14 +26,13 @@ from castx.arrays import FloatArray
 from castx.forms import momentum
 from castx.forms.momentum import PointState
 from castx.mechanics.constitutive.points import MaterialPoints
-from castx.mechanics.formulation import BodyUnknowns, MidsideForms, Product, WeakForms
+from castx.mechanics.formulation import BodyUnknowns, MidsideForms, WeakForms
 from castx.mechanics.loads import BodyLoads
-from castx.mechanics.mixed import PressureFormulation
+from castx.mechanics.mixed import PocketedFormulation
 from castx.mechanics.trapped_liquid import TrappedLiquid
-from castx.stateful import Stateful
 
 
-class TaylorHoodFormulation(PressureFormulation):
+class TaylorHoodFormulation(PocketedFormulation):
     """Momentum balance of one body in its quadratic displacement and its linear pressure.
 
     Args:
@@ -52,9 +51,9 @@ class TaylorHoodFormulation(PressureFormulation):
         loads: BodyLoads,
         pockets: TrappedLiquid,
     ) -> None:
-        super().__init__(unknowns, material)
+        super().__init__(unknowns, material, pockets)
         assert unknowns.midsides is not None
-        self._pockets, midsides = pockets, unknowns.midsides
+        midsides = unknowns.midsides
         test, trial = ufl.TestFunction(midsides.space), ufl.TrialFunction(midsides.space)
         state = pockets.state(material.state())
         of_nodes, of_midsides = self._test(), (midsides.strain(test), ufl.as_ufl(0.0))
@@ -125,10 +124,6 @@ class TaylorHoodFormulation(PressureFormulation):
         """Assemble the derivative of the rows of the nodes for a change of their unknowns."""
         self.forms.assemble_jacobian(A)
 
-    def coupled_products(self) -> list[Product]:
-        """Return the products of full pockets with the unknowns of nodes and then mid-sides."""
-        return [self._pockets.stiffness.add_product]
-
     def mean_stress(self) -> FloatArray:
         """Return means of the pressure, or pressures of pockets, [Pa], shape (cells,)."""
         return self._material.points.cell_means(self.point_pressure())
@@ -138,31 +133,3 @@ class TaylorHoodFormulation(PressureFormulation):
         points = self._material.points
         given = points.from_cells(self._pockets.cell_pressures())
         return np.where(np.isnan(given), points.evaluate(self._pressure)[:, 0], given)
-
-    @property
-    def has_pockets(self) -> bool:
-        """Whether there is trapped liquid in the trial step, whose pores may open and close."""
-        return self._pockets.exist
-
-    def liquid_totals(self) -> dict[str, float] | None:
-        """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
-        return self._pockets.totals()
-
-    def commit(self) -> bool:
-        """Accept the trial state as the start of the next step; collective.
-
-        Returns:
-            False: the residual stays.
-        """
-        self._material.commit(self.point_pressure(), self._pockets.hold_volume)
-        self._pockets.commit(self.nodal_pressure, self._material.dilatation)
-        return False
-
-    def rewind(self) -> None:
-        """Return to the last accepted step, whose displacement the caller sets."""
-        self._material.rewind()
-        self._pockets.rewind()
-
-    def stateful_parts(self) -> dict[str, Stateful]:
-        """Return the histories of the integration points and of trapped liquid."""
-        return {"points": self._material, **self._pockets.stateful_parts()}

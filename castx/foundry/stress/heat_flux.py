@@ -1,21 +1,18 @@
-"""Heat flux -k∇T in the cells of all bodies, by the potential θ = ∫k dT of the heat equation."""
+"""Heat flux -k∇T in the cells of all bodies at the last state."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
 from castx.arrays import FloatArray
 from castx.case.case import Case
-from castx.foundry.front.gradients import midpoint_gradients
-from castx.materials.conduction_potential import ConductionPotential, conduction_potential
-from castx.materials.lookup import find_material
+from castx.discretisation.cell_flux import CellHeatFlux, potentials_of
+from castx.materials.conduction_potential import ConductionPotential
 from castx.stateful import Arrays, Saved
 
 if TYPE_CHECKING:
-    from castx.domain.mesh import BodyMesh, CastingMesh
+    from castx.domain.mesh import CastingMesh
 
 HEAT_FLUX = "heat_flux"
 """Name of the field."""
@@ -41,17 +38,12 @@ class HeatFluxes:
     """
 
     def __init__(self, mesh: CastingMesh, potentials: Mapping[str, ConductionPotential]) -> None:
-        self._potentials = potentials
-        self._cells = {name: cells_of(mesh.bodies[name]) for name in potentials}
-        self._gradients = {
-            name: midpoint_gradients(mesh.bodies[name].nodes, mesh.bodies[name].points[cells])[0]
-            for name, cells in self._cells.items()
-        }
+        self._fluxes = {n: CellHeatFlux(mesh.bodies[n], of) for n, of in potentials.items()}
         self._temperatures: dict[str, FloatArray] = {}
 
     def update(self, state: HotState) -> None:
         """Take over the state after an accepted step."""
-        for name in self._potentials:
+        for name in self._fluxes:
             if name in state.mesh.bodies:
                 self._temperatures[name] = state.nodal(name, "temperature").copy()
 
@@ -59,9 +51,7 @@ class HeatFluxes:
         """Return -k∇T in the middles of the local cells, (cells, gdim) [W/m²]; None: unknown."""
         if name != HEAT_FLUX or body not in self._temperatures:
             return None
-        potential = self._potentials[body](self._temperatures[body])
-        at_corners = potential[self._cells[body]]
-        return np.asarray(-np.einsum("cak,ca->ck", self._gradients[body], at_corners))
+        return self._fluxes[body](self._temperatures[body])
 
     def totals(self) -> dict[str, float]:
         """Return nothing: the heat of bodies and interfaces is counted elsewhere."""
@@ -79,14 +69,7 @@ class HeatFluxes:
         """Have nothing to restore."""
 
 
-def cells_of(body: BodyMesh) -> FloatArray:
-    """Return the nodes of the local cells of a body, (cells, corners)."""
-    return np.asarray(body.nodes.dofmap.list)
-
-
 def heat_fluxes_of(case: Case, mesh: CastingMesh) -> HeatFluxes:
     """Return the heat flux of all bodies of a case, of none if it is not asked for."""
-    if HEAT_FLUX not in case.output.fields:
-        return HeatFluxes(mesh, {})
-    materials = {body.name: find_material(body.material, case.materials) for body in case.bodies}
-    return HeatFluxes(mesh, {n: conduction_potential(m) for n, m in materials.items()})
+    asked = HEAT_FLUX in case.output.fields
+    return HeatFluxes(mesh, potentials_of(case) if asked else {})

@@ -155,26 +155,13 @@ def contraction(
             (ended - begun + np.where(solid, cooled, 0.0), mean),
             (np.where(solid, 0.0, cooled), most),
         ):
-            part = weighted_means(points, change, share)
+            part = points.volume_means(change, share)
             cells += part
             size = points.from_volumes(np.abs(part))
             weighted += size * points.from_nodes(share)
             weight += size
     share = np.divide(weighted, weight, out=plain, where=weight > 0)
     return Contraction(cells, share)
-
-
-def weighted_means(
-    points: IntegrationPoints, values: FloatArray, weight: FloatArray
-) -> FloatArray:
-    """Return Σ W_v a_v/Σ W_v over the corners of the cells, zero without any W, shape (volumes,).
-
-    Args:
-        points: integration points of the body.
-        values: a_v of the nodes, shape (nodes,).
-        weight: W_v of the nodes, shape (nodes,).
-    """
-    return points.volume_means(values, weight)
 
 
 def in_the_solid(

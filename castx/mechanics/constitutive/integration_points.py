@@ -122,9 +122,8 @@ class IntegrationPoints:
         corners = self.cell_nodes
         if weight is None:
             return np.asarray(np.mean(values[corners], axis=1))
-        total = weight[corners].sum(axis=1)
-        weighted = (weight * values)[corners].sum(axis=1)
-        return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
+        weighted, total = (weight * values)[corners].sum(axis=1), weight[corners].sum(axis=1)
+        return _share(weighted, total)
 
     def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return values of the volumes at the points, shape (points,)."""
@@ -196,9 +195,7 @@ class VolumePoints(IntegrationPoints):
         """Return nodal values at the points, as means over the solid there, shape (points,)."""
         if weight is None:
             return self.from_nodes(values)
-        total = self.from_nodes(weight)
-        weighted = self.from_nodes(weight * values)
-        return np.asarray(np.divide(weighted, total, out=np.zeros_like(total), where=total > 0))
+        return _share(self.from_nodes(weight * values), self.from_nodes(weight))
 
     def from_volumes(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return the values as they are."""
@@ -219,3 +216,8 @@ class VolumePoints(IntegrationPoints):
     def volumes_by_cell(self, values: FloatArray) -> FloatArray:
         """Return values of the points with one row for each cell."""
         return self.by_cell(values)
+
+
+def _share(part: FloatArray, total: FloatArray) -> FloatArray:
+    """Return parts of totals, zero where there is nothing in all."""
+    return np.asarray(np.divide(part, total, out=np.zeros_like(total), where=total > 0))

@@ -37,7 +37,6 @@ from castx.mechanics.constitutive.growth import (
     Shares,
     contraction,
     in_the_solid,
-    weighted_means,
 )
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.tables import Table
@@ -168,7 +167,7 @@ class Law:
         share = points.volume_means(end.share)
         nodal = 3 * (1 - 2 * nu) / E
         compressibility = np.where(
-            share > 0, weighted_means(points, nodal, end.share), points.volume_means(nodal)
+            share > 0, points.volume_means(nodal, end.share), points.volume_means(nodal)
         )
         contracted = self._contraction(points, start, between, end)
         shares = Shares.between(

@@ -10,10 +10,10 @@ from collections.abc import Collection
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx import fem, la
 from dolfinx import mesh as dmesh
 
 from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.domain.measures import nodes_on_facets
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.regions import CellRegions
 
@@ -29,7 +29,7 @@ class FeedingPaths:
 
     def __init__(self, body: BodyMesh, model: str, closed: Collection[str]) -> None:
         self._regions = CellRegions(body)
-        self._at_free_surface = _on_facets(body, free_facets(body, model, closed))
+        self._at_free_surface = nodes_on_facets(body, free_facets(body, model, closed))
 
     def pockets(self, fraction: FloatArray, fed_until: float) -> IntArray:
         """Return the number of the pocket of each cell, −1: none, shape (cells,); collective.
@@ -68,15 +68,3 @@ def free_facets(body: BodyMesh, model: str, closed: Collection[str]) -> IntArray
         )
         free = np.setdiff1d(free, on_axis)
     return np.asarray(free, dtype=np.int32)
-
-
-def _on_facets(body: BodyMesh, facets: IntArray) -> BoolArray:
-    """Return whether the local nodes lie on some owned facets of any rank; collective."""
-    dimension = body.mesh.topology.dim
-    nodes = fem.locate_dofs_topological(body.nodes, dimension - 1, facets)
-    flags = la.vector(body.nodes.dofmap.index_map, 1, dtype=np.int32)
-    flags.array[:] = 0
-    flags.array[nodes] = 1
-    flags.scatter_reverse(la.InsertMode.add)
-    flags.scatter_forward()
-    return np.asarray(flags.array > 0)

@@ -10,9 +10,10 @@ import basix
 import numpy as np
 import numpy.typing as npt
 import ufl
-from dolfinx import fem, la
+from dolfinx import fem
 
 from castx.arrays import FloatArray, IntArray
+from castx.domain.measures import summed_over_ranks
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
 from castx.mechanics.midsides.bubbles import bubble_element
@@ -96,10 +97,6 @@ class Midsides:
             MeshError: the body has no such surface.
         """
         facets = self._body.facet_tags.find(self._body.surface_tag(name))
-        return self.on_facets(facets)
-
-    def on_facets(self, facets: IntArray) -> IntArray:
-        """Return the local mid-sides of facets of all ranks, ascending; collective."""
         dimension = self._body.mesh.topology.dim - 1
         here = fem.locate_dofs_topological(self.space, dimension, facets, remote=False)
         marks = np.zeros(self.count)
@@ -108,8 +105,4 @@ class Midsides:
 
     def sum(self, values: npt.NDArray[Any]) -> FloatArray:
         """Return the sums over all ranks of values at the local mid-sides; collective."""
-        sums = la.vector(self._index_map)
-        sums.array[:] = values
-        sums.scatter_reverse(la.InsertMode.add)
-        sums.scatter_forward()
-        return np.asarray(sums.array.copy())
+        return summed_over_ranks(self._index_map, values)

@@ -11,7 +11,6 @@ from castx.mechanics.constitutive.growth import (
     Shares,
     contraction,
     in_the_solid,
-    weighted_means,
 )
 
 
@@ -114,7 +113,7 @@ def test_values_of_the_solid_are_means_over_it(points):
         np.testing.assert_array_equal(
             in_the_solid(points, values, whole), points.from_nodes(values)
         )
-    assert not weighted_means(points, values, np.zeros(nodes)).any()
+    assert not points.volume_means(values, np.zeros(nodes)).any()
 
 
 VOLUME = CellVolume(
