@@ -15,13 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from castx.errors import CaseError
-from castx.input.child_process import OF_MPI
+from castx.input.child_process import environment_of_no_rank
 
 KEPT = 2000
 """Lines of a command that are kept."""
 LONGEST = 2000
 """Characters of a line that are kept."""
-WIDTH = "100"
+OF_A_PAGE = {"COLUMNS": "100", "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"}
+"""Variables by which its output suits the page."""
 
 
 class Command:
@@ -34,12 +35,11 @@ class Command:
 
     def __init__(self, arguments: Sequence[str], folder: Path) -> None:
         self.arguments = tuple(arguments)
-        kept = {key: value for key, value in os.environ.items() if not key.startswith(OF_MPI)}
         # A session of its own: Ctrl-C is the server's, which tells the command to stop.
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "castx", *arguments], cwd=folder,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            env=kept | {"COLUMNS": WIDTH, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"},
+            env=environment_of_no_rank() | OF_A_PAGE,
             start_new_session=True, text=True, errors="replace",
         )  # fmt: skip
         self._lines: deque[str] = deque(maxlen=KEPT)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -12,9 +11,7 @@ from castx.app.toml_lines import TextPlace, places
 from castx.errors import CaseError
 from castx.input.problems import KeyPath, dotted
 from castx.input.toml_text import parse_toml
-from castx.input.toml_written import toml_value
-
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
+from castx.input.toml_written import toml_key, toml_value
 
 
 def with_value(text: str, path: KeyPath, value: Any) -> str:
@@ -69,11 +66,6 @@ def content_of(text: str) -> dict[str, Any]:
         return parse_toml(text)
     except ValueError as error:
         raise CaseError(f"the text is no TOML, mend it first: {error}") from None
-
-
-def toml_key(key: str) -> str:
-    """Return a key as TOML writes it."""
-    return key if _BARE.fullmatch(key) else toml_value(key)
 
 
 def _set(content: Any, path: KeyPath, value: Any) -> None:

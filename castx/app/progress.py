@@ -8,10 +8,9 @@ from typing import Any
 
 from castx.errors import CaseError
 from castx.report.page.charts import merged, run_sections
-from castx.results.files.folder import RECORD
+from castx.results.files.folder import HISTORY, RECORD
 from castx.results.reading import Results
 
-HISTORY = "history.csv"
 LONGEST = 100_000_000
 """Bytes of a history whose curves are drawn while it grows."""
 

@@ -19,6 +19,11 @@ OF_MPI = ("OMPI_", "PMIX_", "PRTE_", "PMI_")
 """Beginnings of the variables by which a process takes itself for a rank."""
 
 
+def environment_of_no_rank() -> dict[str, str]:
+    """Return the variables of this process for a child that is no rank of this run."""
+    return {key: value for key, value in os.environ.items() if not key.startswith(OF_MPI)}
+
+
 def run_apart(
     arguments: Sequence[str],
     patience: float,
@@ -38,11 +43,10 @@ def run_apart(
     Raises:
         TimeoutExpired: it took longer, and was killed.
     """
-    kept = {key: value for key, value in os.environ.items() if not key.startswith(OF_MPI)}
     return subprocess.run(
         [sys.executable, "-P", *arguments],
         stdin=given, stdout=subprocess.PIPE, stderr=errors, timeout=patience, check=False,
-        env=kept | {"OPENBLAS_NUM_THREADS": "1"},
+        env=environment_of_no_rank() | {"OPENBLAS_NUM_THREADS": "1"},
     )  # fmt: skip
 
 

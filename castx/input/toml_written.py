@@ -17,7 +17,8 @@ def toml_value(value: Any) -> str:
         value: of the types of JSON: numbers, texts, lists, tables.
     """
     if isinstance(value, Mapping):
-        inside = ", ".join(f"{_key(key)} = {toml_value(item)}" for key, item in value.items())
+        parts = (f"{toml_key(key)} = {toml_value(item)}" for key, item in value.items())
+        inside = ", ".join(parts)
         return f"{{ {inside} }}" if inside else "{}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(toml_value(item) for item in value)}]"
@@ -37,22 +38,22 @@ def toml_text(content: Mapping[str, Any]) -> str:
     plain, tables = [], []
     for key, value in content.items():
         if isinstance(value, Mapping):
-            tables.append(_table(f"[{_key(key)}]", value))
+            tables.append(_table(f"[{toml_key(key)}]", value))
         elif isinstance(value, list | tuple) and value and all(
             isinstance(item, Mapping) for item in value
         ):  # fmt: skip
-            tables += [_table(f"[[{_key(key)}]]", item) for item in value]
+            tables += [_table(f"[[{toml_key(key)}]]", item) for item in value]
         elif value is not None:
-            plain.append(f"{_key(key)} = {toml_value(value)}")
+            plain.append(f"{toml_key(key)} = {toml_value(value)}")
     return "\n\n".join(["\n".join(plain), *tables] if plain else tables) + "\n"
 
 
 def _table(heading: str, content: Mapping[str, Any]) -> str:
-    lines = [
-        f"{_key(key)} = {toml_value(value)}" for key, value in content.items() if value is not None
-    ]
+    given = ((key, value) for key, value in content.items() if value is not None)
+    lines = [f"{toml_key(key)} = {toml_value(value)}" for key, value in given]
     return "\n".join([heading, *lines])
 
 
-def _key(key: str) -> str:
+def toml_key(key: str) -> str:
+    """Return a key as TOML writes it."""
     return key if _BARE.fullmatch(key) else toml_value(key)

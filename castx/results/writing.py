@@ -32,7 +32,9 @@ from castx.results.files.disk import Disk
 from castx.results.files.folder import (
     CASE,
     FIELDS,
+    HISTORY,
     HOT_SPOTS,
+    PROBES,
     RECORD,
     SERIES,
     claim_folder,
@@ -110,8 +112,8 @@ class ResultsWriter:
         followed = self._pools, self._ends, self._cracks, self._histories
         names = [body.name for body in case.bodies]
         between = [interface.name for interface in case.interfaces]
-        self._history = History(self._folder / "history.csv", names, between)
-        self._probes = Probes(self._folder / "probes.csv", case.probes, mesh, pairs)
+        self._history = History(self._folder / HISTORY, names, between)
+        self._probes = Probes(self._folder / PROBES, case.probes, mesh, pairs)
         self._measured = measured_curves(case.measurements, self._probes.columns, mesh.comm)
         self._fields = Fields(
             self._folder / FIELDS,

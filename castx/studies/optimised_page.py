@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
-
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
-from castx.report.page.assets import CURVES_ONLY, page
+from castx.report.page.assets import CURVES_ONLY, data_uri, page
 from castx.report.style import COLOURS, DOTS_PER_INCH, figure
 from castx.studies.asked.optimise import LEAST, Optimise
 from castx.studies.page import headings, rows
@@ -98,4 +96,4 @@ def picture(table: StudyTable, study: Optimise, within: BoolArray, best: int) ->
         for axis in axes[len(panels) :]:
             axis.axis("off")
         canvas.savefig(stream, dpi=DOTS_PER_INCH, format="png")
-    return "data:image/png;base64," + b64encode(stream.getvalue()).decode("ascii")
+    return data_uri(stream.getvalue())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from base64 import b64encode
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
@@ -48,6 +49,11 @@ def text(name: str) -> str:
 def uplot() -> str:
     """Return the library of the curves; its first comment loses the address of its home."""
     return re.sub(r"https?://\S+?/(\w+/uPlot)", r"\1", text("vendor/uPlot.iife.min.js"), count=1)
+
+
+def data_uri(png: bytes) -> str:
+    """Return a PNG as an address that holds it."""
+    return "data:image/png;base64," + b64encode(png).decode("ascii")
 
 
 def data(content: Any) -> Markup:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +14,7 @@ from matplotlib.image import imsave
 from castx.arrays import FloatArray
 from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments
+from castx.report.page.assets import data_uri
 from castx.report.pictures import (
     Image,
     Scale,
@@ -226,7 +226,7 @@ def png(image: Image) -> str:
     """Return a picture as a data URI."""
     stream = io.BytesIO()
     imsave(stream, np.ascontiguousarray(image), format="png")
-    return "data:image/png;base64," + b64encode(stream.getvalue()).decode("ascii")
+    return data_uri(stream.getvalue())
 
 
 def bar(topic: Topic, scale: Scale) -> Bar:

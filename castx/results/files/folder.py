@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 RECORD = "run.json"
 CASE = "case.json"
-SERIES = ("probes.csv", "history.csv")
+PROBES, HISTORY = "probes.csv", "history.csv"
+SERIES = (PROBES, HISTORY)
 HOT_SPOTS = "hot_spots.csv"
 MEASURED = "measurements.csv"
 REPORT = "report.html"

@@ -12,7 +12,7 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.results.files.column_units import unit_of
-from castx.results.files.folder import RECORD
+from castx.results.files.folder import HISTORY, PROBES, RECORD
 from castx.results.files.measurements import Deviation, deviation, read_measured
 from castx.results.files.run_json import completed, read_record
 from castx.results.files.series import read_series
@@ -48,8 +48,8 @@ class RunTables:
         self.folder = Path(folder)
         try:
             record = completed(read_record(self.folder / RECORD))
-            history = read_series(self.folder / "history.csv")
-            probes = read_series(self.folder / "probes.csv")
+            history = read_series(self.folder / HISTORY)
+            probes = read_series(self.folder / PROBES)
             self.measured = read_measured(self.folder)
         except (OSError, ValueError) as error:
             raise CaseError(f"{folder} is not a results folder of castx: {error}") from error

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from castx.input.child_process import OF_MPI, shortened
+from castx.input.child_process import environment_of_no_rank, shortened
 from castx.studies.runs.executor import Ended, Task
 
 PATIENCE = 0.02
@@ -63,12 +63,11 @@ class LocalProcesses:
             stop([process for process, _ in going.values()])
 
     def _started(self, task: Task) -> subprocess.Popen[bytes]:
-        kept = {key: value for key, value in os.environ.items() if not key.startswith(OF_MPI)}
         with task.log.open("wb") as log:
             process = subprocess.Popen(
                 [sys.executable, "-m", "castx", *task.arguments],
                 stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
-                env=kept | ONE_THREAD, start_new_session=True,
+                env=environment_of_no_rank() | ONE_THREAD, start_new_session=True,
             )  # fmt: skip
         if self.memory is not None:
             with suppress(ProcessLookupError):  # it has ended already
