@@ -33,8 +33,8 @@ from castx.proof.verification.solids.freezing_plate import (
     SPAN,
     YOUNG,
     Plate,
-    freezing,
 )
+from tests.verification.freezing_grid import freezing
 
 SECONDS = LENGTH**2 * DENSITY * CAPACITY / CONDUCTIVITY
 """In one of the dimensionless times."""

@@ -3,7 +3,6 @@ import pytest
 
 from castx.proof.verification.solids.freezing_plate import (
     LENGTH,
-    PLATES,
     VERIFICATION,
     Plate,
     reference,
@@ -11,14 +10,6 @@ from castx.proof.verification.solids.freezing_plate import (
 from castx.proof.verification.verification import Resolution
 
 pytestmark = pytest.mark.serial
-
-
-def test_the_reference_converges():
-    ends = [reference(Plate(1.0, 0.7, 100), steps=n)[1][-1] for n in (100, 200, 2000)]
-    assert abs(ends[1] - ends[2]) < 0.6 * abs(ends[0] - ends[2])
-    assert reference(PLATES["die"], 240)[1][-1] == pytest.approx(
-        reference(PLATES["die"])[1][-1], rel=3e-3
-    )
 
 
 @pytest.mark.parametrize("biot", [0.5, 4.0])
@@ -29,9 +20,9 @@ def test_much_latent_heat_makes_the_skin_quasi_steady(biot):
     """
     stefan, skin = 1e-3, 0.75
     end = (skin + biot * skin**2 / 2) / (biot * stefan)
-    found = reference(Plate(biot, end, 4000, stefan), steps=4000)[1][-1]
+    found = reference(Plate(biot, end, 4, stefan))[1][-1]
     y = 1 + biot * skin
-    assert found == pytest.approx(-0.5 * (np.log(y) + biot * skin / y), rel=5e-3)
+    assert found == pytest.approx(-0.5 * (np.log(y) + biot * skin / y), rel=1e-3)
 
 
 def test_a_coarse_run(comm):
