@@ -12,15 +12,19 @@ strain of contraction c, thermal and of solidification. A cell contracts where i
     de^θ = Σ_v w_v dc_v / Σ_v w_v,
 
 over its corners v. Solid grows while it contracts, in a thin skin by much of what there is: the sum
-over a step goes through the states that its heat has passed (`contraction`).
+over a step goes through the states that its heat has passed (`growth`).
 
 Over one step, with w_0 and w the shares at its start and its end,
 
-    E = (min(w_0, w) E_n + w_m de)/w,   w_m = ∫ w |de^θ| / ∫ |de^θ| where solid grows, else w,
+    E = (min(w_0, w) E_n + w_m de)/w,   de^θ = ∫ Σ_v w_v dc_v / Σ_v w_m,v,
 
 is the mean elastic strain of the solid before it flows: that of the start is diluted by what is
-born, and w_m is the share that was there to be strained while the cell contracted. What melts takes
-its stress away with it.
+born, and w_m is the share that was there to be strained while the body contracted, w where nothing
+grows,
+
+    w_m = ∫ w |dε| / ∫ |dε|,   dε = ∫ w dc dV / ∫ w dV.
+
+What melts takes its stress away with it.
 """
 
 from __future__ import annotations
@@ -116,52 +120,106 @@ class CellVolume(NamedTuple):
         return np.asarray(old * self.free + (1 - old) * born + change - (end - start) * elastic)
 
 
-class Contraction(NamedTuple):
-    """Contraction over a step.
+class Growth(NamedTuple):
+    """Solid of the nodes over a step, each of shape (nodes,).
+
+    A cell contracts by de^θ = ∫ Σ_v w_v dc_v / Σ_v w_m,v over its corners.
 
     Attributes:
-        cells: de^θ of the cells, shape (cells,).
-        share: w_m of the points, the mean of w while their cell contracted, shape (points,).
+        strained: w_m, the mean of w while the body contracts.
+        contracted: ∫ w dc.
     """
 
-    cells: FloatArray
-    share: FloatArray
+    strained: FloatArray
+    contracted: FloatArray
+
+    def contraction(self, points: IntegrationPoints) -> FloatArray:
+        """Return de^θ of the cells, zero without solid, shape (cells,)."""
+        part, whole = points.volume_means(self.contracted), points.volume_means(self.strained)
+        return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
 
 
-def contraction(
-    points: IntegrationPoints, passed: Sequence[MetalNodes], frozen: FloatArray
-) -> Contraction:
-    """Return the sum of Σ w_v dc_v/Σ w_v between the states that a step has passed.
+def growth(
+    points: IntegrationPoints,
+    passed: Sequence[MetalNodes],
+    frozen: FloatArray,
+    *,
+    isothermal: bool = False,
+) -> Growth:
+    """Return growth and contraction of the solid between the states of a step; collective.
 
     What is solid throughout contracts while other metal freezes beside it, w = (w_a + w_b)/2
     between states a and b; so does mush. Metal that becomes solid contracts after that, w = w_b.
+    What strains by that is the same share, but behind the front of metal that freezes at one
+    temperature (`_share_behind_a_front`).
+
+    A skin strains as a whole: how far it has come at a time within the step is taken from the mean
+    over the body. Nodes that freeze one after the other contract by fits and starts.
 
     Args:
         points: integration points of the body.
-        passed: metal of the nodes at the start of the step, between, and at its end.
+        passed: metal of the nodes at the start of the step, between, and at its end, in equal
+            times.
         frozen: c of the nodes as they become solid, shape (nodes,).
+        isothermal: whether the metal freezes at one temperature.
     """
-    cells = np.zeros(points.volumes)
-    weighted, weight, plain = np.zeros((3, points.count))
-    for before, after in pairwise(passed):
-        mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
-        plain += points.from_nodes(mean) / (len(passed) - 1)
-        begun, ended = (
-            np.where(state.share < 1, state.contraction, frozen) for state in (before, after)
-        )
-        cooled = after.contraction - ended - (before.contraction - begun)
-        solid = (before.share == 1) & (after.share == 1)
-        for change, share in (
-            (ended - begun + np.where(solid, cooled, 0.0), mean),
-            (np.where(solid, 0.0, cooled), most),
-        ):
-            part = points.volume_means(change, share)
-            cells += part
-            size = points.from_volumes(np.abs(part))
-            weighted += size * points.from_nodes(share)
-            weight += size
-    share = np.divide(weighted, weight, out=plain, where=weight > 0)
-    return Contraction(cells, share)
+    phases = [
+        phase
+        for before, after in pairwise(passed)
+        for phase in _phases(before, after, frozen, isothermal=isothermal)
+    ]
+    amounts = [phase.contracting * phase.change for phase in phases]
+    part, whole = points.integrals(
+        [*(np.abs(amount) for amount in amounts), *(phase.strained for phase in phases)]
+    ).reshape(2, -1)
+    strains = np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
+    if not strains.any():
+        strains = np.tile([1.0, 0.0, 0.0], len(passed) - 1)
+    strained = sum(strain * phase.strained for strain, phase in zip(strains, phases, strict=True))
+    return Growth(np.asarray(strained / strains.sum()), np.asarray(sum(amounts)))
+
+
+class _Phase(NamedTuple):
+    """Contraction of one kind of metal between two states, each of shape (nodes,).
+
+    Attributes:
+        change: dc.
+        contracting: share that does so.
+        strained: w of the nodes meanwhile.
+    """
+
+    change: FloatArray
+    contracting: FloatArray
+    strained: FloatArray
+
+
+def _phases(
+    before: MetalNodes, after: MetalNodes, frozen: FloatArray, *, isothermal: bool
+) -> tuple[_Phase, _Phase, _Phase]:
+    """Return the phases of solid that stays, of mush, and of new solid behind its birth."""
+    mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
+    begun, ended = (
+        np.where(state.share < 1, state.contraction, frozen) for state in (before, after)
+    )
+    cooled = after.contraction - ended - (before.contraction - begun)
+    solid = (before.share == 1) & (after.share == 1)
+    behind = _share_behind_a_front(before.share, after.share) if isothermal else mean
+    return (
+        _Phase(np.where(solid, cooled, 0.0), most, behind),
+        _Phase(ended - begun, mean, mean),
+        _Phase(np.where(solid, 0.0, cooled), most, most),
+    )
+
+
+def _share_behind_a_front(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Return w that belongs to the temperatures which an implicit Euler step ends with.
+
+    Over a step Δt the latent heat of all that freezes leaves the metal evenly, so that a front at
+    X' t brings to what is solid behind it, quasi-steady, the temperatures of X' (t − Δt/2). Between
+    two steps they cool by what belongs to X' (t − Δt): the share of the start, and a quarter of
+    what freezes in the first step of all, since X² grows evenly from none.
+    """
+    return np.where(after > before, np.maximum(before, 0.25 * after), 0.5 * (before + after))
 
 
 def in_the_solid(

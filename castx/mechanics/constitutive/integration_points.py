@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import basix
@@ -168,6 +169,13 @@ class IntegrationPoints:
         parts = values.reshape(self.cells, self.per_cell, *values.shape[1:])
         shares = self.weights / self.weights.sum(axis=1, keepdims=True)
         return np.asarray(np.einsum("cp,cp...->c...", shares, parts))
+
+    def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return ∫ v over the body of arrays of nodal values, shape (arrays,); collective."""
+        nodes = len(self.node_numbering.numbers)
+        weights = self.to_nodes(np.ones(self.count), nodes)
+        local = np.array([weights @ each for each in values])
+        return np.asarray(self._mesh.comm.allreduce(local))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""

@@ -32,10 +32,10 @@ from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, soli
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.growth import (
-    Contraction,
+    Growth,
     MetalNodes,
     Shares,
-    contraction,
+    growth,
     in_the_solid,
 )
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
@@ -169,9 +169,11 @@ class Law:
         compressibility = np.where(
             share > 0, points.volume_means(nodal, end.share), points.volume_means(nodal)
         )
-        contracted = self._contraction(points, start, between, end)
+        grown = self._growth(points, start, between, end)
         shares = Shares.between(
-            points.from_nodes(start.share), points.from_nodes(end.share), contracted.share
+            points.from_nodes(start.share),
+            points.from_nodes(end.share),
+            points.from_nodes(grown.strained),
         )
         at_points = in_the_solid(points, temperature, end.share)
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
@@ -181,22 +183,25 @@ class Law:
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
             points.volume_means(start.share), share, compressibility,
-            contracted.cells, end,
+            grown.contraction(points), end,
         )  # fmt: skip
 
-    def _contraction(
+    def _growth(
         self,
         points: IntegrationPoints,
         start: MetalNodes,
         between: Sequence[HeatState],
         end: MetalNodes,
-    ) -> Contraction:
+    ) -> Growth:
         solidus = self.material.solidus
-        if solidus is None or ((start.share == 1) & (end.share == 1)).all():
-            return contraction(points, [start, end], end.contraction)
+        if solidus is None or self.material.liquid is None:
+            return growth(points, [start, end], end.contraction)
         passed = [start, *(self.nodes(*state) for state in between), end]
         solid = np.ones_like(end.share)
-        return contraction(points, passed, self.nodes(solidus * solid, solid).contraction)
+        return growth(
+            points, passed, self.nodes(solidus * solid, solid).contraction,
+            isothermal=self.material.is_isothermal,
+        )  # fmt: skip
 
     def _liquid(
         self, shear_modulus: FloatArray, temperature: FloatArray, step: float

@@ -9,7 +9,7 @@ from castx.mechanics.constitutive.growth import (
     CellVolume,
     MetalNodes,
     Shares,
-    contraction,
+    growth,
     in_the_solid,
 )
 
@@ -40,45 +40,49 @@ def test_a_cell_contracts_where_it_bears(points):
     mushy = (start.share < 1) & (end.share < 1)
     solid = (start.share == 1) & (end.share == 1)
     start.share[~mushy & ~solid] = end.share[~mushy & ~solid] = 0.4
-    found = contraction(points, [start, end], np.full(nodes, FROZEN))
+    found = growth(points, [start, end], np.full(nodes, FROZEN))
+    mean = 0.5 * (start.share + end.share)
+    np.testing.assert_allclose(found.strained, mean, rtol=1e-12)
+    cells = found.contraction(points)
     for cell, corners in enumerate(points.cell_nodes):
-        weight = 0.5 * (start.share + end.share)[corners]
         change = (end.contraction - start.contraction)[corners]
-        expected = (weight * change).sum() / weight.sum()
-        assert found.cells[cell] == pytest.approx(expected, rel=1e-12)
-    np.testing.assert_allclose(
-        found.share, points.from_nodes(0.5 * (start.share + end.share)), rtol=1e-12
-    )
+        expected = (mean[corners] * change).sum() / mean[corners].sum()
+        assert cells[cell] == pytest.approx(expected, rel=1e-12)
     liquid = MetalNodes(np.zeros(nodes), end.contraction)
     other = liquid._replace(contraction=start.contraction)
-    assert not contraction(points, [liquid, other], np.full(nodes, FROZEN)).cells.any()
+    none = growth(points, [liquid, other], np.full(nodes, FROZEN))
+    assert not none.contraction(points).any()
     # The contraction of a corner that is solid is that of the cell, however little solid it is.
     first = points.cell_nodes[0][0]
     one = np.zeros(nodes)
     one[first] = 0.01
     only = [MetalNodes(one, state.contraction) for state in (start, end)]
-    found = contraction(points, only, np.full(nodes, FROZEN))
-    assert found.cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
+    cells = growth(points, only, np.full(nodes, FROZEN)).contraction(points)
+    assert cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
 
 
 def test_without_contraction_the_share_is_the_mean_over_the_states(points):
     nodes = points.cell_nodes.max() + 1
     passed = [MetalNodes(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
-    found = contraction(points, passed, np.zeros(nodes))
-    np.testing.assert_allclose(found.share, (0.1 + 0.55) / 2, rtol=1e-12)
-    assert not found.cells.any()
+    found = growth(points, passed, np.zeros(nodes))
+    np.testing.assert_allclose(found.strained, (0.1 + 0.55) / 2, rtol=1e-12)
+    assert not found.contracted.any()
 
 
+@pytest.mark.parametrize("isothermal", [False, True])
 @pytest.mark.parametrize("melts", [False, True])
-def test_metal_that_becomes_solid_contracts_after_that(points, melts):
-    """From w = 0.5 to the solid by half a share in the mean, and below the solidus by all of it."""
+def test_metal_that_becomes_solid_contracts_after_that(points, melts, isothermal):
+    """From w = 0.5 to the solid by half a share in the mean, and below the solidus by all of it.
+
+    All metal alike contracts by as much as it does, in a step of any size.
+    """
     nodes = points.cell_nodes.max() + 1
     mushy = MetalNodes(np.full(nodes, 0.5), np.full(nodes, -1e-4))
     cold = MetalNodes(np.ones(nodes), np.full(nodes, -5e-4))
     passed = [cold, mushy] if melts else [mushy, cold]
-    found = contraction(points, passed, np.full(nodes, FROZEN))
-    np.testing.assert_allclose(found.cells, 4e-4 if melts else -4e-4, rtol=1e-12)
-    np.testing.assert_allclose(found.share, (1e-4 * 0.75 + 3e-4 * 1.0) / 4e-4, rtol=1e-12)
+    found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
+    np.testing.assert_allclose(found.contraction(points), 4e-4 if melts else -4e-4, rtol=1e-12)
+    np.testing.assert_allclose(found.strained, (1e-4 * 0.75 + 3e-4) / 4e-4, rtol=1e-12)
 
 
 def test_a_skin_contracts_by_what_there_was_of_it(points):
@@ -87,20 +91,38 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
     first = points.cell_nodes[0][0]
     skin, both = np.zeros(nodes), np.ones(nodes)
     skin[first] = 1.0
-    contracted = np.where(skin == 1, -1e-3, FROZEN)
     passed = [
         MetalNodes(skin, np.full(nodes, FROZEN)),
         MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
-        MetalNodes(both, contracted),
+        MetalNodes(both, np.where(skin == 1, -1e-3, FROZEN)),
     ]
-    corners = len(points.cell_nodes[0])
     wide, narrow = (
-        contraction(points, states, np.full(nodes, FROZEN)).cells[0]
-        for states in (passed, passed[::2])
+        growth(points, states, np.full(nodes, FROZEN)) for states in (passed, passed[::2])
     )
-    mean = 0.5 * (1 + corners)
-    assert wide == pytest.approx(-4e-4 - 4e-4 / mean, rel=1e-12)
-    assert narrow == pytest.approx(-8e-4 / mean, rel=1e-12)
+    beside = np.delete(wide.strained, first), np.delete(narrow.strained, first)
+    own, rest = points.integrals([skin, 1.0 - skin])
+    first_part, second_part = 1.0, own / (own + 0.5 * rest)
+    expected = 0.5 * second_part / (first_part + second_part)
+    np.testing.assert_allclose(beside[0], expected, rtol=1e-12)
+    np.testing.assert_allclose(beside[1], 0.5, rtol=1e-12)
+    for found in (wide, narrow):
+        assert found.contracted[first] == pytest.approx(-8e-4, rel=1e-12)
+
+
+def test_solid_behind_a_front_is_strained_as_it_was_at_the_start(points):
+    """Temperatures of an implicit Euler step belong to its middle, the front to its end."""
+    nodes = points.cell_nodes.max() + 1
+    first = points.cell_nodes[0][0]
+    skin, more = np.full(nodes, 0.2), np.full(nodes, 0.6)
+    skin[first] = more[first] = 1.0
+    cold = np.where(skin == 1, -4e-4, FROZEN)
+    passed = [MetalNodes(skin, np.full(nodes, FROZEN)), MetalNodes(more, cold)]
+    for isothermal, share in ((False, 0.4), (True, 0.2)):
+        found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
+        np.testing.assert_allclose(np.delete(found.strained, first), share, rtol=1e-12)
+    passed[0].share[skin < 1] = 0.0
+    found = growth(points, passed, np.full(nodes, FROZEN), isothermal=True)
+    np.testing.assert_allclose(np.delete(found.strained, first), 0.15, rtol=1e-12)
 
 
 def test_values_of_the_solid_are_means_over_it(points):
