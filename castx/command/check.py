@@ -27,7 +27,7 @@ from castx.coupling.building import formulation_of
 from castx.coupling.thin_walls import thin_walls
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
-from castx.domain.pairs.areas import area_text, area_warning
+from castx.domain.pairs.areas import area_text, area_warnings
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import case_pairs
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
@@ -84,10 +84,10 @@ def check_case(
     _show_course(case, stages, console)
     for line in coherency_texts(case):
         console.print(line, markup=False)
-    areas = [area_warning(found, comm) for found in pairs.values()]
+    areas = area_warnings(case.interfaces, pairs, comm)
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     thin = [walls.text for walls in thin_walls(case, mesh)]
-    warnings = (*filter(None, areas), *hidden, *material_warnings(case), *caveats(case), *thin)
+    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *thin)
     for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)

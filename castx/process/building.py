@@ -21,7 +21,7 @@ from castx.coupling.building import (
 )
 from castx.coupling.thin_walls import thin_walls
 from castx.domain.mesh import CastingMesh
-from castx.domain.pairs.areas import area_text, area_warning
+from castx.domain.pairs.areas import area_text, area_warnings
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.errors import CaseError
 from castx.heat.building import initial_state, run_accounts
@@ -123,8 +123,8 @@ def process_of(
     for found in pairs.values():
         if found.primary_area is not None:
             _log.info("interface %s: %s", found.name, area_text(found, mesh.comm))
-        if warning := area_warning(found, mesh.comm):
-            _log.warning("%s", warning)
+    for warning in area_warnings(case.interfaces, pairs, mesh.comm):
+        _log.warning("%s", warning)
     for warning in hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, mesh.comm):
         _log.warning("%s", warning)
     builder = StageBuilder(case, mesh, pairs, laws or {})

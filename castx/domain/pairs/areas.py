@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from mpi4py import MPI
 
+from castx.case.interfaces import Interface
 from castx.domain.pairs.node_pairs import NodePairs
 
 DIFFERENCE = 0.05
@@ -21,6 +24,22 @@ def area_text(pairs: NodePairs, comm: MPI.Intracomm) -> str:
     return (
         f"{secondary:.4g} m² of {pairs.secondary} face {primary:.4g} m² of {pairs.primary}"
     )
+
+
+def area_warnings(
+    interfaces: Sequence[Interface], pairs: Mapping[str, NodePairs], comm: MPI.Intracomm
+) -> list[str]:
+    """Return the warnings of interfaces whose sides should be equally large; collective.
+
+    Across a wide gap of cylinders or spheres, `curved`, they are not.
+
+    Args:
+        interfaces: of the case.
+        pairs: of each interface by its name.
+        comm: the ranks.
+    """
+    plane = [one.name for one in interfaces if one.heat is None or one.heat.curved is None]
+    return [text for name in plane if (text := area_warning(pairs[name], comm))]
 
 
 def area_warning(pairs: NodePairs, comm: MPI.Intracomm) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import gmsh
 import numpy as np
 import pytest
 
 from castx.case.contact import Pairing
-from castx.domain.pairs.areas import area_text, area_warning
+from castx.domain.pairs.areas import area_text, area_warning, area_warnings
 from castx.domain.pairs.face_pairs import face_interface
 from castx.domain.pairs.facing import SurfacePoints, faced
 from castx.domain.pairs.sharing import shared_pairs
@@ -142,3 +143,16 @@ def test_areas_of_both_sides_are_compared(comm, mesh):
     assert "differ by 50 %" in area_warning(half, comm)
     assert area_text(half, comm) in area_warning(half, comm)
     assert everywhere(comm, one.areas).min() > 0
+
+
+@pytest.mark.serial
+def test_sides_of_a_curved_gap_may_differ(comm, mesh):
+    one, _ = shared(mesh)
+    pairs = {one.name: replace(one, primary_area=0.5 * total(comm, [one]))}
+
+    def interface(heat):
+        return SimpleNamespace(name=one.name, heat=heat)
+
+    for heat in (None, SimpleNamespace(curved=None)):
+        assert len(area_warnings([interface(heat)], pairs, comm)) == 1
+    assert area_warnings([interface(SimpleNamespace(curved=object()))], pairs, comm) == []
