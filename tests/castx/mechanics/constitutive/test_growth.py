@@ -109,6 +109,26 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
         assert found.contracted[first] == pytest.approx(-8e-4, rel=1e-12)
 
 
+@pytest.mark.ranks
+def test_what_is_strained_does_not_hang_on_the_ranks(comm, body, points):
+    """A skin of half of the plate cools first, then the other half freezes beside it."""
+    x = body.nodes.tabulate_dof_coordinates()[:, 0]
+    skin, both = (x < 0.012).astype(float), np.ones(len(x))
+    passed = [
+        MetalNodes(skin, np.full(len(x), FROZEN)),
+        MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
+        MetalNodes(both, np.where(skin == 1, -8e-4, FROZEN)),
+    ]
+    found = growth(points, passed, np.full(len(x), FROZEN))
+    # Of 20 mm the skin has 10 and half of the next cell of 5; of the rest half bears in the mean.
+    share = 12.5 / 20.0
+    strains = 4e-4, 2e-4 * share / (share + 0.5 * (1.0 - share))
+    expected = 0.5 * strains[1] / sum(strains)
+    beside = found.strained[skin == 0]
+    np.testing.assert_allclose(beside, expected, rtol=1e-12)
+    assert comm.allreduce(len(beside)) > 0
+
+
 def test_solid_behind_a_front_is_strained_as_it_was_at_the_start(points):
     """Temperatures of an implicit Euler step belong to its middle, the front to its end."""
     nodes = points.cell_nodes.max() + 1

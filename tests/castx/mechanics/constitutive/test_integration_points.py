@@ -101,3 +101,15 @@ def test_integrals_at_nodes_sum_to_the_integral(comm, model, cells):
 )  # fmt: skip
 def test_degree_of_the_rule(comm, model, formulation, cells, degree):
     assert quadrature_degree(slab(comm, model, cells), model, formulation) == degree
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("cells", CELLS)
+def test_integrals_over_the_body_are_those_of_all_ranks(comm, cells):
+    """Of 1 and of a linear function, on each rank alike."""
+    body, points = made(comm, "plane-strain", cells)
+    x = body.nodes.tabulate_dof_coordinates()
+    found = points.integrals([np.ones(len(x)), 2.0 - 30.0 * x[:, 0] + 5.0 * x[:, 1]])
+    area = LENGTH * WIDTH
+    exact = [area, area * (2.0 - 15.0 * LENGTH + 2.5 * WIDTH)]
+    np.testing.assert_allclose(found, exact, rtol=1e-12)
