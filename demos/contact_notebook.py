@@ -334,8 +334,9 @@ print(f"iterations of multipliers and condensed: {list(flat.values())}")
 # Multipliers give the temperatures of the condensed method to the last digits, the others do so as
 # closely as they keep the bodies apart. A penalty of 10¹¹ Pa/m is less than the stiffness of the
 # casting: it sinks into the floor, the hot wall into the melt, and the temperatures are wrong by
-# some kelvins. The block-iterative method is left out: it creeps towards the balance of the
-# penalty, to the same numbers in fifty times as many iterations.
+# some kelvins. Nine of ten gaps are wrong by as much as it sinks, and single ones, which open a
+# step earlier or later, by more. The block-iterative method is left out: it creeps towards the
+# balance of the penalty, to the same numbers in fifty times as many iterations.
 
 # %%
 METHODS = {
@@ -376,13 +377,13 @@ def run(contact):
 
 runs = {name: run(contact) for name, contact in METHODS.items()}
 temperature, gap = runs["condensed"][:2]
-print("                           differs from condensed by   penetrates    CPU    steps  Newton")
-print("method                            [K]         [µm]         [µm]      [s]          its")
+print("                               differs by at most   9 of 10  penetrates   CPU steps Newton")
+print("method                           [K]        [µm]      [µm]        [µm]    [s]         its")
 for name, (other, gaps, deepest, *cost) in runs.items():
-    kelvin, micron = np.abs(other - temperature).max(), 1e6 * np.abs(gaps - gap).max()
+    kelvin, microns = np.abs(other - temperature).max(), 1e6 * np.abs(gaps - gap)
     print(
-        f"{name:26s} {kelvin:12.3f} {micron:11.3f} {1e6 * deepest:12.4f} "
-        f"{cost[0]:9.1f} {cost[1]:7d} {cost[2]:7d}"
+        f"{name:26s} {kelvin:11.3f} {microns.max():10.3f} {np.quantile(microns, 0.9):9.3f} "
+        f"{1e6 * deepest:11.4f} {cost[0]:6.1f} {cost[1]:5d} {cost[2]:6d}"
     )
 
 # %% [markdown]

@@ -67,10 +67,13 @@ def test_ranks_agree(comm, kind):
 @pytest.mark.slow
 @pytest.mark.serial
 def test_the_error_falls_with_mesh_and_step(comm):
-    """In the mean: beside the place where the metal begins to flow its stress has a kink."""
+    """In the mean: beside the place where the metal begins to flow its stress has a kink.
+
+    The cell that holds the kink makes the error of one mesh smaller or larger by a third.
+    """
     exact = solve(STEEL)
     errors = []
-    for resolution, step in ((15, 0.4), (30, 0.2)):
+    for resolution, step in ((15, 0.4), (60, 0.1)):
         data = case(
             STEEL, *FORMULATIONS["triangles"], resolution=resolution, step=step, end=8.0
         )  # fmt: skip
@@ -78,7 +81,7 @@ def test_the_error_falls_with_mesh_and_step(comm):
         solid = means.xi < 1.0
         error = means.stress[:, 0] - exact.stress(means.xi)
         errors.append(np.mean(np.abs(error[solid])))
-    assert errors[0] > 1.6 * errors[1]
+    assert errors[0] > 1.6**2 * errors[1]
 
 
 @pytest.mark.serial
