@@ -14,6 +14,13 @@ Surface = tuple[str, Callable[[FloatArray], BoolArray]]
 
 LINE = 1
 """gmsh's number of the linear line."""
+SYMMETRY = "symmetry-"
+"""Beginning of the names of surfaces on planes of symmetry."""
+
+
+def symmetry_plane(axis: int) -> str:
+    """Return the name of the plane of symmetry across a coordinate, by its number."""
+    return SYMMETRY + "xyz"[axis]
 
 
 def plane(name: str, axis: int, value: float, tolerance: float) -> Surface:

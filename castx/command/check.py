@@ -34,6 +34,7 @@ from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.errors import CaseError, MeshError
 from castx.heat.building import heat_exchange, initial_temperatures
 from castx.materials.lookup import find_material
+from castx.meshes.model import SYMMETRY
 from castx.process.building import stage_cases
 from castx.ranks import on_first_rank
 from castx.report.stages import cycle_text, stage_table
@@ -272,7 +273,7 @@ def clamp_text(clamp: ClampCondition, area: float) -> str:
 
 def free_text(surface: str) -> str:
     """Return the conditions on a surface without any in the case."""
-    if surface.startswith("symmetry-"):
+    if surface.startswith(SYMMETRY):
         return "insulated, displacement normal (symmetry)"
     return "insulated, free"
 

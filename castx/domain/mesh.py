@@ -28,6 +28,7 @@ from castx.domain.walls import Walls, walls
 from castx.errors import MeshError
 from castx.input.problems import among
 from castx.meshes.cad.report import Report
+from castx.meshes.model import SYMMETRY
 from castx.stateful import Numbering
 
 T = TypeVar("T")
@@ -70,7 +71,7 @@ class BodyMesh:
     @property
     def symmetry_planes(self) -> list[str]:
         """Names of the surfaces on planes of symmetry, sorted."""
-        return sorted(name for name in self.surfaces if name.startswith("symmetry-"))
+        return sorted(name for name in self.surfaces if name.startswith(SYMMETRY))
 
     @property
     def node_numbering(self) -> Numbering:

@@ -14,7 +14,7 @@ from dolfinx.mesh import entities_to_geometry
 from castx.arrays import FloatArray, IntArray
 from castx.domain.cell_kinds import KINDS
 from castx.domain.mesh import BodyMesh, CastingMesh
-from castx.meshes.generators.declaration import SYMMETRY_PLANES
+from castx.meshes.model import SYMMETRY
 
 QUADRATURE_DEGREE = 4
 """Exact for cells and plane faces, times the radius; other faces have areas that no polynomial is.
@@ -47,7 +47,7 @@ class BodySummary:
     @property
     def modulus(self) -> float:
         """Volume over surface, without planes of symmetry [m]; infinite without a surface."""
-        areas = (a for name, a in self.surfaces.items() if name not in SYMMETRY_PLANES)
+        areas = (a for name, a in self.surfaces.items() if not name.startswith(SYMMETRY))
         area = sum(areas) + self.unnamed
         return self.volume / area if area > 0.0 else inf
 

@@ -17,13 +17,12 @@ from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.domain.faces import NO_NEIGHBOUR
 from castx.domain.gmsh_import import NamedMesh
 from castx.domain.soundness import area_vectors
+from castx.meshes.model import SYMMETRY
 
 MOST_CELLS = 8.5
 """Cells across a wall that are counted; more are enough for all elements."""
 MOST_FACES = 20000
 """Outer faces of a body from which rays go; of more each second, third … one is taken."""
-SYMMETRY = "symmetry-"
-"""Beginning of the names of planes of symmetry."""
 BESIDE_THE_MIDDLE = (0.31, 0.36, 0.33, 0.29)
 """Weights of the corners of a face in the start of its ray, lest rays run along the edges of
 regular meshes."""

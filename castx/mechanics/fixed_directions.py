@@ -13,6 +13,7 @@ from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import nodal_area_vectors
 from castx.domain.mesh import BodyMesh
 from castx.errors import CaseError
+from castx.meshes.model import SYMMETRY
 from castx.tables import Table
 
 ZERO = Table.constant(0.0)
@@ -80,7 +81,7 @@ class SurfaceDisplacement:
     @property
     def symmetry(self) -> bool:
         """Whether the body goes on as its mirror image behind the surface."""
-        return self.surface.startswith("symmetry-") and self.direction == "normal"
+        return self.surface.startswith(SYMMETRY) and self.direction == "normal"
 
 
 def fixed_directions(

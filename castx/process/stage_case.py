@@ -8,6 +8,7 @@ from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, HeatCo
 from castx.case.case import Case
 from castx.case.stages import Spray, Stage
 from castx.errors import CaseError
+from castx.meshes.model import SYMMETRY
 from castx.transfer.conditions.convection import CONDITION as CONVECTION
 
 Surfaces = Mapping[str, Sequence[str]]
@@ -97,7 +98,7 @@ def sprayed_surfaces(
             continue
         for surface in surfaces[name]:
             left = surface in surfaces and surface not in present
-            outer = surface not in surfaces and not surface.startswith("symmetry-")
+            outer = surface not in surfaces and not surface.startswith(SYMMETRY)
             if left or (outer and not bare):
                 found.append(f"{name}/{surface}")
     own = [boundary.on for boundary in stage.boundaries if boundary.heat]

@@ -22,6 +22,7 @@ from castx.meshes.cad.description import (
 )
 from castx.meshes.cad.faces import Face
 from castx.meshes.cad.reading import Solid, place_text
+from castx.meshes.model import symmetry_plane
 
 CHANNEL, CORE, DRAWN, CHILL, BLOCK = 4, 3, 2, 1, 0
 """Ranks of solids: where several are, the highest one stays."""
@@ -176,7 +177,7 @@ def named_by_making(part: CadPart, faces: Sequence[Face]) -> dict[str, list[Face
 def _name_by_making(part: CadPart, face: Face, tolerance: float) -> str | None:
     for plane in part.symmetry:
         if (np.abs(face.points[:, plane.axis] - plane.place) <= tolerance).all():
-            return f"symmetry-{'xyz'[plane.axis]}"
+            return symmetry_plane(plane.axis)
     if part.mould is None or face.bodies[0] not in part.mould.bodies:
         return None
     for channel in part.mould.channels:

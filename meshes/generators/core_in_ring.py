@@ -15,7 +15,7 @@ from castx.meshes.generators.declaration import (
 )
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, LinearMesh, checked_cells
-from castx.meshes.model import Surface, fill_model, plane, round_surface
+from castx.meshes.model import Surface, fill_model, plane, round_surface, symmetry_plane
 from castx.meshes.modulus import ring_modulus
 from castx.meshes.o_grid import Radii
 from castx.meshes.round_section import disc
@@ -97,7 +97,7 @@ def _surfaces(model: str, radii: Radii, height: float | None, sector: str) -> li
         surfaces.append(plane("outside", 0, radii[-1], tolerance))
         return [*surfaces, plane("bore", 0, radii[0], tolerance)] if radii[0] > 0 else surfaces
     sides = {"full": [], "half": [0], "quarter": [0, 1]}[sector]
-    surfaces += [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in sides]
+    surfaces += [plane(symmetry_plane(a), a, 0.0, tolerance) for a in sides]
     surfaces += [
         round_surface("outside", radii[-1], tolerance),
         round_surface("bore", radii[0], tolerance),

@@ -12,7 +12,7 @@ from castx.meshes.generators.declaration import (
 )
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
-from castx.meshes.model import fill_model, plane, round_surface
+from castx.meshes.model import fill_model, plane, round_surface, symmetry_plane
 from castx.meshes.modulus import ring_modulus
 from castx.meshes.round_section import disc
 from castx.meshes.structured import grid, swept
@@ -76,7 +76,7 @@ def cylinder_in_mould(
         plan = disc((0.0, radius, radius + wall), sizing, sector, cells)
         mesh = swept(plan, z, lambda ring, middle: _body(ring == 1, np.full(len(ring), middle < 0)))
         sides = {"full": [], "half": [0], "quarter": [0, 1]}[sector]
-        surfaces = [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in sides] + surfaces
+        surfaces = [plane(symmetry_plane(a), a, 0.0, tolerance) for a in sides] + surfaces
     else:
         raise ValueError(f'cylinder_in_mould needs the model "axisymmetric" or "3d", got "{model}"')
     fill_model(mesh, ["casting", "mould"], surfaces)

@@ -6,10 +6,11 @@ from enum import Enum
 from typing import Any, Self
 
 from castx.meshes.linear_mesh import QUADRILATERALS, SIMPLICES
+from castx.meshes.model import symmetry_plane
 
 PLANE_MODELS = ("plane-strain", "plane-stress", "generalised-plane-strain")
 MODELS = ("3d", "axisymmetric", *PLANE_MODELS)
-SYMMETRY_PLANES = ("symmetry-x", "symmetry-y")
+SYMMETRY_PLANES = (symmetry_plane(0), symmetry_plane(1))
 
 Arguments = Mapping[str, Any]
 """Values of arguments in SI, by name."""

@@ -15,7 +15,7 @@ from castx.meshes.generators.declaration import (
 )
 from castx.meshes.grading import Sizing, graded, require_positive, uniform
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells, mirrored
-from castx.meshes.model import everything_else, fill_model, plane
+from castx.meshes.model import everything_else, fill_model, plane, symmetry_plane
 from castx.meshes.modulus import block_modulus, ring_modulus
 from castx.meshes.structured import grid, swept
 
@@ -65,7 +65,7 @@ def stacked_blocks(
         plan = plan if symmetry else mirrored(mirrored(plan, 0), 1)
         mesh = swept(plan, heights, lambda under, z: _block(under == 1, np.full(len(under), z > 0)))
     tolerance = 1e-8 * max(*upper, *base)
-    surfaces = [plane(f"symmetry-{'xy'[a]}", a, 0.0, tolerance) for a in range(dim - 1) if symmetry]
+    surfaces = [plane(symmetry_plane(a), a, 0.0, tolerance) for a in range(dim - 1) if symmetry]
     up = dim - 1
     surfaces += [plane("top", up, upper[1], tolerance), plane("bottom", up, -base[1], tolerance)]
     surfaces += [plane("shelf", up, 0.0, tolerance), everything_else("side")]

@@ -7,7 +7,7 @@ import pytest
 from castx.domain.gmsh_import import read_model
 from castx.domain.source import gmsh_session
 from castx.meshes.linear_mesh import QUADRILATERALS
-from castx.meshes.model import everything_else, fill_model, plane, round_surface
+from castx.meshes.model import everything_else, fill_model, plane, round_surface, symmetry_plane
 from castx.meshes.structured import grid, swept
 
 pytestmark = pytest.mark.serial
@@ -44,6 +44,10 @@ def test_a_free_face_belongs_to_the_first_surface_that_takes_all_its_nodes():
 def test_faces_between_bodies_get_no_name():
     found = filled(two_squares(), [plane("middle", 0, 1.0, 1e-9)])
     assert found.surface_names == ()
+
+
+def test_planes_of_symmetry_are_named_by_the_coordinate_they_cut():
+    assert [symmetry_plane(axis) for axis in range(3)] == ["symmetry-x", "symmetry-y", "symmetry-z"]
 
 
 def test_surfaces_of_one_name_are_one():

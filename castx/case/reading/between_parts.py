@@ -19,6 +19,7 @@ from castx.materials.description import MaterialDescription
 from castx.materials.flow import law_problems
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+from castx.meshes.model import SYMMETRY
 from castx.tables import Table
 
 RIGID = 'law = "rigid", as sand may have, and to stand second in the bodies of its interfaces'
@@ -237,7 +238,7 @@ def _clamp_problems(
     if clamp.direction is not None and clamp.direction not in axes:
         known = among("", axes, what=f"a clamp in the model {case.geometry.model!r} may have")
         yield Problem((*place, "direction"), known)
-    if surface.startswith("symmetry-"):
+    if surface.startswith(SYMMETRY):
         text = "the body goes on behind a symmetry plane, where no machine presses; leave it out"
         yield Problem(place, text)
 

@@ -1,5 +1,6 @@
 """Sizes of a mesh, the same on any number of ranks."""
 
+from dataclasses import replace
 from math import pi
 
 from mpi4py import MPI
@@ -97,3 +98,5 @@ def test_heights_follow_the_size_at_the_interface(cells, comm):
 def test_a_modulus_leaves_planes_of_symmetry_out(comm):
     casting = mesh_summary(cylinder(comm, "3d", cells="quadrilaterals")).bodies[0]
     assert casting.modulus == pytest.approx(R * H / (2 * (R + H)), rel=0.02)
+    cut = replace(casting, surfaces={**casting.surfaces, "symmetry-z": 1.0})
+    assert cut.modulus == casting.modulus

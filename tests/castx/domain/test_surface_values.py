@@ -14,6 +14,7 @@ from castx.tables import Table
 from tests.castx.mechanics.lone_bodies import alone
 
 
+@pytest.mark.ranks
 def test_a_load_may_vary_in_space_and_time(comm):
     """Of p = c t y on a side of height W the resultant is c t W²/2, the moment c t W³/3."""
     rising = Placing(Quantity(STRESS), moving=True)
@@ -38,6 +39,7 @@ def test_a_load_may_vary_in_space_and_time(comm):
         alone(comm, "plane-strain", loads=[wrong]).set_time(0.0)
 
 
+@pytest.mark.ranks
 def test_pressures_of_surfaces_are_known_at_their_nodes(comm):
     """Those that vary in space at each local node of their surface; several of one add up."""
     rising = Placing(Quantity(STRESS), moving=True).read({"formula": "2e8*t*y"})

@@ -69,6 +69,38 @@ def mesh(comm, shared_tmp_path):
     return build_mesh(geometry, ["casting", "mould"], comm)  # fmt: skip
 
 
+@pytest.mark.ranks
+@pytest.mark.parametrize(
+    ("description", "expected"),
+    [
+        ({"formula": "600 + 50*x*y"}, lambda x, y: 600.0 + 50.0 * x * y),
+        (
+            {"along": ["x", "y"], "table": [[-1, 0, 500], [1, 0, 600], [-1, 1, 520], [1, 1, 660]]},
+            lambda x, y: 550.0 + 50.0 * x + y * (40.0 + 20.0 * x),
+        ),
+    ],
+)
+def test_a_temperature_that_varies_in_space_is_that_of_each_owned_node(
+    description, expected, mesh, comm
+):
+    """By a formula or a table of two coordinates, on any number of ranks."""
+    for name in ("casting", "mould"):
+        body = mesh.bodies[name]
+        found = initial_temperatures(read_initial_temperature(description), body, comm)
+        points = body.points[: body.nodes.dofmap.index_map.size_local]
+        np.testing.assert_allclose(found, expected(points[:, 0], points[:, 1]), rtol=1e-13)
+        assert comm.allreduce(len(found)) == body.nodes.dofmap.index_map.size_global
+
+
+@pytest.mark.ranks
+def test_a_formula_without_a_temperature_somewhere_is_refused_by_all_ranks(mesh, comm):
+    """One corner of the casting is below absolute zero: one rank has it, all raise."""
+    corner = "600 - 900*max(0, 1 - 20*sqrt((x - 1)**2 + (y - 1)**2))"
+    below = read_initial_temperature({"formula": corner})
+    with pytest.raises(CaseError, match=r"temperature of 'casting': .* at 1 nodes"):
+        initial_temperatures(below, mesh.bodies["casting"], comm)
+
+
 def exchange(mesh, *patches):
     heat = {**HEAT, "patches": list(patches)} if patches else HEAT
     interface = Interface.read({"bodies": ["casting", "mould"], "heat": heat})

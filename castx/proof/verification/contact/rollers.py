@@ -16,6 +16,7 @@ import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.meshes.model import symmetry_plane
 from castx.proof.verification.states import (
     drawn_mesh,
     pair_areas,
@@ -81,7 +82,7 @@ def draw_rollers(size: float, model: str) -> None:
         if ends:
             gmsh.model.addPhysicalGroup(dimension - 1, ends, name=f"{name} slice")
     axis = [sides[3] for _, _, sides, _ in parts]
-    gmsh.model.addPhysicalGroup(dimension - 1, axis, name="symmetry-x")
+    gmsh.model.addPhysicalGroup(dimension - 1, axis, name=symmetry_plane(0))
     gmsh.model.mesh.generate(dimension)
 
 

@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
+from castx.meshes.model import symmetry_plane
 from castx.process.state import State
 from castx.proof.verification.states import (
     cellwise,
@@ -40,6 +41,8 @@ from castx.proof.verification.verification import (
     Verification,
     fine,
 )
+
+PLANES = [symmetry_plane(axis) for axis in range(3)]
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,7 @@ def draw_section(hollow: Hollow, n: int, quadrilaterals: bool = False) -> None:
         geo.mesh.setRecombine(2, wall)
     geo.synchronize()
     gmsh.model.addPhysicalGroup(2, [wall], name="wall")
-    for edge, name in zip(edges, ("symmetry-y", "outside", "symmetry-x", "bore"), strict=True):
+    for edge, name in zip(edges, (PLANES[1], "outside", PLANES[0], "bore"), strict=True):
         gmsh.model.addPhysicalGroup(1, [edge], name=name)
     gmsh.model.mesh.generate(2)
 
@@ -133,13 +136,13 @@ def draw_octant(hollow: Hollow, n: int) -> None:
     ((_, octant), *_), _ = occ.intersect(shell, [(3, occ.addBox(0, 0, 0, b, b, b))])
     occ.synchronize()
     faces: dict[str, list[int]] = {
-        name: [] for name in ("symmetry-x", "symmetry-y", "symmetry-z", "bore", "outside")
+        name: [] for name in (*PLANES, "bore", "outside")
     }
     for _, face in gmsh.model.getBoundary([(3, octant)], oriented=False):
         size = np.array(gmsh.model.getBoundingBox(2, face)[3:])
         flat = np.flatnonzero(size < 1e-3 * a)
         curved = "outside" if size.max() > 0.5 * (a + b) else "bore"
-        faces[f"symmetry-{'xyz'[flat[0]]}" if len(flat) else curved].append(face)
+        faces[PLANES[flat[0]] if len(flat) else curved].append(face)
     gmsh.model.addPhysicalGroup(3, [octant], name="wall")
     for name, tags in faces.items():
         gmsh.model.addPhysicalGroup(2, tags, name=name)
@@ -160,7 +163,7 @@ def pressed_case(hollow: Hollow, kind: dict[str, Any], time: dict[str, Any]) -> 
         kind: formulation of the body.
         time: of the run.
     """
-    planes = ["wall/symmetry-y", "wall/symmetry-x"][: 4 - hollow.dimension]
+    planes = [f"wall/{PLANES[axis]}" for axis in (1, 0)][: 4 - hollow.dimension]
     steel = {
         "density": 7800.0, "heat_capacity": 500.0, "conductivity": 40.0,
         "young_modulus": hollow.young, "poisson_ratio": hollow.poisson,
