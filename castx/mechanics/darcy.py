@@ -255,6 +255,7 @@ class DarcyFormulation(PressureFormulation):
             "yielded_volume": ledger.yielded,
             "unfed_volume": self._content.porosity(),
             "pocket_pressure": self._content.mean_pressure(self._stress()),
+            "melt_suction": self._content.largest_suction(self._stress()),
             **self._levels.totals(),
         }
 

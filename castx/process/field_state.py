@@ -101,7 +101,7 @@ class FieldState(NoState):
         """Refuse: a body has none."""
         return self._refuse()
 
-    contact_pressure = resistance = gap
+    contact_pressure = wall_suction = resistance = gap
 
 
 @dataclass(frozen=True)
@@ -129,6 +129,17 @@ class PairsState(NoState):
         """Return the contact pressures [Pa], shape (pairs,)."""
         interfaces = self.problem.interfaces
         return interfaces.states[interfaces.number(self.interface)].pressure
+
+    def wall_suction(self) -> FloatArray:
+        """Return by how much closed pairs are pulled, friction left out [Pa], shape (pairs,)."""
+        interfaces = self.problem.interfaces
+        number = interfaces.number(self.interface)
+        state, pairs = interfaces.states[number], interfaces.described[number].pairs
+        pulls = np.zeros(len(state.gap))
+        if state.force.shape[1]:
+            normal = np.einsum("pi,pi->p", state.force, pairs.normals)
+            np.divide(-normal, pairs.areas, out=pulls, where=state.closed)
+        return np.maximum(pulls, 0.0)
 
     def resistance(self) -> FloatArray:
         """Return the thermal resistances [m²K/W], shape (pairs,)."""

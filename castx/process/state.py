@@ -99,13 +99,13 @@ class State:
         return field.values(state)
 
     def _rigid_field(self, body: str, name: str) -> FloatArray:
-        """Return the displacement of a rigid body; it has no pressure."""
+        """Return the displacement of a rigid body; it has no pressure, and no melt."""
         nodes = len(self.mesh.bodies[body].parent_vertices)
         if name == "displacement":
             within = self.time - self.process.cycle_start
             moved = self.now.rigid[body].displacement(within)
             return np.tile(moved, (nodes, 1))
-        if name == "pressure":
+        if name in ("pressure", "melt_suction"):
             return np.zeros(nodes)
         raise CaseError(f"no nodal field {name!r} on body {body!r}")
 
@@ -172,17 +172,14 @@ class State:
             f"{name}.min_gap": float(comm.allreduce(state.gap.min(initial=np.inf), op=MPI.MIN)),
             f"{name}.max_gap": float(comm.allreduce(state.gap.max(initial=-np.inf), op=MPI.MAX)),
             f"{name}.closed_fraction": float(touching / area),
-            f"{name}.suction": self._suction(pairs, state),
+            f"{name}.suction": self._suction(name),
         }
         return found | {f"{name}.force.{a}": float(f) for a, f in zip(axes, total, strict=True)}
 
-    def _suction(self, pairs: NodePairs, state: PairState) -> float:
+    def _suction(self, name: str) -> float:
         """Return the largest stress by which liquid at its wall is pulled [Pa]; collective."""
-        pulls = np.zeros(1)
-        if state.force.shape[1]:
-            normal = np.einsum("pi,pi->p", state.force, pairs.normals)
-            pulls = np.divide(-normal, pairs.areas, out=np.zeros_like(normal), where=state.closed)
-        return float(self.mesh.comm.allreduce(float(pulls.max(initial=0.0)), op=MPI.MAX))
+        largest = float(self.paired(name, "wall_suction").max(initial=0.0))
+        return float(self.mesh.comm.allreduce(largest, op=MPI.MAX))
 
 
 def _read_field(name: str, place: FieldPlace, refusal: str) -> OutputField:

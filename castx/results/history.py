@@ -15,7 +15,7 @@ COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))
 BODY_TOTALS = (
     "solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "force_error",
     "power", "feeding_demand", "fed_volume", "opened_volume", "yielded_volume", "unfed_volume",
-    "pocket_pressure", "pipe_volume", "feeder_level",
+    "pocket_pressure", "melt_suction", "pipe_volume", "feeder_level",
     "level_drop",
 )  # fmt: skip
 INTERFACE_TOTALS = (

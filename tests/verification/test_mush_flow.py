@@ -63,24 +63,27 @@ def _owned(state: State) -> int:
     return len(places(state, "casting"))
 
 
-def suction_of_column(comm, freezing: bool, stretching: float) -> float:
-    """Return the suction at a liquid fraction of 0.02 in a short step [Pa]."""
+def suction_of_column(comm, freezing: bool, stretching: float) -> tuple[float, float]:
+    """Return the suction at a liquid fraction of 0.02 in a short step, and the largest [Pa]."""
     step, size = 1e-4, LENGTH / 100
     cooling = 10.0 if freezing else 0.0
     data = strip(
         size=size, step=step, end=step, cooling=cooling, ahead=cooling * step + 1e-9,
         stretching=stretching,
     )  # fmt: skip
-    *_, last = states(comm, data)
-    x, pressure = along(last, "pressure")
-    return float(np.interp(0.02 * LENGTH, x, pressure))
+    for state in states(comm, data):
+        x, pressure = along(state, "melt_suction")
+        largest = state.totals["casting.melt_suction"]
+    return float(np.interp(0.02 * LENGTH, x, pressure)), largest
 
 
 def test_column_that_freezes_and_is_stretched(comm):
-    frozen = suction_of_column(comm, True, 0.0)
-    both = suction_of_column(comm, True, 0.01)
+    frozen, largest = suction_of_column(comm, True, 0.0)
+    both, largest_of_both = suction_of_column(comm, True, 0.01)
     assert frozen == pytest.approx(910.5686, rel=0.01)
     assert both == pytest.approx(1713.5802, rel=0.01)
+    assert largest == pytest.approx(1429.1846, rel=0.01)  # at the root
+    assert largest_of_both == pytest.approx(2690.1342, rel=0.01)
     rate = (2000.0 - frozen) / (both - frozen) * 0.01
     assert rate == pytest.approx(0.01356682, rel=0.01)
 

@@ -44,10 +44,27 @@ FIELDS = (
             colours="YlOrRd",
             factor=1e-06,
             caption="On the surface of the casting. Liquid presses at least by its depth; where a "
-            "wall pulls it, which is no pressure, the column `suction` has the pull.",
+            "wall pulls it, which is no pressure, `wall_suction` has the pull.",
             melting=True,
             share=0.99,
             rank=11,
+        ),
+    ),
+    OutputField(
+        name="wall_suction",
+        title="Suction at the wall",
+        unit="Pa",
+        place=FieldPlace.PAIR,
+        read=lambda state: state.wall_suction(),
+        dimension=STRESS,
+        shown=FieldColours(
+            unit="kPa",
+            colours="YlOrRd",
+            factor=1e-3,
+            caption="On the surface of the casting: by how much a wall pulls metal that is not "
+            "solid yet.",
+            melting=True,
+            rank=33,
         ),
     ),
     OutputField(

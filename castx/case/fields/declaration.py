@@ -59,6 +59,9 @@ class StateView(Protocol):
     def contact_pressure(self) -> FloatArray:
         """Return the contact pressures [Pa], shape (pairs,)."""
 
+    def wall_suction(self) -> FloatArray:
+        """Return by how much closed pairs are pulled [Pa], shape (pairs,)."""
+
     def resistance(self) -> FloatArray:
         """Return the thermal resistances [m²K/W], shape (pairs,)."""
 

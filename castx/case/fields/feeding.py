@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField
+import numpy as np
+
+from castx.arrays import FloatArray
+from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField, StateView
+from castx.input.units import STRESS
+
+
+def melt_suction(state: StateView) -> FloatArray:
+    """Return the mean stress where some melt is left, not below zero [Pa], shape (nodes,)."""
+    suction = np.maximum(state.pressure(), 0.0)
+    return np.where(state.heat("solid_fraction") < 1.0, suction, 0.0)
+
 
 FIELDS = (
     OutputField(
@@ -11,6 +22,25 @@ FIELDS = (
         unit="1",
         place=FieldPlace.NODE,
         followed=True,
+    ),
+    OutputField(
+        name="melt_suction",
+        title="Suction of the melt",
+        unit="Pa",
+        place=FieldPlace.NODE,
+        read=melt_suction,
+        dimension=STRESS,
+        mechanical=True,
+        shown=FieldColours(
+            unit="kPa",
+            colours="YlOrRd",
+            factor=1e-3,
+            caption="Mean stress where some melt is left, zero where all is solid; with flow "
+            "through the mush pores open at `cavitation`.",
+            melting=True,
+            front=True,
+            rank=34,
+        ),
     ),
     OutputField(
         name="emptied",

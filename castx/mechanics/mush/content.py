@@ -191,6 +191,16 @@ class MeltContent:
         total, volume = self._body.mesh.comm.allreduce(sums, op=MPI.SUM)
         return float(total / volume) if volume > 0.0 else 0.0
 
+    def largest_suction(self, stress: FloatArray) -> float:
+        """Return the largest positive p of nodes with melt, 0 without any; collective.
+
+        Args:
+            stress: p [Pa], shape (owned,).
+        """
+        melt = self.start.solid[: self.owned] < 1.0
+        here = float(stress[melt].max(initial=0.0))
+        return float(self._body.mesh.comm.allreduce(here, op=MPI.MAX))
+
     def rewind(self) -> None:
         """Return to the start of the step."""
         self.solid, self._trial_strain = self.start.solid, self.strain

@@ -18,14 +18,15 @@ from castx.report.summary.measured import deviations, ejection
 from castx.report.summary.mesh_errors import mesh_errors
 from castx.report.summary.risks import alloy_risks, field_risks, hot_spots
 from castx.report.summary.solid import distortion, residual_stress
+from castx.report.summary.suctions import suctions
 from castx.report.summary.thin_walls import thin_walls
 from castx.results.reading import Results
 
 Finder = Callable[[Results], Iterable[Finding]]
 
 FINDERS: tuple[Finder, ...] = (
-    freezing, hot_spots, field_risks, alloy_risks, gaps, residual_stress, distortion, ejection,
-    deviations, coherency, thin_walls, mesh_errors,
+    freezing, hot_spots, field_risks, alloy_risks, gaps, suctions, residual_stress, distortion,
+    ejection, deviations, coherency, thin_walls, mesh_errors,
 )  # fmt: skip
 
 

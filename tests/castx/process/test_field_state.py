@@ -64,6 +64,12 @@ def test_pairs_have_resistance_gap_and_pressure(run):
 
 
 @pytest.mark.ranks
+def test_pairs_that_press_are_not_pulled(run):
+    pairs = PairsState(run.problem, INTERFACE)
+    assert pairs.wall_suction().shape == pairs.gap().shape and not pairs.wall_suction().any()
+
+
+@pytest.mark.ranks
 def test_plastic_strain_increments_add_up(comm):
     """Between two states stands the increment of the later one; before the first step none."""
     before, flowed = None, 0.0

@@ -186,4 +186,5 @@ def test_suction_is_the_stress_of_the_liquid_that_a_wall_draws(comm):
     last = final_state(comm, data)
     expected = 4 * viscosity * motion / height
     assert last.totals["upper/base.suction"] == pytest.approx(expected, rel=1e-3)
+    assert last.paired("upper/base", "wall_suction") == pytest.approx(expected, rel=1e-3)
     assert np.all(last.paired("upper/base", "contact_pressure") < 1e-6)

@@ -26,6 +26,7 @@ class KnownState:
         self.point_tensors = 1e6 * draw(size=(CELLS, 24))
         self.plastic, self.increment = np.abs(draw(size=(2, CELLS)))
         self.gaps, self.pressures = np.abs(draw(size=(2, PAIRS)))
+        self.pulls = np.array([0.0, 2e3, 0.0, 5e4])
         self.resistances = np.array([1e-3, 2e-3, 5e-4, 0.0])
 
     def heat(self, name: str, /) -> FloatArray:
@@ -54,6 +55,9 @@ class KnownState:
 
     def contact_pressure(self) -> FloatArray:
         return self.pressures
+
+    def wall_suction(self) -> FloatArray:
+        return self.pulls
 
     def resistance(self) -> FloatArray:
         return self.resistances

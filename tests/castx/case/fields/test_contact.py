@@ -13,6 +13,7 @@ def test_values_are_those_of_the_pairs():
     state, fields = KnownState(), by_name(FIELDS)
     assert fields["gap"].values(state) is state.gaps
     assert fields["contact_pressure"].values(state) is state.pressures
+    assert fields["wall_suction"].values(state) is state.pulls
     found = fields["heat_transfer_coefficient"].values(state)
     assert found == pytest.approx([1000.0, 500.0, 2000.0, np.inf])
 
@@ -27,6 +28,7 @@ def test_faces_without_resistance_give_no_warning():
     [
         ("gap", 2.5e-5, "25 µm"),
         ("contact_pressure", 3e6, "3 MPa"),
+        ("wall_suction", 2.5e4, "25 kPa"),
         ("heat_transfer_coefficient", 1500.0, "1500 W/m²/K"),
         ("first_opening", 12.5, "12.5 s"),
     ],

@@ -85,7 +85,8 @@ def test_a_file_without_fields_is_refused(found_in, content):
 
 
 def test_probes_record_what_has_a_dimension():
-    assert probed(FieldPlace.PAIR) == ("contact_pressure", "gap", "heat_transfer_coefficient")
+    of_pairs = ("contact_pressure", "gap", "heat_transfer_coefficient", "wall_suction")
+    assert probed(FieldPlace.PAIR) == of_pairs
     assert "pressure" in probed(FieldPlace.NODE) and "stress" not in probed(FieldPlace.NODE)
     assert "stress" in probed(FieldPlace.NODE, FieldPlace.CELL)
     assert not any(output_fields()[name].followed for name in probed(*FieldPlace))

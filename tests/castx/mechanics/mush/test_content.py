@@ -101,3 +101,16 @@ def test_mean_pressure_of_what_is_left_melt(comm):
     begun(found, np.ones(len(x)))
     found.commit(none, none, none, none, none)
     assert found.mean_pressure(left) == 0.0
+
+
+@pytest.mark.ranks
+def test_largest_suction_of_what_is_left_melt(comm):
+    found, x = content(comm)
+    none, at = np.zeros(found.owned), x[: found.owned]
+    begun(found, np.where(x < 0.6, 1.0, 0.5))
+    found.commit(none, none, none, none, none)
+    assert found.largest_suction(np.where(at < 0.6, 1e9, 2e3 * at)) == pytest.approx(2e3)
+    assert found.largest_suction(np.full(found.owned, -1.0)) == 0.0
+    begun(found, np.ones(len(x)))
+    found.commit(none, none, none, none, none)
+    assert found.largest_suction(np.full(found.owned, 2e3)) == 0.0

@@ -19,6 +19,7 @@ COLUMNS = [
     ("casting.feeder_level.top", "m", "m"),
     ("casting.pipe_volume", "m³", "m³/m"),
     ("casting.pocket_pressure", "Pa", "Pa"),
+    ("casting.melt_suction", "Pa", "Pa"),
     ("mould/back.clamp_force", "N", "N/m"),
     ("mould/back.clamp_displacement", "m", "m"),
     ("casting.support_moment.x", "N m", "N m/m"),

@@ -1,0 +1,34 @@
+"""The largest suctions over a run."""
+
+import numpy as np
+import pytest
+
+from castx.report.summary.suctions import TOLD, suctions
+from castx.results.files.run_tables import Columns
+from tests.castx.report.summary.fake_run import TIME, run
+
+pytestmark = pytest.mark.serial
+
+
+def suction(melt: list[float], wall: list[float]):
+    columns = {"casting.melt_suction": np.array(melt), "casting/mould.suction": np.array(wall)}
+    return list(suctions(run(history=Columns({"time": TIME} | columns))))
+
+
+def test_the_largest_suctions_count_with_their_times():
+    melt, wall = suction([0.0, 5e4, 2e4, 0.0], [0.0, 1e3, 0.0, 2e5])
+    assert (melt.of, melt.number, melt.time) == ("casting", "50 kPa", 1.0)
+    assert (wall.of, wall.number, wall.time) == ("casting/mould", "200 kPa", 3.0)
+    assert melt.shown.field == "melt_suction" and wall.shown.field == "wall_suction"
+    assert wall.shown.bodies == ("casting",)
+
+
+def test_more_than_a_vacuum_is_said():
+    melt, wall = suction([0.0, 1.01e5, 0.0, 0.0], [0.0, 6.23e5, 0.0, 0.0])
+    assert "more than a vacuum" not in melt.sentence
+    assert "more than a vacuum" in wall.sentence
+
+
+def test_small_suctions_are_left_out():
+    assert not suction([0.0, 0.99 * TOLD, 0.0, 0.0], [0.0, 0.0, 0.99 * TOLD, 0.0])
+    assert not list(suctions(run()))
