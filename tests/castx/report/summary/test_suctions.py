@@ -10,7 +10,7 @@ from tests.castx.report.summary.fake_run import TIME, run
 pytestmark = pytest.mark.serial
 
 
-def suction(melt: list[float], wall: list[float]):
+def suction(melt, wall):
     columns = {"casting.melt_suction": np.array(melt), "casting/mould.suction": np.array(wall)}
     return list(suctions(run(history=Columns({"time": TIME} | columns))))
 
