@@ -52,6 +52,11 @@ AFTER_FAILURE = (
     "begin anew."
 )
 
+WITHOUT_DOCSTRINGS = (
+    "Python runs without docstrings (PYTHONOPTIMIZE=2 or -OO), from which parsers below DOLFINx "
+    "take their grammar; unset PYTHONOPTIMIZE, or set it to 1"
+)
+
 
 class Exit(IntEnum):
     """Exit codes of the command."""
@@ -75,6 +80,8 @@ def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
     bug that may have struck one rank alone, so that it ends all of them.
     """
     prepare_logging(comm)
+    if sys.flags.optimize > 1:
+        return say(comm, WITHOUT_DOCSTRINGS, Exit.REFUSED)
     verdicts = comm.Dup()
     try:
         return common_code(verdicts, exit_code(arguments, comm))

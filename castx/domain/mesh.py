@@ -22,7 +22,12 @@ from castx.domain.cell_kinds import KINDS, CellKind
 from castx.domain.faces import INSIDE, face_names, marked_between, neighbours
 from castx.domain.gmsh_import import NamedMesh
 from castx.domain.partition import destinations, partition
-from castx.domain.soundness import doubts, refuse_far_away, refuse_folded
+from castx.domain.soundness import (
+    doubts,
+    refuse_absurd_extent,
+    refuse_far_away,
+    refuse_folded,
+)
 from castx.domain.source import named_mesh, source_of
 from castx.domain.walls import Walls, walls
 from castx.errors import MeshError
@@ -222,6 +227,7 @@ def _prepare(
     mesh: NamedMesh, body_names: Sequence[str], parts: int, geometry: Geometry
 ) -> _Prepared:
     source = source_of(geometry)
+    refuse_absurd_extent(mesh, source)
     refuse_far_away(mesh, source)
     across = neighbours(mesh.cells, mesh.kind.faces, source)
     refuse_folded(mesh, across, source)

@@ -20,6 +20,12 @@ SAME_PLACE = 1e-9
 """Distance of doubled nodes in extents of the mesh."""
 SMALL_HOLE = 4.0
 """Volume of a hole in cells beside it up to which it may be a missing cell."""
+SMALLEST_EXTENT, LARGEST_EXTENT = 1e-9, 1e6
+"""Extents of meshes that may be meant [m]: from atoms to a country."""
+USUAL_EXTENT = 100.0
+"""Extent beyond which a casting with its mould is probably in a mistaken unit [m]."""
+STRAY = 0.02
+"""Share of the cells of a body up to which a part of it that lies in other bodies may be stray."""
 
 
 def refuse_far_away(mesh: NamedMesh, source: str) -> None:
@@ -35,6 +41,20 @@ def refuse_far_away(mesh: NamedMesh, source: str) -> None:
             f"{source} lies {distance:.3g} m from the origin, {distance / extent:.1g} times its "
             f"extent of {extent:.3g} m; at most {FARTHEST:g} times are allowed, since coordinates "
             "lose their digits; move it to the origin"
+        )
+
+
+def refuse_absurd_extent(mesh: NamedMesh, source: str) -> None:
+    """Refuse a mesh that is smaller or larger than anything that is cast.
+
+    Raises:
+        MeshError: with the extent.
+    """
+    extent = float(np.ptp(mesh.points, axis=0).max())
+    if not SMALLEST_EXTENT <= extent <= LARGEST_EXTENT:
+        raise MeshError(
+            f"{source} has an extent of {extent:.3g} m; {SMALLEST_EXTENT:g} to "
+            f"{LARGEST_EXTENT:g} m are allowed; meshes are in metres: scale its coordinates"
         )
 
 
@@ -68,7 +88,10 @@ def refuse_folded(mesh: NamedMesh, across: LongArray, source: str) -> None:
 
 
 def doubts(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> Iterator[str]:
-    """Yield warnings of probable mistakes: duplicate nodes of a body, holes of the size of a cell.
+    """Yield warnings of probable mistakes.
+
+    These are duplicate nodes of a body, holes of the size of a cell, cells of a body that lie
+    apart in another one, and a mistaken unit.
 
     Args:
         mesh: the mesh.
@@ -81,6 +104,13 @@ def doubts(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> I
     for index, name in enumerate(body_names):
         yield from _doubled(mesh, name, np.unique(faces[mesh.bodies[cells] == index]))
     yield from _holes(mesh, faces, cells)
+    yield from _stray(mesh, body_names, across)
+    extent = float(np.ptp(mesh.points, axis=0).max())
+    if extent > USUAL_EXTENT:
+        yield (
+            f"the mesh has an extent of {extent:.3g} m; meshes are in metres: if its file is in "
+            "millimetres, divide its coordinates by 1000"
+        )
 
 
 def area_vectors(corners: FloatArray) -> FloatArray:
@@ -109,6 +139,29 @@ def _doubled(mesh: NamedMesh, body: str, nodes: LongArray) -> Iterator[str]:
             f"({_place(first)}) m: neither heat nor force passes between the elements there; merge "
             "the nodes (gmsh: Coherence Mesh), unless a crack is meant"
         )
+
+
+def _stray(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> Iterator[str]:
+    """Yield small parts of bodies that touch other bodies only."""
+    cell, face = np.nonzero(across != NO_NEIGHBOUR)
+    beside = across[cell, face]
+    inside = mesh.bodies[cell] == mesh.bodies[beside]
+    shape = (len(mesh.cells),) * 2
+    links = coo_matrix((np.ones(int(inside.sum())), (cell[inside], beside[inside])), shape=shape)
+    part = connected_components(links.tocsr(), directed=False)[1]
+    sizes = np.bincount(part)[part]
+    enclosed = np.isin(part, part[cell[~inside]])
+    of_body = np.bincount(mesh.bodies, minlength=len(body_names))[mesh.bodies]
+    stray = enclosed & (sizes <= STRAY * of_body)
+    for index, name in enumerate(body_names):
+        found = np.flatnonzero(stray & (mesh.bodies == index))
+        if found.size:
+            centre = mesh.points[mesh.cells[found[0]]].mean(axis=0)
+            yield (
+                f"{name} has {found.size} elements that lie apart from its others in another "
+                f"body, the first at ({_place(centre)}) m: do they belong to that body? correct "
+                "their physical group, unless inclusions are meant"
+            )
 
 
 def _holes(mesh: NamedMesh, faces: LongArray, cells: LongArray) -> Iterator[str]:

@@ -22,6 +22,8 @@ from castx.materials.material import Material
 from castx.meshes.model import SYMMETRY
 from castx.tables import Table
 
+MOST_MOMENTS = 10_000
+"""States of the fields that a run may be asked for by a time between them."""
 RIGID = 'law = "rigid", as sand may have, and to stand second in the bodies of its interfaces'
 
 
@@ -35,7 +37,16 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)
+    yield from _output_problems(case)
     yield from foundry_problems(case)
+
+
+def _output_problems(case: Case) -> Iterator[Problem]:
+    every = case.output.every
+    if every is not None and case.time.end > MOST_MOMENTS * every:
+        text = f"would write more than {MOST_MOMENTS:g} states until {case.time.end:g} s"
+        shortest = case.time.end / MOST_MOMENTS
+        yield Problem(("output", "every"), f"{text}; at least {shortest:.3g} s is needed")
 
 
 def _name_problems(case: Case) -> Iterator[Problem]:

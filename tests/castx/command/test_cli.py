@@ -45,6 +45,15 @@ def test_the_version_is_told_by_the_first_rank(comm, capsys):
     assert capsys.readouterr().out.split() == told
 
 
+@pytest.mark.serial
+def test_python_without_docstrings_is_refused_in_words(case_file):
+    """Parsers below DOLFINx take their grammar from docstrings, and end in a traceback."""
+    process = start(sys.executable, "-OO", "-m", "castx", "check", str(case_file))
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 2 and "PYTHONOPTIMIZE" in errors
+    assert "Traceback" not in output + errors
+
+
 @pytest.mark.ranks
 def test_wrong_arguments_are_refused(comm, said):
     assert execute(["solve"], comm) == 2

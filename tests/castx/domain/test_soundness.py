@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,13 @@ import pytest
 from castx.domain.cell_kinds import KINDS
 from castx.domain.faces import neighbours
 from castx.domain.gmsh_import import NamedMesh
-from castx.domain.soundness import area_vectors, doubts, refuse_far_away, refuse_folded
+from castx.domain.soundness import (
+    area_vectors,
+    doubts,
+    refuse_absurd_extent,
+    refuse_far_away,
+    refuse_folded,
+)
 from castx.errors import MeshError
 
 pytestmark = pytest.mark.serial
@@ -93,6 +100,45 @@ def test_a_mesh_far_from_the_origin_is_refused():
         MeshError, match=r"it lies 1e\+09 m from the origin, 1e\+09 times its extent"
     ):
         refuse_far_away(replace(mesh, points=mesh.points + 1e9), "it")
+
+
+@pytest.mark.parametrize("scale", [1e-10, 2e6, 1e150])
+def test_a_mesh_of_absurd_size_is_refused(scale):
+    mesh = block("triangle")
+    for good in (1e-8, 1.0, 9e5):
+        refuse_absurd_extent(replace(mesh, points=mesh.points * good), "it")
+    with pytest.raises(MeshError, match=re.escape(f"it has an extent of {scale:.3g} m;")):
+        refuse_absurd_extent(replace(mesh, points=mesh.points * scale), "it")
+
+
+def test_a_mesh_in_millimetres_is_told():
+    mesh = block("triangle")
+    assert found(replace(mesh, points=mesh.points * 99.0)) == []
+    (text,) = found(replace(mesh, points=mesh.points * 200.0))
+    assert text.startswith("the mesh has an extent of 200 m") and "divide" in text
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_a_cell_given_to_another_body_is_told_with_its_place(kind):
+    """Two halves of a block, and one cell in the midst of the left one that belongs to the right.
+
+    A part of more than 2 % of its body may be meant, and a cell at the interface is no part.
+    """
+    count = 8 if kind == "tetrahedron" else 12
+    mesh = block(kind, count)
+    middles = mesh.points[mesh.cells].mean(axis=1)
+    halves = (middles[:, 0] > 0.5).astype(np.int64)
+    assert found(replace(mesh, bodies=halves)) == []
+    stray = nearest(mesh, 0.3)
+    mistaken = halves.copy()
+    mistaken[stray] = 1
+    (text,) = found(replace(mesh, bodies=mistaken))
+    assert text.startswith("b has 1 elements that lie apart from its others")
+    said = [float(x) for x in text.split("(")[1].split(")")[0].split(",")]
+    np.testing.assert_allclose(said, middles[stray], atol=1e-5)
+    core, box = halves.copy(), np.floor(middles * count)
+    core[((box >= 1) & (box <= count / 2 - 2)).all(axis=1)] = 1
+    assert found(replace(mesh, bodies=core)) == []
 
 
 def without(mesh: NamedMesh, cells: list[int]) -> NamedMesh:

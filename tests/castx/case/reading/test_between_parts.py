@@ -103,6 +103,10 @@ def test_accepted(changes):
             {**SPATIAL, "boundaries__1__displacement": {"r": 0}},
             "displacement.r = 0: directions of the model '3d': x, y, z, normal, all",
         ),
+        (
+            {"output__every": 1e-300},
+            "output.every = 1e-300: would write more than 10000 states until",
+        ),
         ({"boundaries__1__traction": [1, 2, 3]}, "traction = [1, 2, 3]: needs 2 components"),
         ({"boundaries__1__pressure": {"formula": "t*x"}}, "pressure: not x; coordinates of this"),
         ({"boundaries__1__traction": [1, {"formula": "x"}]}, "not x; coordinates of this model"),
