@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator, ValidationInfo, field_validator
 
 from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Quantity, over_time, with_entries
-from castx.input.placed import Placed, PlacedOverTime
+from castx.input.placed import Placed, PlacedOverTime, PlacedTable
 from castx.input.problems import Problem, Refusal, among, refuse
 from castx.input.units import (
     ACCELERATION,
@@ -63,8 +63,8 @@ class HeatCondition(Description):
         return Given({name: getattr(self, name) for name in names})
 
     @property
-    def temperatures(self) -> list[Table]:
-        """The temperatures that it names, over time [°C]."""
+    def temperatures(self) -> list[Table | PlacedTable]:
+        """The temperatures that it names, over time or place [°C]."""
         return self.declared.temperatures(self.given)
 
     def inconsistencies(self) -> Iterator[Problem]:

@@ -345,7 +345,8 @@ def temperature_range(case: Case) -> tuple[float, float]:
     later = [boundary for stage in case.stages for boundary in stage.boundaries]
     for boundary in (*case.boundaries, *later):
         for heat in boundary.heat:
-            tables += heat.temperatures
+            for named in heat.temperatures:
+                found += [float(named.values.min()), float(named.values.max())]
     for table in tables:
         if table is not None:
             found += [float(table.values.min()), float(table.values.max())]

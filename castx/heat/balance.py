@@ -121,8 +121,10 @@ class HeatUnknowns:
 
     def _given_at(self, time: float) -> FloatArray:
         """Return prescribed temperatures of the owned nodes at a time [s], NaN at other nodes."""
-        values = np.array([*(c.temperature(time) for c in self._temperatures), np.nan])
-        return np.asarray(values[self._condition_of])
+        values = np.full(self.layout.size_local, np.nan)
+        for condition in reversed(self._temperatures):
+            values[self.start_of(condition.body) + condition.nodes] = condition.temperature(time)
+        return values
 
     def enthalpies(self) -> FloatArray:
         """Return a copy of the enthalpies of the owned nodes of all bodies [J/m³]."""
@@ -278,9 +280,14 @@ class HeatBalance:
             guess: enthalpies at its end as far as they are known [J/m³].
             time: end of the step [s].
             step: its size [s].
+
+        Raises:
+            CaseError: a flux or a temperature that varies with place is none; on all ranks.
         """
         self.previous, self.time, self.step = previous, time, step
         self._present = None
+        for flux in self.fluxes:
+            flux.begin(*self._span)
         return self.unknowns.first_guess(guess, time)
 
     def _set(self, x: PETSc.Vec) -> None:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mpi4py import MPI
+
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.case.boundaries import HeatCondition
+from castx.errors import CaseError
 from castx.heat.body import ThermalBody
+from castx.input.located import PlacedThere
+from castx.input.placed import Placed
+from castx.input.units import ABSOLUTE_ZERO
+from castx.transfer.declaration import Given
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +55,43 @@ class SurfaceHeat:
         return f"{self.name}.surface" if self.bare else self.name
 
 
+class PlacedNumbers:
+    """Numbers of a condition at the owned nodes of its surface, where it varies with place.
+
+    Args:
+        body: the body.
+        description: a condition.
+        nodes: owned nodes of its surface, (nodes,).
+    """
+
+    def __init__(self, body: ThermalBody, description: SurfaceHeat, nodes: IntArray) -> None:
+        values = description.condition.given.values
+        self._placed = [value for value in values.values() if isinstance(value, Placed)]
+        self._comm, self._name = body.mesh.mesh.comm, description.name
+        points = body.mesh.points[nodes, : body.mesh.mesh.geometry.dim]
+        self.given = Given({
+            name: PlacedThere(value, points) if isinstance(value, Placed) else value
+            for name, value in values.items()
+        })  # fmt: skip
+
+    def refuse(self, wrong: BoolArray, what: str, time: float) -> None:
+        """Refuse numbers that are none; collective where the condition varies with place.
+
+        Args:
+            wrong: nodes at which they are none.
+            what: they are.
+            time: of the numbers [s].
+
+        Raises:
+            CaseError: on all ranks, if any node of any rank is wrong.
+        """
+        if self._placed and self._comm.allreduce(bool(wrong.any()), op=MPI.LOR):
+            said = "; ".join(value.text for value in self._placed)
+            raise CaseError(
+                f"{self._name}: {what} at {time:g} s, by {said}; correct the formula or the table"
+            )
+
+
 class SurfaceFlux:
     """A flux law on the owned nodes of a surface.
 
@@ -61,7 +105,17 @@ class SurfaceFlux:
         self.nodes, self.areas = body.surface_areas(description.surface)
         flux = description.condition.declared.flux
         assert flux is not None
-        self.law = flux(description.condition.given)
+        self._numbers = PlacedNumbers(body, description, self.nodes)
+        self.law = flux(self._numbers.given)
+
+    def begin(self, start: float, end: float) -> None:
+        """Begin a step; collective where the condition varies with place.
+
+        Raises:
+            CaseError: a flux is not finite; on all ranks.
+        """
+        wrong = ~np.isfinite(self.evaluate(start, end)[0])
+        self._numbers.refuse(wrong, "the flux is not finite", end)
 
     def evaluate(self, start: float, end: float) -> tuple[FloatArray, FloatArray]:
         """Return heat into the nodes over a step [W] and its derivative over temperature [W/K]."""
@@ -81,10 +135,18 @@ class SurfaceTemperature:
         temperature = description.condition.declared.temperature
         assert temperature is not None
         self.body = body
-        self.value = temperature(description.condition.given)
         nodes = body.mesh.surface_nodes(description.surface)
         self.nodes: IntArray = nodes[nodes < body.owned].astype(np.int32)
+        self._numbers = PlacedNumbers(body, description, self.nodes)
+        self.value = temperature(self._numbers.given)
 
-    def temperature(self, time: float) -> float:
-        """Return the temperature [°C] at a time [s]."""
-        return float(self.value(time))
+    def temperature(self, time: float) -> FloatArray:
+        """Return the temperature of the nodes [°C] at a time [s]; collective where it varies.
+
+        Raises:
+            CaseError: one is not finite, or below absolute zero; on all ranks.
+        """
+        found = np.broadcast_to(self.value(time), self.nodes.shape)
+        wrong = ~(np.isfinite(found) & (found >= ABSOLUTE_ZERO))
+        self._numbers.refuse(wrong, "a temperature is none", time)
+        return np.asarray(found)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Generic, Literal, Self, TypeVar, cast
 
 from castx.input.entries import Quantity, Tabulated
+from castx.input.placed import PlacedOverTime
 from castx.input.problems import Problem
 from castx.input.registry import refuse_incomplete
 from castx.input.variation import Variation, Varying
@@ -68,7 +69,7 @@ class HeatKey(Generic[T_co]):
     @property
     def is_number(self) -> bool:
         """Whether its value is a number or a table of it."""
-        return isinstance(self.entry, Quantity | Tabulated | Varying)
+        return isinstance(self.entry, Quantity | Tabulated | Varying | PlacedOverTime)
 
     def read(self, value: object) -> object:
         """Return the checked value of a key that is a number or a table of it.
@@ -76,13 +77,15 @@ class HeatKey(Generic[T_co]):
         Raises:
             CaseError: the value is refused.
         """
-        assert isinstance(self.entry, Quantity | Tabulated | Varying)
+        assert isinstance(self.entry, Quantity | Tabulated | Varying | PlacedOverTime)
         return self.entry.read(value)
 
     @property
     def unit(self) -> str:
         """SI unit; "": it has none, or there are several numbers."""
-        kind = self.entry.value if isinstance(self.entry, Varying | Tabulated) else self.entry
+        kind = self.entry
+        if isinstance(kind, Varying | Tabulated | PlacedOverTime):
+            kind = kind.value
         return kind.dimension.unit if isinstance(kind, Quantity) else ""
 
     @property

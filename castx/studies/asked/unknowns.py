@@ -8,13 +8,14 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
+from castx.input.coordinates import AXES
 from castx.input.entries import Choice, Description, EntryName, Quantity
 from castx.input.problems import Problem
 from castx.input.units import PURE_NUMBER
 from castx.studies.asked.amounts import AMOUNT, Amount, amount, other_unit
 
 LOG, LINEAR = "log", "linear"
-OVER = ("time", "gap", "temperature", "pressure")
+OVER = ("time", "gap", "temperature", "pressure", *AXES)
 _MOST_KNOTS = 100
 _Amounts = Annotated[tuple[Annotated[Amount, AMOUNT], ...], Field(max_length=_MOST_KNOTS)]
 
@@ -30,7 +31,7 @@ class SoughtNumber(Description):
     Attributes:
         of: its path in the case file, as `--set` takes it.
         name: in the report.
-        over: of a table, the quantity of its first column.
+        over: of a table, the quantity of its first column, or the coordinate along which it goes.
         knots: of a table, where its values are unknown; between them it is linear, in ln with
             `scale = "log"`.
         start: value to begin with and known before, or of each knot; None: that of the case.

@@ -13,6 +13,7 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.foundry.identification.fit import Unknown
 from castx.foundry.identification.smoothness import second_differences
+from castx.input.coordinates import AXES
 from castx.input.overrides import value_at
 from castx.studies.asked.amounts import Amount, amount, in_unit
 from castx.studies.asked.unknowns import LOG, SoughtNumber
@@ -26,7 +27,8 @@ DIGITS = 9
 OF_LN = 0.01
 """Usual difference of a logarithm."""
 UNIT_OF_KNOTS = {"time": 1.0, "gap": 1e-5, "pressure": 1e6}
-"""Arguments x enter smoothness by ln(1 + x/x_1) with this x_1 [SI]; temperatures by their span."""
+"""Arguments x enter smoothness by ln(1 + x/x_1) with this x_1 [SI]; temperatures and
+places by their span."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +127,8 @@ class SoughtValues:
             [argument.written(float(x)), Amount(0.0, self.unit).written(float(f"{y:.{DIGITS}g}"))]
             for x, y in zip(at, curve, strict=True)
         ]
+        if self.asked.over in AXES:
+            return {"along": self.asked.over, "table": rows}
         if not self.asked.of.startswith("interfaces"):
             return rows
         kept = self.present if isinstance(self.present, Mapping) else {}

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from castx.arrays import FloatArray
+from castx.input.located import OverTime
+from castx.input.placed import PlacedFormula, PlacedTable
 from castx.input.registry import refuse_incomplete
 from castx.input.units import TEMPERATURE
 from castx.tables import Table
@@ -48,7 +50,7 @@ class HeatConditionKind:
         source: author, year, section and equation.
         keys: that it needs; those with a default may be left out.
         flux: from the given keys to the law of the flux.
-        temperature: from the given keys to the temperature of the surface over time [°C].
+        temperature: from the given keys to the temperature of the surface [°C].
         insulates: whether no heat passes.
     """
 
@@ -58,7 +60,7 @@ class HeatConditionKind:
     source: str = ""
     keys: tuple[HeatKey[Any], ...] = ()
     flux: Callable[[Given], FluxLaw] | None = None
-    temperature: Callable[[Given], Table] | None = None
+    temperature: Callable[[Given], OverTime] | None = None
     insulates: bool = False
 
     def __post_init__(self) -> None:
@@ -87,10 +89,11 @@ class HeatConditionKind:
         """Return the key of a name, None where the condition has no such key."""
         return next((key for key in self.keys if key.name == name), None)
 
-    def temperatures(self, given: Given) -> list[Table]:
-        """Return the temperatures that the given keys name, over time [°C]."""
+    def temperatures(self, given: Given) -> list[Table | PlacedTable]:
+        """Return the temperatures that the given keys name [°C]; formulas name none."""
         found = [given.get(key) for key in self.keys if key.unit == TEMPERATURE.unit]
-        return [v if isinstance(v, Table) else Table.constant(v) for v in found if v is not None]
+        named = [v for v in found if v is not None and not isinstance(v, PlacedFormula)]
+        return [v if isinstance(v, Table | PlacedTable) else Table.constant(v) for v in named]
 
     def example(self, choose: Choose = middle) -> Mapping[str, object]:
         """Return the condition as a case gives it, with usual numbers.

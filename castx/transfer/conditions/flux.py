@@ -1,4 +1,4 @@
-"""Heat condition `flux`: the heat flux is given over time."""
+"""Heat condition `flux`: the heat flux is given over time, and may vary from place to place."""
 
 from __future__ import annotations
 
@@ -7,26 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.input.entries import over_time
+from castx.input.entries import Quantity
+from castx.input.located import OverTime
+from castx.input.placed import PlacedOverTime
 from castx.input.units import HEAT_FLUX
-from castx.tables import Table
 from castx.transfer.conditions.declaration import HeatConditionKind
 from castx.transfer.declaration import Given, HeatKey
 
-VALUE: HeatKey[Table] = HeatKey(
-    "value", "heat flux into the body", over_time(HEAT_FLUX), usual=(1e3, 1e6)
+VALUE: HeatKey[OverTime] = HeatKey(
+    "value", "heat flux into the body", PlacedOverTime(Quantity(HEAT_FLUX)), usual=(1e3, 1e6)
 )
 
 
 @dataclass(frozen=True)
 class GivenFlux:
-    """Flux q = value(t), whatever the temperature of the surface.
+    """Flux q = value(x, t), whatever the temperature of the surface.
 
     Attributes:
         value: q over time [W/m²].
     """
 
-    value: Table
+    value: OverTime
 
     def __call__(
         self, start: float, end: float, temperature: FloatArray
@@ -43,7 +44,7 @@ def flux(given: Given) -> GivenFlux:
 CONDITION = HeatConditionKind(
     name="flux",
     summary="A given heat flux enters the body.",
-    formula="q = value(t)",
+    formula="q = value(x, t)",
     source="H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids (1959), section 1.9",
     keys=(VALUE,),
     flux=flux,

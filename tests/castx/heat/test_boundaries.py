@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from castx.errors import CaseError
 from castx.heat.boundaries import SurfaceFlux
 from castx.input.variation import Variation
 from castx.tables import Table
@@ -17,6 +18,7 @@ from tests.castx.heat.heat_cases import (
     advanced,
     balance_under_law,
     cylinder,
+    largest,
     problem_under_law,
 )
 from tests.heat_conditions import surface_heat
@@ -101,6 +103,55 @@ def test_nodes_share_a_surface_by_their_areas(comm):
     heat, slope = flux.evaluate(0.0, 1.0)
     assert comm.allreduce(heat.sum()) == pytest.approx(7.0 * 2 * np.pi * 0.05 * 0.06)
     assert not slope.any()
+
+
+@pytest.mark.ranks
+def test_a_flux_by_place_and_time(comm):
+    """2e4 t (1 + z) into the outside of the mould, by a formula and by a table."""
+    mesh = cylinder(comm)
+    area = 2 * np.pi * 0.05 * 0.06
+    grid = [[z, t, 2e4 * t * (1.0 + z)] for z in (0.0, 0.06) for t in (0.0, 3.0)]
+    for value in ({"formula": "2e4*t*(1 + z)"}, {"along": ["z", "t"], "table": grid}):
+        heating = surface_heat("mould/outside", "flux", value=value)
+        heat = problem_under_law(mesh, {"law": "none"}, surfaces=[heating])
+        advanced(heat, mesh, [1.0, 2.0])
+        totals = heat.totals()
+        assert totals["mould/outside.heat"] == pytest.approx(area * 2e4 * 1.03 * 4.5, rel=1e-9)
+        assert totals["energy_error"] < 1e-7
+
+
+@pytest.mark.ranks
+def test_a_temperature_by_place_and_time(comm):
+    """Of two surfaces that share an edge the first one counts there."""
+    mesh = cylinder(comm)
+    held = [
+        surface_heat("mould/outside", "temperature", value={"formula": "100 + 1e3*z + 2*t"}),
+        surface_heat("mould/top", "temperature", value=300.0),
+    ]
+    heat = problem_under_law(mesh, {"law": "none"}, surfaces=held)
+    advanced(heat, mesh, [1.0, 2.0])
+    body = mesh.bodies["mould"]
+    nodes = body.surface_nodes("outside")
+    found = heat.temperature["mould"].x.array[nodes]
+    assert largest(comm, found - (106.0 + 1e3 * body.points[nodes, 1])) < 1e-9
+    top = np.setdiff1d(body.surface_nodes("top"), nodes)
+    assert largest(comm, heat.temperature["mould"].x.array[top] - 300.0) < 1e-9
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize(
+    "kind, formula, text",
+    [
+        ("flux", "1/(z - 0.06)", r"the flux is not finite at 1 s, by 1/\(z - 0.06\);"),
+        ("temperature", "-1e4*z", "mould/outside: a temperature is none at"),
+        ("temperature", "1/z", "mould/outside: a temperature is none at"),
+    ],
+)
+def test_numbers_that_are_none_are_refused_on_all_ranks(comm, kind, formula, text):
+    mesh = cylinder(comm)
+    wrong = surface_heat("mould/outside", kind, value={"formula": formula})
+    with pytest.raises(CaseError, match=text):
+        advanced(problem_under_law(mesh, {"law": "none"}, surfaces=[wrong]), mesh, [1.0])
 
 
 def test_totals_of_a_surface_towards_a_body_have_a_name_of_their_own():

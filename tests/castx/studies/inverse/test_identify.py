@@ -9,9 +9,9 @@ from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.errors import CaseError, ConvergenceError
 from castx.studies.inverse.identify import PAGE, RESULT, identify
-from castx.studies.runs.executor import Ended
 from tests.castx.cooled_mould import TIME, formula, h_of, measured
 from tests.castx.many_runs import CASE, Formulas
+from tests.castx.studies.inverse.in_process import InProcess
 from tests.castx.studies.inverse.measured_case import opened
 
 pytestmark = pytest.mark.serial
@@ -121,19 +121,6 @@ def test_unknowns_that_cannot_be_told_apart_are_refused(tmp_path):
 def test_a_fit_that_does_not_settle_is_no_result(tmp_path):
     with pytest.raises(ConvergenceError, match=r"not settled.*raise tries"):
         identify(*opened(tmp_path, tries=1))
-
-
-class InProcess:
-    """Executor that runs castx in this process."""
-
-    def __init__(self, comm):
-        self.comm = comm
-
-    def ended(self, tasks):
-        for index, task in enumerate(tasks):
-            _, case_file, _, output, *sets = task.arguments
-            run(case_file, sets[1::2], output=output, comm=self.comm)
-            yield index, Ended(0, "", 0.0, 0.0)
 
 
 def test_runs_of_castx_tell_the_coefficient(comm, tmp_path):

@@ -72,6 +72,24 @@ def test_a_table_of_the_case_is_met_at_the_knots(content):
     ]
 
 
+def test_a_table_along_a_face(content):
+    """Begins with that of the case, or with one number in place of a formula."""
+    of = "boundaries.0.heat.value"
+    along = {"along": "x", "table": [[0, "40 kW/m^2"], ["50 mm", "60 kW/m^2"]]}
+    content["boundaries"] = [{"on": "mould/outside", "heat": {"type": "flux", "value": along}}]
+    keys = {"of": of, "over": "x", "knots": ["0 mm", "25 mm"], "scale": "linear"}
+    one = sought(content, **keys)
+    assert one.start.tolist() == [40.0, 50.0] and one.unit == "kW/m^2"
+    change = one.change(dict(zip(one.names, [10.0, 20.0], strict=True)))
+    assert change["along"] == "x" and change["table"][-1] == ["25.0 mm", "20.0 kW/m^2"]
+    case = load_case({**content}, changes_as_overrides({of: change}))
+    (heat,) = case.boundaries[0].heat
+    assert heat.given.values["value"]([[0.0125, 0.0]], 0.0) == pytest.approx([15e3])
+    content["boundaries"][0]["heat"]["value"] = {"formula": "4e4 + x"}
+    begun = sought(content, start=7.0, **keys)
+    assert begun.change(dict(zip(begun.names, [1.0, 2.0], strict=True)))["along"] == "x"
+
+
 @pytest.mark.parametrize(
     ("keys", "text"),
     [

@@ -11,6 +11,7 @@ import castx.transfer.conditions
 from castx.case.boundaries import HeatCondition
 from castx.errors import CaseError
 from castx.input.entries import Tabulated
+from castx.input.placed import PlacedOverTime
 from castx.input.variation import Varying
 from castx.tables import Table
 from castx.transfer.conditions.keys import AMBIENT
@@ -109,7 +110,8 @@ def test_heat_goes_to_the_colder_side_and_faster_the_colder_it_is(kind):
 
 
 def over_time(key) -> bool:
-    return isinstance(key.entry, Tabulated) or (isinstance(key.entry, Varying) and key.entry.rows)
+    whole = isinstance(key.entry, Tabulated | PlacedOverTime)
+    return whole or (isinstance(key.entry, Varying) and key.entry.rows)
 
 
 @pytest.mark.parametrize(
