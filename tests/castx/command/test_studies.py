@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import re
 
 import numpy as np
@@ -142,3 +143,48 @@ def test_the_best_numbers_are_shown(comm, tmp_path, capsys, by_formula):
     pouring = float(re.search(r"pouring: ([\d.]+)", said)[1])
     assert abs(pouring - 660.0) < 0.5 and "bowl [s]:" in said
     assert (tmp_path / "case.optimised.toml").is_file()
+
+
+SOBOL = """
+[vary]
+method = "sobol"
+draws = 64
+[[vary.inputs]]
+of = "bodies.0.temperature"
+name = "one"
+low = 650
+high = 690
+[[vary.inputs]]
+of = "bodies.1.temperature"
+name = "two"
+low = 200
+high = 240
+[[vary.inputs]]
+of = "materials.die.conductivity"
+name = "three"
+low = 20
+high = 60
+"""
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_shares_of_a_straight_case(comm, tmp_path, monkeypatch):
+    """X1 + 2 X2 + 0.5 X3 of equal widths: 1, 4 and 0.25 parts of 5.25, and nothing together."""
+
+    def straight(content):
+        one, two = (float(body["temperature"]) for body in content["bodies"])
+        answer = one + 2.0 * two + 0.5 * float(content["materials"]["die"]["conductivity"])
+        return {"answer": answer}, {"time": [0.0, 1.0], "near.temperature": [0.0, answer]}
+
+    monkeypatch.setattr(local, "LocalProcesses", lambda processes, memory: Formulas(straight))
+    case_file = tmp_path / "case.toml"
+    case_file.write_text(CASE + SOBOL)
+    folder = tmp_path / "study"
+    assert execute(["vary", str(case_file), "--output", str(folder)], comm) == 0
+    (answer,) = json.loads((folder / "study.json").read_text())["what matters"]
+    found = {effect["name"]: effect["more"] for effect in answer["effects"]}
+    exact = {"one": 0.190476, "two": 0.761905, "three": 0.047619}
+    for name, share in exact.items():
+        assert found[name]["first-order index"] == pytest.approx(share, abs=0.01)
+        assert found[name]["total index"] == pytest.approx(share, abs=0.01)

@@ -143,6 +143,32 @@ def test_runs_of_castx_tell_the_coefficient(comm, tmp_path):
     assert abs(found["depth of near"].value - 2e-4) < 3.0 * found["depth of near"].deviation
 
 
+@pytest.mark.slow
+def test_both_engines_lie_within_each_others_bands(comm, tmp_path):
+    """Of runs of castx with noise of 0.5 K: h and the conductivity of the mould."""
+    text = CASE.replace("end = 6", "end = 12")
+    (tmp_path / "truth.toml").write_text(text)
+    made = run(tmp_path / "truth.toml", ["interfaces.0.heat.closed=1300"], comm=comm,
+               output=tmp_path / "truth")  # fmt: skip
+    rows = np.loadtxt(made / "probes.csv", delimiter=",", skiprows=1)
+    rows[:, 1] += 0.5 * np.random.default_rng(2).normal(size=len(rows))
+    curve = "\n".join(["time,near.temperature", *(f"{t},{y}" for t, y in rows)]) + "\n"
+    found = []
+    for engine in ("levenberg-marquardt", "ensemble"):
+        (tmp_path / engine).mkdir()
+        runner, study = opened(
+            tmp_path / engine, curve, executor=InProcess(comm), unknown={"deviation": 0.5},
+            others=[{"of": "materials.die.conductivity", "name": "k", "deviation": 0.1}],
+            engine=engine, members=16, rounds=2,
+        )  # fmt: skip
+        (tmp_path / engine / "case.toml").write_text(text)
+        found.append(found_in(identify(runner, study)))
+    for name, truth in (("h", 1300.0), ("k", 35.0)):
+        lm, ensemble = found[0][name], found[1][name]
+        assert lm.low < ensemble.value < lm.high and ensemble.low < lm.value < ensemble.high
+        assert lm.low < truth < lm.high
+
+
 def test_an_ensemble_agrees_with_the_descent(tmp_path):
     """Within two posterior deviations of each other."""
     known = {"unknown": {"deviation": 0.3}}
