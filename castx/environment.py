@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from castx.commit import commit
 from castx.version import __version__
 
 PACKAGES = {
@@ -27,8 +28,11 @@ FEWEST_TIMES_FASTER = 2.5
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of castx, Python and the packages underneath, or "missing"."""
-    found = {"castx": __version__, "python": platform.python_version()}
+    """Return the versions of castx, Python and the packages underneath, or "missing".
+
+    That of castx stands before the commit of its sources, or "unknown".
+    """
+    found = {"castx": __version__, "commit": commit(), "python": platform.python_version()}
     return found | {package: _version(package, module) for package, module in PACKAGES.items()}
 
 

@@ -29,6 +29,8 @@ MODULES_OF = {
 """Modules of packages, where their names differ or they bring several."""
 KINDS = ["Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"]
 """Kinds of changes, as Keep a Changelog has them."""
+COMMIT = "0123456789" * 4
+"""Of the checkout from which the distributions are built."""
 CONDA_NAMES = {
     "dolfinx-solver-real": {"fenics-dolfinx", "petsc", "petsc4py"},
     "gmsh": {"python-gmsh"},
@@ -103,6 +105,8 @@ def built(tmp_path_factory):
         PROJECT, checkout, symlinks=True, dirs_exist_ok=True,
         ignore=lambda folder, names: {".git", *passed_over(folder, names)},
     )  # fmt: skip
+    (checkout / ".git").mkdir()
+    (checkout / ".git" / "HEAD").write_text(f"{COMMIT}\n")
     build(checkout, "sdist", dist)
     with tarfile.open(dist / f"castx-{__version__}.tar.gz") as archive:
         archive.extractall(dist, filter="data")
@@ -124,9 +128,10 @@ def test_the_wheel_holds_the_whole_library_and_nothing_else(built):
     with zipfile.ZipFile(built / f"castx-{__version__}-py3-none-any.whl") as wheel:
         names = set(wheel.namelist())
         metadata = wheel.read(f"castx-{__version__}.dist-info/METADATA").decode()
+        assert wheel.read("castx/commit.txt").decode() == f"{COMMIT}\n"
     others = (path for path in (PROJECT / "castx").rglob("*") if path.is_file())
     files = [*LIBRARY, *(path for path in others if path.suffix not in {".py", ".pyc"})]
-    expected = {f"castx/{inside_castx(path)}" for path in files}
+    expected = {f"castx/{inside_castx(path)}" for path in files} | {"castx/commit.txt"}
     assert {name for name in names if ".dist-info/" not in name} == expected
     for part in ("forms/heat", "meshes/cad/reading", "materials/database/", "report/page/"):
         assert any(name.startswith(f"castx/{part}") for name in names), part

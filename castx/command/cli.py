@@ -30,6 +30,7 @@ from castx.command.terminal import (
     prepare_logging,
     show_details,
 )
+from castx.commit import commit
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 from castx.handover.target import Target
 from castx.input.printable import printable
@@ -123,10 +124,10 @@ def say(comm: MPI.Intracomm, message: object, code: Exit) -> Exit:
 
 
 def show_version(context: typer.Context, wanted: bool) -> None:
-    """Show the version of castx on rank 0, and end there."""
+    """Show the version of castx and its commit on rank 0, and end there."""
     if wanted:
         if context.obj.rank == 0:
-            typer.echo(f"castx {__version__}")
+            typer.echo(f"castx {__version__} (commit {commit()})")
         raise typer.Exit
 
 

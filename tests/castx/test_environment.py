@@ -6,6 +6,7 @@ import pytest
 
 import castx
 from castx import environment
+from castx.commit import commit
 
 pytestmark = pytest.mark.serial
 
@@ -15,6 +16,7 @@ def test_versions_name_castx_and_what_it_stands_on(monkeypatch):
     monkeypatch.setattr(environment, "PACKAGES", packages)
     found = environment.versions()
     assert found["castx"] == castx.__version__
+    assert found["commit"] == commit()
     assert found["numpy"].count(".") >= 1
     assert found["no-such-package"] == "missing"
 

@@ -8,6 +8,7 @@ import pytest
 
 import castx.command.run
 from castx.command.cli import execute
+from castx.commit import commit
 from castx.errors import ConvergenceError
 from tests.castx.command_line import start
 
@@ -41,7 +42,7 @@ def test_newton_iterations_are_shown_on_request(comm, case_file, shared_tmp_path
 @pytest.mark.ranks
 def test_the_version_is_told_by_the_first_rank(comm, capsys):
     assert execute(["--version"], comm) == 0
-    told = ["castx", castx.__version__] if comm.rank == 0 else []
+    told = ["castx", castx.__version__, "(commit", f"{commit()})"] if comm.rank == 0 else []
     assert capsys.readouterr().out.split() == told
 
 
