@@ -20,7 +20,7 @@ from castx.command.look_up import EntryName, EntryPlot, look_up
 from castx.command.new import new
 from castx.command.refusals import naming, seconds
 from castx.command.scheil import scheil
-from castx.command.studies import STUDY_COMMANDS, CaseFile, Overrides
+from castx.command.studies import STUDY_COMMANDS, CaseFile, Overrides, Processes
 from castx.command.terminal import (
     LINES,
     Detail,
@@ -339,12 +339,15 @@ def validate(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="Of one of them.")] = None,
     folder: Annotated[Path, typer.Option(metavar="DIR", help="Of all.")] = Path("validation"),
     output: Annotated[Path, typer.Option(metavar="DIR")] = Path("results/validation"),
+    processes: Processes = None,
 ) -> None:
-    """List the experiments, or run the case of one and compare it with its measured curves."""
+    """List the experiments, or run the case of one and compare it with what was measured."""
     from castx.command.run import run as run_case_file
     from castx.command.validate import list_or_validate
+    from castx.studies.runs.local import LocalProcesses
 
-    list_or_validate(name, folder, output, *output_of(context), run_case_file)
+    executor = LocalProcesses(processes)
+    list_or_validate(name, folder, output, *output_of(context), run_case_file, executor)
 
 
 @app.command()

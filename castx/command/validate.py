@@ -10,11 +10,16 @@ from mpi4py import MPI
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from castx.command.studies import refuse_ranks
 from castx.command.verify import Lines
+from castx.proof.validation.band import BandedExperiment, banded, refuse_without_ranges
+from castx.proof.validation.band_page import curve_text, write_band_page
 from castx.proof.validation.experiment import CASE, Experiment, chosen, experiments
 from castx.proof.validation.page import PAGE, Overlay, write_page
 from castx.ranks import on_first_rank
 from castx.results.reading import Results
+from castx.studies.runs.executor import Executor
+from castx.studies.runs.runner import study_folder
 
 
 class Solve(Protocol):
@@ -64,14 +69,63 @@ def list_or_validate(
     comm: MPI.Intracomm,
     console: Lines,
     solve: Solve,
+    executor: Executor,
 ) -> None:
     """List the experiments of a folder, or compare with the one of a name as `validate` does."""
     if name is not None:
         experiment = on_first_rank(comm, lambda: chosen(root, name))
-        validate(experiment, output / name, comm, console, solve)
+        show_facts(experiment, console)
+        if experiment.facts.ranges:
+            refuse_ranks(comm)
+            validate_over_ranges(experiment, output / name, console, executor)
+        else:
+            validate(experiment, output / name, comm, console, solve)
         return
     console.print(experiment_list(on_first_rank(comm, lambda: experiments(root))))
     console.refuse_loss()
+
+
+def show_facts(experiment: Experiment, console: Lines) -> None:
+    """Show what is known of an experiment."""
+    console.print(f"{experiment.facts.title}\n{experiment.facts.source}", markup=False)
+    if experiment.facts.digits:
+        console.print(digit_table(experiment))
+    for line in ratio_lines(experiment):
+        console.print(line, markup=False)
+
+
+def validate_over_ranges(
+    experiment: Experiment, folder: Path, console: Lines, executor: Executor
+) -> None:
+    """Run the case of an experiment over its ranges, and show where what was measured lies.
+
+    Args:
+        experiment: to compare with.
+        folder: of the study.
+        console: of the first rank.
+        executor: makes the runs.
+
+    Raises:
+        CaseError: a missing number of the case has no range; or what a study refuses.
+    """
+    refuse_without_ranges(experiment)
+    with study_folder(folder.resolve()) as opened:
+        found = banded(experiment, opened, executor)
+        for line in band_lines(found):
+            console.print(line, markup=False)
+        page = write_band_page(opened, experiment, found)
+    console.print(f"written: {page}", markup=False)
+
+
+def band_lines(found: BandedExperiment) -> list[str]:
+    """Return a line for each digit and curve of a banded experiment, and one for its runs."""
+    lines = [f"{found.finished} of {len(found.runs)} runs have finished"]
+    for one in found.answers:
+        lines.append(
+            f"{one.name}: {one.lowest:.3g} to {one.highest:.3g} {one.unit} in the runs, "
+            f"{one.verdict}"
+        )
+    return [*lines, *(f"{curve.band.column}: {curve_text(curve)}" for curve in found.curves)]
 
 
 def validate(
@@ -81,7 +135,7 @@ def validate(
     console: Lines,
     solve: Solve,
 ) -> None:
-    """Show the facts of an experiment, run its case and compare measured with computed curves.
+    """Run the case of an experiment and compare measured with computed curves.
 
     Args:
         experiment: to compare with.
@@ -93,11 +147,6 @@ def validate(
     Raises:
         CaseError: digits are missing, with the whole list; or what a run refuses.
     """
-    console.print(f"{experiment.facts.title}\n{experiment.facts.source}", markup=False)
-    if experiment.facts.digits:
-        console.print(digit_table(experiment))
-    for line in ratio_lines(experiment):
-        console.print(line, markup=False)
     experiment.refuse_incomplete()
     solve(experiment.folder / CASE, output=folder, comm=comm)
     made = on_first_rank(comm, lambda: write_page(folder, experiment, Results(folder)))

@@ -122,6 +122,18 @@ def _convert(text: str, dimension: Dimension) -> float:
     return _in_si(float(match.group()), unit, dimension)
 
 
+def converted(amount: float, unit: str, wanted: str) -> float:
+    """Return a number in another unit of the same kind; "°C" is an absolute temperature.
+
+    Raises:
+        CaseError: a unit is unknown, or they are of different kinds.
+    """
+    spelled = wanted.translate(_SPELLINGS).replace("°C", "degC")
+    absolute = spelled in ("degC", "K", "degF") and unit in ("°C", "degC", "K", "degF")
+    goal = Dimension(f"a number in {wanted or 'no unit'}", spelled, difference=not absolute)
+    return _in_si(amount, unit.replace("°C", "degC") or "dimensionless", goal)
+
+
 def _in_si(amount: float, text: str, dimension: Dimension) -> float:
     unit = _unit(text, dimension)
     table = registry()

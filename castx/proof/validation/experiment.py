@@ -7,21 +7,30 @@ such texts is refused with all of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, StrictStr
 
+from castx.arrays import FloatArray
 from castx.errors import CaseError
-from castx.input.entries import Description
+from castx.input.entries import Choice, Description, Whole
 from castx.input.problems import KeyPath, Problem, Refusal, among, dotted, summary
 from castx.input.toml_text import parse_toml
+from castx.studies.asked.inputs import VariedInput
 
 EXPERIMENT, CASE = "experiment.toml", "case.toml"
 MISSING = "missing"
 NOT_STATED = "not stated"
+MOMENTS: Mapping[str, Callable[[FloatArray], float]] = {
+    "end": lambda values: float(values[-1]),
+    "largest": lambda values: float(values.max()),
+    "smallest": lambda values: float(values.min()),
+}
+"""Numbers of a curve."""
+MOST_DRAWS = 10_000
 _LARGEST_FILE = 4_000_000  # bytes
 
 
@@ -93,6 +102,34 @@ class MeasuredCurve(Description):
     source: _Text
 
 
+class AssumedRange(VariedInput):
+    """A number of the case that nobody could read, and the range over which it is varied.
+
+    Attributes:
+        because: why it should lie there; no digit of the experiment.
+    """
+
+    because: _Text
+
+
+class MeasuredAnswer(Description):
+    """A measured digit, and the number of a run that answers it.
+
+    Attributes:
+        digit: its name.
+        column: of probes.csv.
+        moment: "end", "largest" or "smallest" of the curve.
+    """
+
+    digit: _Text
+    column: Annotated[StrictStr, Field(pattern=r"^[^.]+\.[^.]+")]
+    moment: Annotated[str, Choice(tuple(MOMENTS))] = "end"
+
+    def of_curve(self, values: FloatArray) -> float:
+        """Return the number of a curve, (steps,)."""
+        return MOMENTS[self.moment](values)
+
+
 class Facts(Description):
     """The content of experiment.toml.
 
@@ -103,6 +140,9 @@ class Facts(Description):
         digits: numbers of the experiment.
         ratios: of these numbers.
         curves: what is known of measured curves.
+        ranges: over which missing numbers of the case are varied.
+        draws: runs of these.
+        answers: digits beside which numbers of these runs are laid.
     """
 
     title: _Text
@@ -111,10 +151,21 @@ class Facts(Description):
     digits: tuple[Digit, ...] = ()
     ratios: tuple[Ratio, ...] = ()
     curves: tuple[MeasuredCurve, ...] = ()
+    ranges: tuple[AssumedRange, ...] = ()
+    draws: Annotated[int, Whole(2, MOST_DRAWS)] = 16
+    answers: tuple[MeasuredAnswer, ...] = ()
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield ratios of digits that are not there."""
+        """Yield ratios and answers of digits that are not there, and ranges given twice."""
         names = [digit.name for digit in self.digits]
+        for index, answer in enumerate(self.answers):
+            if answer.digit not in names:
+                text = f"there is no such digit; {among(answer.digit, names, what='digits')}"
+                yield Problem(("answers", index, "digit"), text)
+        varied = [one.of for one in self.ranges]
+        for index, of in enumerate(varied):
+            if of in varied[:index]:
+                yield Problem(("ranges", index, "of"), "has a range already; leave one out")
         for index, ratio in enumerate(self.ratios):
             for key, name in (("of", ratio.of), ("over", ratio.over)):
                 if name not in names:

@@ -8,6 +8,7 @@ import pytest
 
 from castx.command.cli import Exit, execute
 from tests.castx.proof.validation.synthetic import write_experiment
+from tests.castx.proof.validation.test_band import unknown
 
 ROOT = Path(__file__).parents[3] / "validation"
 
@@ -16,7 +17,8 @@ ROOT = Path(__file__).parents[3] / "validation"
 def test_the_list_says_how_much_is_missing(comm, capsys):
     assert execute(["validate", "--folder", str(ROOT)], comm) == Exit.DONE
     said = capsys.readouterr().out
-    assert "dumbbell" in said and "sand_ring" in said and "cylindrical_mould" in said
+    names = ("ac4ch_tube", "dumbbell", "sand_ring", "cylindrical_mould")
+    assert all(name in said for name in names)
 
 
 @pytest.mark.serial
@@ -53,3 +55,13 @@ def test_a_known_experiment_is_overlaid(comm, shared_tmp_path, capsys):
     if comm.rank == 0:
         said = capsys.readouterr().out
         assert "middle.temperature: RMS" in said and "uncertainty ± 2.5 K, within it" in said
+
+
+@pytest.mark.serial
+def test_an_experiment_with_ranges_is_run_over_them(comm, tmp_path, capsys):
+    unknown(tmp_path / "all" / "lumped")
+    given = ["--folder", str(tmp_path / "all"), "--output", str(tmp_path), "--processes", "2"]
+    assert execute(["validate", "lumped", *given], comm) == Exit.DONE
+    said = " ".join(capsys.readouterr().out.split())
+    assert "4 of 4 runs have finished" in said and "measured 605 ± 5 K: in the band" in said
+    assert (tmp_path / "lumped" / "band.html").is_file()

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from castx.errors import CaseError
 from castx.input import units
-from castx.input.units import number
+from castx.input.units import converted, number
 
 pytestmark = pytest.mark.serial
 
@@ -161,3 +161,20 @@ def test_temperatures_end_where_metals_are_vapour():
         with pytest.raises(CaseError, match="above 10000 °C, where every metal is vapour"):
             number(value, units.TEMPERATURE)
     assert number(1e30, units.TEMPERATURE_DIFFERENCE) == 1e30
+
+
+@pytest.mark.parametrize(
+    ("amount", "unit", "wanted", "found"),
+    [
+        (2.5, "mm", "m", 2.5e-3), (3.0, "W/m²/K", "W/cm^2/K", 3e-4), (20.0, "°C", "K", 293.15),
+        (300.0, "K", "°C", 26.85), (4.0, "", "", 4.0), (7.0, "µm", "mm", 7e-3),
+    ],
+)  # fmt: skip
+def test_numbers_are_converted_between_units_of_a_kind(amount, unit, wanted, found):
+    assert converted(amount, unit, wanted) == pytest.approx(found, rel=1e-12)
+
+
+@pytest.mark.parametrize(("unit", "wanted"), [("mm", "s"), ("mm", "°C"), ("cubit", "m")])
+def test_numbers_of_another_kind_are_not_converted(unit, wanted):
+    with pytest.raises(CaseError, match=unit):
+        converted(1.0, unit, wanted)

@@ -1,9 +1,12 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from castx.errors import CaseError
+from castx.proof.validation.band import refuse_without_ranges
 from castx.proof.validation.experiment import (
+    MeasuredAnswer,
     chosen,
     experiments,
     missing_texts,
@@ -28,6 +31,8 @@ over = "force"
 model = 1
 because = "of arithmetic"
 """
+
+RANGE = '[[ranges]]\nof = "time.end"\nlow = 1\nhigh = 2\nbecause = "made up"\n'
 
 
 def written(folder, facts=FACTS, case='[geometry]\nfile = "missing: a mesh"\n'):
@@ -70,6 +75,9 @@ def test_without_measurements_there_is_nothing_to_compare(tmp_path):
         ('of = "force"', 'of = "strength"', "no such digit"),
         ('source = "made up"', "", "source"),
         ("title", "titel", "unknown key"),
+        ("[[ratios]]", '[[answers]]\ndigit = "a"\ncolumn = "a.gap"\n[[ratios]]', "no such digit"),
+        ("[[ratios]]", f"{RANGE}{RANGE}[[ratios]]", "has a range already"),
+        ("[[ratios]]", RANGE.replace("low = 1", "low = 3") + "[[ratios]]", "must lie below high"),
     ],
 )
 def test_what_does_not_make_sense_is_refused(tmp_path, before, after, said):
@@ -77,6 +85,14 @@ def test_what_does_not_make_sense_is_refused(tmp_path, before, after, said):
     with pytest.raises(CaseError, match=said) as refusal:
         read_experiment(folder)
     assert "experiment.toml" in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("moment", "number"), [("end", 2.0), ("largest", 5.0), ("smallest", -1.0)]
+)
+def test_an_answer_is_a_number_of_a_curve(moment, number):
+    answer = MeasuredAnswer(digit="a", column="gap.gap", moment=moment)
+    assert answer.of_curve(np.array([0.0, 5.0, -1.0, 2.0])) == number
 
 
 def test_texts_are_found_at_any_depth():
@@ -99,7 +115,10 @@ def test_experiments_are_chosen_by_their_names(tmp_path):
 
 def test_the_experiments_of_the_project_lack_digits_and_say_which():
     found = {experiment.name: experiment for experiment in experiments(ROOT)}
-    assert set(found) == {"dumbbell", "sand_ring", "cylindrical_mould"}
+    assert set(found) == {"ac4ch_tube", "dumbbell", "sand_ring", "cylindrical_mould"}
+    refuse_without_ranges(found["ac4ch_tube"])
+    with pytest.raises(CaseError, match="have no range"):
+        refuse_without_ranges(found["dumbbell"])
     for experiment in found.values():
         assert experiment.missing
         assert experiment.case["measurements"]
