@@ -179,6 +179,7 @@ class _Ejection(_Strict):
 
 class _Record(_Strict):
     castx: str = ""
+    versions: dict[str, str] = {}
     case: _Case = _Case()
     model: _Model | None = None
     scheme: str = ""

@@ -14,7 +14,7 @@ from castx.studies.runs.curves import Band
 
 pytestmark = pytest.mark.serial
 
-TIME = np.linspace(0.0, 10.0, 21)
+TIME = np.asarray(np.linspace(0.0, 10.0, 21), dtype=np.float64)
 BAND = Band("a.gap", TIME, 1e-4 * TIME, 2e-4 * TIME, 3e-4 * TIME)
 
 

@@ -37,6 +37,7 @@ def test_what_is_left_out_has_its_usual_value():
     assert (found["totals"]["steps"], found["totals"]["passes"]) == (3, 0)
     assert found["bodies"]["casting"]["freezes"] == [577.0, 615]
     assert found["bodies"]["casting"]["symmetry"] == found["stage_ends"] == []
+    assert found["versions"] == {}
 
 
 @pytest.mark.parametrize(
@@ -51,6 +52,7 @@ def test_what_is_left_out_has_its_usual_value():
         ("process", [{"ejection": {"casting": 3}}], r"process\[0\].ejection.casting"),
         ("model", "flat", "model: Input should be 'plane-stress'"),
         ("bodies", {"casting": {"freezes": [577.0]}}, "bodies.casting.freezes"),
+        ("versions", ["1.0"], "versions: Input should be a valid dictionary"),
         ("castx", 5, "castx: Input should be a valid string"),
     ],
 )
