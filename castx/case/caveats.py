@@ -9,6 +9,8 @@ from castx.case.case import Case
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 
+THINNEST_GAS = 1e-3
+"""Conductivity below which no gas of a casting lies; freons and xenon have some 0.006 [W/m/K]."""
 COLD = 250.0
 """A table of mean expansions that begins below this may be a handbook's, counted from 20 °C."""
 
@@ -16,6 +18,7 @@ COLD = 250.0
 def caveats(case: Case) -> Iterator[str]:
     """Yield a warning for each thing that gives another answer than its author may expect."""
     yield from _shut_gaps(case)
+    yield from _gaps_without_gas(case)
     if case.coupling.scheme != "thermal":
         for name in dict.fromkeys(body.material for body in case.bodies if body.law != "rigid"):
             yield from _expansion(find_material(name, case.materials))
@@ -37,6 +40,23 @@ def _shut_gaps(case: Case) -> Iterator[str]:
                 f'gap keeps its initial value and law = "{heat.law}" stays as it is there; use '
                 'scheme = "iterated", or law = "solid-fraction" or coefficients over time or '
                 "temperature"
+            )
+
+
+def _gaps_without_gas(case: Case) -> Iterator[str]:
+    """Yield interfaces in whose gap hardly anything conducts, so that they are open or shut."""
+    for interface in case.interfaces:
+        heat = interface.heat
+        if heat is None or heat.gas_conductivity is None:
+            continue
+        least = float(heat.gas_conductivity.table.values.min())
+        if least < THINNEST_GAS:
+            yield (
+                f"interface {interface.name}: gas_conductivity is {least:g} W/m/K, where air has "
+                "0.026 and argon 0.018: a gap of a micrometre then stops all heat, so that pairs "
+                "open and shut by turns and steps are cut; take that of the gas, and for a gap "
+                'that shall insulate heat = { law = "none" } or "constant" with a coefficient '
+                "over the gap"
             )
 
 

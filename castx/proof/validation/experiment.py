@@ -111,6 +111,12 @@ class AssumedRange(VariedInput):
 
     because: _Text
 
+    @property
+    def text(self) -> str:
+        """The range in words."""
+        first, last = (f"{self.quantile(share):.4g}" for share in (0.0, 1.0))
+        return f"{first} to {last} {self.unit}".strip()
+
 
 class MeasuredAnswer(Description):
     """A measured digit, and the number of a run that answers it.

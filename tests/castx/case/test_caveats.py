@@ -28,6 +28,23 @@ def test_a_gap_that_nothing_opens_is_told(law, scheme, warned):
 
 
 @pytest.mark.parametrize(
+    ("gas", "warned"),
+    [
+        ("0.05", False),
+        ("1.1e-3", False),
+        ("0.9e-3", True),
+        ("1e-12", True),
+        ('{ over = "temperature", table = [[20, 1e-6], [600, 0.06]] }', True),
+    ],
+)
+def test_a_gap_in_which_nothing_conducts_is_told(gas, warned):
+    law = f'interfaces.0.heat={{ law = "series", closed = 2000, gas_conductivity = {gas} }}'
+    found = [text for text in caveats(load_case(CYLINDER, [law])) if "stops all heat" in text]
+    assert len(found) == warned
+    assert not warned or "casting/mould" in found[0]
+
+
+@pytest.mark.parametrize(
     ("expansion", "reference", "warned"),
     [
         ("[[20, 2.3e-5], [500, 2.8e-5]]", "", True),

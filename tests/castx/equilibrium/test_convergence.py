@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.case.reading.read import load_case
 from castx.contact.choice import Contact
 from castx.equilibrium.convergence import ForceConvergence, standstill, worst_row
 from castx.equilibrium.net_forces import NetForces
+from castx.process.simulation import Simulation
 from tests.elastic_bodies import blocks, body, elastic, fixed, problem
 from tests.small_contact import STIFF, two_blocks
 
@@ -197,3 +199,28 @@ def test_forces_of_a_millionth_count_and_those_of_a_billionth_do_not(
         np.testing.assert_allclose(limits.acting, share * internal)
     else:
         np.testing.assert_allclose(limits.acting, 1e-7 * internal)
+
+
+def test_a_shell_round_trapped_liquid_is_solved_to_rounding_where_more_is_asked_for(comm):
+    """Nearly incompressible triangles in stress and pressure, elastic, frozen at the wall.
+
+    The residual stands still at rounding, far above the tolerance; without a floor there not one
+    step is found.
+    """
+    case = load_case({
+        "geometry": {"generator": "core_in_ring", "model": "plane-strain", "core_radius": 0.02,
+                     "outer_radius": 0.03, "size": 0.005},
+        "materials": {"stiff": {"extends": "AlSi7Mg", "poisson_ratio": 0.49}},
+        "bodies": [
+            {"name": "core", "material": "stiff", "temperature": 710, "law": "thermo-elastic"},
+            {"name": "casting", "material": "steel-H13", "temperature": 160,
+             "formulation": "displacement"},
+        ],
+        "interfaces": [{"bodies": ["core", "casting"], "heat": {
+            "law": "series", "closed": 1200, "gas_conductivity": 0.05}}],
+        "solver": {"mechanics_tolerance": 1e-12},
+        "time": {"end": 12, "first_step": 0.05, "smallest_step": 0.04},
+    })  # fmt: skip
+    states = list(Simulation.from_case(case, comm))
+    assert states[-1].time == pytest.approx(12.0)
+    assert states[-1].totals["cutbacks"] == 0
