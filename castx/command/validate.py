@@ -86,7 +86,7 @@ def list_or_validate(
 
 
 def show_facts(experiment: Experiment, console: Lines) -> None:
-    """Show what is known of an experiment."""
+    """Show title, source, digits and ratios of an experiment."""
     console.print(f"{experiment.facts.title}\n{experiment.facts.source}", markup=False)
     if experiment.facts.digits:
         console.print(digit_table(experiment))

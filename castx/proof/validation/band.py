@@ -61,7 +61,7 @@ class AnswerBand:
 
     @property
     def verdict(self) -> str:
-        """What was measured and where it lies, in words."""
+        """The measured digit and where it lies, in words."""
         if self.measured is None:
             return "no digit was read to compare with"
         given = f" ± {self.uncertainty:.3g}" if self.uncertainty else ""
