@@ -142,7 +142,7 @@ def overridden(path: Sequence[str | int]) -> str:
 
 
 def overrides_of(experiment: Experiment) -> list[str]:
-    """Return what makes the case one that can be read: the middle of each range.
+    """Return the middle of each range, in place of missing values, as `--set` takes it.
 
     Measured curves whose file is missing are left out.
     """
