@@ -39,6 +39,8 @@ DIMENSIONS = {
     name: field.dimension for name, field in output_fields().items() if field.dimension is not None
 }
 """Of the quantities that probes record."""
+FORMATS = ("vtkhdf", "vtu")
+"""Formats of the files of fields."""
 
 
 def _path(value: Any, needed: str) -> Path:
@@ -58,6 +60,8 @@ class Output(Description):
         folder: by default results/NAME-OF-THE-CASE-FILE; after loading an absolute path.
         every: time between fields that are written beside those at events [s]; None: events alone.
         fields: names of the fields.
+        format: of their files: one growing VTKHDF file a body, or a VTU file for each body, rank
+            and moment; a run goes on in the format in which it began.
         checkpoint: time between checkpoints [s]; None: every minute of wall clock time, or less
             often if they take long.
     """
@@ -72,6 +76,7 @@ class Output(Description):
         "gap",
         "solidification_time",
     )
+    format: Annotated[str, Choice(FORMATS)] = "vtu"
     checkpoint: Annotated[float | None, Quantity(TIME, above=0.0)] = None
 
     def inconsistencies(self) -> Iterator[Problem]:

@@ -1,12 +1,10 @@
-"""fields/: VTU pieces of all bodies, ranks and times, and the collection that lists them."""
+"""fields/: the fields of all bodies at events and given times."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -16,10 +14,10 @@ from castx.foundry.followed.foundry_fields import entry_of, is_of_foundry
 from castx.foundry.stress.cracks import COLD_CRACKS
 from castx.foundry.stress.stage_ends import DEVIATION
 from castx.results.field_copies import FieldCopies, between
+from castx.results.field_files import field_files
 from castx.results.field_times import FieldTimes
 from castx.results.files.disk import Disk
-from castx.results.files.folder import COLLECTION, write_whole
-from castx.results.files.vtu import Piece, write_piece
+from castx.results.files.vtu import Piece
 from castx.results.states.quantities import CELLWISE, PAIRED, UNITS, on_secondary_nodes
 from castx.results.states.snapshot import Snapshot
 
@@ -28,19 +26,6 @@ if TYPE_CHECKING:
 
 LATE_IN_CELLS = (COLD_CRACKS, *histories.CELLWISE)
 """Fields in cells that are found when they are written."""
-
-
-@dataclass(frozen=True)
-class WrittenMoment:
-    """A moment on disk.
-
-    Attributes:
-        time: [s].
-        holders: the ranks that had cells of each body.
-    """
-
-    time: float
-    holders: Mapping[str, Sequence[int]]
 
 
 class FoundrySource(Protocol):
@@ -68,6 +53,7 @@ class Fields:
         disk: takes the failures of single ranks.
         melting: the bodies that melt, which alone have solid fraction and foundry quantities; None:
             all.
+        form: of the files, one of `castx.case.output.FORMATS`.
     """
 
     def __init__(
@@ -79,20 +65,14 @@ class Fields:
         foundry: FoundrySource,
         disk: Disk,
         melting: Collection[str] | None = None,
+        form: str = "vtu",
     ) -> None:
-        self._folder = folder
         self._names = tuple(names)
         self._melting = tuple(mesh.bodies) if melting is None else tuple(melting)
         self._times = FieldTimes(every, self._melting)
-        self._comm, self._disk = mesh.comm, disk
         self._foundry = foundry
         self._pieces = {name: Piece.of(body) for name, body in mesh.bodies.items()}
-        filled = self._comm.allgather([piece.cells > 0 for piece in self._pieces.values()])
-        self._holders = {
-            name: [rank for rank, of_rank in enumerate(filled) if of_rank[index]]
-            for index, name in enumerate(self._pieces)
-        }
-        self._outputs: list[WrittenMoment] = []
+        self._files = field_files(form, folder, mesh, self._pieces, units_of(self._names), disk)
         self._last: FieldCopies | None = None
 
     def update(self, snapshot: Snapshot) -> None:
@@ -150,24 +130,12 @@ class Fields:
             StorageError: the disk did not take it; on all ranks.
         """
         last = self._last
-        if last is not None and (not self._outputs or self._outputs[-1].time < last.time):
+        if last is not None and (self._files.last is None or self._files.last < last.time):
             self._write(last)
 
     def _write(self, state: FieldCopies) -> None:
-        index = len(self._outputs)
         self._add_foundry(state)
-        with self._disk.writing():
-            for number, (body, piece) in enumerate(self._pieces.items()):
-                if piece.cells > 0 and body in state.nodal:
-                    path = self._folder / piece_name(body, index, self._comm.rank)
-                    fields = state.nodal[body], state.cellwise[body]
-                    write_piece(path, piece, number, *fields, body, units_of(self._names))
-        self._disk.raise_failures()
-        holders = {body: ranks for body, ranks in self._holders.items() if body in state.nodal}
-        self._outputs.append(WrittenMoment(state.time, holders))
-        if self._comm.rank == 0:
-            with self._disk.writing():
-                self._write_collection()
+        self._files.write(state)
 
     def _add_foundry(self, state: FieldCopies) -> None:
         """Find the wanted quantities of the foundry for a moment to be written; collective.
@@ -183,12 +151,9 @@ class Fields:
                 elif found_late(name) and (body in self._melting or not of_melting(name)):
                     known[name] = self._foundry.nodal(body, name)[here]
 
-    def _write_collection(self) -> None:
-        write_whole(self._folder / COLLECTION, collection(self._outputs))
-
     def notes(self) -> list[dict[str, Any]]:
         """Return a description of the written files, for JSON."""
-        return [asdict(output) for output in self._outputs]
+        return self._files.notes()
 
     def events(self) -> dict[str, object]:
         """Return the events that have been written, for JSON."""
@@ -200,15 +165,8 @@ class Fields:
         self._times.resume(events, snapshot)
 
     def resume(self, notes: Sequence[Mapping[str, Any]]) -> None:
-        """Go on behind the outputs of `notes`; pieces of later ones are removed."""
-        self._outputs = [WrittenMoment(**note) for note in notes]
-        if self._comm.rank > 0:
-            return
-        known = {name for index, _, name in pieces_of(self._outputs)}
-        for path in self._folder.glob("*.vtu"):
-            if path.name not in known:
-                path.unlink()
-        self._write_collection()
+        """Go on behind the moments of `notes`; later ones are removed."""
+        self._files.resume(notes)
 
 
 def found_late(name: str) -> bool:
@@ -248,29 +206,3 @@ def interface_field(snapshot: Snapshot, body: str, name: str) -> FloatArray:
         combined = np.where(seen[here], extreme(field_values[here], values[here]), values[here])
         field_values[here], seen[here] = combined, True
     return field_values
-
-
-def piece_name(body: str, index: int, rank: int) -> str:
-    """Return the name of the file of one body, output and rank."""
-    return f"{body}_{index:05d}_{rank}.vtu"
-
-
-def pieces_of(outputs: Sequence[WrittenMoment]) -> Iterator[tuple[int, str, str]]:
-    """Yield the number of the output, the body and the name of the file of all pieces."""
-    for index, output in enumerate(outputs):
-        for body, ranks in output.holders.items():
-            for rank in ranks:
-                yield index, body, piece_name(body, index, rank)
-
-
-def collection(outputs: Sequence[WrittenMoment]) -> str:
-    """Return the text of the collection of all pieces."""
-    lines = ['<VTKFile type="Collection" version="1.0">', "  <Collection>"]
-    part, last = 0, -1
-    for index, body, name in pieces_of(outputs):
-        part, last = part + 1 if index == last else 0, index
-        lines.append(
-            f'    <DataSet timestep="{outputs[index].time!r}" group={quoteattr(body)} '
-            f'part="{part}" file={quoteattr(name)}/>'
-        )
-    return "\n".join([*lines, "  </Collection>", "</VTKFile>", ""])

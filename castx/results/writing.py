@@ -123,6 +123,7 @@ class ResultsWriter:
             FoundryFields(self._solidification, poured, *followed),
             self._disk,
             [body.name for body in case.bodies if melts(case, body.material)],
+            case.output.format,
         )
         self._case = json.dumps(case.content, indent=2, ensure_ascii=False) + "\n"
         self._record = RunRecord(self._folder / RECORD, describe(case, mesh, pairs))

@@ -21,6 +21,8 @@ ALLOWED: tuple[KeyPath, ...] = (
     ("solver",),
 )
 """Keys that may change between two parts of a run: neither the model nor the steps taken."""
+KEPT: tuple[KeyPath, ...] = (("output", "format"),)
+"""Keys among them that may not: files are begun in one format."""
 
 ABSENT = object()
 
@@ -49,15 +51,15 @@ def refuse_changes(
     changes = [
         f"{dotted(path)} = {_shown(new)} (it was {_shown(old)})"
         for path, old, new in differences(before, now)
-        if not any(path[: len(allowed)] == allowed for allowed in ALLOWED)
+        if path in KEPT or not any(path[: len(allowed)] == allowed for allowed in ALLOWED)
     ]
     if changes:
-        allowed = ", ".join(dotted(path) for path in ALLOWED)
+        allowed, kept = (", ".join(dotted(path) for path in paths) for paths in (ALLOWED, KEPT))
         raise CaseError(
             f"the case is not the one of {source}; it differs in\n  "
             + "\n  ".join(changes)
-            + f"\na run may go on with changes of {allowed} only; undo the others, or run the case "
-            "anew without --restart, in another folder (--output) to keep these results"
+            + f"\na run may go on with changes of {allowed} (not {kept}) only; undo the others, or "
+            "run the case anew without --restart, in another folder (--output) to keep these results"
         )
 
 

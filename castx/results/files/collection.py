@@ -1,8 +1,9 @@
-"""Written fields read back: the pieces of all bodies, ranks and times behind castx.pvd."""
+"""Written fields read back: the files of bodies, or the pieces behind castx.pvd."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 from xml.etree import ElementTree
 
 import pyvista
@@ -10,11 +11,26 @@ from vtkmodules.vtkCommonCore import vtkObject
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from castx.errors import CaseError
+from castx.results.files.body_series import BodySeries
 from castx.results.files.folder import COLLECTION, FIELDS
+from castx.results.files.vtkhdf import ENDING
+
+
+class WrittenFields(Protocol):
+    """Fields on disk in one of the formats.
+
+    Attributes:
+        times: at which fields were written [s].
+    """
+
+    times: list[float]
+
+    def read(self, time: float, /) -> dict[str, pyvista.UnstructuredGrid]:
+        """Return the bodies at one of the times."""
 
 
 class FieldSeries:
-    """The written fields of a run, read from fields/castx.pvd.
+    """The written fields of a run, in either format.
 
     Attributes:
         times: at which fields were written [s].
@@ -23,14 +39,45 @@ class FieldSeries:
         folder: the results folder.
 
     Raises:
-        CaseError: there are no fields.
+        CaseError: there are no fields, or they are damaged.
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder / FIELDS
-        collection = self._folder / COLLECTION
-        if not collection.is_file():
-            raise CaseError(f"there are no fields in {folder}: {collection} is missing")
+        fields = folder / FIELDS
+        pieces = (fields / COLLECTION).is_file()
+        self._written: WrittenFields = PieceSeries(fields) if pieces else BodySeries(fields)
+        self.times = self._written.times
+        if not self.times:
+            raise CaseError(
+                f"there are no fields in {folder}: neither {fields / f'BODY{ENDING}'} nor "
+                f"{fields / COLLECTION}"
+            )
+
+    def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
+        """Return the bodies at one of the times.
+
+        Raises:
+            CaseError: a file is missing or damaged.
+        """
+        return self._written.read(time)
+
+
+class PieceSeries:
+    """The pieces behind castx.pvd.
+
+    Attributes:
+        times: at which fields were written [s].
+
+    Args:
+        folder: of the collection.
+
+    Raises:
+        CaseError: it is damaged.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        collection = folder / COLLECTION
         self._pieces: dict[float, list[tuple[str, str]]] = {}
         try:
             for entry in ElementTree.parse(collection).iter("DataSet"):

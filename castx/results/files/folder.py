@@ -228,8 +228,10 @@ def clear_results(folder: Path) -> None:
     """Remove the results of an earlier run and leave everything else in the folder."""
     for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, ESTIMATE):
         (folder / name).unlink(missing_ok=True)
-    ours = ((FIELDS, "*.vtu"), (FIELDS, "*.pvd"), (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"),
-            ("", f".{CASE}.*"))  # fmt: skip
+    ours = (
+        (FIELDS, "*.hdf"), (FIELDS, ".*.hdf.*"), (FIELDS, "*.vtu"), (FIELDS, "*.pvd"),
+        (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"), ("", f".{CASE}.*"),
+    )  # fmt: skip
     for place, pattern in ours:
         for path in (folder / place).glob(pattern):
             path.unlink()

@@ -131,13 +131,22 @@ def add_arrays(
 ) -> None:
     """Add named arrays, with the units known, to the point or cell data of a grid."""
     for name, values in arrays.items():
-        columns: npt.NDArray[Any] = values
-        if values.ndim == 2 and values.shape[1] == 2:
-            columns = np.column_stack([values, np.zeros(len(values))])
-        if values.ndim == 2 and values.shape[1] == 6:
-            columns = values[:, VTK_TENSOR]
-        array = numpy_to_vtk(np.ascontiguousarray(columns), deep=True)
+        array = numpy_to_vtk(vtk_columns(values), deep=True)
         array.SetName(name)
         if name in units:
             array.GetInformation().Set(vtkDataArray.UNITS_LABEL(), units[name])
         target.AddArray(array)
+
+
+def vtk_columns(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a field as VTK has it: three parts of a vector, its order of a symmetric tensor.
+
+    Args:
+        values: (rows,), (rows, gdim), or (rows, 6) as in `Snapshot`.
+    """
+    columns = values
+    if values.ndim == 2 and values.shape[1] == 2:
+        columns = np.column_stack([values, np.zeros(len(values))])
+    if values.ndim == 2 and values.shape[1] == 6:
+        columns = values[:, VTK_TENSOR]
+    return np.ascontiguousarray(columns)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from castx.case.output import FORMATS
 from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.errors import CaseError
@@ -25,7 +26,7 @@ FORMULAS = {
 }
 
 
-def results_folder(comm, folder, model="axisymmetric"):
+def results_folder(comm, folder, model="axisymmetric", form="vtkhdf"):
     """Write the fields of two moments at all ranks, with the tables that belong to them."""
     mesh = cylinder_mesh(comm, model, 5e-3)
     pairs = casting_pairs(mesh)
@@ -43,9 +44,8 @@ def results_folder(comm, folder, model="axisymmetric"):
         (folder / "history.csv").write_text("time,casting.solid_fraction\n0,0.5\n1,1\n")
         (folder / "probes.csv").write_text("time,centre.temperature\n0,700\n1")
     comm.Barrier()
-    writer = Fields(
-        folder / "fields", tuple(FORMULAS), 1.0, mesh, Solidification(mesh, {}), Disk(comm)
-    )
+    source, disk = Solidification(mesh, {}), Disk(comm)
+    writer = Fields(folder / "fields", tuple(FORMULAS), 1.0, mesh, source, disk, form=form)
     for step, time in enumerate((0.0, 1.0)):
         writer.update(FakeSnapshot(time, step, mesh, pairs, FORMULAS))
     writer.write_pending()
@@ -53,14 +53,15 @@ def results_folder(comm, folder, model="axisymmetric"):
     return folder
 
 
-@pytest.fixture
-def results(comm, shared_tmp_path):
-    return Results(results_folder(comm, shared_tmp_path / "out"))
+@pytest.fixture(params=FORMATS)
+def results(comm, shared_tmp_path, request):
+    return Results(results_folder(comm, shared_tmp_path / "out", form=request.param))
 
 
+@pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("model", ["axisymmetric", "3d"])
-def test_fields_come_back_at_their_points(comm, shared_tmp_path, model):
-    results = Results(results_folder(comm, shared_tmp_path / "out", model))
+def test_fields_come_back_at_their_points(comm, shared_tmp_path, model, form):
+    results = Results(results_folder(comm, shared_tmp_path / "out", model, form))
     gdim = 3 if model == "3d" else 2
     assert results.model == model and results.times == [0.0, 1.0]
     temperature = results.field("temperature", "casting", 0.0)
@@ -165,11 +166,13 @@ def test_a_folder_without_results_is_refused(tmp_path):
         Results(tmp_path)
 
 
-def test_a_run_without_fields_has_tables_only(comm, shared_tmp_path):
-    folder = results_folder(comm, shared_tmp_path / "out")
+@pytest.mark.parametrize("form, pattern", [("vtkhdf", "*.hdf"), ("vtu", "castx.pvd")])
+def test_a_run_without_fields_has_tables_only(comm, shared_tmp_path, form, pattern):
+    folder = results_folder(comm, shared_tmp_path / "out", form=form)
     comm.Barrier()
     if comm.rank == 0:
-        (folder / "fields" / "castx.pvd").unlink()
+        for path in (folder / "fields").glob(pattern):
+            path.unlink()
     comm.Barrier()
     results = Results(folder)
     assert len(results.history["time"]) == 2

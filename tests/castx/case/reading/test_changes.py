@@ -32,6 +32,7 @@ def test_allowed_changes(changes):
         ({"geometry__floor": "5 mm"}, r'geometry.floor = "5 mm" \(it was absent\)'),
         ({"time__first_step": 1.0}, "time.first_step = 1.0"),
         ({"boundaries": []}, r"boundaries\[0\] = absent .*\n.*boundaries\[1\] = absent"),
+        ({"output__format": "vtu"}, r'output.format = "vtu" \(it was absent\)'),
         ({"loads__gravity": [0, 0, -1.6]}, r"loads.gravity = \[0, 0, -1.6\]"),
     ],
 )
