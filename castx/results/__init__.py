@@ -3,6 +3,6 @@
 `states` is what a step leaves; `files` are folders, tables and fields on disk.
 
 Public: `reading.Results`, `reading.BodyField`, `reading.InterfaceFields`,
-`writing.ResultsWriter`, `fields.Fields`, `field_files.field_files`, `history.History`, `probes.Probes`, `record.RunRecord`,
-`locate.place_in_body`, `locate.place_on_surface`.
+`writing.ResultsWriter`, `fields.Fields`, `field_files.field_files`, `history.History`,
+`probes.Probes`, `record.RunRecord`, `locate.place_in_body`, `locate.place_on_surface`.
 """

@@ -59,7 +59,8 @@ def refuse_changes(
             f"the case is not the one of {source}; it differs in\n  "
             + "\n  ".join(changes)
             + f"\na run may go on with changes of {allowed} (not {kept}) only; undo the others, or "
-            "run the case anew without --restart, in another folder (--output) to keep these results"
+            "run the case anew without --restart, in another folder (--output) to keep these "
+            "results"
         )
 
 
