@@ -34,7 +34,7 @@ class BodySeries:
     def __init__(self, folder: Path) -> None:
         bodies = [SavedBody(path) for path in sorted(folder.glob(f"[!.]*{ENDING}"))]
         self._bodies = sorted(bodies, key=lambda body: body.number)
-        self.times: list[float] = sorted({time for body in bodies for time in body.times.tolist()})
+        self.times: list[float] = sorted({float(time) for body in bodies for time in body.times})
 
     def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies at one of the times.
