@@ -17,13 +17,11 @@ if TYPE_CHECKING:
 
 
 class FieldFiles(Protocol):
-    """Files that take the fields of one moment after the other.
+    """Files that take the fields of one moment after the other."""
 
-    Attributes:
-        last: time of the last moment on disk [s]; None: there is none.
-    """
-
-    last: float | None
+    @property
+    def last(self) -> float | None:
+        """Time of the last moment on disk [s]; None: there is none."""
 
     def write(self, state: FieldCopies, /) -> None:
         """Write the fields of a later moment; collective.

@@ -91,5 +91,5 @@ def gathered_rows(comm: MPI.Intracomm, rows: Rows) -> Rows:
     total = 0 if counts is None else sum(counts)
     width = int(np.prod(rows.shape[1:], dtype=np.int64))
     found = np.empty((total // width, *rows.shape[1:]), dtype=rows.dtype)
-    comm.Gatherv(np.ascontiguousarray(rows), (found, counts))
+    comm.Gatherv(np.ascontiguousarray(rows), None if counts is None else (found, counts))
     return found

@@ -32,9 +32,6 @@ class WrittenMoment:
 class VtuFields:
     """Fields as a file for each body, rank and moment; collective.
 
-    Attributes:
-        last: time of the last moment on disk [s]; None: there is none.
-
     Args:
         folder: of the files.
         comm: ranks.
