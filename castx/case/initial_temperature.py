@@ -20,7 +20,7 @@ from castx.input.problems import Refusal, among, refuse
 from castx.input.units import LENGTH
 from castx.tables import Table
 
-SUFFIXES = (".vtu", ".xdmf")
+SUFFIXES = (".vtu", ".xdmf", ".hdf")
 UNITS = ("degC", "K", "degF")
 _LONGEST_NAME = 200
 
@@ -30,7 +30,7 @@ class FieldFile:
     """A temperature field in a file of another program.
 
     Args:
-        path: VTU, or XDMF, of which the last moment counts.
+        path: VTU, or XDMF or VTKHDF, of which the last moment counts.
         field: name of the field.
         unit: of its numbers, one of `UNITS`.
     """
@@ -156,7 +156,7 @@ def _field_file(value: Mapping[str, Any]) -> FieldFile:
             raise refuse(f"a text in quotes of 1 to {_LONGEST_NAME} characters is needed", key)
     path = Path(value["file"])
     if path.suffix.lower() not in SUFFIXES:
-        raise refuse(f"a file of type {' or '.join(SUFFIXES)} is needed", "file")
+        raise refuse(f"a file of type {', '.join(SUFFIXES)} is needed", "file")
     unit = _choice(value, "unit", UNITS) if "unit" in value else "degC"
     return FieldFile(path, value["field"], unit)
 

@@ -76,7 +76,7 @@ class Output(Description):
         "gap",
         "solidification_time",
     )
-    format: Annotated[str, Choice(FORMATS)] = "vtu"
+    format: Annotated[str, Choice(FORMATS)] = "vtkhdf"
     checkpoint: Annotated[float | None, Quantity(TIME, above=0.0)] = None
 
     def inconsistencies(self) -> Iterator[Problem]:

@@ -65,7 +65,7 @@ class Fields:
         foundry: FoundrySource,
         disk: Disk,
         melting: Collection[str] | None = None,
-        form: str = "vtu",
+        form: str = "vtkhdf",
     ) -> None:
         self._names = tuple(names)
         self._melting = tuple(mesh.bodies) if melting is None else tuple(melting)

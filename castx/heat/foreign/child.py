@@ -40,6 +40,11 @@ VTK_NUMBERS = {
     "quad9": 28, "hexahedron27": 29, "wedge18": 32,
 }  # fmt: skip
 """VTK's numbers of meshio's cells."""
+MESH_PARTS = (
+    "NumberOfPoints", "Points", "Connectivity", "Offsets", "Types", "PointData", "Steps/Values",
+    "Steps/PointOffsets", "Steps/PointDataOffsets",
+)  # fmt: skip
+"""Parts of a VTKHDF file that are read, beside its fields."""
 
 Values = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -64,7 +69,7 @@ def main() -> None:
     points = np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False)
     path = Path(request["path"])
     try:
-        named = [] if path.suffix.lower() == ".vtu" else list(references(path))
+        named = list(references(path)) if path.suffix.lower() == ".xdmf" else []
         sizes_of_files = [file.stat().st_size for file in {path, *(file for file, _ in named)}]
         limit_memory(request["memory"] + request["unpacked"] * sum(sizes_of_files))
         values, distances, sizes = values_at(path, request["field"], points)
@@ -88,7 +93,7 @@ def limit_memory(more: int) -> None:
 
 def values_at(path: Path, field: str, points: Values) -> tuple[Values, Values, Values]:
     """Return values at points, their distances from the nearest cell and its diameter."""
-    grid = read_vtu(path) if path.suffix.lower() == ".vtu" else read_xdmf(path)
+    grid = READERS[path.suffix.lower()](path)
     if grid.GetNumberOfCells() == 0:
         raise Refused("no cells in it")
     check_cells(grid)
@@ -140,6 +145,35 @@ def read_xdmf(path: Path) -> vtkUnstructuredGrid:
     for name, arrays in mesh.cell_data.items():
         add(grid.GetCellData(), name, np.concatenate(arrays), grid.GetNumberOfCells())
     return grid
+
+
+def read_vtkhdf(path: Path) -> vtkUnstructuredGrid:
+    """Return the grid and the point fields of the last moment of a VTKHDF file with one mesh."""
+    import h5py
+
+    try:
+        for part in MESH_PARTS:
+            check_place(path, f"VTKHDF/{part}")
+        with h5py.File(path, "r", locking=False) as file:
+            mesh, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+            last = min(int(steps.attrs["NSteps"]), len(steps["Values"])) - 1
+            points, kinds = np.asarray(mesh["Points"], dtype=np.float64), np.asarray(mesh["Types"])
+            if last < 0 or len(mesh["NumberOfPoints"]) != 1 or steps["PointOffsets"][last] != 0:
+                raise Refused("no moment in it, or a mesh that changes")
+            grid = made(points, np.diff(mesh["Offsets"]), mesh["Connectivity"], kinds)
+            for name, data in mesh["PointData"].items():
+                check_place(path, f"VTKHDF/PointData/{name}")
+                check_place(path, f"VTKHDF/Steps/PointDataOffsets/{name}")
+                start = int(steps["PointDataOffsets"][name][last])
+                add(grid.GetPointData(), name, data[start : start + len(points)], len(points))
+    except Refused:
+        raise
+    except Exception as error:  # h5py raises whatever it meets
+        raise Unreadable(f"h5py says: {type(error).__name__}: {error}") from None
+    return grid
+
+
+READERS = {".vtu": read_vtu, ".xdmf": read_xdmf, ".hdf": read_vtkhdf}
 
 
 def last_moment(path: Path) -> Any:

@@ -48,7 +48,7 @@ def interpolated(path: Path, field: str, points: FloatArray) -> Interpolated:
     """Return a field of a file at points, interpolated in its cells.
 
     Args:
-        path: an existing VTU or XDMF file.
+        path: an existing VTU, XDMF or VTKHDF file.
         field: name of the field.
         points: shape (points, gdim) [m].
 

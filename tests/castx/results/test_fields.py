@@ -25,7 +25,7 @@ FORMULAS = {
 def write(comm, folder, times, every, model="axisymmetric", cells="simplices"):
     mesh = cylinder_mesh(comm, model, 5e-3, cells)
     pairs = casting_pairs(mesh)
-    fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}), Disk(comm))
+    fields = Fields(folder, NAMES, every, mesh, Solidification(mesh, {}), Disk(comm), form="vtu")
     for step, time in enumerate(times):
         fields.update(FakeSnapshot(time, step, mesh, pairs, FORMULAS))
     fields.write_pending()
@@ -99,7 +99,7 @@ def test_bodies_that_do_not_melt_have_no_solid_fraction_and_no_foundry_quantitie
     mesh = cylinder_mesh(comm, size=5e-3)
     names = ("temperature", "solid_fraction", "niyama")
     solidification, disk = Solidification(mesh, {}), Disk(comm)
-    fields = Fields(shared_tmp_path, names, None, mesh, solidification, disk, ["casting"])
+    fields = Fields(shared_tmp_path, names, None, mesh, solidification, disk, ["casting"], "vtu")
     fields.update(FakeSnapshot(0.0, 0, mesh, casting_pairs(mesh), FORMULAS))
     comm.Barrier()
     reader = pyvista.get_reader(shared_tmp_path / "castx.pvd")
@@ -125,7 +125,7 @@ def test_foundry_quantities_are_found_only_for_moments_that_are_written(comm, sh
     mesh = cylinder_mesh(comm, size=5e-3)
     source = Counted(mesh)
     names = ("temperature", "niyama", "cooling_rate")
-    fields = Fields(shared_tmp_path, names, 2.0, mesh, source, Disk(comm), ["casting"])
+    fields = Fields(shared_tmp_path, names, 2.0, mesh, source, Disk(comm), ["casting"], "vtu")
     for step in range(8):
         process = ProcessState(stage=int(step >= 6))
         snapshot = FakeSnapshot(0.5 * step, step, mesh, formulas=FORMULAS, process=process)
@@ -163,7 +163,7 @@ def test_the_collection_is_whole_after_every_output(comm, shared_tmp_path):
     mesh = cylinder_mesh(comm, size=5e-3)
     pairs = casting_pairs(mesh)
     solidification, disk = Solidification(mesh, {}), Disk(comm)
-    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, solidification, disk)
+    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, solidification, disk, form="vtu")
     for step in range(3):
         fields.update(FakeSnapshot(float(step), step, mesh, pairs, FORMULAS))
         comm.Barrier()
@@ -178,7 +178,7 @@ def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
     """Later pieces go; a body may have had pieces of other ranks."""
     mesh = write(comm, shared_tmp_path, [0.0, 1.0, 2.0, 3.0], 1.0)
     disk = Disk(comm)
-    fields = Fields(shared_tmp_path, NAMES, 1.0, mesh, Solidification(mesh, {}), disk)
+    fields = Fields(shared_tmp_path, NAMES, 1.0, mesh, Solidification(mesh, {}), disk, form="vtu")
     holders = {"casting": [0], "mould": [0]}
     fields.resume([{"time": 0.0, "holders": holders}, {"time": 1.0, "holders": holders}])
     disk.raise_failures()
@@ -200,7 +200,7 @@ def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
 def test_fields_of_a_time_within_a_step_are_linear_in_time(comm, shared_tmp_path):
     mesh = cylinder_mesh(comm, size=5e-3)
     fields = Fields(
-        shared_tmp_path, ["temperature"], 1.0, mesh, Solidification(mesh, {}), Disk(comm)
+        shared_tmp_path, ["temperature"], 1.0, mesh, Solidification(mesh, {}), Disk(comm), form="vtu"
     )
     for step, time in enumerate([0.0, 0.7, 2.7]):
         warm = {"temperature": lambda x, time=time: 100.0 * time + 1000.0 * x[:, 0]}

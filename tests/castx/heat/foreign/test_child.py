@@ -11,6 +11,8 @@ import pytest
 from vtkmodules.vtkCommonDataModel import vtkGenericCell
 
 from castx.heat.foreign import child
+from castx.results.files.vtkhdf import BodyFile
+from castx.results.files.vtu import Piece
 
 pytestmark = pytest.mark.serial
 
@@ -103,3 +105,50 @@ def test_memory_is_limited():
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
     )
     assert ended.stdout == "enough\n" and "MemoryError" in ended.stderr
+
+
+def body_file(folder: Path, *moments: float) -> Path:
+    """Write a square of two triangles, whose field grows with time."""
+    corners = np.column_stack([SQUARE[:, :2], np.zeros(len(SQUARE))])
+    mesh = Piece(2, np.arange(4), corners, np.array([0, 1, 2, 1, 3, 2]), 5)
+    file = BodyFile(folder / "casting.hdf", "casting", 0, mesh, {})
+    for moment in moments:
+        file.append(moment, {"T": moment * SQUARE[:, 0]}, {"body_number": np.zeros(2)})
+    return file.path
+
+
+def test_of_the_file_of_a_body_the_last_moment_counts(tmp_path):
+    path = body_file(tmp_path, 1.0, 2.0, 3.0)
+    values, distances, _ = child.values_at(path, "T", np.array([[0.5, 0.25], [1.5, 0.5]]))
+    np.testing.assert_allclose(values, [1.5, 4.5])
+    np.testing.assert_allclose(distances, 0.0, atol=1e-12)
+
+
+def test_a_body_without_a_moment_or_with_a_mesh_that_changes_is_refused(tmp_path):
+    path = body_file(tmp_path, 1.0)
+    with h5py.File(path, "r+") as file:
+        file["VTKHDF/Steps/PointOffsets"][0] = 4
+    with pytest.raises(child.Refused, match="no moment in it, or a mesh that changes"):
+        child.values_at(path, "T", np.zeros((1, 2)))
+    with h5py.File(path, "r+") as file:
+        file["VTKHDF/Steps/PointOffsets"][0] = 0
+        file["VTKHDF/Steps"].attrs["NSteps"] = 0
+    with pytest.raises(child.Refused, match="no moment in it"):
+        child.values_at(path, "T", np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize("place", ["Points", "PointData/T", "Steps/PointDataOffsets/T"])
+def test_a_body_whose_numbers_lie_in_another_file_is_refused(tmp_path, place):
+    path = body_file(tmp_path, 1.0)
+    with h5py.File(path, "r+") as file:
+        del file[f"VTKHDF/{place}"]
+        file[f"VTKHDF/{place}"] = h5py.ExternalLink("pipe", "/numbers")
+    with pytest.raises(child.Refused, match="holds no .* of its own"):
+        child.values_at(path, "T", np.zeros((1, 2)))
+
+
+def test_a_damaged_body_cannot_be_read(tmp_path):
+    path = body_file(tmp_path, 1.0)
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(child.Unreadable, match="h5py says: OSError"):
+        child.values_at(path, "T", np.zeros((1, 2)))
