@@ -154,7 +154,7 @@ def read_vtkhdf(path: Path) -> vtkUnstructuredGrid:
     try:
         for part in MESH_PARTS:
             check_place(path, f"VTKHDF/{part}")
-        with h5py.File(path, "r", locking=False) as file:
+        with h5py.File(path) as file:
             mesh, steps = file["VTKHDF"], file["VTKHDF/Steps"]
             last = min(int(steps.attrs["NSteps"]), len(steps["Values"])) - 1
             points, kinds = np.asarray(mesh["Points"], dtype=np.float64), np.asarray(mesh["Types"])

@@ -199,9 +199,8 @@ def test_outputs_go_on_behind_those_that_are_kept(comm, shared_tmp_path):
 @pytest.mark.ranks
 def test_fields_of_a_time_within_a_step_are_linear_in_time(comm, shared_tmp_path):
     mesh = cylinder_mesh(comm, size=5e-3)
-    fields = Fields(
-        shared_tmp_path, ["temperature"], 1.0, mesh, Solidification(mesh, {}), Disk(comm), form="vtu"
-    )
+    source, disk = Solidification(mesh, {}), Disk(comm)
+    fields = Fields(shared_tmp_path, ["temperature"], 1.0, mesh, source, disk, form="vtu")
     for step, time in enumerate([0.0, 0.7, 2.7]):
         warm = {"temperature": lambda x, time=time: 100.0 * time + 1000.0 * x[:, 0]}
         fields.update(FakeSnapshot(time, step, mesh, casting_pairs(mesh), warm))

@@ -143,7 +143,7 @@ def test_a_body_whose_numbers_lie_in_another_file_is_refused(tmp_path, place):
     with h5py.File(path, "r+") as file:
         del file[f"VTKHDF/{place}"]
         file[f"VTKHDF/{place}"] = h5py.ExternalLink("pipe", "/numbers")
-    with pytest.raises(child.Refused, match="holds no .* of its own"):
+    with pytest.raises(child.Refused, match=r"holds no .* of its own"):
         child.values_at(path, "T", np.zeros((1, 2)))
 
 
