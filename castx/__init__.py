@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from castx.process.simulation import Simulation
     from castx.report.drawing import draw
     from castx.report.interface_law import heat_transfer_coefficient
-    from castx.results.reading import Results
+    from castx.report.summary.opened import OpenedResults as Results
     from castx.results.writing import ResultsWriter
     from castx.transfer.database import interface_names
     from castx.transfer.registry import gap_heat_laws
@@ -49,7 +49,7 @@ __all__ = [
 
 _MODULES = {
     "Case": "castx.case.case",
-    "Results": "castx.results.reading",
+    "Results": "castx.report.summary.opened:OpenedResults",
     "ResultsWriter": "castx.results.writing",
     "Simulation": "castx.process.simulation",
     "UserLaw": "castx.transfer.user_law",
@@ -72,7 +72,8 @@ def __getattr__(name: str) -> object:
     """Import a public object at its first use: the solvers take a second, the version none."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_MODULES[name]), name)
+    module, _, inside = _MODULES[name].partition(":")
+    return getattr(import_module(module), inside or name)
 
 
 def __dir__() -> list[str]:

@@ -77,27 +77,6 @@ class FieldOverTime:
 class Results(RunTables):
     """The results folder of a run on any number of ranks, finished or still going on.
 
-    >>> import castx
-    >>> folder = castx.run("cylinder.toml", ["time.end=0.1", "geometry.size=1e-2"])
-    t 0 s  step 0  ...
-    >>> results = castx.Results(folder)
-    >>> results.record["exit"]["reason"], results.bodies
-    ('finished', ('casting', 'mould'))
-    >>> print(f"{results.probes['centre.temperature'][0]:.1f} °C")
-    670.0 °C
-    >>> results.history["step"].tolist()
-    [0.0, 0.05, 0.05]
-    >>> temperature = results.field("temperature", "casting")  # at the last time, here 0.1 s
-    >>> temperature.values.shape == (len(temperature.points),)
-    True
-    >>> results.units("casting")["displacement"], results.unit("centre.temperature")
-    ('m', '°C')
-    >>> results.over_time("temperature", "casting").values.shape[0]  # moments
-    2
-    >>> mould = results.grids(0.0)["mould"]  # for pyvista
-    >>> print(f"{mould['temperature'].max():.1f} °C")
-    200.0 °C
-
     `RunTables` has what is not a field: record, tables, probes, hot spots, ends of stages.
 
     Args:

@@ -44,8 +44,8 @@ def _ground_page() -> str:
     paths = sorted((PROJECT / "castx").glob("[!_]*.py"))
     text, _ = introduction(PROJECT / "castx")
     rows = [
-        f"* :py:obj:`castx.{name} <{module}.{name}>`: {_sentence(module, name)}"
-        for name, module in face()
+        f"* :py:obj:`castx.{name} <{module}.{inside}>`: {_sentence(module, inside)}"
+        for name, module, inside in face()
     ]
     parts = [_title("castx", "="), restructured(text), "Public objects:", "\n".join(rows)]
     parts += [_module_part(f"castx.{path.stem}", path) for path in paths]

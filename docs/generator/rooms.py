@@ -47,12 +47,16 @@ def introduction(path: Path) -> tuple[str, list[str]]:
     return _PUBLIC.sub("", text).strip(), re.findall(r"`([\w.]+)`", listed[1])
 
 
-def face() -> list[tuple[str, str]]:
-    """Return the public objects of castx by name, with the modules that they come from."""
+def face() -> list[tuple[str, str, str]]:
+    """Return the public objects of castx by name, their modules, and their names there."""
     tree = ast.parse((PROJECT / "castx" / "__init__.py").read_text())
     imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module]
-    found = [(alias.name, str(node.module)) for node in imports for alias in node.names]
-    return sorted((name, module) for name, module in found if module.count(".") > 1)
+    found = [
+        (alias.asname or alias.name, str(node.module), alias.name)
+        for node in imports
+        for alias in node.names
+    ]
+    return sorted(item for item in found if item[1].count(".") > 1)
 
 
 class Documented(NamedTuple):

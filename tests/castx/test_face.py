@@ -73,14 +73,14 @@ def test_editors_see_what_is_imported_lazily():
     tree = ast.parse(Path(castx.__file__).read_text())
     guarded = next(node for node in tree.body if isinstance(node, ast.If))
     seen = {
-        alias.name: node.module
+        alias.asname or alias.name: (node.module, alias.name)
         for node in guarded.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
     assert sorted(seen) == sorted(OBJECTS)
-    for name, module in seen.items():
-        assert getattr(castx, name) is getattr(sys.modules[str(module)], name)
+    for name, (module, inside) in seen.items():
+        assert getattr(castx, name) is getattr(sys.modules[str(module)], inside)
 
 
 def imports(path: Path) -> list[str]:
