@@ -65,7 +65,7 @@ class OpenedResults(Results):
     t 0 s  step 0  ...
     >>> results = castx.Results(folder)
     >>> results
-    cylinder: axisymmetric, finished at t = 0.1 s
+    aluminium cylinder in a steel mould: axisymmetric, finished at t = 0.1 s
       bodies      casting, mould
       interfaces  casting/mould
       fields      2 moments, 0 to 0.1 s
