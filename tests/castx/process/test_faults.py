@@ -24,12 +24,14 @@ from castx.checkpoint.chunks import ChunkedRows
 from castx.mechanics.constitutive import points as material_points
 from castx.heat.body import ThermalBody
 from castx.errors import ConvergenceError
-from castx.results import fields
+from castx.results import vtu_fields
+from castx.results.gathered import GatheredBody
 
 PLACES = {
     "heat": (ThermalBody, "conducted_heat"),
     "law": (material_points, "respond"),
-    "fields": (fields, "write_piece"),
+    "pieces": (vtu_fields, "write_piece"),
+    "gathered": (GatheredBody, "nodal"),
     "checkpoint": (ChunkedRows, "collected"),
 }
 FAULTS = {
@@ -62,8 +64,8 @@ castx.command.cli.main()
         (3, "heat", "no convergence", "rank 2 has failed alone and ends the others: a fault"),
         (2, "law", "bug", "ZeroDivisionError: a fault"),
         (3, "law", "bug", "ZeroDivisionError: a fault"),
-        (2, "fields", "disk", "castx: cannot write results: a fault; what was written before"),
-        (3, "fields", "bug", "ZeroDivisionError: a fault"),
+        (2, "pieces", "disk", "castx: cannot write results: a fault; what was written before"),
+        (2, "gathered", "bug", "ZeroDivisionError: a fault"),
         (2, "checkpoint", "bug", "ZeroDivisionError: a fault"),
     ],
 )
@@ -72,6 +74,7 @@ def test_a_fault_on_one_rank_ends_all_of_them(
 ) -> None:
     (tmp_path / "run.py").write_text(RUN)
     output = '[output]\nevery = 0.05\ncheckpoint = 0.05\nfields = ["temperature"]\n'
+    output += 'format = "vtu"\n' if place == "pieces" else ""
     (tmp_path / "case.toml").write_text(CASE + output)
     monkeypatch.chdir(tmp_path)
     process = start(
