@@ -66,7 +66,10 @@ def _title(text: str, line: str) -> str:
 
 
 def write_pages() -> None:
-    """Write the pages of all rooms and their list; files that stay the same are left alone."""
+    """Write the pages of all rooms and their list; files that stay the same are left alone.
+
+    The search leaves them out: the manual answers in words what they answer in signatures.
+    """
     PAGES.mkdir(exist_ok=True)
     pages = {"castx": _ground_page()}
     pages |= {room.replace("/", "."): room_page(room) for room in rooms()}
@@ -75,8 +78,8 @@ def write_pages() -> None:
         f"{_title('Reference', '=')}\n\nThe rooms of castx from the ground up; each imports only"
         f" from rooms above it in this list.\n\n.. toctree::\n   :maxdepth: 1\n\n{rows}\n"
     )
-    for name, text in pages.items():
-        path = PAGES / f"{name}.rst"
+    for name, found in pages.items():
+        path, text = PAGES / f"{name}.rst", f":nosearch:\n\n{found}"
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
     for path in PAGES.glob("*.rst"):

@@ -1,7 +1,7 @@
-"""Pages of the notebooks under demos/, executed, with their pictures.
+"""Pages of the notebooks under demos/, with their pictures where they were executed.
 
 A run of a notebook is kept in docs/_build/notebooks under a digest of all code and cases, so that
-it is executed once for the tests and the site.
+it is executed once for the tests and the site. With `--execute` those without a run are executed.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import sys
 from pathlib import Path
 
 import jupytext
@@ -51,8 +52,13 @@ def execute(name: str) -> Notebook:
 
 def executed(name: str) -> Notebook:
     """Return the kept run of a notebook, or execute it when code or cases have changed since."""
+    return kept(name) or execute(name)
+
+
+def kept(name: str) -> Notebook | None:
+    """Return the kept run of a notebook, None when code or cases have changed since."""
     stored = _stored_run(name)
-    return nbformat.read(stored, as_version=4) if stored.exists() else execute(name)
+    return nbformat.read(stored, as_version=4) if stored.exists() else None
 
 
 def _stored_run(name: str) -> Path:
@@ -65,7 +71,7 @@ def _stored_run(name: str) -> Path:
     return RUNS / f"{Path(name).stem}-{digest.hexdigest()[:16]}.ipynb"
 
 
-def page(notebook: Notebook, source: str, pictures: Path, stem: str) -> str:
+def page(notebook: Notebook, source: str, pictures: Path, stem: str, run: str = "executed") -> str:
     """Return a notebook as a page of Markdown; its pictures are written as files.
 
     Args:
@@ -73,6 +79,7 @@ def page(notebook: Notebook, source: str, pictures: Path, stem: str) -> str:
         source: path of its text in the project.
         pictures: folder for the pictures, beside the page.
         stem: beginning of their names.
+        run: what was done with the notebook.
     """
     parts = []
     count = 0
@@ -90,7 +97,7 @@ def page(notebook: Notebook, source: str, pictures: Path, stem: str) -> str:
                 parts.append(f"![{_picture_text(notebook, count)}]({name})")
             elif output.get("name") == "stdout":
                 parts.append(f"```text\n{output.text.rstrip()}\n```")
-    parts.insert(1, f"*This page is `{source}`, executed.*")
+    parts.insert(1, f"*This page is `{source}`, {run}.*")
     return "\n\n".join(parts) + "\n"
 
 
@@ -99,14 +106,22 @@ def _picture_text(notebook: Notebook, count: int) -> str:
     return f"{title} Picture {count}"
 
 
-def write_pages() -> None:
-    """Write one page for each notebook, and the list of them."""
+def write_pages(execute_all: bool) -> None:
+    """Write one page for each notebook, and the list of them.
+
+    Args:
+        execute_all: whether notebooks without a run are executed; otherwise their pages have the
+            code alone.
+    """
     PAGES.mkdir(exist_ok=True)
     stems = []
     for name in notebook_names():
         stem = name.removesuffix("_notebook.py")
         stems.append(stem)
-        text = page(executed(name), f"demos/{name}", PAGES, stem)
+        found = executed(name) if execute_all else kept(name)
+        run = "executed" if found else "not executed; `bin/docs --notebooks` does it"
+        notebook = found or jupytext.read(DEMOS / name)
+        text = page(notebook, f"demos/{name}", PAGES, stem, run)
         (PAGES / f"{stem}.md").write_text(text)
     entries = "\n".join(stems)
     (PAGES / "index.md").write_text(
@@ -117,4 +132,4 @@ def write_pages() -> None:
 
 
 if __name__ == "__main__":
-    write_pages()
+    write_pages("--execute" in sys.argv[1:])

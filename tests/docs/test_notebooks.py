@@ -56,3 +56,20 @@ def test_a_run_is_kept_until_the_code_changes(notebook, tmp_path, monkeypatch):
     notebooks.executed("a_notebook.py")
     assert len(executions) == 2
     assert len(list((tmp_path / "runs").iterdir())) == 1
+
+
+def test_pages_are_written_without_a_run_unless_one_is_asked_for(notebook, tmp_path, monkeypatch):
+    monkeypatch.setattr(notebooks, "PAGES", tmp_path)
+    monkeypatch.setattr(notebooks, "notebook_names", lambda: ["why_notebook.py"])
+    monkeypatch.setattr(notebooks, "kept", lambda name: None)
+    monkeypatch.setattr(notebooks, "execute", lambda name: notebook)
+    source = nb.new_notebook(cells=[notebook.cells[0], nb.new_code_cell("print(1)")])
+    monkeypatch.setattr(notebooks.jupytext, "read", lambda path: source)
+    notebooks.write_pages(execute_all=False)
+    text = (tmp_path / "why.md").read_text()
+    assert "not executed; `bin/docs --notebooks`" in text and "print(1)" in text
+    assert "```text" not in text
+    notebooks.write_pages(execute_all=True)
+    text = (tmp_path / "why.md").read_text()
+    assert ", executed.*" in text and "```text\n1" in text
+    assert "why" in (tmp_path / "index.md").read_text()
