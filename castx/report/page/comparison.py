@@ -1,4 +1,4 @@
-"""comparison.html: several runs beside each other, findings in a table, curves in one diagram."""
+"""comparison.html: runs beside each other, findings in a table with pictures, and curves."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from castx.errors import CaseError
 from castx.report.page.assets import CURVES_ONLY, page
+from castx.report.page.beside import picture_rows
 from castx.report.page.charts import NUMERICS, Section, merged, run_sections
 from castx.report.page.report import write_report
 from castx.report.reported import ReportedRun
@@ -86,6 +87,7 @@ def write_comparison(folders: Sequence[Path], target: Path) -> Path:
         CURVES_ONLY,
         runs=runs,
         names=ordered([list(run.findings) for run in runs]),
+        pictures=picture_rows([(run.run, run.findings) for run in runs]),
         cell=cell,
         tables=[
             ("Course", text_rows(runs, [further_rows(run.run) for run in runs])),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 import pyvista
@@ -65,7 +66,13 @@ class Shot:
     time: float
 
 
-def finding_shot(run: ReportedRun, finding: Finding) -> Shot | None:
+Limits = tuple[float, float]
+"""Values at the ends of colours."""
+
+
+def finding_shot(
+    run: ReportedRun, finding: Finding, limits: Mapping[str, Limits] | None = None
+) -> Shot | None:
     """Return the picture of a finding; None where its field was not written, or does not vary.
 
     Call it inside `castx.report.display.display()`.
@@ -73,15 +80,34 @@ def finding_shot(run: ReportedRun, finding: Finding) -> Shot | None:
     Args:
         run: the results.
         finding: with its place marked by a ring, unless it is seen from outside.
+        limits: values at the ends of the colours, as `finding_limits` has them; None: its own.
     """
-    if finding.shown is None:
-        return None
-    shown = drawable(run, finding.shown)
+    shown = None if finding.shown is None else drawable(run, finding.shown)
     if shown is None:
         return None
     time = run.nearest(shown.time, shown.bodies[0])
-    topic = topic_of(shown.field)
-    return shot(run, topic, time, shown, None if shown.outside else finding.place)
+    place = None if shown.outside else finding.place
+    return shot(run, topic_of(shown.field), time, shown, place, limits or {})
+
+
+def finding_limits(run: ReportedRun, finding: Finding) -> dict[str, Limits]:
+    """Return the values at the ends of the colours of the picture of a finding.
+
+    They are named by field and colour map: castings and the bodies around them have one each.
+    """
+    shown = None if finding.shown is None else drawable(run, finding.shown)
+    if shown is None:
+        return {}
+    state = run.grids(run.nearest(shown.time, shown.bodies[0]))
+    scales = scales_of(seen(state, shown), topic_of(shown.field), shown.bodies)
+    return {f"{shown.field} {scale.colours}": scale.limits for scale in scales}
+
+
+def seen(state: State, shown: Shown) -> State:
+    """Return the bodies that a picture has."""
+    if not shown.outside:
+        return state
+    return {name: grid for name, grid in state.items() if name in shown.bodies}
 
 
 def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
@@ -121,7 +147,12 @@ def stills(run: ReportedRun) -> list[Shot]:
 
 
 def shot(
-    run: ReportedRun, topic: Topic, time: float, shown: Shown, place: Sequence[float] | None = None
+    run: ReportedRun,
+    topic: Topic,
+    time: float,
+    shown: Shown,
+    place: Sequence[float] | None = None,
+    limits: Mapping[str, Limits] = MappingProxyType({}),
 ) -> Shot | None:
     """Return a picture of a field; None where it does not vary.
 
@@ -131,11 +162,13 @@ def shot(
         time: one of those with fields [s].
         shown: how.
         place: that gets a ring (gdim,) [m].
+        limits: values at the ends of colours in place of its own, as `finding_limits` has them.
     """
-    state = run.grids(time)
-    if shown.outside:
-        state = {name: grid for name, grid in state.items() if name in shown.bodies}
-    scales = list(scales_of(state, topic, shown.bodies))
+    state = seen(run.grids(time), shown)
+    scales = [
+        replace(scale, limits=limits.get(f"{topic.field} {scale.colours}", scale.limits))
+        for scale in scales_of(state, topic, shown.bodies)
+    ]
     if not scales:
         return None
     view, factor = view_and_factor(run, state, shown)
