@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -160,13 +161,13 @@ class OpenedResults(Results):
         """
         if table not in TABLES:
             raise CaseError(f"no table {table!r}; {among(table, TABLES)}")
-        try:
-            from pandas import DataFrame
-        except ImportError:
+        if find_spec("pandas") is None:
             raise CaseError(
                 "a data frame needs pandas, which is not installed: apt install python3-pandas, or "
                 "pip install pandas"
-            ) from None
+            )
+        from pandas import DataFrame
+
         if table == "findings":
             return DataFrame([finding_row(found) for found in self.findings()])
         columns = self.probes if table == "probes" else self.history

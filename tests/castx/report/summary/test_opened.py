@@ -87,7 +87,7 @@ def test_tables_become_data_frames(results, monkeypatch):
             self.index = name
             return self
 
-    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=DataFrame))
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=DataFrame, __spec__=1))
     probes, history = results.data_frame(), results.data_frame("history")
     assert probes.index == history.index == "time"
     assert probes.content["centre.temperature"] is results.probes["centre.temperature"]
