@@ -51,7 +51,7 @@ def modules_of(package: str) -> set[str]:
 def test_dependencies_are_what_is_imported():
     imported = {name.split(".")[0] for path in LIBRARY for name in imported_modules(path)}
     imported -= {"castx", *sys.stdlib_module_names}
-    packages = required("calphad", "app", "slurm")
+    packages = required("calphad", "app", "slurm", "tables")
     assert imported == set().union(*(modules_of(name) for name in packages))
 
 

@@ -103,7 +103,7 @@ class OpenedResults(Results):
     """
 
     def findings(self) -> FindingList:
-        """Return what the report says of the run, as numbers with place, time and a sentence."""
+        """Return all findings of the report, as numbers with place, time and a sentence."""
         return FindingList(findings(self), self.model)
 
     def plot(self, *columns: str) -> Figure:
@@ -174,7 +174,7 @@ class OpenedResults(Results):
         return DataFrame(dict(columns)).set_index(TIME)
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return what the folder holds, as pairs of name and text."""
+        """Return bodies, interfaces and moments of fields, as pairs of name and text."""
         rows = [("bodies", ", ".join(self.bodies)), ("interfaces", ", ".join(self.interfaces))]
         try:
             first, last = self.times[0], self.times[-1]
@@ -193,7 +193,7 @@ class OpenedResults(Results):
         return "\n".join([self._title(), *lines])
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the run and its findings."""
+        """Return the run and its findings as the tables that a notebook shows."""
         head = f"<p><b>{html.escape(self._title())}</b></p>"
         return head + html_table(("", ""), self.rows()) + self.findings()._repr_html_()
 
