@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,19 @@ from castx.tables import Table
 from tests.contact_methods import AT_ONCE, EXACT
 from tests.elastic_bodies import blocks, body, elastic, everywhere, gaps, motion, problem
 from tests.small_contact import SOFT, STIFF, two_blocks
+
+
+@dataclass(frozen=True)
+class SimpleIterate:
+    """The rows of an iterate."""
+
+    rows: float
+
+
+def vector() -> Any:
+    """Return what takes the calls on a PETSc vector."""
+    other = SimpleNamespace(waxpy=lambda *_: None, array_r=0.0, destroy=lambda: None)
+    return SimpleNamespace(duplicate=lambda: other)
 
 
 def pushed_down(made, by):
@@ -107,8 +121,11 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
         thresholds.append(threshold)
         return False
 
+    none = np.zeros(2, dtype=bool)
     balance: Any = SimpleNamespace(
-        active=SimpleNamespace(update=judge, closed=np.zeros(2, dtype=bool), held=None),
+        active=SimpleNamespace(
+            update=judge, closed=none, held=none, largest_pull=lambda forces: 0.0
+        ),
         assembly=SimpleNamespace(
             improve_pressures=lambda: False, unknowns=None, flows_by_rate=True
         ),
@@ -125,6 +142,53 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
     x: Any = None
     assert not PairChanges(balance).update_pairs(x, f)
     assert thresholds == pytest.approx([noise, noise], rel=1e-12)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("residual", "forces"), [(10.0, [0.0, -40.0]), (1.9, [-1.0, -40.0]), (0.19, [-1.0, -2.0])]
+)
+def test_what_liquid_holds_lets_go_near_equilibrium_alone(residual, forces):
+    """Of two pairs that the linear system sees pulled the free one opens at once.
+
+    The largest pull beyond its limit is 2 N.
+    """
+    judged = []
+
+    def judge(forces, threshold, settled):
+        judged.extend(forces)
+        return False
+
+    closed, trial = np.ones(2, dtype=bool), np.array([-1.0, -2.0])
+    balance: Any = SimpleNamespace(
+        active=SimpleNamespace(
+            update=judge, closed=closed, held=np.array([True, False]), one_by_one=False,
+            largest_pull=lambda forces: 2.0,
+        ),
+        assembly=SimpleNamespace(
+            improve_pressures=lambda: False, flows_by_rate=True, unknowns=None
+        ),
+        contact=SimpleNamespace(
+            update_friction=lambda *_: False, has_friction=False, hold=lambda held: None,
+            unknowns=None,
+            normal=SimpleNamespace(
+                follows_set=False, trial_forces=lambda iterate: np.array([-30.0, -40.0])
+            ),
+        ),
+        convergence=SimpleNamespace(
+            smallest=0.1, weakest=1e3, rounding=0.0, is_met=lambda f: False
+        ),
+        operator=SimpleNamespace(free_product=lambda y, change: None),
+        supports=SimpleNamespace(change=lambda closed, all_quiet: True), is_linear=False,
+        is_evaluated_at=lambda x: True, iterate=SimpleIterate(0.0),
+        present=lambda x: SimpleIterate(0.0), trial_forces=trial, sum_up_again=lambda x, f: None,
+    )  # fmt: skip
+    x: Any = vector()
+    changes = PairChanges(balance)
+    assert changes.foretell(x, x) is not None
+    f: Any = SimpleNamespace(norm=lambda: residual)
+    assert changes.update_pairs(x, f)
+    assert judged == pytest.approx(forces)
 
 
 @pytest.mark.parametrize("method", EXACT)
