@@ -118,6 +118,10 @@ class BodyMechanics:
         """Return totals of feeding, pores and pressure by column; None: it never is a liquid."""
         return self.formulation.liquid_totals()
 
+    def pores(self) -> FloatArray:
+        """Return the share of the cells that is void after the last accepted step, (cells,)."""
+        return self.formulation.pores()
+
     def set_time(self, time: float) -> None:
         """Set the loads of a time [s]; collective."""
         self._evaluated_at = NOWHERE

@@ -259,6 +259,10 @@ class DarcyFormulation(PressureFormulation):
             **self._levels.totals(),
         }
 
+    def pores(self) -> FloatArray:
+        """Return means of the pores at the corners of the cells, as shares, shape (cells,)."""
+        return np.asarray(self._content.start.pores[self._corner].mean(axis=1))
+
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.
 

@@ -313,6 +313,10 @@ class Formulation(ABC):
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
         return None
 
+    def pores(self) -> FloatArray:
+        """Return the pores of the cells after the last accepted step, as shares, (cells,)."""
+        return np.zeros(self._material.points.cells)
+
     @abstractmethod
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.

@@ -112,6 +112,10 @@ class PocketedFormulation(PressureFormulation):
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
         return self._pockets.totals()
 
+    def pores(self) -> FloatArray:
+        """Return the pores of the cells after the last accepted step, as shares, (cells,)."""
+        return self._pockets.pores
+
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.
 

@@ -115,6 +115,11 @@ class Pockets:
         """Whether there is trapped liquid in the trial step, on any rank."""
         return len(self._pores.open) > 0
 
+    @property
+    def pores(self) -> FloatArray:
+        """Pores of the cells after the last accepted step, as shares of them, shape (cells,)."""
+        return self.content.pores
+
     def state(self, points: PointState) -> PointState:
         """Return the states of the integration points and of trapped liquid."""
         return points._replace(trapped=self.trapped, trapped_pressure=self.pressure)
@@ -266,6 +271,11 @@ class NoPockets:
     def __init__(self, cells: int) -> None:
         self._cells = cells
         self.stiffness = PocketStiffness(MPI.COMM_SELF, 1)
+
+    @property
+    def pores(self) -> FloatArray:
+        """None in any cell, shape (cells,)."""
+        return np.zeros(self._cells)
 
     def state(self, points: PointState) -> PointState:
         """Return the state of the integration points as it is."""

@@ -97,6 +97,10 @@ class FieldState(NoState):
         mechanics = self.mechanics
         return mechanics.points.cell_means(mechanics.material.plastic_increment())
 
+    def pores(self) -> FloatArray:
+        """Return the share of the cells that is void, shape (cells,)."""
+        return self.mechanics.pores()
+
     def gap(self) -> FloatArray:
         """Refuse: a body has none."""
         return self._refuse()
@@ -155,4 +159,4 @@ class PairsState(NoState):
         return self._refuse()
 
     displacement = pressure = point_stress = stress_error = stress
-    plastic_strain = plastic_strain_increment = stress
+    plastic_strain = plastic_strain_increment = pores = stress

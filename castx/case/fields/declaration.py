@@ -53,6 +53,9 @@ class StateView(Protocol):
     def plastic_strain_increment(self) -> FloatArray:
         """Return the plastic strain gained in the last accepted step, shape (cells,)."""
 
+    def pores(self) -> FloatArray:
+        """Return the share of the cells that is void, shape (cells,)."""
+
     def gap(self) -> FloatArray:
         """Return the gaps [m], shape (pairs,)."""
 

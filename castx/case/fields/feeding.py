@@ -6,7 +6,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField, StateView
-from castx.input.units import STRESS
+from castx.input.units import PURE_NUMBER, STRESS
 
 
 def melt_suction(state: StateView) -> FloatArray:
@@ -40,6 +40,23 @@ FIELDS = (
             melting=True,
             front=True,
             rank=34,
+        ),
+    ),
+    OutputField(
+        name="pores",
+        title="Pores of the mechanics",
+        unit="1",
+        place=FieldPlace.CELL,
+        read=lambda state: state.pores(),
+        dimension=PURE_NUMBER,
+        mechanical=True,
+        shown=FieldColours(
+            unit="%",
+            colours="YlOrRd",
+            factor=100.0,
+            caption="What feeding has left empty: times volume it adds up to `unfed_volume`.",
+            melting=True,
+            rank=35,
         ),
     ),
     OutputField(

@@ -126,6 +126,11 @@ class Content:
         """Whether the cells were in a pool at the start of the step, shape (cells,)."""
         return self._was_pool
 
+    @property
+    def pores(self) -> FloatArray:
+        """Share of the cells that is void after the last accepted step, shape (cells,)."""
+        return self._pores
+
     def mean(self, values: FloatArray) -> FloatArray:
         """Return the means of values of the cells in each pocket, shape (pockets,); collective."""
         return self._sums(self.pocket, len(self.pockets), values) / self.pockets

@@ -26,6 +26,7 @@ class KnownState:
         self.point_tensors = 1e6 * draw(size=(CELLS, 24))
         self.plastic, self.increment = np.abs(draw(size=(2, CELLS)))
         self.gaps, self.pressures = np.abs(draw(size=(2, PAIRS)))
+        self.voids = np.array([0.0, 0.02, 0.05])
         self.pulls = np.array([0.0, 2e3, 0.0, 5e4])
         self.resistances = np.array([1e-3, 2e-3, 5e-4, 0.0])
 
@@ -49,6 +50,9 @@ class KnownState:
 
     def plastic_strain_increment(self) -> FloatArray:
         return self.increment
+
+    def pores(self) -> FloatArray:
+        return self.voids
 
     def gap(self) -> FloatArray:
         return self.gaps
