@@ -92,6 +92,26 @@ FIELDS = (
         mechanical=True,
     ),
     OutputField(
+        name="suction_margin",
+        title="Suction margin",
+        unit="1",
+        place=FieldPlace.NODE,
+        followed=True,
+        mechanical=True,
+        shown=FieldColours(
+            unit="",
+            colours="YlOrRd",
+            caption=(
+                "Largest suction of the mush until its dendrites have grown together, over the "
+                "depression at which films of melt tear; above 1 they do."
+            ),
+            melting=True,
+            final=True,
+            share=0.99,
+            rank=36,
+        ),
+    ),
+    OutputField(
         name="cold_crack_index",
         title="Cold-crack index",
         unit="1",

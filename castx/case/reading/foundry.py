@@ -30,6 +30,14 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
             "needs the gradient of the temperature and the speed of the front, which "
             'coupling.scheme = "mechanical" does not have; use another scheme, or leave it out',
         )
+    if "suction_margin" in case.output.fields and not any(
+        body.feeding == "darcy" for body in case.bodies
+    ):
+        yield Problem(
+            ("output", "fields", case.output.fields.index("suction_margin")),
+            'needs the pressure in the mush, and no body has feeding = "darcy"; give it to a '
+            "casting, take tearing_margin, or leave suction_margin out",
+        )
     if "emptied" in case.output.fields and not any(case.loads.gravity):
         text = "missing; the field emptied needs to know what is up: gravity = [0, 0, -9.81]"
         yield Problem(("loads", "gravity"), text)

@@ -15,13 +15,14 @@ from castx.foundry.stress.die_surfaces import LIFE, STRAIN_RANGE, die_surfaces_o
 from castx.foundry.stress.ejection_force import ejection_forces_of
 from castx.foundry.stress.first_opening import FIRST_OPENING, first_openings_of
 from castx.foundry.stress.heat_flux import HEAT_FLUX, heat_fluxes_of
+from castx.foundry.stress.mush_suction import SUCTION_MARGIN, suction_margins_of
 from castx.stateful import Arrays, Saved, Stateful, part_of, saved_parts
 
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
     from castx.domain.pairs.node_pairs import NodePairs
 
-OF_MELTING = (EMPTIED, FEEDING_PATH)
+OF_MELTING = (EMPTIED, FEEDING_PATH, SUCTION_MARGIN)
 """Fields at the nodes of bodies that melt."""
 NODAL = (*OF_MELTING, FIRST_OPENING)
 """All fields at nodes that are found from what is followed."""
@@ -109,6 +110,7 @@ def histories_of(
             "flux_errors": flux_errors_of(case, mesh),
             "die": die_surfaces_of(case, mesh),
             "feeding_distance": feeding_reach_of(case, mesh, pairs, pores),
+            "suction": suction_margins_of(case, mesh),
             "ejection": ejection_forces_of(case, mesh, pairs),
         }
     )

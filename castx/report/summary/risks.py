@@ -61,6 +61,10 @@ FIELD_RISKS = (
                 "Strain rate over the critical one of Rappaz, Drezet and Gremaud; above 1 it "
                 "tears. Judge the band of all cut-offs.")
       for cut_off in CUT_OFFS),
+    FieldRisk("suction_margin", "Suction margin", "", 1.0,
+              "Largest computed suction of the mush until its dendrites have grown together, over "
+              "the depression at which films of melt tear; above 1 they do. Take it beside the "
+              "tearing margins, which see one column of mush each."),
     FieldRisk("cold_crack_index", "Cold-crack index", "", 1.0,
               "Largest σ_1/R_m(T) since the metal was solid; above 1 it cracks."),
 )  # fmt: skip

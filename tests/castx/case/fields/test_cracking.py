@@ -11,7 +11,8 @@ pytestmark = pytest.mark.serial
 def test_hot_tears_are_followed_at_nodes_and_cold_cracks_in_cells():
     assert followed(FIELDS) == {
         "clyne_davies": "nodes", "brittle_strain": "nodes", "brittle_time": "nodes",
-        "brittle_strain_index": "nodes", "tearing_margin": "nodes", "cold_crack_index": "cells",
+        "brittle_strain_index": "nodes", "tearing_margin": "nodes",
+        "suction_margin": "nodes", "cold_crack_index": "cells",
     }  # fmt: skip
 
 
@@ -26,6 +27,7 @@ def test_the_ratio_of_times_alone_needs_no_mechanics():
         ("brittle_strain", 0.002, "0.2 %"),
         ("brittle_strain_index", 1.2, "1.2"),
         ("brittle_time", 3.0, "3 s"),
+        ("suction_margin", 0.46, "0.46"),
         ("cold_crack_index", 0.8, "0.8"),
     ],
 )

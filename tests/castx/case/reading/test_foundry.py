@@ -49,6 +49,10 @@ def test_accepted(changes):
             {**ALLOY, "output__fields": ["brittle_strain", "brittle_strain_index"]},
             r"output.fields\[1\].*'AlSi7Mg' of body 'casting' has no critical_strain; give it in",
         ),
+        (
+            {**ALLOY, "output__fields": ["suction_margin"]},
+            r"output.fields\[0\].*no body has feeding = \"darcy\"; give it to a casting",
+        ),
         ({**IRON, "output__fields": ["tearing_margin"]}, "has no melt_viscosity, arm_spacing"),
         ({"output__fields": ["brittle_strain"]}, "has no mush, and so no brittle_strain"),
         (
