@@ -21,6 +21,7 @@ from castx.foundry.followed.histories import histories_of
 from castx.foundry.pools.hot_spots import HotSpots
 from castx.foundry.pools.pooled_metal import pooled_metals
 from castx.foundry.stress.cracks import cracks_of
+from castx.foundry.stress.fed_surface import fed_surfaces
 from castx.foundry.stress.stage_ends import StageEnds
 from castx.foundry.stress.surface_forms import SurfaceForms
 from castx.materials.lookup import find_material
@@ -103,7 +104,7 @@ class ResultsWriter:
         self._pools = HotSpots(mesh, self._metals)
         forms = SurfaceForms(mesh, case.foundry.flat, case.foundry.round)
         heated = case.coupling.scheme != "mechanical"
-        self._ends = StageEnds(mesh, deforming(case), forms, heated)
+        self._ends = StageEnds(mesh, deforming(case), forms, heated, fed_surfaces(case))
         self._cracks = cracks_of(case, mesh)
         poured = poured_bodies(case)
         self._histories = histories_of(

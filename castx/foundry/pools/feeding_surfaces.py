@@ -106,9 +106,15 @@ def feeding_nodes(
     return {FREE: np.asarray(nodal_sum(body, marked) > 0.0)}
 
 
-def feeding_surfaces(case: Case, body: Body) -> FeedingSurfaces:
-    """Return the surfaces of a body through which liquid can follow."""
-    if case.foundry.feeders is not None:
+def feeding_surfaces(case: Case, body: Body, named: bool = True) -> FeedingSurfaces:
+    """Return the surfaces of a body through which liquid can follow.
+
+    Args:
+        case: that has the body.
+        body: the body.
+        named: whether surfaces that the case names are all that feed; else all free ones do.
+    """
+    if named and case.foundry.feeders is not None:
         pairs = (on.split("/") for on in case.foundry.feeders)
         return FeedingSurfaces(tuple(surface for name, surface in pairs if name == body.name))
     facing = {}

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 ON_AXIS = 1e-9
 """Radius of a surface, beside the extent of its body, below which it is the axis."""
+FLAT_SHARE = 1e-9
+"""Least square of an extent over the largest one of what does not lie in one plane."""
 FLAT = 1.0 - 1e-6
 """Share of the area of a surface that its area vectors sum up to, from which it is a plane."""
 
@@ -56,12 +58,19 @@ class Shape:
     Args:
         body: its mesh.
         model: geometric model; the axis of an axisymmetric body is no surface.
+        fed: owned facets through which metal is fed; the others are compared, unless they lie in
+            one plane.
     """
 
-    def __init__(self, body: BodyMesh, model: str) -> None:
+    def __init__(self, body: BodyMesh, model: str, fed: IntArray | None = None) -> None:
         self._body, self._comm, self._model = body, body.mesh.comm, model
         symmetric = body.symmetry_planes
-        areas, vectors = facet_areas(body, model, free_facets(body, model, symmetric))
+        facets = free_facets(body, model, symmetric)
+        areas, vectors = facet_areas(body, model, facets)
+        if fed is not None:
+            others = facet_areas(body, model, np.setdiff1d(facets, fed).astype(np.int32))
+            if self._span_all_axes(others[0]):
+                areas, vectors = others
         owned = body.node_numbering.owned
         self._nodes: IntArray = np.flatnonzero(areas[:owned] > 0.0).astype(np.int32)
         self._count = len(areas)
@@ -82,6 +91,25 @@ class Shape:
             vectors[nodes] -= (vectors[nodes] @ plane.normal)[:, None] * plane.normal
         vectors = self._here(vectors)
         self._normals = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+    def _span_all_axes(self, areas: FloatArray) -> bool:
+        """Return whether nodes with an area do not lie in one plane; collective.
+
+        Args:
+            areas: of the local nodes, (nodes,).
+        """
+        owned = slice(self._body.node_numbering.owned)
+        x, weights = self._body.points[owned], areas[owned]
+        sums = np.append(weights @ x, weights.sum())
+        *first, total = self._comm.allreduce(sums, op=MPI.SUM)
+        if not total > 0.0:
+            return False
+        away = x - np.array(first) / total
+        if self._model == "axisymmetric":
+            away[:, 0] = x[:, 0]  # the surface goes round the axis
+        squares = (weights[:, None] * away).T @ away
+        sizes = np.linalg.eigvalsh(self._comm.allreduce(squares, op=MPI.SUM))
+        return bool(sizes[0] > FLAT_SHARE * sizes[-1])
 
     def _here(self, nodal: Any) -> Any:
         return nodal[self._nodes]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mpi4py import MPI
@@ -12,6 +13,8 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.discretisation.cell_errors import CellErrors
+from castx.foundry.pools.feeding_surfaces import FeedingSurfaces
+from castx.foundry.stress.fed_surface import fed_facets
 from castx.foundry.stress.shape import Shape
 from castx.foundry.stress.stresses import StressExtremes
 from castx.foundry.stress.surface_forms import SurfaceForms
@@ -19,6 +22,7 @@ from castx.foundry.stress.surface_forms import SurfaceForms
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
 
+NOT_FED = MappingProxyType[str, FeedingSurfaces]({})
 DEVIATION = "deviation"
 """Name of the field of distances from the nominal surface."""
 
@@ -78,6 +82,7 @@ class StageEnds:
         bodies: names of those that deform.
         forms: of selected surfaces; None: none is.
         heated: whether the run knows temperatures.
+        fed: surfaces through which bodies are fed, by body, which are no part of their shapes.
     """
 
     def __init__(
@@ -86,6 +91,7 @@ class StageEnds:
         bodies: Collection[str],
         forms: SurfaceForms | None = None,
         heated: bool = True,
+        fed: Mapping[str, FeedingSurfaces] = NOT_FED,
     ) -> None:
         self._forms, self._heated, self._comm = forms, heated, mesh.comm
         self._mesh = mesh
@@ -95,7 +101,14 @@ class StageEnds:
             for name, body in there.items()
         }
         self._stresses = {n: StressExtremes(body, mesh.model) for n, body in there.items()}
-        self._shapes = {name: Shape(body, mesh.model) for name, body in there.items()}
+        self._shapes = {
+            name: Shape(
+                body,
+                mesh.model,
+                fed_facets(body, mesh.model, fed[name]) if name in fed else None,
+            )
+            for name, body in there.items()
+        }
         self._found: dict[int, dict[str, Any]] = {}
         self._last: SolidCopies | None = None
 

@@ -105,6 +105,35 @@ def test_extremes_have_their_places(block):
     assert found["inward"]["value"] < 0.0
 
 
+@pytest.mark.ranks
+def test_what_is_fed_is_no_part_of_the_shape(comm):
+    """The top has sunk by a millimetre; the others tell the contraction as if it had not."""
+    body = cylinder_mesh(comm, size=4e-3).bodies["casting"]
+    r, z = body.points.T
+    top = z > HEIGHT - 1e-9
+    moved = -SHRUNK * body.points
+    moved[:, 1] -= np.where(top & (r < 0.02 - 1e-9), 1e-3, 0.0)
+    fed = body.facet_tags.find(body.surface_tag("top"))
+    whole, shape = Shape(body, "axisymmetric"), Shape(body, "axisymmetric", fed)
+    assert shape.of(moved)["allowance"] == pytest.approx([SHRUNK, SHRUNK], rel=1e-9)
+    assert abs(whole.of(moved)["allowance"][1] - SHRUNK) > 0.1 * SHRUNK
+    found = shape.nodal_deviation(moved)
+    assert np.isnan(found[top & (r < 0.02 - 1e-9)]).all()
+    side = (r > 0.02 - 1e-9) & (z > 1e-9) & (z < HEIGHT - 1e-9)
+    np.testing.assert_allclose(found[side], -SHRUNK * 0.02, rtol=1e-10)
+
+
+@pytest.mark.ranks
+def test_a_plane_that_is_left_alone_is_no_shape(comm):
+    """So the whole surface is compared."""
+    body = cylinder_mesh(comm, size=4e-3).bodies["casting"]
+    left = [body.surfaces[name] for name in body.surfaces if name != "base"]
+    fed = np.concatenate([body.facet_tags.find(tag) for tag in left])
+    moved = -SHRUNK * body.points
+    whole, shape = (Shape(body, "axisymmetric", each).of(moved) for each in (None, fed))
+    assert shape == whole
+
+
 def test_in_an_axisymmetric_body_only_the_axis_is_left_to_move_along(comm):
     body = cylinder_mesh(comm, size=4e-3).bodies["casting"]
     moved = -SHRUNK * body.points + np.array([0.0, 5e-3])

@@ -10,6 +10,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.foundry.pools.feeding_surfaces import FeedingSurfaces
 from castx.foundry.stress.stage_ends import StageEnds
 from castx.results.states.snapshot import ProcessState
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
@@ -53,6 +54,17 @@ def test_the_last_state_of_each_stage_in_the_last_cycle_is_described(mesh):
         assert hottest == pytest.approx(500.0 - 10.0 * end["time"], abs=1e-9)
         shrunk = end["bodies"]["casting"]["distortion"]["allowance"]
         assert shrunk == pytest.approx([1e-3 * end["time"]] * 2, rel=1e-9)
+
+
+def test_surfaces_that_feed_have_no_deviation(mesh):
+    ends = StageEnds(mesh, ["casting"], fed={"casting": FeedingSurfaces(("top",))})
+    follow(ends, mesh, COURSE[:2])
+    height = mesh.bodies["casting"].points[:, 1]
+    inside = mesh.bodies["casting"].points[:, 0] < 0.015
+    top = inside & (height > height.max() - 1e-9)
+    assert np.isnan(ends.deviation("casting")[top]).all()
+    whole = follow(StageEnds(mesh, ["casting"]), mesh, COURSE[:2])
+    assert np.isfinite(whole.deviation("casting")[top]).all()
 
 
 @pytest.mark.parametrize("stop", range(1, len(COURSE)))
