@@ -120,7 +120,8 @@ class BodyMechanics:
 
     def pores(self) -> FloatArray:
         """Return the share of the cells that is void after the last accepted step, (cells,)."""
-        return self.formulation.pores()
+        found = self.formulation.pores()
+        return np.zeros(self.points.cells) if found is None else found
 
     def set_time(self, time: float) -> None:
         """Set the loads of a time [s]; collective."""

@@ -313,9 +313,9 @@ class Formulation(ABC):
         """Return feeding demand, pores and pressure; None for a body that never is a liquid."""
         return None
 
-    def pores(self) -> FloatArray:
-        """Return the pores of the cells after the last accepted step, as shares, (cells,)."""
-        return np.zeros(self._material.points.cells)
+    def pores(self) -> FloatArray | None:
+        """Return the pores of the cells after the last accepted step, (cells,); None: no void."""
+        return None
 
     @abstractmethod
     def commit(self) -> bool:

@@ -94,7 +94,7 @@ class LargestSuction:
     @property
     def margin(self) -> FloatArray:
         """Largest suction over Δp_c, shape (nodes,)."""
-        return self._largest / self._melt.depression
+        return np.asarray(self._largest / self._melt.depression, dtype=np.float64)
 
     def saved(self) -> dict[str, Saved]:
         """Return largest suctions and the last solid fractions."""
