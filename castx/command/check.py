@@ -23,7 +23,7 @@ from castx.case.skin import skins
 from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
-from castx.coupling.building import formulation_of
+from castx.coupling.building import formulation_of, laws_above_solidus
 from castx.coupling.thin_walls import thin_walls
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
@@ -54,9 +54,9 @@ def check_case(
         picture: a file to draw bodies, surfaces and interfaces into; None: none.
 
     Raises:
-        CaseError: a probe lies outside its body, cells do not suit a formulation, an initial
-            temperature cannot be read, a patch of an interface has no node, a stage cannot be run
-            as described, or the picture cannot be drawn.
+        CaseError: a probe lies outside its body, cells or metal do not suit a formulation, an
+            initial temperature cannot be read, a patch of an interface has no node, a stage cannot
+            be run as described, or the picture cannot be drawn.
         MeshError: the mesh lacks what the case asks of it.
     """
     if picture is not None:
@@ -146,6 +146,7 @@ def _formulations(
             initial_temperatures(body.temperature, mesh.bodies[body.name], mesh.comm)
     for described in case.interfaces:
         heat_exchange(described, pairs[described.name], mesh)
+    laws_above_solidus(case, mesh)  # refuses metals that a formulation cannot have
     return [formulation_of(mesh, body) for body in case.bodies]
 
 

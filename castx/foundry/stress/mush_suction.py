@@ -75,7 +75,7 @@ class LargestSuction:
         self._solid: FloatArray = np.zeros(0)
 
     def begin(self) -> None:
-        """Forget what was so far: the body is new."""
+        """Forget the suctions so far, of a body that is new."""
         self._largest[:], self._solid = 0.0, np.zeros(0)
 
     def update(self, solid: FloatArray, stress: FloatArray) -> None:

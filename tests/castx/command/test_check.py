@@ -40,6 +40,16 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
 
 
 @pytest.mark.ranks
+def test_check_refuses_a_mush_without_nodal_pressures_with_a_cure(comm, case_file, said):
+    flows = ["bodies.0.material=AlSi7Mg", "bodies.0.feeding=darcy"]
+    given = ["check", str(case_file), *(part for over in flows for part in ("--set", over))]
+    assert execute(given, comm) == 0
+    assert execute([*given, "--set", "geometry.cells=quadrilaterals"], comm) == 2
+    text = said()
+    assert "needs formulation 'mixed'" in text and "mesh it with triangles" in text
+
+
+@pytest.mark.ranks
 def test_check_counts_on_ranks_without_cells(comm, case_file, said, monkeypatch):
     monkeypatch.setattr(PARTITION, on_the_last)
     assert execute(["check", str(case_file)], comm) == 0
