@@ -52,7 +52,7 @@ def test_a_skin_lets_go_of_its_wall_in_steps_of_half_the_size_at_the_same_time(c
 
 def leaving(comm: Any, **time: float) -> tuple[float, float]:
     """Return when the skin of an alloy leaves its wall [s], and its gap at 26 s [m]."""
-    geometry = {"size": 0.005, "interface_size": 0.0004, "height": 0.02}
+    geometry: dict[str, Any] = {"size": 0.005, "interface_size": 0.0004, "height": 0.02}
     data = cylinder({"time": {"end": 26.0, "largest_step": 2.0, **time}}, **geometry)
     data["bodies"][0] |= {"material": "AlSi7Mg", "law": "thermo-elasto-viscoplastic"}
     data["bodies"][1]["material"] = "steel-H13"
