@@ -22,6 +22,22 @@ import ufl
 from castx.forms.kinematics import deviator
 
 
+class PlasticVolume(NamedTuple):
+    """Volume of grains that flow, and its tangent, ds = ... + c n dθ and dp = d n:de + κ dθ.
+
+    Attributes:
+        dilatation: Δθ_p, volumetric flow of the step.
+        stress_by_volume: c [Pa].
+        mean_by_shear: d [Pa].
+        bulk: κ [Pa], K in an elastic point.
+    """
+
+    dilatation: Any
+    stress_by_volume: Any
+    mean_by_shear: Any
+    bulk: Any
+
+
 class PointState(NamedTuple):
     """Stress, tangent and volume of a body as the constitutive law gives them to the forms.
 
@@ -36,6 +52,7 @@ class PointState(NamedTuple):
         follows: χ of plane stress, one where ε_zz follows from σ_zz = 0, zero where it is held.
         trapped: one in trapped liquid, which cannot be fed, else zero.
         trapped_pressure: pressure with which it acts [Pa], that of its whole pocket.
+        plastic_volume: of grains; None: what flows keeps its volume.
     """
 
     stress: Any
@@ -48,10 +65,11 @@ class PointState(NamedTuple):
     follows: Any = 1.0
     trapped: Any = 0.0
     trapped_pressure: Any = 0.0
+    plastic_volume: PlasticVolume | None = None
 
 
 def tangent_stress(increment: Any, state: PointState) -> Any:
-    """Return ds = a dev(dε) + b n (n:dε) [Pa], shape (3, 3).
+    """Return ds = a dev(dε) + b n (n:dε) + c n ∇·du [Pa], shape (3, 3); c in grains alone.
 
     The consistent tangent of the radial return: J. C. Simo and T. J. R. Hughes, Computational
     Inelasticity (1998), section 3.3.2.
@@ -64,7 +82,23 @@ def tangent_stress(increment: Any, state: PointState) -> Any:
     if state.radial is not None:
         n = state.direction
         change += state.radial * ufl.inner(n, increment) * n
+        if state.plastic_volume is not None:
+            change += state.plastic_volume.stress_by_volume * ufl.tr(increment) * n
     return change
+
+
+def tangent_mean(increment: Any, state: PointState) -> Any:
+    """Return dp = d n:dε + κ ∇·du [Pa] of a compressible body; κ = K and d = 0 but in grains.
+
+    Args:
+        increment: dε, shape (3, 3).
+        state: of the integration points.
+    """
+    flowed = state.plastic_volume
+    if flowed is None:
+        return ufl.tr(increment) / state.compressibility
+    shear = flowed.mean_by_shear * ufl.inner(state.direction, increment)
+    return shear + flowed.bulk * ufl.tr(increment)
 
 
 def _normal_tangent(state: PointState) -> Any:
@@ -150,8 +184,11 @@ def pocket_pressure_work(variation: Any, q: Any, state: PointState, dx_p: Any) -
 
 
 def mean_stress(total: Any, state: PointState) -> Any:
-    """Return p = K (∇·u - e^θ) [Pa] of a compressible body, from the continuity equation."""
-    return (ufl.tr(_total(total, state)) - state.thermal_strain) / state.compressibility
+    """Return p = K (∇·u - e^θ - Δθ_p) [Pa] of a compressible body, from the continuity equation."""
+    free, flowed = state.thermal_strain, state.plastic_volume
+    if flowed is not None:
+        free = free + flowed.dilatation
+    return (ufl.tr(_total(total, state)) - free) / state.compressibility
 
 
 def displacement_internal_virtual_work(
@@ -170,7 +207,7 @@ def displacement_internal_virtual_work(
 
 
 def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: Any) -> Any:
-    """Return ∫ ∇ˢη:ds + ∫ K ∇·du ∇·η.
+    """Return ∫ ∇ˢη:ds + ∫ dp ∇·η, with dp = K ∇·du but in grains.
 
     This is the derivative of `displacement_internal_virtual_work`. In plane stress dε_zz is
     eliminated by ds_zz + K ∇·du = 0.
@@ -181,13 +218,13 @@ def displacement_tangent(increment: Any, variation: Any, state: PointState, dx: 
         state: state of the integration points, compressible.
         dx: weighted measure.
     """
-    K = 1 / state.compressibility
     if state.out_of_plane is not None:
+        K = 1 / state.compressibility
         stress = tangent_stress(increment, state)
         normal = -(stress[2, 2] + K * ufl.tr(increment)) / (_normal_tangent(state) + K)
         increment = _with_normal(increment, normal)
     change = ufl.inner(tangent_stress(increment, state), variation)
-    return (change + K * ufl.tr(increment) * ufl.tr(variation)) * dx
+    return (change + tangent_mean(increment, state) * ufl.tr(variation)) * dx
 
 
 def held_strain_work(variation: Any, change: Any, stiffness: Any, dx: Any) -> Any:

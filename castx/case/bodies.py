@@ -57,7 +57,10 @@ class Body(Description):
     law: Annotated[
         str,
         Choice(
-            ("thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic", "rigid")
+            (
+                "thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic",
+                "drucker-prager", "rigid",
+            )
         ),
     ] = "thermo-elastic"
     formulation: Annotated[

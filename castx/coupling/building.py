@@ -34,6 +34,7 @@ from castx.heat.interface import HeatExchange
 from castx.heat.ledger import Accounts
 from castx.heat.problem import HeatProblem
 from castx.input.problems import among, show
+from castx.materials.granular import GRANULAR
 from castx.materials.inelastic import LIQUID_RULES
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -342,6 +343,11 @@ def formulation_of(mesh: CastingMesh, body: Body) -> str:
     """
     kind, own = mesh.bodies[body.name].kind, _own_formulation(mesh, body)
     formulation = body.formulation or own
+    if body.law == GRANULAR and mesh.model == "plane-stress":
+        raise CaseError(
+            f"body {body.name!r}: the law {GRANULAR!r} has no plane stress; use the model "
+            "'generalised-plane-strain', or the law 'rigid'"
+        )
     if formulation == "taylor-hood" and own == "mixed":
         return formulation
     if formulation not in (own, "displacement"):
@@ -359,6 +365,9 @@ def _own_formulation(mesh: CastingMesh, body: Body) -> str:
     if mesh.model == "plane-stress" and (not simplex or body.law != ELASTIC):
         # Nothing locks, since the volume is free; and a pressure of its own may be more than a
         # yielding point can balance out of the plane.
+        return "displacement"
+    if body.law == GRANULAR:
+        # The mean stress yields, at each point by its own strain.
         return "displacement"
     return "mixed" if simplex else "q1p0"
 

@@ -38,6 +38,7 @@ from castx.materials.foundry_data import (
     KeysEntry,
     StrengthData,
 )
+from castx.materials.granular import GranularData
 from castx.materials.inelastic import (
     DEFAULT_LAW,
     FLOW_RULES,
@@ -245,6 +246,7 @@ class MaterialDescription(Description):
     ) = None
     hardening: Annotated[Hardening, HardeningEntry()] = HardeningEntry().read(0.0)
     law: Annotated[str, Choice(tuple(FLOW_RULES))] = DEFAULT_LAW
+    granular: Annotated[GranularData | None, KeysEntry(GranularData)] = None
     dissipation: Annotated[float, Quantity(PURE_NUMBER, least=0.0, most=1.0)] = 0.9
     melt_viscosity: Annotated[float, Quantity(VISCOSITY, above=0.0)] | None = None
     arm_spacing: Annotated[ArmSpacingData | None, ArmSpacingEntry(ArmSpacingData)] = None

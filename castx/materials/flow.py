@@ -20,6 +20,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.description import MaterialDescription
+from castx.materials.granular import GRANULAR
 from castx.materials.inelastic import (
     FLOW_RULES,
     ISOTROPIC_RULES,
@@ -157,6 +158,9 @@ def check_law(material: Material, law: str) -> None:
 
 def law_problems(material: MaterialDescription, law: str) -> Iterator[tuple[str, str]]:
     """Yield the keys of a material that the law of a body lacks, each with the cure."""
+    if law == GRANULAR:
+        yield from _granular_problems(material)
+        return
     viscous, rule = law == VISCOPLASTIC, FLOW_RULES[material.law]
     if viscous:
         cure = f"; {PLASTIC!r} has none" if rule.threshold else ""
@@ -172,6 +176,16 @@ def law_problems(material: MaterialDescription, law: str) -> Iterator[tuple[str,
         if not material.yield_stress.values.any():
             text = "zero at every temperature, so the solid would carry no shear at all"
             yield "yield_stress", f"{text}; give a positive one or use {VISCOPLASTIC!r}"
+
+
+def _granular_problems(material: MaterialDescription) -> Iterator[tuple[str, str]]:
+    if material.granular is None:
+        keys = "granular = { cohesion = ..., friction_angle = ... }"
+        text = f"missing; grains yield by {keys}, as those of sand-silica"
+        yield "granular", f'{text}; the law "rigid" has none'
+    if material.liquid is not None:
+        text = f'given, and grains do not melt; leave it out, say "none", or use {PLASTIC!r}'
+        yield "liquid", text
 
 
 def _without_threshold(shear_modulus: FloatArray, overstress: Overstress) -> FlowProperties:

@@ -11,6 +11,7 @@ from castx.arrays import BoolArray, FloatArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.materials.enthalpy import HeatState
+from castx.mechanics.constitutive.granular_points import GranularPoints
 from castx.mechanics.constitutive.integration_points import (
     IntegrationPoints,
     VolumePoints,
@@ -76,12 +77,17 @@ class BodyMechanics:
         self.dimension, self.block_size = self.unknowns.dimension, self.unknowns.block_size
         self.space, self.solution = self.unknowns.space, self.unknowns.solution
         self.axial, self.length = self.unknowns.axial, self.unknowns.length
+        granular = self._law.is_granular
         degree = quadrature_degree(body, model, description.formulation)
         self.loads = BodyLoads(body, model, description, max(2, degree))
-        self.points = (VolumePoints if quadratic else IntegrationPoints)(body, model, degree)
+        kind = VolumePoints if quadratic or granular else IntegrationPoints
+        self.points = kind(body, model, degree)
         cells = fem.functionspace(body.mesh, ("DG", 0))
         self.owned_cells = int(cells.dofmap.index_map.size_local)
-        self.material = MaterialPoints(self.points, self._law, cells, description.starts_liquid)
+        self.material = (
+            GranularPoints(self.points, self._law, cells) if granular
+            else MaterialPoints(self.points, self._law, cells, description.starts_liquid)
+        )  # fmt: skip
         self._force_of_stress = self.points.weights.sum(axis=1) / self.points.sizes
         self.formulation = _formulation(
             self.unknowns, self.material, self.loads, description, cells, planes

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from castx.errors import CaseError
 from castx.input.placed import Placed
 from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.constitutive.law import Law
@@ -54,3 +55,10 @@ class MechanicalBody:
     closed: Collection[str] = ()
     clamps: Sequence[SurfaceClamp] = ()
     mush: MushMetal | None = None
+
+    def __post_init__(self) -> None:
+        if self.law.is_granular and self.formulation != "displacement":
+            raise CaseError(
+                f"the law {self.law.name!r} has no formulation {self.formulation!r}: grains yield "
+                'by the mean stress of their strain; use "displacement"'
+            )

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
-import numpy as np
 import ufl
 
 from castx.arrays import FloatArray
@@ -64,9 +63,7 @@ class DisplacementFormulation(Formulation):
 
     def mean_stress(self) -> FloatArray:
         """Return K (∇·u - e^θ) of the cells [Pa], shape (cells,)."""
-        conditions = self._material.conditions
-        change = self._material.dilatation - self._material.thermal_strain.x.array
-        return np.asarray(change / conditions.compressibility)
+        return self._material.points.volumes_to_cells(self._material.mean_stress())
 
     def nodal_pressure(self) -> FloatArray:
         """Return means of the mean stress round the local nodes [Pa], shape (nodes,)."""
@@ -79,7 +76,7 @@ class DisplacementFormulation(Formulation):
         Returns:
             False: the residual stays.
         """
-        self._material.commit(self.mean_stress())
+        self._material.commit(self._material.mean_stress())
         return False
 
     def rewind(self) -> None:

@@ -17,6 +17,7 @@ from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
+from castx.materials.granular import GRANULAR
 from castx.materials.inelastic import FLOW_RULES, KINEMATIC_KEYS
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -131,6 +132,8 @@ def used_properties(case: Case, body: Body, material: MaterialDescription) -> se
     viscous, rule = body.law == VISCOPLASTIC, FLOW_RULES[material.law]
     if viscous:
         used |= {key.name for key in rule.keys}
+    if body.law == GRANULAR:
+        used.add("granular")
     if body.law == PLASTIC or (viscous and rule.threshold):
         used |= _HARDENING
     return used

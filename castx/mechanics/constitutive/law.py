@@ -29,6 +29,7 @@ from castx.arrays import BoolArray, FloatArray
 from castx.errors import CaseError
 from castx.materials.enthalpy import HeatState
 from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
+from castx.materials.granular import GRANULAR
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState
 from castx.mechanics.constitutive.growth import (
@@ -49,7 +50,7 @@ class Conditions(NamedTuple):
 
     Attributes:
         shear_modulus: of the solid at the points [Pa], shape (points,).
-        flow: of the solid at the points; None: elastic.
+        flow: of the solid at the points; None: elastic, or grains (`granular_points`).
         shares: solid at the points.
         liquid_modulus: η/Δt at the points [Pa], of a Newtonian liquid.
         liquid_flow: of another liquid at the points.
@@ -89,7 +90,8 @@ class Law:
     Attributes:
         material: the material of the body.
         stress_free: state without thermal strain; a number: a temperature of the solid [°C].
-        name: "thermo-elastic", "thermo-elasto-plastic" or "thermo-elasto-viscoplastic".
+        name: "thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic" or
+            "drucker-prager", of grains.
     """
 
     material: Material
@@ -107,6 +109,11 @@ class Law:
         """Whether the stress of a step is linear in its strain."""
         liquid = self.material.liquid
         return self.name == ELASTIC and (liquid is None or liquid.is_newtonian)
+
+    @property
+    def is_granular(self) -> bool:
+        """Whether the body is made of grains, which yield by their mean stress too."""
+        return self.name == GRANULAR
 
     @property
     def flows_by_rate(self) -> bool:
@@ -178,7 +185,7 @@ class Law:
         at_points = in_the_solid(points, temperature, end.share)
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
         flow = None
-        if self.name != ELASTIC:
+        if self.name not in (ELASTIC, GRANULAR):
             flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,

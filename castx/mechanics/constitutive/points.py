@@ -176,6 +176,11 @@ class MaterialPoints:
         """Volumetric strain by which the solid of the cells has contracted, shape (cells,)."""
         return self.points.volumes_to_cells(self._contracted)
 
+    def mean_stress(self) -> FloatArray:
+        """Return K (∇·u - e^θ) of the volumes of a body that never melts [Pa], (volumes,)."""
+        change = self.points.to_volumes(self._strain[:, :3].sum(axis=1))
+        return np.asarray((change - self.thermal_strain.x.array) / self.conditions.compressibility)
+
     def mechanical_strain(self) -> FloatArray:
         """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
         strain = self._tensors(self._strain)

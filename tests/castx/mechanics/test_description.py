@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from castx.errors import CaseError
+from castx.mechanics.constitutive.law import Law
+from castx.mechanics.description import MechanicalBody
 from tests.castx.mechanics.lone_bodies import slab_mesh
 from tests.elastic_bodies import body, elastic, everywhere, fixed, heat, motion, problem, pushed
 
@@ -33,3 +36,12 @@ def test_every_parameter_changes_the_answer(comm, name):
         answers.append(everywhere(comm, motion(made, "casting")[:, :2]))
     change = np.abs(answers[1] - answers[0]).max()
     assert change > 1e-4 * np.abs(answers[0]).max()
+
+
+@pytest.mark.parametrize("formulation", ["mixed", "q1p0", "taylor-hood"])
+def test_grains_have_the_formulation_in_displacement_alone(formulation):
+    sand = elastic(5e8, 0.25, granular={"cohesion": 1e6, "friction_angle": 30.0})
+    law = Law(sand, 20.0, "drucker-prager")
+    with pytest.raises(CaseError, match=f"no formulation '{formulation}'.*use \"displacement\""):
+        MechanicalBody(law, formulation)
+    assert MechanicalBody(law, "displacement").law.is_granular

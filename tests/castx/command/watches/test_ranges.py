@@ -135,3 +135,12 @@ def test_a_range_is_that_of_the_table_in_a_case_file(comm, heard):
     (message,) = heard
     assert "steel (mould) is at 100 to 301 °C" in message and "conductivity (100 to" in message
     assert np.isfinite(watch._materials["steel"].conductivity(301.0, 1.0))
+
+
+@pytest.mark.serial
+def test_grains_use_their_yield_surface():
+    sand = MaterialDescription.read({"granular": {"cohesion": 1e6, "friction_angle": 30.0}})
+    case = case_of()
+    mould = case.bodies[1].model_copy(update={"law": "drucker-prager"})
+    assert used_properties(case, mould, sand) == HEAT | ELASTIC | {"granular"}
+    assert used_properties(case, case.bodies[1], sand) == HEAT | ELASTIC
