@@ -155,7 +155,7 @@ def _regions(
     surface: GranularSurface,
     lowering: FloatArray,
 ) -> tuple[BoolArray, BoolArray, BoolArray]:
-    """Return which points return to the cone, to the cut-off, and to both.
+    """Return the points on the cone, at the cut-off, and at the corner of both.
 
     Args:
         excess: q_tr + μ p_tr − k [Pa], shape (points,).
