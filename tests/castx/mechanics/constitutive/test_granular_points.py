@@ -168,8 +168,8 @@ def test_a_binder_that_has_burnt_does_not_come_back(comm) -> None:
 )  # fmt: skip
 def test_each_parameter_changes_the_stress(comm, changes) -> None:
     stretches = [np.diag([5e-3, -9e-3, 0]), np.diag([4e-3, 4e-3, 0.0])]
-    found = []
-    for given in ({}, changes):
+    found, cases = [], list[dict[str, Any]]([{}, changes])
+    for given in cases:
         part = grains(comm, **given)
         found.append(np.array([step(part, stretch) for stretch in stretches]))
     assert not np.allclose(found[0], found[1], rtol=1e-4)
