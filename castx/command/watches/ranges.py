@@ -124,7 +124,7 @@ def used_properties(case: Case, body: Body, material: MaterialDescription) -> se
     """
     scheme = case.coupling.scheme
     used = set() if scheme == "mechanical" else set(_HEAT)
-    if scheme == "thermal":
+    if scheme == "thermal" or body.law == "rigid":
         return used
     used |= _ELASTIC
     if body.formulation != "displacement" or not body.starts_solid(material):

@@ -35,7 +35,7 @@ def test_the_list_says_what_data_there_is() -> None:
     assert set(database_names()) <= set(rows)
     assert "aluminium" in rows["AlSi9Cu3"] and "500 to 590" in rows["AlSi9Cu3"]
     assert "hepcl" in rows["AlSi9Cu3"] and "1084.62" in rows["Cu-pure"]
-    assert "hep··" in rows["steel-H13"] and "h····" in rows["sand-silica"]
+    assert "hep··" in rows["steel-H13"] and "h····" in rows["coating-die"]
     assert all(len(line) <= 80 for line in lines[:-1])
 
 

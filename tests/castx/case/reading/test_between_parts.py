@@ -161,7 +161,7 @@ def test_accepted(changes):
             "materials.steel.young_modulus: missing; body 'mould' needs it for mechanics",
         ),
         (
-            {"bodies__1__material": "sand-silica"},
+            {"bodies__1__material": "insulation-fibre"},
             "has no young_modulus; body 'mould' needs it for mechanics, or law = \"rigid\"",
         ),
         ({"materials__steel__poisson_ratio": REMOVED}, "materials.steel.poisson_ratio: missing;"),

@@ -144,3 +144,5 @@ def test_grains_use_their_yield_surface():
     mould = case.bodies[1].model_copy(update={"law": "drucker-prager"})
     assert used_properties(case, mould, sand) == HEAT | ELASTIC | {"granular"}
     assert used_properties(case, case.bodies[1], sand) == HEAT | ELASTIC
+    rigid = case.bodies[1].model_copy(update={"law": "rigid"})
+    assert used_properties(case, rigid, sand) == HEAT
