@@ -402,7 +402,7 @@ def test_sand_yields_and_loses_its_strength_where_it_burns(name) -> None:
     assert list(law_problems(material.description, GRANULAR)) == []
     granular = material.description.granular
     assert isinstance(granular, GranularData) and granular.tension_cut_off is not None
-    temperature = np.linspace(20.0, 1300.0, 50)
+    temperature = np.asarray(np.linspace(20.0, 1300.0, 50), np.float64)
     surface = granular_surface(granular, temperature)
     for strength in (surface.strength, surface.cut_off):
         assert (np.diff(strength) <= 0).all() and 0 < strength[-1] < 0.1 * strength[0]
