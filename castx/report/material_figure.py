@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.flow import VISCOPLASTIC, isotropic_hardening, law_problems, solid_flow
+from castx.materials.granular import GranularData
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.material import Material
 from castx.materials.thermal_strain import volumetric_thermal_strain
@@ -128,9 +129,30 @@ def material_diagrams(material: Material) -> Iterator[Diagram]:
         yield strain_diagram(material, temperature, ranges["expansion"])
     if description.yield_stress is not None:
         yield Diagram("yield stress [MPa]", yield_lines(material, temperature, ranges))
+    if description.granular is not None:
+        yield granular_diagram(description.granular, temperature, ranges)
     if not list(law_problems(description, VISCOPLASTIC)):
         lines = creep_lines(material, temperature, ranges)
         yield Diagram("stress of flow [MPa]", lines, heading="strain rate", logarithmic=True)
+
+
+def granular_diagram(
+    granular: GranularData, temperature: FloatArray, ranges: Mapping[str, Range | None]
+) -> Diagram:
+    """Return the diagram of what holds grains together.
+
+    Args:
+        granular: their yield surface.
+        temperature: abscissae [°C].
+        ranges: of validity by property.
+    """
+    tables = {"cohesion": granular.cohesion, "tension_cut_off": granular.tension_cut_off}
+    lines = [
+        tabled(table, temperature, 1e-6, ranges[f"granular.{key}"], key.replace("_", " "))
+        for key, table in tables.items()
+        if table is not None
+    ]
+    return Diagram("cohesion [MPa]", lines)
 
 
 def abscissae(material: Material, shown: Range) -> FloatArray:

@@ -34,7 +34,9 @@ def test_every_entry_is_drawn_with_all_its_data(name) -> None:
     if material.melts:
         expected |= {"solid fraction", "stress of flow"}
     if material.young_modulus is not None:
-        expected |= {"Young's modulus", "thermal strain", "yield stress"}
+        granular = material.description.granular is not None
+        strength = "cohesion" if granular else "yield stress"
+        expected |= {"Young's modulus", "thermal strain", strength}
     assert set(found) == expected
     for diagram in found.values():
         for line in diagram.lines:
