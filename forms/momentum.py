@@ -185,10 +185,10 @@ def pocket_pressure_work(variation: Any, q: Any, state: PointState, dx_p: Any) -
 
 def mean_stress(total: Any, state: PointState) -> Any:
     """Return p = K (∇·u - e^θ - Δθ_p) [Pa] of a compressible body, from the continuity equation."""
-    free, flowed = state.thermal_strain, state.plastic_volume
-    if flowed is not None:
-        free = free + flowed.dilatation
-    return (ufl.tr(_total(total, state)) - free) / state.compressibility
+    if state.plastic_volume is not None:
+        free = state.thermal_strain + state.plastic_volume.dilatation
+        state = state._replace(thermal_strain=free)
+    return (ufl.tr(_total(total, state)) - state.thermal_strain) / state.compressibility
 
 
 def displacement_internal_virtual_work(

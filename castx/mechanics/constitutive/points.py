@@ -206,10 +206,7 @@ class MaterialPoints:
         return self._step
 
     def plastic_increment(self) -> FloatArray:
-        """Return the equivalent plastic strain gained in the last accepted step, shape (points,).
-
-        Zero before the first one, and after `restore` until the next one.
-        """
+        """Return the equivalent plastic strain of the last step since `restore`, (points,)."""
         return self._gained
 
     def saved(self) -> dict[str, Saved]:
@@ -232,13 +229,11 @@ class MaterialPoints:
         self._gained = np.zeros(self.points.count)
         self._nodes = MetalNodes(*(arrays[name].copy() for name in MetalNodes._fields))
         self._volume = CellVolume(*(arrays[name].flatten() for name in CellVolume._fields))
-        self.thickness.restore(arrays, self._solid_cells())
+        solid = np.asarray(self._nodes.share[self.points.cell_nodes].any(axis=1))
+        self.thickness.restore(arrays, solid)
         if "stress_free" in arrays:
             unstressed = replace(self.law.stress_free_state, temperature=arrays["stress_free"])
             self.law = replace(self.law, stress_free=unstressed)
-
-    def _solid_cells(self) -> BoolArray:
-        return np.asarray(self._nodes.share[self.points.cell_nodes].any(axis=1))
 
     def commit(self, mean_stress: FloatArray, pooled: BoolArray | None = None) -> None:
         """Accept the trial state as the start of the next step; collective.
