@@ -112,9 +112,10 @@ class PairChanges:
             active.restart_cycle_detection()
         else:
             linear = balance.is_linear and not improved
-            settled = linear or self._is_settled(f, slides)
+            pull = 0.0 if linear else active.largest_pull(balance.trial_forces)
+            settled = linear or self._is_settled(f, pull, slides)
             before = active.closed
-            forces = self._forces_to_judge(f, settled)
+            forces = self._forces_to_judge(settled, lets_go=norm <= LETS_GO * pull)
             changed = active.update(forces, noise, settled)
             self._openings += before & ~active.closed
             balance.contact.hold(active.held)
@@ -152,7 +153,7 @@ class PairChanges:
         balance.sum_up_again(x, f)
         return False
 
-    def _is_settled(self, f: PETSc.Vec, slides: bool) -> bool:
+    def _is_settled(self, f: PETSc.Vec, pull: float, slides: bool) -> bool:
         """Return whether the residual is small beside the pulls that would open pairs.
 
         As long as what flows or slides is not in equilibrium with the present set, a pair that is
@@ -160,32 +161,27 @@ class PairChanges:
 
         Args:
             f: the residual.
+            pull: the largest pull of a pair beyond its limit [N].
             slides: whether it is small enough for friction to change its state.
         """
         balance = self._balance
         if balance.convergence.is_met(f):
             return True
         share = QUITE_CERTAIN if balance.active.one_by_one else CERTAIN
-        small = self._is_below(f, share)
-        return small and (slides or not balance.contact.has_friction)
+        return f.norm() <= share * pull and (slides or not balance.contact.has_friction)
 
-    def _is_below(self, f: PETSc.Vec, share: float) -> bool:
-        """Return whether the residual is below a share of the largest pull beyond its limit."""
-        pull = self._balance.active.largest_pull(self._balance.trial_forces)
-        return bool(f.norm() <= share * pull)
-
-    def _forces_to_judge(self, f: PETSc.Vec, settled: bool) -> FloatArray:
+    def _forces_to_judge(self, settled: bool, lets_go: bool) -> FloatArray:
         """Return the forces by which pairs close and open [N], foretold pulls until they settle.
 
         Args:
-            f: the residual.
-            settled: whether it is so small that the forces of the iterate decide.
+            settled: whether the residual is so small that the forces of the iterate decide.
+            lets_go: whether it is small enough for what liquid holds to let go.
         """
         active, forces = self._balance.active, self._balance.trial_forces.copy()
         if settled:
             return forces
         held = active.closed & active.held
-        waits = active.closed & ~held if self._is_below(f, LETS_GO) else active.closed
+        waits = active.closed & ~held if lets_go else active.closed
         forces[waits] = np.maximum(forces[waits], 0.0)
         if self._foretold is not None:
             certain = active.closed & ~held & (self._openings < MOST_FORETOLD)
