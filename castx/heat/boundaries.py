@@ -74,8 +74,13 @@ class PlacedNumbers:
             for name, value in values.items()
         })  # fmt: skip
 
+    @property
+    def vary(self) -> bool:
+        """Whether any of them varies with place, and may be none somewhere."""
+        return bool(self._placed)
+
     def refuse(self, wrong: BoolArray, what: str, time: float) -> None:
-        """Refuse numbers that are none; collective where the condition varies with place.
+        """Refuse numbers that are none; collective.
 
         Args:
             wrong: nodes at which they are none.
@@ -85,7 +90,7 @@ class PlacedNumbers:
         Raises:
             CaseError: on all ranks, if any node of any rank is wrong.
         """
-        if self._placed and self._comm.allreduce(bool(wrong.any()), op=MPI.LOR):
+        if self._comm.allreduce(bool(wrong.any()), op=MPI.LOR):
             said = "; ".join(value.text for value in self._placed)
             raise CaseError(
                 f"{self._name}: {what} at {time:g} s, by {said}; correct the formula or the table"
@@ -114,8 +119,9 @@ class SurfaceFlux:
         Raises:
             CaseError: a flux is not finite; on all ranks.
         """
-        wrong = ~np.isfinite(self.evaluate(start, end)[0])
-        self._numbers.refuse(wrong, "the flux is not finite", end)
+        if self._numbers.vary:
+            wrong = ~np.isfinite(self.evaluate(start, end)[0])
+            self._numbers.refuse(wrong, "the flux is not finite", end)
 
     def evaluate(self, start: float, end: float) -> tuple[FloatArray, FloatArray]:
         """Return heat into the nodes over a step [W] and its derivative over temperature [W/K]."""
@@ -147,6 +153,7 @@ class SurfaceTemperature:
             CaseError: one is not finite, or below absolute zero; on all ranks.
         """
         found = np.broadcast_to(self.value(time), self.nodes.shape)
-        wrong = ~(np.isfinite(found) & (found >= ABSOLUTE_ZERO))
-        self._numbers.refuse(wrong, "a temperature is none", time)
+        if self._numbers.vary:
+            wrong = ~(np.isfinite(found) & (found >= ABSOLUTE_ZERO))
+            self._numbers.refuse(wrong, "a temperature is none", time)
         return np.asarray(found)
