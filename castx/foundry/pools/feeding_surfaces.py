@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from dolfinx import fem
 
-from castx.arrays import BoolArray, FloatArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.domain.measures import nodal_sum
@@ -100,10 +100,21 @@ def feeding_nodes(
             found[name] = np.zeros(len(marked), dtype=bool)
             found[name][body.surface_nodes(name)] = True
         return found
-    shut = {*body.symmetry_planes, *closed.intersection(body.surfaces)}
-    facets = free_facets(body, model, sorted(shut))
+    facets = open_facets(body, model, closed)
     marked[fem.locate_dofs_topological(body.nodes, body.mesh.topology.dim - 1, facets)] = 1.0
     return {FREE: np.asarray(nodal_sum(body, marked) > 0.0)}
+
+
+def open_facets(body: BodyMesh, model: str, closed: frozenset[str]) -> IntArray:
+    """Return the owned facets through which liquid can follow where no feeder is named.
+
+    Args:
+        body: the body.
+        model: geometric model.
+        closed: surfaces that are not free.
+    """
+    shut = {*body.symmetry_planes, *closed.intersection(body.surfaces)}
+    return free_facets(body, model, sorted(shut))
 
 
 def feeding_surfaces(case: Case, body: Body, named: bool = True) -> FeedingSurfaces:

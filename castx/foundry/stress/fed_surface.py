@@ -12,9 +12,8 @@ import numpy as np
 
 from castx.arrays import IntArray
 from castx.case.case import Case
-from castx.foundry.pools.feeding_surfaces import FeedingSurfaces, feeding_surfaces
+from castx.foundry.pools.feeding_surfaces import FeedingSurfaces, feeding_surfaces, open_facets
 from castx.materials.lookup import find_material
-from castx.mechanics.liquid.feeding_paths import free_facets
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
@@ -31,8 +30,7 @@ def fed_facets(body: BodyMesh, model: str, surfaces: FeedingSurfaces) -> IntArra
     if surfaces.named is not None:
         named = [body.facet_tags.find(body.surface_tag(name)) for name in surfaces.named]
         return np.concatenate([np.zeros(0, dtype=np.int32), *named])
-    closed = surfaces.closed(tuple(surfaces.facing)).intersection(body.surfaces)
-    return free_facets(body, model, sorted({*body.symmetry_planes, *closed}))
+    return open_facets(body, model, surfaces.closed(tuple(surfaces.facing)))
 
 
 def fed_surfaces(case: Case) -> dict[str, FeedingSurfaces]:
