@@ -71,12 +71,13 @@ class LargestSuction:
 
     def __init__(self, body: BodyMesh, melt: TearingMelt) -> None:
         self._body, self._melt = body, melt
-        self._largest: FloatArray = np.zeros(len(body.parent_vertices))
-        self._solid: FloatArray = np.zeros(0)
+        self.begin()
 
     def begin(self) -> None:
-        """Forget the suctions so far, of a body that is new."""
-        self._largest[:], self._solid = 0.0, np.zeros(0)
+        """Forget the suctions so far; no solid fraction is known."""
+        nodes = len(self._body.parent_vertices)
+        self._largest: FloatArray = np.zeros(nodes)
+        self._solid: FloatArray = np.full(nodes, np.nan)
 
     def update(self, solid: FloatArray, stress: FloatArray) -> None:
         """Take over the state after an accepted step.
@@ -85,9 +86,8 @@ class LargestSuction:
             solid: solid fraction of the local nodes, (nodes,).
             stress: p [Pa], (nodes,).
         """
-        if len(self._solid):
-            connected = 1.0 - 0.5 * (self._solid + solid) > self._melt.cut_off
-            self._largest = np.where(connected, np.maximum(self._largest, stress), self._largest)
+        connected = 1.0 - 0.5 * (self._solid + solid) > self._melt.cut_off
+        self._largest = np.where(connected, np.maximum(self._largest, stress), self._largest)
         self._largest[solid <= 0.0] = 0.0
         self._solid = solid.copy()
 
@@ -99,14 +99,11 @@ class LargestSuction:
     def saved(self) -> dict[str, Saved]:
         """Return largest suctions and the last solid fractions."""
         nodes = self._body.node_numbering
-        started = self._solid if len(self._solid) else np.full(len(self._largest), np.nan)
-        return {"largest": Saved(self._largest, nodes), "solid": Saved(started, nodes)}
+        return {"largest": Saved(self._largest, nodes), "solid": Saved(self._solid, nodes)}
 
     def restore(self, arrays: Arrays) -> None:
         """Take them back."""
-        self._largest = arrays["largest"].copy()
-        solid = arrays["solid"].copy()
-        self._solid = np.zeros(0) if np.isnan(solid).any() else solid
+        self._largest, self._solid = arrays["largest"].copy(), arrays["solid"].copy()
 
 
 class SuctionMargins:
