@@ -6,10 +6,9 @@ from base64 import b64encode
 from dataclasses import dataclass
 from pathlib import Path
 
-import jinja2
-
 from castx.proof.validation.band import BandedExperiment, MeasuredBand
 from castx.proof.validation.experiment import Experiment
+from castx.proof.validation.page import template
 from castx.report.style import COLOURS, DOTS_PER_INCH, figure
 from castx.results.files.folder import write_whole
 from castx.results.states.quantities import UNITS
@@ -68,11 +67,7 @@ def drawn_band(curve: MeasuredBand) -> DrawnBand:
 
 def write_band_page(folder: Path, experiment: Experiment, found: BandedExperiment) -> Path:
     """Write band.html into a folder and return its path."""
-    loader = jinja2.PackageLoader("castx.proof.validation", "templates")
-    template = jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
-    ).get_template("band.html.j2")
-    text = template.render(
+    text = template("band.html.j2").render(
         experiment=experiment, found=found, version=__version__,
         curves=[drawn_band(curve) for curve in found.curves],
     )  # fmt: skip

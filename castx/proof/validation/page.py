@@ -116,10 +116,17 @@ def drawn(results: Results, column: str, uncertainty: float | str) -> bytes:
 def write_page(folder: Path, experiment: Experiment, results: Results) -> list[Overlay]:
     """Write validation.html into a folder and return its overlays."""
     made = overlays(experiment, results)
-    loader = jinja2.PackageLoader("castx.proof.validation", "templates")
-    template = jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
-    ).get_template("validation.html.j2")
-    text = template.render(experiment=experiment, overlays=made, record=results.record)
+    text = template("validation.html.j2").render(
+        experiment=experiment, overlays=made, record=results.record
+    )
     write_whole(folder / PAGE, text)
     return made
+
+
+def template(name: str) -> jinja2.Template:
+    """Return the template of a page of an experiment."""
+    loader = jinja2.PackageLoader("castx.proof.validation", "templates")
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.get_template(name)
