@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from castx.results.field_copies import FieldCopies
 from castx.results.files.disk import Disk
-from castx.results.files.vtkhdf import ENDING, BodyFile
+from castx.results.files.folder import ENDING
+from castx.results.files.vtkhdf import BodyFile
 from castx.results.files.vtu import Piece
 from castx.results.gathered import GatheredBody
 

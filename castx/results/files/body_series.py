@@ -12,8 +12,9 @@ import pyvista
 
 from castx.arrays import FloatArray, LongArray
 from castx.errors import CaseError
+from castx.results.files.folder import ENDING
 from castx.results.files.grown_file import ABSENT, opened
-from castx.results.files.vtkhdf import ENDING, ROOT, STEPS, TIMES, counted_steps
+from castx.results.files.vtkhdf import ROOT, STEPS, TIMES, counted_steps
 
 _DAMAGES = (AttributeError, IndexError, KeyError, OSError, OverflowError, TypeError, ValueError)
 

@@ -12,8 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from castx.errors import CaseError
 from castx.results.files.body_series import BodySeries
-from castx.results.files.folder import COLLECTION, FIELDS
-from castx.results.files.vtkhdf import ENDING
+from castx.results.files.folder import COLLECTION, ENDING, FIELDS
 
 
 class WrittenFields(Protocol):

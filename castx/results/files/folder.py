@@ -40,6 +40,8 @@ SENSITIVITY = "sensitivity.json"
 ESTIMATE = "estimate.json"
 FIELDS = "fields"
 COLLECTION = "castx.pvd"
+ENDING = ".hdf"
+"""Of the file of a body in VTKHDF, after its name; ParaView and pyvista know it."""
 CHECKPOINT = "checkpoint"
 LOCK = ".lock"
 OURS = (
@@ -229,7 +231,7 @@ def clear_results(folder: Path) -> None:
     for name in (CASE, *SERIES, HOT_SPOTS, MEASURED, REPORT, SENSITIVITY, ESTIMATE):
         (folder / name).unlink(missing_ok=True)
     ours = (
-        (FIELDS, "*.hdf"), (FIELDS, ".*.hdf.*"), (FIELDS, "*.vtu"), (FIELDS, "*.pvd"),
+        (FIELDS, f"*{ENDING}"), (FIELDS, f".*{ENDING}.*"), (FIELDS, "*.vtu"), (FIELDS, "*.pvd"),
         (CHECKPOINT, "state.npz*"), ("", f".{RECORD}.*"), ("", f".{CASE}.*"),
     )  # fmt: skip
     for place, pattern in ours:

@@ -27,8 +27,6 @@ from castx.results.files.grown_file import (
 )
 from castx.results.files.vtu import Piece, vtk_columns
 
-ENDING = ".hdf"
-"""Of the name of a file, after that of its body; ParaView and pyvista know it."""
 ROOT, STEPS, COUNT = "VTKHDF", "Steps", "NSteps"
 TIMES = "Values"
 VERSION = (2, 0)
