@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -38,6 +39,22 @@ class SolveReport:
     iterations: int
     linear_iterations: int
     residuals: tuple[float, ...]
+
+
+@contextmanager
+def collection_paused() -> Iterator[None]:
+    """Pause the collector of garbage while what callbacks raise may cross PETSc.
+
+    petsc4py hands it on through C; a collection on that way replaces it, which Python cannot bear:
+    the process ends by a fault (exit code 59) about every twentieth time.
+    """
+    active = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if active:
+            gc.enable()
 
 
 class NonlinearSolver:
@@ -123,7 +140,7 @@ class NonlinearSolver:
             Exception: what a callback raised.
         """
         try:
-            with self._options_in_database():
+            with self._options_in_database(), collection_paused():
                 self.snes.solve(None, x)
         except PETSc.Error as error:
             raise self._failure(error) from error
