@@ -22,6 +22,8 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
+from castx.signals import hand_back
+
 ELSEWHERE = os.sep
 LOOKING = ("mpi4py.MPI", "petsc4py.PETSc", "ffcx", "dolfinx", "matplotlib")
 """Modules that look for settings when they are imported or first used."""
@@ -83,8 +85,10 @@ def _elsewhere(
 
 
 def _settle(module: ModuleType) -> None:
-    """Let a module look for settings now that keeps what it has found the first time."""
+    """Let a module look for settings now, and have its signals handed back."""
     if module.__name__ == "ffcx":
         import_module("ffcx.options").get_options()
     elif module.__name__ == "dolfinx":
         import_module("dolfinx.jit").get_options()
+    elif module.__name__ == "petsc4py.PETSc":
+        hand_back()

@@ -18,7 +18,7 @@ PROJECT = Path(__file__).parents[1]
 
 # The rooms of castx from the ground: a module imports from its own room and from those before it.
 ORDER = [
-    "start_folder arrays errors version commit tables stateful environment ranks form_rows "
+    "signals start_folder arrays errors version commit tables stateful environment ranks form_rows "
     "profiling",
     "forms meshes meshes/cad meshes/generators",
     "input",
