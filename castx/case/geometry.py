@@ -109,8 +109,14 @@ def _mesh_file(value: Any) -> Path:
     return Path(value)
 
 
-def _told(argument: Argument) -> dict[str, Any]:
-    return {"description": argument.meaning}
+def _told(argument: Argument, before: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the schema of an argument, whose name another key may have too."""
+    said = "" if before is None else str(before.get("description", ""))
+    meaning = argument.meaning
+    if not said or meaning in said:
+        return {"description": said or meaning}
+    beside_cad = "title" in (before or {})
+    return {"description": f"{said}{'; of generators: ' if beside_cad else ', or '}{meaning}"}
 
 
 class Geometry(Description):
@@ -137,11 +143,21 @@ class Geometry(Description):
         """Return the schema of the file, in which the keys of generators and CAD stand beside."""
         schema = handler.resolve_ref_schema(handler(core))
         own = {key: schema["properties"][key] for key in ("model", "file")}
-        beside: dict[str, Any] = {key: {} for key in CadGeometry.model_fields}
+        (cad, _) = schema["properties"]["cad"]["anyOf"]
+        beside = dict(handler.resolve_ref_schema(cad)["properties"])
         for arguments in (COMMON_ARGUMENTS, *(found.arguments for found in GENERATORS.values())):
-            beside |= {key: _told(argument) for key, argument in arguments.items()}
-        generators = {"generator": {"type": "string", "enum": sorted(GENERATORS)}}
-        schema["properties"] = beside | generators | own
+            beside |= {key: _told(argument, beside.get(key)) for key, argument in arguments.items()}
+        generators = {
+            "generator": {
+                "type": "string", "enum": sorted(GENERATORS),
+                "description": "of the mesh, in place of a file",
+            }
+        }  # fmt: skip
+        schema["properties"] = own | generators | beside
+        schema["properties"]["file"] = {
+            "type": "string",
+            "description": "a gmsh mesh or CAD solids, relative to the case file",
+        }
         return schema
 
     @model_validator(mode="before")

@@ -149,6 +149,8 @@ class Quantity:
         """Return the JSON schema of the entry."""
         unit = self.dimension.unit.replace("degC", "°C")
         said = " ".join(part for part in (self.dimension.name, f"[{unit}]" if unit else "") if part)
+        bounds = self._range()
+        said += f", {bounds}" if bounds else ""
         return {"type": ["number", "string"], "description": said}
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:

@@ -10,6 +10,7 @@ import jsonschema
 import pytest
 
 from castx.case.case import Case
+from castx.input.json_schema import meanings
 
 pytestmark = pytest.mark.serial
 
@@ -56,7 +57,27 @@ def test_mistakes_are_found(schema, table, key, value, text):
 def test_units_and_allowed_words_are_told(schema):
     time = schema["$defs"]["Time"]["properties"]
     assert time["end"]["type"] == ["number", "string"]
-    assert time["end"]["description"] == "a time [s]"
+    assert time["end"]["description"].endswith("of the first one (a time [s], positive)")
+    assert time["largest_step"]["description"].startswith("by default a twentieth of the end")
     scheme = schema["$defs"]["Coupling"]["properties"]["scheme"]
     assert "iterated" in scheme["enum"]
-    assert schema["$defs"]["Geometry"]["properties"]["radius"]["description"]
+    geometry = schema["$defs"]["Geometry"]["properties"]
+    assert geometry["radius"]["description"] == "of the casting"
+    assert geometry["across"]["maximum"] == 20
+    assert geometry["across"]["description"].startswith("cells across a wall")
+    assert geometry["size"]["description"].startswith("largest element size (a length [m], positi")
+
+
+def test_what_is_left_out_is_said_in_words_of_the_file():
+    class Described:
+        """One.
+
+        Attributes:
+            depth: of a
+                place [m]; None: everywhere.
+            other: of it.
+        """
+
+    assert meanings(Described) == {
+        "depth": "of a place [m]; left out: everywhere", "other": "of it"
+    }  # fmt: skip
