@@ -8,9 +8,11 @@ from typing import Any
 from castx.app.arguments import Asked, number_of, text_of, word_of
 from castx.app.checking import checked
 from castx.app.commands import Commands
+from castx.app.forms.actions import path_of, shown_forms, with_added, with_field
 from castx.app.part_actions import PartActions, choices, new_arguments
 from castx.app.progress import RunProgress
 from castx.app.session import Session
+from castx.app.toml_lines import line_of
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.results.files.folder import REPORT
@@ -52,6 +54,9 @@ class Actions:
             "propose": self._parts.proposed,
             "select": self._parts.selected,
             "name": self.name,
+            "form": shown_forms,
+            "set": self.set,
+            "add": lambda asked: self.save({**asked, "text": with_added(asked)}),
         }
 
     def claim(self, asked: Asked) -> Answer:
@@ -88,6 +93,11 @@ class Actions:
     def name(self, asked: Asked) -> Answer:
         """Give the faces of a selector a name, perhaps with a condition, in the case file."""
         return self.save({**asked, "text": self._parts.named(asked)})
+
+    def set(self, asked: Asked) -> Answer:
+        """Write the value of a field into the case file, and return the line where it stands."""
+        answer = self.save({**asked, "text": with_field(asked)})
+        return {**answer, "line": line_of(answer["text"], path_of(asked))}
 
     def _checked(self, name: str, text: str) -> Answer:
         return checked(text, self.workplace.case_path(name))

@@ -97,6 +97,7 @@ class PartViews:
             "faces": [
                 {"bodies": list(face.bodies), "text": face.text} for face in seen.faces
             ],
+            "extents": extents_of(seen),
             "counts": packed(counts),
             "points": packed(points),
             **self.surfaces(name, text),
@@ -147,6 +148,23 @@ def tolerance_of(text: str) -> float:
         return cad_of(text).tolerance
     except CaseError:
         return TOLERANCE
+
+
+def extents_of(seen: SeenPart) -> dict[str, list[float]]:
+    """Return the lengths of the box round each body along x, y and z [m].
+
+    Args:
+        seen: the part.
+    """
+    found = {}
+    for body in bodies_of(seen.faces):
+        corners = [
+            triangles.reshape(-1, 3)
+            for face, triangles in zip(seen.faces, seen.triangles, strict=True)
+            if body in face.bodies
+        ]
+        found[body] = [float(f"{x:.6g}") for x in np.ptp(np.concatenate(corners), axis=0)]
+    return found
 
 
 def bodies_of(faces: Sequence[Face]) -> list[str]:

@@ -23,6 +23,8 @@ from castx.transfer.conditions.registry import heat_conditions
 Answer = dict[str, Any]
 HELD = "held"
 """Kind of the condition that a face does not move along its normal."""
+FEEDER = "feeder"
+"""Kind by which a free face is one through which metal is fed."""
 OPTIONS = ("process", "alloy", "mould", "split", "top")
 """Options of castx new that are given with a value."""
 
@@ -93,7 +95,11 @@ class PartActions:
                 "passes there; the name alone can be given"
             )
         for body in dict.fromkeys(face.bodies[0] for face in found):
-            text = with_condition(text, f"{body}/{surface}", kind, numbers_of(asked, kind))
+            on = f"{body}/{surface}"
+            if kind == FEEDER:
+                text = with_feeder(text, on)
+            else:
+                text = with_condition(text, on, kind, numbers_of(asked, kind))
         return text
 
 
@@ -115,7 +121,7 @@ def numbers_of(asked: Asked, kind: str) -> dict[str, Any]:
     Raises:
         CaseError: the condition is not known, or a number is none.
     """
-    if kind == HELD:
+    if kind in (HELD, FEEDER):
         return {}
     if kind not in heat_conditions():
         raise CaseError(f"no condition {kind!r}")
@@ -156,6 +162,19 @@ def with_condition(text: str, on: str, kind: str, numbers: Mapping[str, Any]) ->
     return with_entry(text, "boundaries", {"on": on, key: value})
 
 
+def with_feeder(text: str, on: str) -> str:
+    """Return the text of a case with a surface among those that feed.
+
+    Args:
+        text: of the case.
+        on: body and surface.
+    """
+    foundry = content_of(text).get("foundry", {})
+    given = foundry.get("feeders") if isinstance(foundry, dict) else None
+    before = given if isinstance(given, list) else []
+    return text if on in before else with_value(text, ("foundry", "feeders"), [*before, on])
+
+
 def choices() -> Answer:
     """Return processes, materials and conditions that can be chosen, for JSON."""
     processes = [casting_process(name) for name in process_names()]
@@ -169,6 +188,11 @@ def choices() -> Answer:
         for kind in heat_conditions().values()
     ]  # fmt: skip
     held = {"name": HELD, "summary": "The face does not move along its normal.", "keys": []}
+    feeder = {
+        "name": FEEDER, "keys": [],
+        "summary": "Metal is fed through the face: it is listed in foundry.feeders, and free faces "
+        "that are not listed there feed no more.",
+    }  # fmt: skip
     return {
         "processes": [
             {"name": p.name, "summary": p.summary, "alloy": p.alloy, "mould": p.mould}
@@ -178,7 +202,7 @@ def choices() -> Answer:
             {"name": name, "class": entry.material_class, "melts": find_material(name, {}).melts}
             for name, entry in materials
         ],
-        "conditions": [*conditions, held],
+        "conditions": [*conditions, held, feeder],
     }
 
 

@@ -46,7 +46,7 @@ class EntrySchema(GenerateJsonSchema):
 
 
 def meanings(described: type) -> dict[str, str]:
-    """Return what the docstring of a description says of its attributes, each in one line."""
+    """Return the meanings of attributes by the docstring of a description, each in one line."""
     _, _, attributes = (getdoc(described) or "").partition("Attributes:\n")
     found = _ATTRIBUTE.findall(attributes)
     return {

@@ -23,11 +23,15 @@ castx.editor = (() => {
     gutter.scrollTop = area.scrollTop;
   };
 
+  const reveal = (line) => {
+    area.scrollTop = Math.max(0, (line - 6) * parseFloat(getComputedStyle(area).lineHeight));
+  };
+
   const goTo = (line) => {
     const lines = area.value.split("\n"), start = lines.slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
     area.focus();
     area.setSelectionRange(start, start + lines[line - 1].length);
-    area.scrollTop = Math.max(0, (line - 6) * parseFloat(getComputedStyle(area).lineHeight));
+    reveal(line);
   };
 
   const list = () => {
@@ -95,5 +99,5 @@ castx.editor = (() => {
   });
   window.addEventListener("beforeunload", (event) => { if (dirty()) event.preventDefault(); });
 
-  return { open, save, saved, change, goTo, state, dirty, text: () => area.value, onChange: (act) => listeners.push(act) };
+  return { open, save, saved, change, goTo, reveal, state, dirty, text: () => area.value, onChange: (act) => listeners.push(act) };
 })();

@@ -46,11 +46,13 @@ castx.parts = (() => {
     view.refresh();
   };
 
+  const extent = (name) => `${state.extents[name].map((x) => castx.text(1000 * x)).join(" × ")} mm`;
+
   const bodies = () => {
     at("bodies").replaceChildren(...state.bodies.map((name) => make("label", {}, make("input", {
       type: "checkbox", checked: !view.hidden.has(name),
       onchange: (event) => { if (event.target.checked) view.hidden.delete(name); else view.hidden.add(name); view.refresh(); },
-    }), ` ${name}`)));
+    }), ` ${name}`, make("span", { className: "quiet" }, ` ${extent(name)}`))));
   };
 
   // Show the faces of a case, or of a part that has no case yet.
@@ -69,7 +71,7 @@ castx.parts = (() => {
         for (const name of answer.bodies) if (answer.bodies.length > 1 && /mould|mold|die\b/i.test(name)) view.hidden.add(name);
         if (view.hidden.size === answer.bodies.length) view.hidden.clear();
       }
-      Object.assign(state, { path, faces: answer.faces, bodies: answer.bodies, found: new Set(), face: null });
+      Object.assign(state, { path, faces: answer.faces, bodies: answer.bodies, extents: answer.extents, found: new Set(), face: null });
       takeSurfaces(answer);
       view.load(points, counts, !fresh);
       bodies();
@@ -184,7 +186,22 @@ castx.parts = (() => {
   at("propose").addEventListener("click", () => { at("selector").value = at("selector").dataset.proposal; castx.trying(select); });
   at("kind").addEventListener("change", numbers);
   at("do-name").addEventListener("click", () => castx.trying(name));
-  at("new-part").addEventListener("change", () => { at("new-output").placeholder = at("new-part").value.replace(/\.[^.]*$/, ".toml"); });
+  // The part that was chosen: its name for the case, and its size, by which wrong units show.
+  const chosen = async () => {
+    const part = at("new-part").value;
+    at("new-output").placeholder = part.replace(/\.[^.]*$/, ".toml");
+    at("part-size").textContent = part ? "reading the part …" : "";
+    if (!part) return;
+    try {
+      await show(part);
+      at("part-size").textContent = state.bodies.map((name) => `${name}: ${extent(name)}`).join(", ") + `; ${state.faces.length} faces. The tab Part shows it.`;
+    } catch (error) {
+      at("part-size").textContent = "";
+      throw error;
+    }
+  };
+
+  at("new-part").addEventListener("change", () => castx.trying(chosen));
   at("new-process").addEventListener("change", ofProcess);
   at("do-new").addEventListener("click", () => castx.trying(write));
   editor.onChange(({ path, case: known }) => {

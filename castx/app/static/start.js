@@ -17,6 +17,7 @@ castx.tabs = (() => {
   const show = (name) => {
     panels.forEach((panel) => { panel.hidden = panel.dataset.tab !== name; });
     [...at("tabs").children].forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
+    castx.forms.shown(name === "Case");
     window.dispatchEvent(new Event("resize"));
   };
   at("tabs").append(...panels.map(({ dataset }) => make("button", { role: "tab", onclick: () => show(dataset.tab) }, dataset.tab)));

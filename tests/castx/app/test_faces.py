@@ -2,14 +2,15 @@
 
 import os
 
+import numpy as np
 import pytest
 
 from castx.app import faces
-from castx.app.faces import PartViews
+from castx.app.faces import PartViews, extents_of
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.meshes.cad.seen import SeenPart
-from tests.castx.app.test_selectors import FACES
+from tests.castx.app.test_selectors import FACES, flat
 
 pytestmark = pytest.mark.serial
 
@@ -54,6 +55,13 @@ def test_a_part_is_read_again_only_when_it_has_changed(views):
     found.of("case.toml", CASE)
     assert len(read) == 3
     assert found.view("part.step", "")["rest"] == list(range(6))
+
+
+def test_bodies_have_their_extents():
+    up, down = flat(1, [0, 0, 1], [0, 0, 0.2], [0.3, 0.1, 0.2]), FACES[3]
+    corners = np.array([[[0, 0, 0], [0.3, 0, 0], [0.3, 0.1, 0]]])
+    found = extents_of(SeenPart((up, down), (corners, corners + np.array([0, 0, 0.2])), {}))
+    assert found == {"part": pytest.approx([0.3, 0.1, 0.2])}
 
 
 @pytest.mark.parametrize("file", ["../secret.step", "/etc/x.step", "missing.step"])

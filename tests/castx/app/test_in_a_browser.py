@@ -27,7 +27,16 @@ end = 1
 """
 
 
-def test_a_click_on_a_face_writes_its_selector_into_the_case_file(tmp_path, monkeypatch):
+ENTER = """(([key, value]) => {
+  const field = document.querySelector(`[data-key="${key}"]`);
+  field.value = value;
+  field.dispatchEvent(new Event("change"));
+})"""
+
+
+@pytest.fixture
+def opened(tmp_path, monkeypatch):
+    """A browser in which the page of a folder with one case is open, and the folder."""
     folder = tmp_path / "work"
     folder.mkdir()
     monkeypatch.chdir(folder)
@@ -39,26 +48,50 @@ def test_a_click_on_a_face_writes_its_selector_into_the_case_file(tmp_path, monk
     ):
         browser.open(page.address)
         browser.wait_for("document.body && document.body.dataset.ready === 'yes'")
-        assert browser.value("castx.at('text').value") == CASE
-        assert "are accepted" in browser.value("castx.at('problems').textContent")
-        browser.value("castx.tabs.show('Part'), castx.at('show-part').click()")
-        browser.wait_for("castx.at('part-state').textContent.startsWith('bar.toml: 1 body, 6')")
-        browser.value("castx.at('part-canvas').scrollIntoView({ block: 'center' })")
-        # the eye looks along (1, -1.4, 0.9): a little above the middle is the top
-        box = "castx.at('part-canvas').getBoundingClientRect()"
-        x, y = browser.value(f"[{box}.left + {box}.width / 2, {box}.top + 0.43 * {box}.height]")
-        browser.click(x, y)
-        browser.wait_for("!castx.at('naming').hidden && castx.at('finds').textContent")
-        assert browser.value("castx.at('selector').value") == '{ normal = "+z" }'
-        assert browser.value("castx.at('finds').textContent") == "finds 1 face"
-        browser.value("castx.at('surface-name').value = 'top', castx.at('do-name').click()")
-        browser.wait_for("castx.at('finds').textContent.startsWith('written')")
-        assert 'top = { normal = "+z" }' in browser.value("castx.at('text').value")
+        yield browser, folder
         assert browser.errors == []
-        # at the width of a telephone nothing lies beside the page
-        browser.resize(400, 800)
-        assert browser.value("document.documentElement.scrollWidth") <= 400
-        browser.picture(tmp_path / "page.png")
+
+
+def test_a_field_of_a_form_is_written_into_the_case_file_and_refused_beside(opened):
+    browser, folder = opened
+    browser.value("castx.tabs.show('Case')")
+    browser.wait_for("document.querySelector('[data-key=\"time.end\"]') !== null")
+    assert browser.value("document.querySelector('[data-key=\"time.end\"]').value") == "1"
+    browser.value(f"{ENTER}(['time.end', '-3 s'])")
+    row = "document.querySelector('[data-field=\"time.end\"] .wrong-field')"
+    browser.wait_for(f"{row} && !{row}.hidden")
+    assert "must be positive" in browser.value(f"{row}.textContent")
+    browser.value(f"{ENTER}(['time.end', '8 min'])")
+    browser.wait_for(f"{row}.hidden && castx.at('text').value.includes('end = \"8 min\"')")
+    browser.value(f"{ENTER}(['bodies[0].law', 'rigid'])")
+    browser.wait_for("castx.at('text').value.includes('law = \"rigid\"')")
+    text = (folder / "bar.toml").read_text()
+    assert text.startswith("# by hand\n")
+    found = tomllib.loads(text)
+    assert found["time"] == {"end": "8 min"} and found["bodies"][0]["law"] == "rigid"
+
+
+def test_a_click_on_a_face_writes_its_selector_into_the_case_file(opened):
+    browser, folder = opened
+    assert browser.value("castx.at('text').value") == CASE
+    assert "are accepted" in browser.value("castx.at('problems').textContent")
+    browser.value("castx.tabs.show('Part'), castx.at('show-part').click()")
+    browser.wait_for("castx.at('part-state').textContent.startsWith('bar.toml: 1 body, 6')")
+    browser.value("castx.at('part-canvas').scrollIntoView({ block: 'center' })")
+    # the eye looks along (1, -1.4, 0.9): a little above the middle is the top
+    box = "castx.at('part-canvas').getBoundingClientRect()"
+    x, y = browser.value(f"[{box}.left + {box}.width / 2, {box}.top + 0.43 * {box}.height]")
+    browser.click(x, y)
+    browser.wait_for("!castx.at('naming').hidden && castx.at('finds').textContent")
+    assert browser.value("castx.at('selector').value") == '{ normal = "+z" }'
+    assert browser.value("castx.at('finds').textContent") == "finds 1 face"
+    browser.value("castx.at('surface-name').value = 'top', castx.at('do-name').click()")
+    browser.wait_for("castx.at('finds').textContent.startsWith('written')")
+    assert 'top = { normal = "+z" }' in browser.value("castx.at('text').value")
+    # at the width of a telephone nothing lies beside the page
+    browser.resize(400, 800)
+    assert browser.value("document.documentElement.scrollWidth") <= 400
+    browser.picture(folder.parent / "page.png")
     text = (folder / "bar.toml").read_text()
     assert text.startswith("# by hand\n")
     assert tomllib.loads(text)["geometry"]["surfaces"] == {"top": {"normal": "+z"}}

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from castx.app import faces
-from castx.app.part_actions import HELD, PartActions, choices, new_arguments, value_of
+from castx.app.part_actions import FEEDER, HELD, PartActions, choices, new_arguments, value_of
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.meshes.cad.seen import SeenPart
@@ -63,6 +63,15 @@ def test_a_name_and_a_condition_are_written(actions):
     assert entry == {
         "on": "part/bore", "heat": {"type": "insulated"}, "displacement": {"normal": 0}
     }  # fmt: skip
+
+
+def test_a_face_that_feeds_is_listed_once_beside_the_others(actions):
+    up = {"name": "up", "selector": '{ normal = "+z" }', "kind": FEEDER}
+    text = named(actions, **up)
+    assert tomllib.loads(text)["foundry"] == {"feeders": ["part/up"]}
+    assert named(actions, text, **up) == text
+    both = named(actions, text, name="bore", selector="{ radius = 0.01 }", kind=FEEDER)
+    assert tomllib.loads(both)["foundry"]["feeders"] == ["part/up", "part/bore"]
 
 
 def test_faces_between_bodies_have_names_only(actions):
