@@ -76,6 +76,8 @@ ORDER = [
     "proof/foreign/cases",
     "proof/validation",
     "proof",
+    "app/text",
+    "app/forms",
     "app",
     "command/watches",
     "command",

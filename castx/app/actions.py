@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from castx.app.arguments import Asked, number_of, text_of, word_of
 from castx.app.checking import checked
 from castx.app.commands import Commands
 from castx.app.forms.actions import path_of, shown_forms, with_added, with_field
 from castx.app.part_actions import PartActions, choices, new_arguments
 from castx.app.progress import RunProgress
 from castx.app.session import Session
-from castx.app.toml_lines import line_of
+from castx.app.text.arguments import Asked, number_of, text_of, word_of
+from castx.app.text.toml_lines import line_of
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.results.files.folder import REPORT

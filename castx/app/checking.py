@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from castx.app.toml_lines import line_of
+from castx.app.text.toml_lines import line_of
 from castx.case.case import STUDIES, Case
 from castx.case.reading.read import read_case
 from castx.errors import CaseError

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from castx.app.editing import content_of
 from castx.app.selectors import TOLERANCE, surfaces_of
+from castx.app.text.editing import content_of
 from castx.app.workplace import Workplace
 from castx.case.cad.geometry import CadGeometry, is_cad_file
 from castx.case.geometry import Geometry

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from castx.app.arguments import Asked, number_of, text_of, word_of
-from castx.app.editing import content_of, with_entry, with_value
 from castx.app.faces import PartViews, selectors_of, tolerance_of
 from castx.app.selectors import Words, chosen, proposed
+from castx.app.text.arguments import Asked, number_of, text_of, word_of
+from castx.app.text.editing import content_of, value_of, with_entry, with_value
 from castx.app.workplace import Workplace
 from castx.case.cad.geometry import is_cad_file
 from castx.case.processes.names import process_names
@@ -133,14 +133,6 @@ def numbers_of(asked: Asked, kind: str) -> dict[str, Any]:
         if isinstance(text, str) and text.strip():
             found[key.name] = value_of(text.strip())
     return found
-
-
-def value_of(text: str) -> Any:
-    """Return a value as TOML reads it, else as a text: 20, "20 degC" or 20 degC."""
-    try:
-        return content_of(f"it = {text}")["it"]
-    except CaseError:
-        return text
 
 
 def with_condition(text: str, on: str, kind: str, numbers: Mapping[str, Any]) -> str:

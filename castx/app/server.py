@@ -14,10 +14,10 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import Route
 
 from castx.app.actions import Actions
-from castx.app.arguments import Asked
 from castx.app.guard import Application, Guard
 from castx.app.page import page
 from castx.app.session import Session
+from castx.app.text.arguments import Asked
 from castx.app.workplace import Workplace
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 

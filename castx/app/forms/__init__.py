@@ -1,1 +1,4 @@
-"""Forms of the page: the keys of a case by its schema, the size of its part, the mesh it makes."""
+"""Forms of the page: the keys of a case as fields, by the schema of the case.
+
+Public: `actions.shown_forms`, `actions.with_field`, `actions.with_added`, `keys.keys_of`.
+"""

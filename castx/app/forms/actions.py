@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from castx.app.arguments import Asked, text_of
-from castx.app.editing import content_of, with_entry, with_value
 from castx.app.forms.groups import groups_of, lists_of, suggestions
 from castx.app.forms.keys import FormKey, keys_of
-from castx.app.part_actions import value_of
+from castx.app.text.arguments import Asked, text_of
+from castx.app.text.editing import content_of, value_of, with_entry, with_value
 from castx.errors import CaseError
 from castx.input.problems import KeyPath
 

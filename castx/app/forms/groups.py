@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from castx.app.forms.keys import FormKey, definition, keys_of
-from castx.app.part_actions import value_of
+from castx.app.text.editing import value_of
 from castx.case.cad.geometry import CadGeometry
 from castx.case.geometry import GENERATORS
 from castx.input.problems import KeyPath, dotted

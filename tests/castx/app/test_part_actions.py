@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from castx.app import faces
-from castx.app.part_actions import FEEDER, HELD, PartActions, choices, new_arguments, value_of
+from castx.app.part_actions import FEEDER, HELD, PartActions, choices, new_arguments
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.meshes.cad.seen import SeenPart
@@ -82,12 +82,6 @@ def test_faces_between_bodies_have_names_only(actions):
     for wrong in ({"name": "a/b"}, {"selector": "{ radius = 5 }"}, {"kind": "magic"}):
         with pytest.raises(CaseError):
             named(actions, **{"name": "x", "selector": '{ normal = "-z" }', **wrong})
-
-
-def test_values_are_read_as_toml_or_as_text():
-    assert [value_of(text) for text in ("20", '"a"', "20 degC", "[[0, 1]]")] == [
-        20, "a", "20 degC", [[0, 1]]
-    ]  # fmt: skip
 
 
 def test_choices_are_those_of_the_databases():

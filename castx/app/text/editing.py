@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
-from castx.app.toml_lines import TextPlace, places
+from castx.app.text.toml_lines import TextPlace, places
 from castx.errors import CaseError
 from castx.input.problems import KeyPath, dotted
 from castx.input.toml_text import parse_toml
@@ -66,6 +66,14 @@ def content_of(text: str) -> dict[str, Any]:
         return parse_toml(text)
     except ValueError as error:
         raise CaseError(f"the text is no TOML, mend it first: {error}") from None
+
+
+def value_of(text: str) -> Any:
+    """Return a value as TOML reads it, else as a text: 20, "20 degC" or 20 degC."""
+    try:
+        return content_of(f"it = {text}")["it"]
+    except CaseError:
+        return text
 
 
 def _set(content: Any, path: KeyPath, value: Any) -> None:

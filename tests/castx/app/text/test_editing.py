@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from castx.app.editing import with_entry, with_value
+from castx.app.text.editing import value_of, with_entry, with_value
 from castx.errors import CaseError
 
 pytestmark = pytest.mark.serial
@@ -87,3 +87,9 @@ def test_what_cannot_be_changed_is_refused():
         with_entry("bodies = [{ name = 'a' }]\n", "bodies", {"name": "b"})
     with pytest.raises(CaseError, match="no list"):
         with_entry(TEXT, "time", {"end": 1})
+
+
+def test_values_are_read_as_toml_or_as_text():
+    assert [value_of(text) for text in ("20", '"a"', "20 degC", "[[0, 1]]")] == [
+        20, "a", "20 degC", [[0, 1]]
+    ]  # fmt: skip

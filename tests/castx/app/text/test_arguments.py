@@ -2,7 +2,7 @@
 
 import pytest
 
-from castx.app.arguments import number_of, text_of, word_of
+from castx.app.text.arguments import number_of, text_of, word_of
 from castx.errors import CaseError
 
 pytestmark = pytest.mark.serial

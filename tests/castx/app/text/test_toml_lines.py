@@ -2,7 +2,7 @@
 
 import pytest
 
-from castx.app.toml_lines import line_of
+from castx.app.text.toml_lines import line_of
 
 pytestmark = pytest.mark.serial
 
