@@ -128,7 +128,7 @@ def suggestions(content: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 def title_of(path: KeyPath, content: Mapping[str, Any]) -> str:
-    """Return what a table is called on the page, such as "bodies 2: mould".
+    """Return the title of a table on the page, such as "bodies 2: mould".
 
     Args:
         path: that leads to it.
