@@ -105,7 +105,8 @@ def material_table(name: str, case_materials: Mapping[str, MaterialDescription])
         CaseError: there is no such material.
     """
     properties = find_material(name, case_materials).properties()
-    sources = list(dict.fromkeys(item.source for item in properties))
+    spreads = (item.spread.source for item in properties if item.spread)
+    sources = list(dict.fromkeys([*(item.source for item in properties), *spreads]))
     grid = Table.grid(padding=(0, 2))
     grid.add_column(no_wrap=True)
     grid.add_column(no_wrap=True)
@@ -114,6 +115,9 @@ def material_table(name: str, case_materials: Mapping[str, MaterialDescription])
         heading.append(f" [{sources.index(item.source) + 1}]", style="not bold")
         if item.valid is not None:
             heading.append(f"\n  {item.valid[0]:g} to {item.valid[1]:g} °C", style="not bold dim")
+        if item.spread is not None:
+            number = sources.index(item.spread.source) + 1
+            heading.append(f"\n  {spread_text(item)} [{number}]", style="not bold dim")
         grid.add_row(heading, value_text(item))
     notes = [Text(f"[{number}] {source}") for number, source in enumerate(sources, start=1)]
     parts: list[RenderableType] = [title_text(name, case_materials), Text(), grid, Text(), *notes]
@@ -125,6 +129,16 @@ def title_text(name: str, case_materials: Mapping[str, MaterialDescription]) -> 
     own = name in case_materials
     what = origin_text(case_materials[name]) if own else database_entry(name).summary
     return Text.assemble((name, "bold"), f": {what}")
+
+
+def spread_text(item: Property) -> str:
+    """Return the range of a property in the unit in which it is shown, or factors; "" if none."""
+    if item.spread is None:
+        return ""
+    known = unit_of(item.name)
+    factor = 1.0 if item.spread.by_factor or known is None else known.factor
+    low, high = number_text(item.spread.low * factor), number_text(item.spread.high * factor)
+    return f"{'times ' if item.spread.by_factor else ''}{low} to {high}"
 
 
 def value_text(item: Property) -> Text:

@@ -4,11 +4,13 @@ Every property there is a table { value, unit, source, valid }, one level deeper
 `hardening` and for `liquid`: the value as in a case file, its SI unit (left out of pure numbers),
 author, year and table or equation, and the lowest and highest temperature [°C] for which it is
 valid (left out where it does not depend on temperature). Where no source is known, it says so.
+Beside them may stand in which `range` a number lies, or between which `factors` a table, and
+`range_source`, where that comes from.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -26,11 +28,13 @@ from castx.input.sourced import (
 )
 from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.description import MaterialDescription
-from castx.materials.sources import Source, unit_of
+from castx.materials.sources import Source, Spread, unit_of
 
 _FOLDER = files("castx.materials") / "database"
 _ABOUT = ("summary", "class")
-_KEYS = ("value", "unit", "source", "valid")
+_KEYS = ("value", "unit", "source", "valid", "range", "factors", "range_source")
+_SPREADS = {"range": False, "factors": True}
+"""Keys of a spread, and whether they multiply."""
 _PHASES = ("solid", "liquid")
 
 
@@ -93,9 +97,29 @@ def read_entry(content: dict[str, Any], file: str) -> Entry:
     return Entry(content["summary"], content["class"], description, sources)
 
 
+def database_value(name: str, path: Sequence[str]) -> Any:
+    """Return a number, a table or several that belong together as a case file gives them.
+
+    Args:
+        name: of an entry.
+        path: of keys, as ("conductivity", "liquid"); one that leads nowhere gives None.
+    """
+    found: Any = file_content(_FOLDER / f"{name}.toml").get(path[0])
+    found = None if found is None or path[0] in _ABOUT else plain(found)
+    for key in path[1:]:
+        found = found.get(key) if isinstance(found, dict) else None
+    return found
+
+
 def _source(item: dict[str, Any]) -> Source:
     valid = item.get("valid")
-    return Source(item["source"], None if valid is None else (float(valid[0]), float(valid[1])))
+    spread = None
+    for key, by_factor in _SPREADS.items():
+        if key in item:
+            low, high = item[key]
+            spread = Spread(float(low), float(high), by_factor, item["range_source"])
+    at = None if valid is None else (float(valid[0]), float(valid[1]))
+    return Source(item["source"], at, spread)
 
 
 def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
@@ -105,10 +129,34 @@ def _format_problems(content: dict[str, Any]) -> Iterator[Problem]:
         unit = unit_of(".".join(path))
         yield from item_problems(path, item, _KEYS, None if unit is None else unit.si)
         if isinstance(item, dict):
-            yield from _range_problems(path, item)
+            yield from _valid_problems(path, item)
+            yield from _spread_problems(path, item)
 
 
-def _range_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:
+def _spread_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:
+    """Yield mistakes in the range in which a property may lie."""
+    given = [key for key in _SPREADS if key in item]
+    if bool(given) != ("range_source" in item) or len(given) > 1:
+        text = "belongs beside one of range = [low, high] or factors = [low, high]"
+        yield Problem((*path, "range_source"), text)
+        return
+    for key in given:
+        ends, value = item[key], item.get("value")
+        middle = value if key == "range" else 1.0
+        if not isinstance(middle, int | float):
+            yield Problem((*path, key), "is of a single number; a table has factors")
+        elif not _numbers(ends) or len(ends) != 2 or not ends[0] <= middle <= ends[1]:
+            what = "the value" if key == "range" else "1"
+            yield Problem((*path, key), f"two numbers are needed with {what} between them")
+        elif not isinstance(item["range_source"], str) or not item["range_source"]:
+            yield Problem((*path, "range_source"), "a text in quotes is needed")
+
+
+def _numbers(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(one, int | float) for one in value)
+
+
+def _valid_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:
     """Yield mistakes in the temperatures between which a property is valid."""
     value, valid = item.get("value"), item.get("valid")
     rows = value if isinstance(value, list) and path[0] != "solid_fraction" else []
@@ -116,8 +164,7 @@ def _range_problems(path: KeyPath, item: dict[str, Any]) -> Iterator[Problem]:
         if rows or path[-1] in _PHASES:
             yield Problem((*path, "valid"), "missing; the lowest and highest °C, as [20, 600]")
         return
-    numbers = isinstance(valid, list) and all(isinstance(end, int | float) for end in valid)
-    if not numbers or len(valid) != 2 or not ABSOLUTE_ZERO <= valid[0] < valid[1]:
+    if not _numbers(valid) or len(valid) != 2 or not ABSOLUTE_ZERO <= valid[0] < valid[1]:
         yield Problem((*path, "valid"), "two increasing temperatures in °C are needed")
         return
     for index, row in enumerate(rows):

@@ -47,16 +47,35 @@ class Unit(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Spread:
+    """The range in which a property may lie.
+
+    Args:
+        low: lowest number, in the unit of the property, or factor.
+        high: highest one.
+        by_factor: whether they multiply the property, as they do a table.
+        source: where the range comes from.
+    """
+
+    low: float
+    high: float
+    by_factor: bool
+    source: str
+
+
+@dataclass(frozen=True)
 class Source:
     """Origin of one property.
 
     Args:
         text: author, year, table or equation.
         valid: temperatures between which it is valid [°C]; None: it does not depend on them.
+        spread: in which it may lie; None: not known.
     """
 
     text: str
     valid: tuple[float, float] | None = None
+    spread: Spread | None = None
 
 
 class Property(NamedTuple):
@@ -68,6 +87,7 @@ class Property(NamedTuple):
         unit: SI.
         source: where it comes from.
         valid: temperatures between which it is valid [°C]; None: everywhere.
+        spread: in which it may lie; None: not known.
     """
 
     name: str
@@ -75,6 +95,7 @@ class Property(NamedTuple):
     unit: str
     source: str
     valid: tuple[float, float] | None
+    spread: Spread | None = None
 
 
 class PropertyRow(NamedTuple):
@@ -168,7 +189,8 @@ def properties(
         text = source.text if source else CASE_FILE if given else DEFAULT
         unit = unit_of(name)
         si = unit.si if unit else ""
-        yield Property(name, value, si, text, _valid(name, value, sources))
+        spread = source.spread if source else None
+        yield Property(name, value, si, text, _valid(name, value, sources), spread)
 
 
 def property_rows(

@@ -11,18 +11,19 @@ from typing import Any
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.reading.read import load_case
+from castx.case.reading.read import case_data, load_case
 from castx.errors import CaseError
 from castx.results.files.folder import write_whole
 from castx.results.files.run_tables import RunTables
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.inputs import VariedInput
+from castx.studies.asked.known import changes_of_case
 from castx.studies.asked.vary import GRID, LATIN, MORRIS, Vary
 from castx.studies.importance import Importance, importance
 from castx.studies.page import vary_page
 from castx.studies.runs.answers import answers
 from castx.studies.runs.curves import Band, curve_bands
-from castx.studies.runs.runner import Changes, Runner, changes_as_overrides
+from castx.studies.runs.runner import Runner, changes_as_overrides
 from castx.studies.sampling import grid, latin_hypercube, morris_paths, saltelli_points
 from castx.studies.table import StudyTable
 
@@ -92,18 +93,14 @@ def refuse_unusable(
         CaseError: with path, value and what the case asks for.
     """
     load_case(case_file, overrides)
+    data, _ = case_data(case_file, overrides)
     for one in inputs:
         for share in (0.0, 1.0):
-            changes = {one.of: _value(one, share)}
             try:
+                changes = changes_of_case(data, [one], [_value(one, share)])
                 load_case(case_file, [*overrides, *changes_as_overrides(changes)])
             except CaseError as error:
                 raise CaseError(f"[{kind}] {one.label}: {error}") from None
-
-
-def changes_of(study: Vary, values: Sequence[Sequence[float | str]]) -> list[Changes]:
-    """Return the changes of each run."""
-    return [{one.of: value for one, value in zip(study.inputs, row, strict=True)} for row in values]
 
 
 def vary(runner: Runner, study: Vary) -> VariedCase:
@@ -118,7 +115,8 @@ def vary(runner: Runner, study: Vary) -> VariedCase:
     """
     refuse_unusable(runner.case_file, runner.overrides, study.inputs, "vary")
     points, values = sampled(study)
-    runs = runner.runs(changes_of(study, values))
+    data, _ = case_data(runner.case_file, runner.overrides)
+    runs = runner.runs([changes_of_case(data, study.inputs, row) for row in values])
     finished = [run for run in runs if run.is_finished]
     if not finished:
         raise CaseError(f"not one of {len(runs)} runs has finished; the first one: {runs[0].said}")

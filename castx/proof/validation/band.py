@@ -15,18 +15,20 @@ from pathlib import Path
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.reading.read import case_data
 from castx.errors import CaseError
 from castx.input.problems import dotted
 from castx.input.units import converted
 from castx.proof.validation.experiment import CASE, Experiment, MeasuredAnswer, missing_texts
 from castx.results.files.run_tables import RunTables
 from castx.results.states.quantities import UNITS
+from castx.studies.asked.known import changes_of_case
 from castx.studies.asked.vary import Vary
 from castx.studies.runs.curves import Band, curve_bands
 from castx.studies.runs.executor import Executor
 from castx.studies.runs.kept import KeptRun
 from castx.studies.runs.runner import Runner, changes_as_overrides
-from castx.studies.vary import changes_of, refuse_unusable, sampled
+from castx.studies.vary import refuse_unusable, sampled
 
 WITHOUT_MEASURED_CURVES = "measurements=[]"
 
@@ -168,7 +170,8 @@ def banded(experiment: Experiment, folder: Path, executor: Executor) -> BandedEx
     refuse_unusable(case_file, given, study.inputs, "ranges")
     runner = Runner(case_file, given, folder, executor)
     _, values = sampled(study)
-    runs = runner.runs(changes_of(study, values))
+    data, _ = case_data(case_file, given)
+    runs = runner.runs([changes_of_case(data, study.inputs, row) for row in values])
     tables = [RunTables(runner.results(run)) for run in runs if run.is_finished]
     if not tables:
         raise CaseError(f"not one of {len(runs)} runs has finished; the first one: {runs[0].said}")

@@ -31,6 +31,7 @@ class VariedInput(Description):
         deviation: of a normal distribution, in the unit of `mean`; of a log-normal one of ln.
         values: of a grid, in place of low, high and points.
         points: of a grid from low to high, even in the distribution.
+        factor: whether its values multiply what the case has there, a number or a table.
     """
 
     of: Annotated[str, Field(min_length=1, max_length=200)]
@@ -44,6 +45,7 @@ class VariedInput(Description):
         Annotated[tuple[Annotated[Amount, AMOUNT], ...], Field(max_length=_MOST_VALUES)] | None
     ) = None
     points: Annotated[int, Whole(2, _MOST_VALUES)] = 3
+    factor: bool = False
 
     @property
     def label(self) -> str:
@@ -65,6 +67,8 @@ class VariedInput(Description):
             return
         if self.values == ():
             yield Problem(("values",), "at least one is needed")
+        if self.factor and self.unit:
+            yield Problem(("factor",), f"multiplies: its values have no unit {self.unit!r}")
         if self.values is None:
             yield from self._spread_problems()
         if self.low is not None and self.high is not None and self.low.value >= self.high.value:
@@ -83,6 +87,7 @@ class VariedInput(Description):
             if getattr(self, key) is None:
                 text = (
                     f'missing; the distribution "{self.distribution}" needs {" and ".join(needed)}'
+                    " where no database knows a range"
                 )
                 yield Problem((key,), text)
         if self.deviation is not None and self.deviation.value <= 0.0:

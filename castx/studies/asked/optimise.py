@@ -78,3 +78,5 @@ class Optimise(Running):
             if one.distribution not in (UNIFORM, LOG_UNIFORM) or one.values is not None:
                 text = f'needs low and high, and distribution = "{UNIFORM}" or "{LOG_UNIFORM}"'
                 yield Problem(("inputs", index), text)
+            if one.factor:
+                yield Problem(("inputs", index, "factor"), "is for [vary]; give the number itself")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -11,6 +12,7 @@ from castx.case.reading.read import case_data
 from castx.errors import CaseError
 from castx.input.problems import Problem, Refusal, summary
 from castx.studies.asked.identify import Identify
+from castx.studies.asked.known import with_known_ranges
 from castx.studies.asked.optimise import Optimise
 from castx.studies.asked.runner import Running
 from castx.studies.asked.vary import Vary
@@ -18,6 +20,7 @@ from castx.studies.asked.vary import Vary
 KINDS: dict[str, type[Running]] = {"vary": Vary, "identify": Identify, "optimise": Optimise}
 """What describes each table."""
 Study = TypeVar("Study", bound=Running)
+log = logging.getLogger(__name__)
 
 
 def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> Study:
@@ -35,8 +38,14 @@ def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> 
     data, remark = case_data(path, overrides)
     if name not in data:
         raise CaseError(f"{path} has no table [{name}], which says what the study is about")
+    table = data[name]
+    if kind is Vary and isinstance(table, dict) and isinstance(table.get("inputs"), list):
+        inputs, words = with_known_ranges(table["inputs"], data)
+        table = {**table, "inputs": inputs}
+        for line in words:
+            log.info("%s", line)
     try:
-        return kind.read(data[name])
+        return kind.read(table)
     except Refusal as refusal:
         raise CaseError(summary(f"{path} {remark}".strip(), _inside(name, refusal), data)) from None
 

@@ -17,8 +17,8 @@ def found(*overrides):
 def test_the_casting_has_that_of_the_database_with_its_source():
     (casting,) = found()
     assert (casting.body, casting.material, casting.value) == ("casting", "AlSi7Mg", 0.9)
-    assert casting.source.startswith("representative value")
-    assert "AlSi7Mg bears from a solid fraction (coherency) of 0.9 on; repres" in casting.text
+    assert casting.source.startswith("within the solid fractions of 0.80 to 0.95")
+    assert "AlSi7Mg bears from a solid fraction (coherency) of 0.9 on; within" in casting.text
     records = coherency_records(load_case(content_of(ALLOY_CASE)))
     assert records == {"casting": {"value": 0.9, "source": casting.source}}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from rich.console import Console
 
@@ -82,7 +84,11 @@ def test_tables_carry_units_ranges_and_sources() -> None:
     assert "density [1]                   2680 kg/m³" in lines
     assert any(line.startswith("young_modulus") for line in lines)
     assert "  20 to 557 °C                GPa   72   67   58   48" in lines
-    assert "[3] representative value, source not established" in lines
+    assert "[5] representative value, source not established" in lines
+    at = lines.index("solidification_shrinkage [5]  0.05")
+    found = re.fullmatch(r"  0.04 to 0.06 \[(\d+)\]", lines[at + 1])
+    assert found is not None and f"[{found[1]}] no source: 20 % either way" in lines
+    assert any(line.startswith("  times 0.5 to 2 [") for line in lines)
 
 
 def test_a_material_of_a_case_shows_what_it_changes() -> None:
@@ -125,10 +131,10 @@ def test_all_numbers_of_an_interface_fit_a_terminal(name) -> None:
 def test_interfaces_carry_units_ranges_and_sources() -> None:
     lines = shown(interface_table("aluminium-steel-coating-layer"))
     assert lines[1:3] == ["alloy: aluminium", "mould: steel die"]
-    at = lines.index("coating.thickness [3]       100 µm")
+    at = lines.index("coating.thickness [3]        100 µm")
     assert lines[at + 1] == "  20 to 500 µm"
-    at = lines.index("roughness [2]               50, 50 µm")
+    at = lines.index("roughness [2]                50, 50 µm")
     assert lines[at + 1] == "  10 to 100, 25 to 100 µm"
-    at = lines.index("gas_conductivity [5]        °C         20     100     200     300     400")
-    under = "  0.024 to 0.085            W/m/K  0.0257  0.0314   0.038  0.0441    0.05"
+    at = lines.index("gas_conductivity [5]         °C         20     100     200     300     400")
+    under = "  0.024 to 0.085             W/m/K  0.0257  0.0314   0.038  0.0441    0.05"
     assert lines[at + 1] == under

@@ -11,12 +11,18 @@ import pytest
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.input.sourced import UNKNOWN_SOURCE
-from castx.materials.database import database_entry, database_names, read_entry
+from castx.materials.database import (
+    database_entry,
+    database_names,
+    database_value,
+    read_entry,
+)
 from castx.materials.flow import PLASTIC, VISCOPLASTIC, law_problems
 from castx.materials.granular import GRANULAR, GranularData, granular_surface
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.materials.phased import Phased
+from castx.materials.sources import Spread
 from castx.materials.thermal_strain import volumetric_thermal_strain
 from castx.tables import Table
 from tests.castx.materials.descriptions import table
@@ -335,6 +341,42 @@ ENTRY: dict[str, Any] = {
 }  # fmt: skip
 
 
+def test_a_range_of_a_number_and_factors_of_a_table() -> None:
+    content = deepcopy(ENTRY)
+    content["density"] |= {"range": [2650, 2750], "range_source": "table 2"}
+    content["conductivity"] |= {"factors": [0.9, 1.2], "range_source": "estimated"}
+    sources = read_entry(content, "a.toml").sources
+    assert sources["density"].spread == Spread(2650.0, 2750.0, False, "table 2")
+    assert sources["conductivity"].spread == Spread(0.9, 1.2, True, "estimated")
+    assert sources["poisson_ratio"].spread is None
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "message"),
+    [
+        ("density", {"range": [2710, 2750]}, r"density.range = .*: .* with the value between them"),
+        ("density", {"range": [2600]}, "two numbers are needed"),
+        ("density", {"range": [2600, 2800], "range_source": ""}, "range_source.*: a text"),
+        ("density", {"range": [2600, 2800], "factors": [0.9, 1.1]}, "belongs beside one of"),
+        ("conductivity", {"range": [100, 300]}, "is of a single number; a table has factors"),
+        ("conductivity", {"factors": [1.1, 1.2]}, "with 1 between them"),
+    ],
+)
+def test_ranges_that_are_none_are_refused(name, given, message) -> None:
+    content = deepcopy(ENTRY)
+    content[name] |= {"range_source": "x", **given}
+    with pytest.raises(CaseError, match=message):
+        read_entry(content, "a.toml")
+
+
+def test_values_as_a_case_file_gives_them() -> None:
+    assert database_value("AlSi7Mg", ["latent_heat"]) == 389e3
+    assert database_value("AlSi7Mg", ["conductivity"])["liquid"] == [[613, 66], [800, 72]]
+    assert database_value("AlSi7Mg", ["conductivity", "liquid"]) == [[613, 66], [800, 72]]
+    assert database_value("AlSi7Mg", ["summary"]) is None
+    assert database_value("AlSi7Mg", ["hardening", "speed"]) is None
+
+
 def test_an_entry_is_read_with_its_sources() -> None:
     entry = read_entry(ENTRY, "a.toml")
     assert (entry.summary, entry.material_class) == ("a metal", "aluminium")
@@ -354,7 +396,9 @@ def test_an_entry_is_read_with_its_sources() -> None:
         (("density", "source"), "", r"density.source = \"\": missing"),
         (("density", "unit"), "g/cm^3", r'density.unit = "g/cm\^3": must be "kg/m³"; convert'),
         (("density", "unit"), None, r'density.unit: must be "kg/m³"'),
-        (("density", "range"), [0, 1], r"density.range.*: unknown key; known keys: value, unit"),
+        (("density", "spread"), [0, 1], r"density.spread.*: unknown key; known keys: value, unit"),
+        (("density", "range"), [2600, 2800], r"density.range_source: belongs beside one of range"),
+        (("density", "range_source"), "x", r"density.range_source = \"x\": belongs beside one of"),
         (("poisson_ratio", "unit"), "1", r'poisson_ratio.unit = "1": a pure number has none'),
         (("conductivity", "valid"), None, r"conductivity.valid: missing; the lowest"),
         (("conductivity", "valid"), [500, 20], r"conductivity.valid = .*: two increasing"),
