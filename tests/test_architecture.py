@@ -78,6 +78,7 @@ ORDER = [
     "proof",
     "app/text",
     "app/forms",
+    "app/scenes",
     "app",
     "command/watches",
     "command",

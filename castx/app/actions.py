@@ -10,6 +10,7 @@ from castx.app.commands import Commands
 from castx.app.forms.actions import path_of, shown_forms, with_added, with_field
 from castx.app.part_actions import PartActions, choices, new_arguments
 from castx.app.progress import RunProgress
+from castx.app.scenes.asking import Scenes
 from castx.app.session import Session
 from castx.app.text.arguments import Asked, number_of, text_of, word_of
 from castx.app.text.toml_lines import line_of
@@ -37,6 +38,7 @@ class Actions:
         self._session = session
         self._progress = RunProgress()
         self._parts = PartActions(workplace)
+        self._scenes = Scenes()
         self.known: Mapping[str, Callable[[Asked], Answer]] = {
             "claim": self.claim,
             "leave": self.leave,
@@ -55,6 +57,8 @@ class Actions:
             "select": self._parts.selected,
             "name": self.name,
             "form": shown_forms,
+            "mesh": self.mesh,
+            "moment": self.moment,
             "set": self.set,
             "add": lambda asked: self.save({**asked, "text": with_added(asked)}),
         }
@@ -98,6 +102,16 @@ class Actions:
         """Write the value of a field into the case file, and return the line where it stands."""
         answer = self.save({**asked, "text": with_field(asked)})
         return {**answer, "line": line_of(answer["text"], path_of(asked))}
+
+    def mesh(self, asked: Asked) -> Answer:
+        """Return the mesh that a text makes, as it is drawn."""
+        path = self.workplace.case_path(text_of(asked, "path"))
+        return self._scenes.mesh(text_of(asked, "text"), path)
+
+    def moment(self, asked: Asked) -> Answer:
+        """Return the last moment of a run, as it is drawn."""
+        folder = self.workplace.path(text_of(asked, "results"))
+        return self._scenes.moment(folder, text_of(asked, "field"))
 
     def _checked(self, name: str, text: str) -> Answer:
         return checked(text, self.workplace.case_path(name))

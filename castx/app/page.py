@@ -11,7 +11,7 @@ from castx.report.page.assets import uplot
 STATIC = files("castx.app") / "static"
 SHARED = ("data", "geometry", "gl", "camera", "charts")
 """Scripts of the report that the page uses too."""
-OWN = ("server", "editor", "run", "view", "part", "forms", "start")
+OWN = ("server", "editor", "run", "view", "part", "forms", "mesh", "moment", "start")
 STYLES = ("vendor/uPlot.min.css",)
 
 

@@ -48,12 +48,7 @@ castx.parts = (() => {
 
   const extent = (name) => `${state.extents[name].map((x) => castx.text(1000 * x)).join(" × ")} mm`;
 
-  const bodies = () => {
-    at("bodies").replaceChildren(...state.bodies.map((name) => make("label", {}, make("input", {
-      type: "checkbox", checked: !view.hidden.has(name),
-      onchange: (event) => { if (event.target.checked) view.hidden.delete(name); else view.hidden.add(name); view.refresh(); },
-    }), ` ${name}`, make("span", { className: "quiet" }, ` ${extent(name)}`))));
-  };
+  const bodies = () => castx.boxes(at("bodies"), state.bodies, view, (name) => ` ${extent(name)}`);
 
   // Show the faces of a case, or of a part that has no case yet.
   const show = async (path) => {
@@ -66,10 +61,7 @@ castx.parts = (() => {
       const answer = await server.ask("faces", asked);
       const counts = await castx.unpacked(answer.counts), points = await castx.unpacked(answer.points);
       if (fresh) {
-        view.hidden.clear();
-        // A mould hides the casting in it.
-        for (const name of answer.bodies) if (answer.bodies.length > 1 && /mould|mold|die\b/i.test(name)) view.hidden.add(name);
-        if (view.hidden.size === answer.bodies.length) view.hidden.clear();
+        castx.hideMoulds(answer.bodies, view.hidden); // a mould hides the casting in it
       }
       Object.assign(state, { path, faces: answer.faces, bodies: answer.bodies, extents: answer.extents, found: new Set(), face: null });
       takeSurfaces(answer);
@@ -174,6 +166,7 @@ castx.parts = (() => {
   // After castx new its case is opened.
   castx.finished = (command, code) => castx.trying(async () => {
     await castx.list();
+    await castx.run.finished(command, code);
     if (command !== "new" || code !== 0) return;
     await castx.open(state.output);
     castx.tabs.show("Part");

@@ -65,6 +65,7 @@ castx.run = (() => {
     if (answer.run !== null) {
       show(answer.run);
       seen.version = answer.run.version;
+      castx.moments.follow(results, answer.run.version, !seen.running);
     } else if (results) at("run-state").textContent = `Results would lie in ${results}, outside of this folder: run it from the command line.`;
   };
 
@@ -73,10 +74,18 @@ castx.run = (() => {
   }
   at("do-report").addEventListener("click", () => castx.trying(() => begin("report", { path: seen.results })));
   at("do-stop").addEventListener("click", () => castx.trying(async () => { await server.ask("stop"); await tick(); }));
-  at("do-show").addEventListener("click", () => castx.trying(async () => {
+  const open = async () => {
     const { address } = await server.ask("show", { path: `${seen.results}/report.html` });
     window.open(address, "_blank", "noopener");
-  }));
+  };
+  at("do-show").addEventListener("click", () => castx.trying(open));
 
-  return { tick, begin, seen };
+  // After a run that has come to its end its report is written and opened, if that is wished.
+  const finished = async (name, code) => {
+    if (code !== 0 || !at("with-report").checked) return;
+    if (name === "run" && seen.results && !seen.results.startsWith("..")) await begin("report", { path: seen.results });
+    if (name === "report") await open();
+  };
+
+  return { tick, begin, finished, seen };
 })();

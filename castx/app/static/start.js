@@ -18,6 +18,7 @@ castx.tabs = (() => {
     panels.forEach((panel) => { panel.hidden = panel.dataset.tab !== name; });
     [...at("tabs").children].forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
     castx.forms.shown(name === "Case");
+    castx.meshes.shown(name === "Mesh");
     window.dispatchEvent(new Event("resize"));
   };
   at("tabs").append(...panels.map(({ dataset }) => make("button", { role: "tab", onclick: () => show(dataset.tab) }, dataset.tab)));

@@ -8,10 +8,10 @@ castx.FaceView = class {
   static PICKED = [214, 84, 24];
   static DARK = [0.25, 0.27, 0.31];
 
-  constructor(canvas, onPick) {
+  constructor(canvas, onPick, maps) {
     this.canvas = canvas;
     this.palette = [...castx.FaceView.COLOURS, castx.FaceView.NAMED, castx.FaceView.FOUND, castx.FaceView.PICKED];
-    this.painter = new castx.Painter(canvas, { faces: this.palette });
+    this.painter = new castx.Painter(canvas, maps ?? { faces: this.palette });
     this.triangles = this.painter.batch();
     this.edges = this.painter.batch();
     this.hidden = new Set();
@@ -24,16 +24,29 @@ castx.FaceView = class {
   }
 
   // points: 9 numbers for each triangle; counts: triangles of each face, which lie behind each other.
-  load(points, counts, keep) {
+  load(points, counts, keep, flat = false) {
     this.points = points;
     this.counts = counts;
     this.outlines = castx.FaceView.outlines(points, counts);
+    this.flat = flat;
+    this.fit(keep);
+  }
+
+  // Let what is shown fill the view; keep: from where it is seen, or else from the usual side.
+  fit(keep) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    points.forEach((x, i) => {
-      low[i % 3] = Math.min(low[i % 3], x);
-      high[i % 3] = Math.max(high[i % 3], x);
+    let at = 0;
+    this.counts.forEach((count, face) => {
+      for (let i = 9 * at; this.shown(face) && i < 9 * (at + count); i++) {
+        low[i % 3] = Math.min(low[i % 3], this.points[i]);
+        high[i % 3] = Math.max(high[i % 3], this.points[i]);
+      }
+      at += count;
     });
-    if (!keep || !this.camera) this.camera = new castx.Camera(low, high, true, [1, -1.4, 0.9]);
+    if (low[0] > high[0]) return; // nothing is shown
+    const before = keep ? this.camera : undefined;
+    this.camera = new castx.Camera(low, high, !this.flat, this.flat ? [0, 0, 1] : [1, -1.4, 0.9]);
+    if (before) Object.assign(this.camera, { yaw: before.yaw, pitch: before.pitch, zoom: before.zoom });
   }
 
   // Sides of triangles that one face has once: its outline.
@@ -89,6 +102,10 @@ castx.FaceView = class {
     const { camera, turn } = this.camera.matrices(this.canvas.clientWidth / this.canvas.clientHeight);
     this.matrix = camera;
     this.painter.begin(camera, turn);
+    this.paint();
+  }
+
+  paint() {
     this.painter.triangles(this.triangles, "faces", [0, this.palette.length]);
     this.painter.lines(this.edges, castx.FaceView.DARK);
   }

@@ -71,6 +71,11 @@ def run_sections(run: Results) -> list[Section]:
             "Air gap, contact pressure and the heat transfer coefficient that follows from them.",
             of_probes, contact(run),
         ),
+        Section(
+            "Gaps of the interfaces",
+            "Mean over the area, and largest, of each interface whose gap changes.",
+            of_steps, interface_gaps(run),
+        ),
         Section("Displacements", "Displacements at the probes.", of_probes, displacements(run)),
         Section(
             NUMERICS,
@@ -219,6 +224,16 @@ def contact(run: Results) -> list[Panel]:
             probed(run, "h [W/m²/K]", "heat_transfer_coefficient"),
         ]
     )
+
+
+def interface_gaps(run: Results) -> list[Panel]:
+    """Return the mean and the largest gap of the interfaces whose gap changes."""
+    panels = []
+    for label, ending in (("mean gap [µm]", "mean_gap"), ("largest gap [µm]", "max_gap")):
+        found = columns(run.history, ending, 1e6)
+        moving = {name: gap for name, gap in found.items() if len(set(gap[np.isfinite(gap)])) > 1}
+        panels.append(Panel(label, moving, least=1.0))
+    return filled(panels)
 
 
 def displacements(run: Results) -> list[Panel]:

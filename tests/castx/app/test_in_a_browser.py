@@ -71,6 +71,39 @@ def test_a_field_of_a_form_is_written_into_the_case_file_and_refused_beside(open
     assert found["time"] == {"end": "8 min"} and found["bodies"][0]["law"] == "rigid"
 
 
+def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
+    browser, folder = opened
+    browser.value("castx.tabs.show('Mesh')")
+    field = "document.querySelector('[data-size=size]')"
+    browser.wait_for(f"{field} !== null")
+    browser.value(f"{field}.value = '12 mm', {field}.dispatchEvent(new Event('change'))")
+    browser.wait_for("castx.at('text').value.includes('size = \"12 mm\"')")
+    browser.value("castx.at('do-mesh').click()")
+    browser.wait_for("castx.at('mesh-state').textContent.startsWith('made in')")
+    told = browser.value("castx.at('mesh-cells').textContent")
+    assert int(told.split()[0]) > 50 and "worst quality" in told
+    drawn = browser.value("castx.meshes.view().positions.length / 9")
+    assert drawn == browser.value("castx.meshes.view().counts.reduce((a, b) => a + b)") > 50
+    assert (folder / "bar.toml").read_text().startswith("# by hand\n")
+
+
+def test_a_run_shows_its_last_moment_and_curves(opened):
+    browser, folder = opened
+    (folder / "bar.toml").write_text(
+        CASE.replace("[time]", '[coupling]\nscheme = "thermal"\n[time]')
+    )
+    browser.value("castx.open('bar.toml')")
+    browser.wait_for("castx.at('text').value.includes('thermal')")
+    browser.value("castx.at('with-report').checked = false, castx.at('do-run').click()")
+    browser.wait_for("castx.at('command').textContent.includes('ended with exit code 0')")
+    browser.wait_for("!castx.at('moment').hidden && castx.moments.state.time === 1")
+    assert browser.value("castx.moments.view().values.length") > 0
+    assert browser.value("castx.at('curves').querySelectorAll('canvas').length") > 0
+    assert "temperature" in browser.value(
+        "[...castx.at('moment-field').options].map((o) => o.value)"
+    )
+
+
 def test_a_click_on_a_face_writes_its_selector_into_the_case_file(opened):
     browser, folder = opened
     assert browser.value("castx.at('text').value") == CASE

@@ -15,6 +15,7 @@ from castx.report.page.charts import (
     contact,
     cooling,
     displacements,
+    interface_gaps,
     merged,
     numbers,
     numerics,
@@ -130,3 +131,15 @@ def test_several_runs_share_the_diagrams_of_one_name():
     assert {table["lines"][0]["curve"] for table in panel["tables"]} == {"a"}
     (apart,) = merged(page("first") | page("second", label="p"))
     assert [panel["label"] for panel in apart["panels"]] == ["T", "p"]
+
+
+def test_gaps_of_interfaces_are_drawn_where_they_change():
+    gap = np.array([np.nan, 1e-6, 3e-6])
+    history = {
+        "time": TIME, "casting/mould.mean_gap": gap, "casting/mould.max_gap": 2 * gap,
+        "core/mould.mean_gap": 0 * TIME, "core/mould.max_gap": np.full(3, np.nan),
+    }  # fmt: skip
+    mean, largest = interface_gaps(results(history=Columns(history)))
+    assert mean.label == "mean gap [µm]" and list(mean.lines) == ["casting/mould"]
+    assert largest.lines["casting/mould"][2] == pytest.approx(6.0) and largest.least == 1.0
+    assert interface_gaps(results()) == []
