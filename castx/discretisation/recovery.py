@@ -10,8 +10,11 @@ passes from body to body.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from dolfinx.mesh import exterior_facet_indices
+from scipy.sparse import csr_matrix
 
 from castx.arrays import BoolArray, FloatArray, LongArray
 from castx.domain.measures import nodal_sum, nodes_on_facets
@@ -40,30 +43,31 @@ class PatchRecovery:
         self._body, self.cell_nodes = body, body.nodes.dofmap.list[:owned]
         everything = np.ones(owned, dtype=bool)
         self.counting = everything if counting is None else counting[:owned]
-        self._nodes, gdim = len(body.parent_vertices), body.mesh.geometry.dim
-        corners = body.points[self.cell_nodes]
+        self._points = body.points
+        corners = self._points[self.cell_nodes]
         sizes = np.ptp(corners, axis=1).max(axis=1)[:, None].repeat(corners.shape[1], axis=1)
         self._sizes = self._summed(sizes) / self._summed(np.ones_like(sizes))
-        self._points = body.points
-        self._terms = self._of_place(self.cell_nodes, corners.mean(axis=1)[:, None])
-        self._terms *= self.counting[:, None, None]
-        moments = np.empty((self._nodes, gdim + 1, gdim + 1))
-        for i, j in np.ndindex(gdim + 1, gdim + 1):
-            moments[:, i, j] = self._summed(self._terms[:, :, i] * self._terms[:, :, j])
-        self._inverse = _inverses(moments)
+        terms = self._of_place(self.cell_nodes, corners.mean(axis=1)[:, None])
+        terms *= self.counting[:, None, None]
+        self._gathering = self._to_nodes(terms)
+        squares = terms[..., :, None] * terms[..., None, :]
+        self._inverse = _inverses(self._summed(squares))
         missing = np.repeat(1.0 * ~self.counting[:, None], self.cell_nodes.shape[1], axis=1)
         outside = nodes_on_facets(body, exterior_facet_indices(body.mesh.topology))
         self._sweeps = self._levels(~outside & (self._summed(missing) == 0.0))
 
-    def _levels(self, known: BoolArray) -> list[tuple[BoolArray, BoolArray, FloatArray]]:
-        """Return sweeps from the inside: nodes known before, those reached, by how many corners."""
+    def _levels(self, known: BoolArray) -> list[tuple[BoolArray, csr_matrix]]:
+        """Return sweeps from the inside: the nodes reached, and what means them over fits."""
         found = []
         for _ in range(MOST_SWEEPS):
             usable = known[self.cell_nodes] & self.counting[:, None]
             reaching = np.repeat(usable.sum(axis=1)[:, None], usable.shape[1], axis=1)
             counts = self._summed(reaching.astype(np.float64))
             reached = ~known & (counts > 0.0)
-            found.append((known, reached, np.where(reached, counts, 1.0)))
+            shares = np.where(reached, 1.0 / np.where(reached, counts, 1.0), 0.0)
+            means = self._to_nodes(shares[self.cell_nodes]) @ self._to_nodes(1.0 * usable).T
+            means.eliminate_zeros()
+            found.append((reached, means))
             known = known | reached
         return found
 
@@ -72,9 +76,27 @@ class PatchRecovery:
         offsets = (places - self._points[nodes]) / self._sizes[nodes][..., None]
         return np.concatenate([np.ones((*offsets.shape[:-1], 1)), offsets], axis=-1)
 
+    def _to_nodes(self, at_corners: FloatArray) -> csr_matrix:
+        """Return the matrix that sums values of owned cells at their corners with weights.
+
+        Args:
+            at_corners: weights, (owned cells, corners) or (owned cells, corners, terms).
+
+        Returns:
+            Of shape (nodes × terms, owned cells).
+        """
+        cells, terms = len(self.cell_nodes), math.prod(at_corners.shape[2:])
+        rows = self.cell_nodes[..., None] * terms + np.arange(terms)
+        columns = np.broadcast_to(np.arange(cells)[:, None, None], rows.shape)
+        shape = (len(self._points) * terms, cells)
+        found = csr_matrix((at_corners.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+        found.eliminate_zeros()
+        return found
+
     def _summed(self, at_corners: FloatArray) -> FloatArray:
-        """Return sums over all ranks of values at the corners of owned cells, (nodes,)."""
-        here = np.bincount(self.cell_nodes.ravel(), at_corners.ravel(), self._nodes)
+        """Return sums over all ranks of values at the corners of owned cells, (nodes, …)."""
+        here = np.zeros((len(self._points), *at_corners.shape[2:]))
+        np.add.at(here, self.cell_nodes, at_corners)
         return nodal_sum(self._body, here)
 
     def at_nodes(self, values: FloatArray) -> FloatArray:
@@ -84,44 +106,21 @@ class PatchRecovery:
             values: in the local cells, (cells, components).
         """
         own = np.where(self.counting[:, None], values[: len(self.cell_nodes)], 0.0)
-        terms, components = self._terms.shape[2], own.shape[1]
-        sums = np.empty((self._nodes, terms, components))
-        for i, k in np.ndindex(terms, components):
-            sums[:, i, k] = self._summed(self._terms[:, :, i] * own[:, k, None])
-        fits = np.einsum("nij,njk->nik", self._inverse, sums)
+        shape = (*self._inverse.shape[:2], own.shape[1])
+        sums = nodal_sum(self._body, (self._gathering @ own).reshape(shape))
+        fits = self._inverse @ sums
         fits[:, 1:] /= self._sizes[:, None, None]
-        for known, reached, counts in self._sweeps:
-            fits = self._extended(fits, known, reached, counts)
-        return np.asarray(fits[:, 0])
-
-    def _extended(
-        self, fits: FloatArray, known: BoolArray, reached: BoolArray, counts: FloatArray
-    ) -> FloatArray:
-        """Return fits in which some nodes have the means of those of the cells round them.
-
-        Args:
-            fits: values and slopes at the nodes, (nodes, terms, components).
-            known: which of them are used.
-            reached: nodes that get a mean.
-            counts: number of fits in it, (nodes,).
-        """
-        nodes = self.cell_nodes
-        usable = known[nodes] & self.counting[:, None]
-        slopes = np.where(usable[..., None, None], fits[nodes, 1:], 0.0)
         # Each fit as a linear function of the place: its value at the origin, and its slopes.
-        offsets = np.einsum("cai,caik->cak", self._points[nodes], slopes)
-        values = np.where(usable[..., None], fits[nodes, 0], 0.0) - offsets
-        origin, slope = values.sum(axis=1), slopes.sum(axis=1)
-        found = fits.copy()
-        places = self._points[nodes]
-        for k in range(fits.shape[2]):
-            at_corners = origin[:, None, k] + np.einsum("cai,ci->ca", places, slope[..., k])
-            parts = [at_corners, *(np.broadcast_to(one[:, None], nodes.shape)
-                                   for one in slope[..., k].T)]  # fmt: skip
-            for term, part in enumerate(parts):
-                mean = self._summed(part) / counts
-                found[reached, term, k] = mean[reached]
-        return found
+        fits[:, 0] -= self._risen(fits)
+        for reached, means in self._sweeps:
+            here = means @ fits.reshape(shape[0], shape[1] * shape[2])
+            mean = nodal_sum(self._body, here.reshape(shape))
+            fits[reached] = mean[reached]
+        return np.asarray(fits[:, 0] + self._risen(fits))
+
+    def _risen(self, fits: FloatArray) -> FloatArray:
+        """Return by what fits rise from the origin to their nodes, (nodes, components)."""
+        return np.asarray(np.einsum("ni,nik->nk", self._points, fits[:, 1:]))
 
 
 def _inverses(moments: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from mpi4py import MPI
@@ -140,27 +141,29 @@ def _assembled(form: ufl.Form) -> FloatArray:
 
 
 def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
-    """Return the sums over all ranks of values at the local nodes, shape (nodes,); collective.
+    """Return the sums over all ranks of values at the local nodes, shape (nodes, …); collective.
 
     Args:
         body: mesh of the body.
-        values: of this rank at its local nodes, shape (nodes,).
+        values: of this rank at its local nodes, shape (nodes, …).
     """
     return summed_over_ranks(body.nodes.dofmap.index_map, values)
 
 
 def summed_over_ranks(index_map: IndexMap, values: npt.NDArray[Any]) -> FloatArray:
-    """Return the sums over all ranks of values at local places, (places,); collective.
+    """Return the sums over all ranks of values at local places, (places, …); collective.
 
     Args:
         index_map: of the places.
-        values: of this rank at its local places, (places,).
+        values: of this rank at its local places, (places, …).
     """
-    sums = la.vector(index_map)
-    sums.array[:] = values
+    if index_map.comm.size == 1:
+        return np.array(values, dtype=np.float64)
+    sums = la.vector(index_map, math.prod(values.shape[1:]))
+    sums.array[:] = values.ravel()
     sums.scatter_reverse(la.InsertMode.add)
     sums.scatter_forward()
-    return np.asarray(sums.array.copy())
+    return np.asarray(sums.array.reshape(values.shape).copy())
 
 
 def nodes_on_facets(body: BodyMesh, facets: IntArray) -> BoolArray:
