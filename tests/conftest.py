@@ -118,6 +118,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if left_out:
         items[:] = [item for item in items if item not in left_out]
         config.hook.pytest_deselected(items=list(left_out))
+    if config.stash[CLAIMS]:
+        items[:] = selection.longest_first(items)
 
 
 @pytest.hookimpl(tryfirst=True)

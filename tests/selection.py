@@ -8,12 +8,55 @@ from pathlib import Path
 
 import pytest
 
+WHOLE_RUNS = (
+    "tests/castx/app/",
+    "tests/castx/case/",
+    "tests/castx/command/",
+    "tests/castx/coupling/",
+    "tests/castx/process/",
+    "tests/castx/proof/",
+    "tests/castx/report/",
+    "tests/castx/studies/",
+    "tests/demos/",
+    "tests/verification/",
+)
+"""Folders in which tests run whole cases, or ask what a second rank does."""
+THREE_RANKS = ("tests/verification/test_coupled_checks.py",)
+"""Whole runs on three ranks, where bodies and pairs meet more than one neighbour."""
+LONGEST = (
+    "tests/verification/test_independent_inverse.py",
+    "tests/test_demos.py",
+    "tests/verification/test_freezing_plate.py",
+    "tests/verification/test_freezing_and_cooling.py",
+    "tests/verification/test_v12_solidifying_slab.py",
+    "tests/verification/test_closed_shells.py",
+    "tests/castx/coupling/test_building.py",
+    "tests/verification/test_clamped_die.py",
+    "tests/verification/test_mush_flow.py",
+    "tests/verification/test_cad_invariance.py",
+)
+"""The slowest files, by the last lines of `bin/test --all`."""
+
+
+def longest_first(items: Iterable[pytest.Item]) -> list[pytest.Item]:
+    """Return the tests with the slowest files in front, else in their order.
+
+    Of two runs that share the files none then begins a long one when the other has no more.
+    """
+    place = {file: number for number, file in enumerate(LONGEST)}
+    return sorted(items, key=lambda item: place.get(_file(item), len(place)))
+
+
+def _file(item: pytest.Item) -> str:
+    return item.nodeid.partition("::")[0]
+
 
 def left_out(items: Iterable[pytest.Item], ranks: int, *, everything: bool) -> set[pytest.Item]:
     """Return the tests that do not run on this number of ranks.
 
     On several ranks only the rank contract runs, the tests marked `ranks`, each function with the
-    first of its parameters. On one rank all tests run.
+    first of its parameters. More than two ranks show what a third neighbour changes in an exchange:
+    they leave out whole runs but the coupled checks. On one rank all tests run.
 
     Args:
         items: all tests that were found.
@@ -39,6 +82,8 @@ def _chosen(item: pytest.Item, ranks: int, *, everything: bool, repeated: bool) 
     marked = item.get_closest_marker
     if marked("slow") and not everything:
         return False
+    if ranks > 2 and item.nodeid.startswith(WHOLE_RUNS) and _file(item) not in THREE_RANKS:
+        return False
     if ranks > 1:
         return bool(marked("ranks")) and not marked("serial") and not repeated
     return everything or not marked("sampled") or not repeated
@@ -51,7 +96,7 @@ def is_own(item: pytest.Item, folder: Path) -> bool:
         item: the test.
         folder: folder in which the runs that share the tests leave their claims.
     """
-    claim = folder / item.nodeid.partition("::")[0].replace("/", ".")
+    claim = folder / _file(item).replace("/", ".")
     own = str(os.getpid())
     try:
         with claim.open("x") as file:

@@ -6,11 +6,14 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterable
+from pathlib import Path
 
 import pytest
 
 from tests import selection
 
+PROJECT = Path(__file__).parents[1]
 pytestmark = pytest.mark.serial
 
 NAMES = (
@@ -44,6 +47,25 @@ def test_on_several_ranks_runs_the_contract_with_the_first_parameters():
             left = names(selection.left_out(items, ranks, everything=everything))
             assert left == set(NAMES) - {NAMES[3]}
     assert not selection.left_out(items, 1, everything=False)
+
+
+def test_more_than_two_ranks_leave_out_whole_runs_but_the_coupled_checks():
+    rooms = ["tests/castx/heat/test_body.py", "tests/castx/command/test_run.py",
+             "tests/verification/test_v12.py", *selection.THREE_RANKS]  # fmt: skip
+    items = [Item(f"{file}::one", "ranks") for file in rooms]
+    assert not selection.left_out(items, 2, everything=True)
+    left = selection.left_out(items, 3, everything=True)
+    assert names_of_files(names(left)) == set(rooms[1:3])
+
+
+def test_the_slowest_files_are_claimed_first_and_are_there():
+    files = ["tests/a.py", selection.LONGEST[1], "tests/b.py", selection.LONGEST[0]]
+    items = [Item(f"{file}::{test}") for file in files for test in ("two", "one")]
+    order = [item.nodeid for item in selection.longest_first(items)]
+    expected = [selection.LONGEST[0], selection.LONGEST[1], "tests/a.py", "tests/b.py"]
+    assert order == [f"{file}::{test}" for file in expected for test in ("two", "one")]
+    named = (*selection.LONGEST, *selection.THREE_RANKS, *selection.WHOLE_RUNS)
+    assert all((PROJECT / file).exists() for file in named)
 
 
 def test_a_serial_test_is_never_in_the_contract():
@@ -113,5 +135,5 @@ def test_a_run_that_a_test_starts_claims_nothing_and_leaves_nothing_out(tmp_path
     assert [path.name for path in tmp_path.iterdir()] == [file.replace("/", ".")]
 
 
-def names_of_files(tests: list[str]) -> set[str]:
+def names_of_files(tests: Iterable[str]) -> set[str]:
     return {name.partition("::")[0] for name in tests}
