@@ -35,6 +35,8 @@ from castx.transfer.conductance import ConductionLaw
 
 SMALLEST = 1e-3
 """Share of the first step that is the smallest one, unless the case says it."""
+SHORTEST = 1e-9
+"""Least first step over the end of a run, below which the step control tells no two times apart."""
 
 _log = logging.getLogger(__name__)
 
@@ -146,7 +148,7 @@ def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
             first step that the case does not give is no longer.
     """
     time, schedule = case.time, Schedule(case.stages, case.time.end)
-    first = float(f"{min(time.usual_first_step, fastest):.2g}")
+    first = float(f"{max(min(time.usual_first_step, fastest), SHORTEST * schedule.end):.2g}")
     first = first if time.first_step is None else time.first_step
     smallest = SMALLEST * first if time.smallest_step is None else time.smallest_step
     return StepSettings(

@@ -98,6 +98,22 @@ def absent_block(data: h5py.Dataset, offsets: npt.NDArray[Any]) -> int | None:
     return None if found is None or found not in offsets else int(found)
 
 
+def is_grown(data: object, steps: int = 0) -> bool:
+    """Return whether an object of a file is a data set of numbers that grows.
+
+    Args:
+        data: the object.
+        steps: rows that it has at least.
+    """
+    return (
+        isinstance(data, h5py.Dataset)
+        and data.dtype.kind in "fiu"
+        and data.ndim > 0
+        and data.maxshape[0] is None
+        and len(data) >= steps
+    )
+
+
 def need_room(folder: Path, size: int) -> None:
     """Refuse to write to a disk that cannot take it: HDF5 would leave a damaged file.
 
@@ -128,4 +144,5 @@ def opened(path: Path, mode: str) -> Iterator[h5py.File]:
             yield file
     except (OSError, RuntimeError) as error:  # h5py raises both
         code = getattr(error, "errno", None) or errno.EIO
-        raise OSError(code, str(error), str(path)) from error
+        text = getattr(error, "strerror", None) or str(error)
+        raise OSError(code, text, str(path)) from error

@@ -5,8 +5,10 @@ Kitware, VTK file formats, VTKHDF 2.0, UnstructuredGrid with Steps.
 
 from __future__ import annotations
 
+import errno
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from castx.results.files.grown_file import (
     COMPRESSION,
     append_block,
     grown,
+    is_grown,
     need_room,
     opened,
     set_step,
@@ -135,7 +138,8 @@ class BodyFile:
         if not times:
             self.path.unlink()
             return
-        with opened(self.path, "r+") as file:
+        with damage_named(self.path), opened(self.path, "r+") as file:
+            need_whole(file)
             steps = file[ROOT][STEPS]
             kept = int(np.searchsorted(steps[TIMES][: counted_steps(steps)], times[-1], "right"))
             steps[TIMES].resize(kept, axis=0)
@@ -181,6 +185,47 @@ class BodyFile:
         root.create_group("PointData")
         steps.create_group("PointDataOffsets")
         step_numbers(steps.create_group("CellDataOffsets"), "body", 0)
+
+
+@contextmanager
+def damage_named(path: Path) -> Iterator[None]:
+    """Say of a file that is no VTKHDF file any more how the run goes on without it.
+
+    Raises:
+        OSError: it is damaged, or the disk does not take it.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.errno != errno.EIO:
+            raise
+        text = f"it is damaged ({error.strerror}); move it away, and the restart begins a new one"
+        raise OSError(errno.EIO, text, str(path)) from error
+
+
+def need_whole(file: h5py.File) -> None:
+    """Refuse a file that lacks what a further step needs.
+
+    Raises:
+        OSError: with the name of what is missing or no longer of its kind.
+    """
+    steps, found = f"{ROOT}/{STEPS}", file.get(f"{ROOT}/{STEPS}")
+    if not isinstance(found, h5py.Group) or COUNT not in found.attrs:
+        raise OSError(errno.EIO, f"{steps} is missing")
+    if not is_grown(found.get(TIMES)):
+        raise OSError(errno.EIO, f"{steps}/{TIMES} is missing")
+    count = counted_steps(found)
+    wanted = {f"{steps}/{name}": count for name in SAME_MESH}
+    for kind in ("Point", "Cell"):
+        fields, offsets = f"{ROOT}/{kind}Data", f"{steps}/{kind}DataOffsets"
+        if not all(isinstance(file.get(group), h5py.Group) for group in (fields, offsets)):
+            raise OSError(errno.EIO, f"{fields} is missing")
+        names = {*file[fields], *file[offsets]}
+        wanted |= {f"{offsets}/{name}": count for name in names}
+        wanted |= {f"{fields}/{name}": 0 for name in names if name != "body"}
+    for name, rows in wanted.items():
+        if not is_grown(file.get(name), rows):
+            raise OSError(errno.EIO, f"{name} is missing")
 
 
 def counted_steps(steps: h5py.Group) -> int:

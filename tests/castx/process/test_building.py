@@ -47,6 +47,12 @@ def test_times_of_a_case_reach_the_step_control(table, key, value, name):
     assert getattr(step_settings(case_of(**{table: {key: value}})), name) == value
 
 
+def test_a_first_step_that_follows_from_absurd_heat_is_not_nothing():
+    case = case_of(time={"end": 7.0})
+    assert step_settings(case, 0.0).first == pytest.approx(7e-9)
+    assert step_settings(case, 2e-8).first == pytest.approx(2e-8)
+
+
 def test_times_of_fields_cut_no_steps():
     assert step_settings(case_of(output={"every": 0.5})) == step_settings(case_of())
 

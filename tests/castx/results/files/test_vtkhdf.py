@@ -192,3 +192,48 @@ def test_a_reader_that_has_the_file_open_is_no_obstacle(tmp_path):
 def test_a_folder_that_is_not_there_is_a_failure_of_the_disk(tmp_path):
     with pytest.raises(OSError, match="none"):
         body_file(tmp_path / "none").append(0.0, nodal(0.0), cellwise(0.0))
+
+
+def damaged(path, change):
+    with h5py.File(path, "r+") as file:
+        change(file["VTKHDF"])
+
+
+def text_in(name):
+    def change(root):
+        del root[name]
+        root[name] = "text"
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "missing"),
+    [
+        (lambda root: root.__delitem__("Steps"), "VTKHDF/Steps"),
+        (lambda root: root["Steps"].attrs.__delitem__("NSteps"), "VTKHDF/Steps"),
+        (text_in("Steps/Values"), "VTKHDF/Steps/Values"),
+        (lambda root: root.__delitem__("PointData"), "VTKHDF/PointData"),
+        (text_in("PointData"), "VTKHDF/PointData"),
+        (text_in("PointData/temperature"), "VTKHDF/PointData/temperature"),
+        (lambda root: root.__delitem__("CellData/stress"), "VTKHDF/CellData/stress"),
+        (lambda root: root["Steps/CellOffsets"].resize(1, axis=0), "VTKHDF/Steps/CellOffsets"),
+        (lambda root: root["Steps/PointDataOffsets/temperature"].resize(0, axis=0),
+         "VTKHDF/Steps/PointDataOffsets/temperature"),
+    ],
+)  # fmt: skip
+def test_a_file_that_lacks_something_is_refused_at_a_restart(tmp_path, change, missing):
+    file = body_file(tmp_path)
+    for moment in (0.0, 1.0):
+        file.append(moment, nodal(moment), cellwise(moment))
+    damaged(file.path, change)
+    with pytest.raises(OSError, match=rf"damaged \({missing} is missing\); move it away") as caught:
+        file.keep([0.0])
+    assert caught.value.filename == str(file.path)
+
+
+def test_another_file_in_its_place_is_refused_at_a_restart(tmp_path):
+    file = body_file(tmp_path)
+    file.path.write_bytes(b"no HDF5")
+    with pytest.raises(OSError, match=r"damaged \(.*signature.*\); move it away"):
+        file.keep([0.0])
