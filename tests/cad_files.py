@@ -76,8 +76,8 @@ def bush_in_ring(occ: Any, height: float = 12.0) -> list[int]:
     return [bush, ring]
 
 
-def rounded_block(occ: Any) -> list[int]:
-    """A block of 30 x 20 x 10 whose four upright edges have fillets of 4."""
+def rounded_block(occ: Any, radius: float = 4.0) -> list[int]:
+    """A block of 30 x 20 x 10 whose four upright edges have fillets."""
     block = occ.addBox(0, 0, 0, 30, 20, 10)
     occ.synchronize()
     upright = []
@@ -85,5 +85,5 @@ def rounded_block(occ: Any) -> list[int]:
         box = gmsh.model.getBoundingBox(1, edge)
         if box[5] - box[2] > 9:
             upright.append(edge)
-    ((_, rounded),) = occ.fillet([block], upright, [4.0])
+    ((_, rounded),) = occ.fillet([block], upright, [radius])
     return [rounded]

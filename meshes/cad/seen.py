@@ -21,6 +21,10 @@ FINE = 15
 """Triangles along the longest extent."""
 ROUND = 24
 """Triangles round a full circle."""
+DELAUNAY = 5
+"""gmsh's number of the algorithm on faces, which goes on beside the shortest edges."""
+LEAST = 40
+"""Smallest ones that roundings ask for, along one of the largest: others would be too many."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,10 @@ def _triangles(faces: Sequence[Face], size: float) -> list[FloatArray]:
     """Return the triangles of each face, with a largest size [mm]."""
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", size / LEAST)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ROUND)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.option.setNumber("Mesh.Algorithm", DELAUNAY)
     try:
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises nothing more special

@@ -46,6 +46,11 @@ TOLERANCE = 1e-4
 """Width up to which faces are removed where small ones ask for too many cells [m]."""
 NEXT = ("walls as they come", f"without faces narrower than {1e3 * TOLERANCE:g} mm")
 """What is tried after a mesh that is refused."""
+CURE = (
+    "A lower tolerance makes no first mesh either: suppress roundings and slivers below "
+    f"{1e3 * TOLERANCE:g} mm in CAD, and export the part again"
+)
+"""What helps where small faces cannot be mended, and ask for too many cells if they stay."""
 FIRST_CELLS = 1e5
 """Cells of a first mesh, with which a step takes seconds."""
 
@@ -258,7 +263,12 @@ def _survey(
                 return meshed_apart(tries[number], mesh, BUDGET), number
             except MeshError:  # what is damaged is refused again
                 say(f"that asks for too much in a first mesh: {NEXT[number]}")
-        return meshed_apart(tries[-1], mesh, LAST_BUDGET), len(tries) - 1
+        try:
+            return meshed_apart(tries[-1], mesh, LAST_BUDGET), len(tries) - 1
+        except MeshError as error:
+            if "cannot be mended" not in str(error):
+                raise
+            raise MeshError(f"{error}. {CURE}") from None
 
 
 def _rounded(length: float) -> float:

@@ -10,6 +10,7 @@ import pytest
 from castx.case.cad.template import case_text
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
+from castx.domain.cad import new_case as new_case_module
 from castx.domain.cad.guarded import meshed_apart
 from castx.domain.cad.new_case import Wanted, new_case, with_interface_size, write_new_case
 from castx.domain.source import named_mesh
@@ -196,6 +197,17 @@ def test_tiny_fillets_are_refused_at_once_with_a_cure_that_works(tmp_path, monke
         "that asks for too much in a first mesh: without faces narrower than 0.1 mm",
         "meshing it again, in its mould",
     ]
+
+
+def test_roundings_that_cannot_be_mended_are_to_be_taken_out_in_cad(tmp_path, monkeypatch):
+    def meshed(part, *_):
+        kept = part.tolerance < new_case_module.TOLERANCE
+        raise MeshError("too many cells" if kept else "a face is 3e-06 m wide and cannot be mended")
+
+    monkeypatch.setattr(new_case_module, "meshed_apart", meshed)
+    path = write_cad(tmp_path / "crank.step", filleted)
+    with pytest.raises(MeshError, match=r"mended. A lower tolerance .* below 0.1 mm in CAD"):
+        new_case(path, tmp_path / "a.toml")
 
 
 def test_refused(tmp_path):
