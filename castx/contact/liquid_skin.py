@@ -10,7 +10,8 @@ with p_c the contact pressure, p_v the depression at which melt lets go (`Materi
 and w the share of the metal of its node that bears stress (`Material.bearing_share`), of two bodies
 the smaller one. That share of a pull comes from the solid; the rest is due to the viscosity of the
 liquid, a number that keeps the problem solvable. The solid surface, w = 1, leaves its wall without
-being pulled, a liquid never does, and everything is continuous between them. A pair that has let go
+being pulled, a liquid never does, and everything is continuous between them. Where melt flows
+through the mush its pressure decides, see `castx.mechanics.mush.wall`. A pair that has let go
 is free until it closes by itself; where all its metal has melted again it closes at once. One that
 was given a gap that is positive without any displacement is never held: there is no metal at that
 wall.
@@ -157,13 +158,21 @@ class LiquidSkin:
 
 
 def _growth(body: BodyMechanics) -> FloatArray:
-    """Return the change of the bearing share at the local nodes in the trial step, (nodes,)."""
-    return np.abs(body.material.conditions.nodes.share - body.material.start_nodes.share)
+    """Return the change in the trial step of what decides on the pull of a wall, (owned nodes,).
+
+    That is the bearing share, and the last melt of a mush through which it flows.
+    """
+    own, melt = slice(body.owned_nodes), body.formulation.wall_melt
+    nodes, before = body.material.conditions.nodes, body.material.start_nodes
+    bears = np.abs(nodes.share - before.share)[own]
+    return bears if melt is None else np.maximum(bears, melt.lost())
 
 
 def _pressures_of_pull(body: BodyMechanics) -> FloatArray:
-    """Return p_v (1 − w)/w of the local nodes of a body [Pa], infinite where nothing bears."""
-    share = body.material.conditions.nodes.share
+    """Return the largest pulls of a wall at the owned nodes [Pa], infinite where nothing bears."""
+    share = body.material.conditions.nodes.share[: body.owned_nodes]
+    melt, found = body.formulation.wall_melt, np.full(len(share), np.inf)
+    if melt is not None:
+        return np.where(share > 0.0, melt.pulls(), found)
     liquid = body.material.law.material.wall_suction * (1.0 - share)
-    found = np.full(len(share), np.inf)
     return np.asarray(np.divide(liquid, share, out=found, where=share > 0.0))

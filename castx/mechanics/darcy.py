@@ -41,6 +41,7 @@ from castx.mechanics.mush.metal import MushMetal
 from castx.mechanics.mush.permeability import step_permeability
 from castx.mechanics.mush.pores import PoreSet
 from castx.mechanics.mush.sinking import SinkingLevels
+from castx.mechanics.mush.wall import WallMelt
 from castx.stateful import Stateful
 
 
@@ -91,6 +92,7 @@ class DarcyFormulation(PressureFormulation):
         volumes = nodal_volumes(body, model)
         self._content = MeltContent(body, volumes, metal.contraction)
         self._pores = PoreSet(body, loads.potential(), metal.cavitation)
+        self.wall_melt = WallMelt(self._content, self._pores, metal)
         self._arms = RunningArms(metal, self._corner, body.node_numbering)
         self._least = volumes * PRESSURE_SHARE / (unknowns.pressure_scale * unknowns.length)
         self._holding = self._least

@@ -25,6 +25,7 @@ from castx.forms import kinematics, momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.constitutive.thickness import Thickness
 from castx.mechanics.midsides.midsides import Midsides
+from castx.mechanics.mush.wall import WallMelt
 from castx.stateful import Stateful
 
 PRESSURE_SHARE = 0.1
@@ -242,10 +243,12 @@ class Formulation(ABC):
     Attributes:
         forms: compiled weak forms of the balance.
         midside_forms: those of the mid-sides; None: the displacement is linear.
+        wall_melt: melt at its walls that flows through its mush; None: none does.
     """
 
     forms: WeakForms
     midside_forms: MidsideForms | None = None
+    wall_melt: WallMelt | None = None
 
     @abstractmethod
     def begin(self, temperature: FloatArray, solid_fraction: FloatArray) -> None:

@@ -2,5 +2,5 @@
 
 Public: `metal.MushMetal`, `permeability.step_permeability`, `arms.RunningArms`,
 `content.MeltContent`, `feeding.FedNodes`, `levels.FeederLevels`, `sinking.SinkingLevels`,
-`pores.PoreSet`.
+`pores.PoreSet`, `wall.WallMelt`.
 """

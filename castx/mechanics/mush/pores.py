@@ -136,6 +136,11 @@ class PoreSet:
         self._changes += changed
         return bool(changed.any())
 
+    @property
+    def open_at_start(self) -> BoolArray:
+        """Owned nodes with pores at the start of the step, shape (owned,)."""
+        return self._committed
+
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""
         self._committed = self.open.copy()

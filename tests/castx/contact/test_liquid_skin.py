@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -9,6 +13,7 @@ from castx.contact.choice import Contact
 from castx.contact.liquid_skin import LiquidSkin
 from castx.contact.methods.registry import METHODS
 from castx.mechanics.fixed_directions import SurfaceDisplacement
+from castx.mechanics.mush.metal import MushMetal
 from castx.tables import Table
 from tests.contact_methods import (
     AT_ONCE,
@@ -37,6 +42,8 @@ ALLOY = {
     "latent_heat": 4e5, "solidus": 560.0, "liquidus": 610.0, "stress_free": 560.0,
     "liquid": {"model": "viscous", "viscosity": VISCOSITY, "coherency": 0.7},
 }  # fmt: skip
+MUSH = MushMetal(0.0, 1e-3, 2e4, 0.98, 1.0, 0.0, 610.0)
+"""Melt that bears 20 kPa and flows freely, from all surfaces, of an alloy that does not shrink."""
 LIQUID, SOLID = (650.0, 0.0), (560.0, 1.0)
 VISCOUS_FORCE = 4 * VISCOSITY * PULL / HEIGHT * WIDTH
 """Of a viscous bar stretched in plane strain [N]: σ = 4 η ε̇."""
@@ -45,11 +52,12 @@ HARD = sharp(AT_ONCE)
 
 
 def drawn_apart(
-    comm, order=ORDERS[0], method="condensed", alloy=ALLOY, model="plane-strain", **contact
-):
+    comm, order=ORDERS[0], method="condensed", alloy=ALLOY, model="plane-strain", mush=None,
+    **contact,
+):  # fmt: skip
     """Return a block that is held above, on a base that sinks by 10 µm a second."""
     bodies = {
-        "upper": body(elastic(7e9, 0.33, **alloy), starts_liquid=True),
+        "upper": body(elastic(7e9, 0.33, **alloy), starts_liquid=True, mush=mush),
         "base": body(elastic(70e12, 0.3)),
     }
     down = SurfaceDisplacement("bottom", "normal", Table((0.0, 9.0), (0.0, 9 * PULL)))
@@ -232,6 +240,67 @@ def test_a_skin_half_solid_bears_half_the_pull(comm):
             assert total(comm, state) == pytest.approx(-pull * WIDTH, rel=1e-3)
         else:
             np.testing.assert_allclose(state.gap, PULL, rtol=1e-4)
+
+
+def alloy_of(coherency: float) -> dict:
+    return ALLOY | {"liquid": {**ALLOY["liquid"], "coherency": coherency}}
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("coherency", [0.7, 0.95, 0.99])
+def test_melt_of_a_mush_bears_the_same_pull_at_every_coherency(comm, coherency):
+    """A bar of f = 0.97 is drawn with w G ε, up to Δp_c; liquid beyond it too.
+
+    Its melt follows without pressure, and its skeleton resists by its deviator alone.
+    """
+    share = max(0.0, (0.97 - coherency) / (1.0 - coherency))
+    stiffness = share * 7e9 / (2 * 1.33) / HEIGHT
+    for factor in (0.98, 1.02):
+        made = drawn_apart(comm, alloy=alloy_of(coherency), mush=MUSH)
+        step(made, 0.0, (565.0, 0.97))
+        sinks = factor * MUSH.cavitation / stiffness if share else PULL
+        state = step(made, sinks / PULL, (565.0, 0.97))
+        holds = factor < 1.0 or share == 0.0
+        assert (state.closed == holds).all()
+        if holds and share:
+            pull = -total(comm, state) / WIDTH
+            assert pull == pytest.approx(factor * MUSH.cavitation, rel=1e-3)
+        elif not holds:
+            np.testing.assert_allclose(state.gap, sinks, rtol=1e-4)
+
+
+@pytest.mark.ranks
+def test_a_void_in_the_melt_at_a_wall_is_a_gap(comm):
+    """Stretched across, a bar opens pores, and is pulled by less than Δp_c, since s is −2wGε/3."""
+    stretch, unfed = Table((0.0, 9.0), (0.0, 9e-7)), replace(MUSH, feeders=())
+    bodies = {
+        "upper": body(elastic(7e9, 0.33, **ALLOY), starts_liquid=True, mush=unfed),
+        "base": body(elastic(70e12, 0.3)),
+    }
+    wide = SurfaceDisplacement("side", "normal", stretch)
+    held = {"upper": [fixed("top"), wide], "base": [fixed("bottom")]}
+    made = problem(blocks(comm), bodies, held, [Contact(*ORDERS[0])])
+    step(made, 0.0, (565.0, 0.97))
+    state, upper = step(made, 1.0, (565.0, 0.97)), made.bodies["upper"]
+    skeleton = -2 / 3 * 0.9 * 7e9 / (2 * 1.33) * 1e-7 / WIDTH
+    pull = MUSH.cavitation + skeleton
+    assert state.closed.all() and total(comm, state) == pytest.approx(-pull * WIDTH, rel=1e-3)
+    assert comm.allreduce(float(upper.pores().min(initial=1.0)), MPI.MIN) > 0.0
+    state = step(made, 1.1, (565.0, 0.97))
+    assert not state.closed.any()
+    assert comm.allreduce(float(state.gap.min(initial=1.0)), MPI.MIN) > 1e-9
+
+
+@pytest.mark.ranks
+def test_the_last_melt_of_a_mush_counts_as_growth_of_a_skin(comm):
+    """From f = 0.9 to 0.99 with g_c = 0.02 it is half gone, while w grows by 0.3."""
+    made = drawn_apart(comm, mush=MUSH)
+    grown = []
+    for fraction in (0.9, 0.9, 0.99):
+        tried(made, 0.0, (565.0, fraction))
+        grown.append(made.skin_growth())
+        made.equilibrium.commit()
+    np.testing.assert_allclose(grown[1:], [0.0, 0.5], atol=1e-12)
 
 
 @pytest.mark.serial
