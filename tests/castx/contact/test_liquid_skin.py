@@ -242,7 +242,8 @@ def test_a_skin_half_solid_bears_half_the_pull(comm):
             np.testing.assert_allclose(state.gap, PULL, rtol=1e-4)
 
 
-def alloy_of(coherency: float) -> dict:
+def alloy_of(coherency):
+    """Return the alloy with another coherency."""
     return ALLOY | {"liquid": {**ALLOY["liquid"], "coherency": coherency}}
 
 
