@@ -147,19 +147,26 @@ def nodal_sum(body: BodyMesh, values: npt.NDArray[Any]) -> FloatArray:
         body: mesh of the body.
         values: of this rank at its local nodes, shape (nodes, …).
     """
-    return summed_over_ranks(body.nodes.dofmap.index_map, values)
+    index_map = body.nodes.dofmap.index_map
+    if values.ndim == 1 and body.mesh.comm.size > 1:
+        return summed_over_ranks(index_map, values, body.nodal_sums)
+    return summed_over_ranks(index_map, values)
 
 
-def summed_over_ranks(index_map: IndexMap, values: npt.NDArray[Any]) -> FloatArray:
+def summed_over_ranks(
+    index_map: IndexMap, values: npt.NDArray[Any], sums: la.Vector | None = None
+) -> FloatArray:
     """Return the sums over all ranks of values at local places, (places, …); collective.
 
     Args:
         index_map: of the places.
         values: of this rank at its local places, (places, …).
+        sums: a vector over the places that may be overwritten; None: one is made.
     """
     if index_map.comm.size == 1:
         return np.array(values, dtype=np.float64)
-    sums = la.vector(index_map, math.prod(values.shape[1:]))
+    if sums is None:
+        sums = la.vector(index_map, math.prod(values.shape[1:]))
     sums.array[:] = values.ravel()
     sums.scatter_reverse(la.InsertMode.add)
     sums.scatter_forward()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from hashlib import sha256
 from typing import Any, TypeVar
 
@@ -98,6 +99,11 @@ class BodyMesh:
         corners = compat.geometry_nodes(self.mesh).ravel()
         points[self.nodes.dofmap.list.ravel()] = geometry.x[corners, : geometry.dim]
         return points
+
+    @cached_property
+    def nodal_sums(self) -> la.Vector:
+        """A vector over the nodes in which sums over ranks are made; the first time collective."""
+        return la.vector(self.nodes.dofmap.index_map)
 
     def surface_tag(self, name: str) -> int:
         """Return the tag of a surface.
