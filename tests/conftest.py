@@ -110,6 +110,13 @@ def pytest_configure(config: pytest.Config) -> None:
         config.pluginmanager.register(communicators)
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Pass over files without tests of the rank contract on several ranks."""
+    if WORLD.size == 1 or not collection_path.is_file() or selection.named_by_hand(config.args):
+        return None
+    return None if selection.may_belong_to_contract(collection_path) else True
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what the markers say of this number of ranks."""
     if WORLD.size > 1 and selection.named_by_hand(config.args):

@@ -73,6 +73,11 @@ def left_out(items: Iterable[pytest.Item], ranks: int, *, everything: bool) -> s
     return found
 
 
+def may_belong_to_contract(file: Path) -> bool:
+    """Return whether a file of tests names the mark of the rank contract; others need no import."""
+    return "mark.ranks" in file.read_text(encoding="utf-8")
+
+
 def named_by_hand(arguments: Iterable[str]) -> bool:
     """Return whether the command line names single tests, which then run whatever their marks."""
     return any("::" in argument for argument in arguments)

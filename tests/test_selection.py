@@ -68,6 +68,13 @@ def test_the_slowest_files_are_claimed_first_and_are_there():
     assert all((PROJECT / file).exists() for file in named)
 
 
+def test_files_that_do_not_name_the_mark_are_passed_over_on_several_ranks(tmp_path):
+    files = [tmp_path / "test_a.py", tmp_path / "test_b.py"]
+    files[0].write_text("@pytest.mark.ranks\ndef test(comm): ...\n")
+    files[1].write_text("def test_any_number_of_ranks(comm): ...\n")
+    assert [selection.may_belong_to_contract(file) for file in files] == [True, False]
+
+
 def test_a_serial_test_is_never_in_the_contract():
     items = [Item(NAMES[0], "ranks", "serial"), Item(NAMES[1], "ranks")]
     assert names(selection.left_out(items, 2, everything=True)) == {NAMES[0]}
