@@ -242,7 +242,7 @@ def test_turned_and_moved_model(comm, shared_tmp_path, angle, shift):
 
 
 TIGHT_CASES = {
-    "cylinder": cylinder(TIGHT),
+    "cylinder": cylinder(TIGHT, SHORT),
     "multipliers": ring(TIGHT, BRIEF, method="multipliers"),
     "quarter": cylinder(TIGHT, SHORT, **QUARTER),
     "ring": ring(TIGHT, BRIEF),

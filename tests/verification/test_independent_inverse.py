@@ -24,7 +24,7 @@ RADIUS, OUTSIDE, END, NOISE = 0.02, 0.04, 10.0, 0.5
 KNOTS = np.array([0.0, 10.0])
 TRUTH = np.array([2000.0, 800.0, 35.0])
 """h at the knots [W/m²/K], conductivity of the mould [W/m/K]."""
-FIRST = np.array([1300.0, 1300.0, 30.0])
+FIRST = np.array([1700.0, 1000.0, 32.0])
 DEPTHS = np.array([0.002, 0.008])
 TIMES = np.arange(0.5, END + 0.1, 0.5)
 CAPACITY, LATENT, SOLIDUS, LIQUIDUS, METAL = 2.6e6, 1.03e9, 557.0, 613.0, 150.0

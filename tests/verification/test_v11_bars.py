@@ -89,7 +89,7 @@ def test_400_steps_of_maxwell(comm, end, times):
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize("end", [10.0, 100.0, 1000.0])
+@pytest.mark.parametrize("end", [100.0, 1000.0])
 def test_400_steps_of_norton(comm, end):
     found = stresses(comm, norton(KINDS["generalised"], end, 400))
     assert found[-1] == pytest.approx(exact_norton(end), rel=5e-3)

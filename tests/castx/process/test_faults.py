@@ -63,7 +63,6 @@ castx.command.cli.main()
         (2, "heat", "bug", "ZeroDivisionError: a fault"),
         (3, "heat", "no convergence", "rank 2 has failed alone and ends the others: a fault"),
         (2, "law", "bug", "ZeroDivisionError: a fault"),
-        (3, "law", "bug", "ZeroDivisionError: a fault"),
         (2, "pieces", "disk", "castx: cannot write results: a fault; what was written before"),
         (2, "gathered", "bug", "ZeroDivisionError: a fault"),
         (2, "checkpoint", "bug", "ZeroDivisionError: a fault"),
