@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from typing import Annotated, Any
@@ -11,7 +12,7 @@ from pydantic import Field, PlainValidator
 from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Quantity, Whole
 from castx.input.problems import Problem, refuse
-from castx.input.units import PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
+from castx.input.units import LENGTH, PURE_NUMBER, TEMPERATURE_DIFFERENCE, TIME
 
 PetscOptions = dict[str, str | int | float | bool]
 
@@ -56,6 +57,27 @@ def _options(value: Any) -> PetscOptions:
     return dict(value)
 
 
+class StepTolerance(Description):
+    """Errors by the steps that a run may have; a quantity without one may have any.
+
+    Attributes:
+        temperature: of any node, by all steps so far [K].
+        gap: of any pair, by a step [m].
+        strain: of the equivalent viscoplastic strain, root mean square over what is solid of any
+            body, by a step.
+    """
+
+    temperature: Annotated[float, Quantity(TEMPERATURE_DIFFERENCE, above=0.0)] | None = None
+    gap: Annotated[float, Quantity(LENGTH, above=0.0)] | None = None
+    strain: Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)] | None = None
+
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield that nothing is given."""
+        if self.temperature is None and self.gap is None and self.strain is None:
+            text = "at least one of temperature, gap and strain is needed"
+            yield Problem((), text)
+
+
 class Time(Description):
     """Span and steps of a run.
 
@@ -72,6 +94,8 @@ class Time(Description):
         reject_above: multiple of a wanted change above which a step is taken again, smaller.
         fixed_step: length of all steps in place of adaptive ones [s].
         heat_substeps: heat steps within one mechanical step.
+        tolerance: of the errors by the steps. With one, wanted changes that are not given bound no
+            step.
     """
 
     end: _Duration
@@ -84,6 +108,17 @@ class Time(Description):
     reject_above: Annotated[float, Quantity(PURE_NUMBER, least=1.0)] = 2.0
     fixed_step: _Duration | None = None
     heat_substeps: Annotated[str | int, PlainValidator(_substeps)] = "automatic"
+    tolerance: StepTolerance | None = None
+
+    def bounds(self, key: str) -> bool:
+        """Return whether a key bounds steps: with a tolerance only changes that are given do."""
+        unbounded = self.tolerance is not None and key not in self.model_fields_set
+        return not (unbounded and key.endswith("_change"))
+
+    def wanted(self, key: str) -> float:
+        """Return the wanted change of a key; infinite: it bounds no steps."""
+        value: float = getattr(self, key)
+        return value if self.bounds(key) else math.inf
 
     @property
     def usual_first_step(self) -> float:
@@ -99,6 +134,8 @@ class Time(Description):
         first = self.usual_first_step if self.first_step is None else self.first_step
         if self.smallest_step is not None and self.smallest_step > first:
             yield Problem(("smallest_step",), f"must not exceed first_step, {first:g} s")
+        if self.tolerance is not None and self.fixed_step is not None:
+            yield Problem(("tolerance",), "chooses the steps: leave it or fixed_step out")
         for key in ("largest_step", "fixed_step"):
             step = getattr(self, key)
             if step is not None and self.end / step > _MOST_STEPS:

@@ -17,6 +17,29 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
+class StepErrors:
+    """Errors by the steps, estimated.
+
+    Attributes:
+        temperature: largest one of a node if all heat steps had been as long as these [K].
+        gap: largest one of a pair by this step [m].
+        strain: of the equivalent viscoplastic strain by this step, root mean square over what is
+            solid of a body, the largest of all bodies.
+        made: largest one of the temperature of a node by all steps so far [K].
+        substeps: heat steps inside the step.
+    """
+
+    temperature: float = 0.0
+    gap: float = 0.0
+    strain: float = 0.0
+    made: float = 0.0
+    substeps: int = 1
+
+
+NO_ERRORS = StepErrors()
+
+
+@dataclass(frozen=True)
 class StepChange:
     """Change of the state over a step that has converged.
 
@@ -26,6 +49,7 @@ class StepChange:
         solid_fraction: largest change of a node.
         mean_solid_fraction: largest change of the mean over a body.
         skin: largest mean change over an interface of the share of metal that bears at its wall.
+        errors: of the step; none where nobody asks for them.
     """
 
     passes: int
@@ -33,6 +57,7 @@ class StepChange:
     solid_fraction: float
     mean_solid_fraction: float = 0.0
     skin: float = 0.0
+    errors: StepErrors = NO_ERRORS
 
 
 class ThermalChange:

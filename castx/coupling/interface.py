@@ -88,6 +88,14 @@ class Interfaces:
             return [state.clipped() for state in states]
         return self._initial
 
+    def largest_change(self) -> float:
+        """Return the largest change of an open gap in the trial step on this rank [m]."""
+        changes = [
+            np.abs(new.clipped().gap - old.clipped().gap)
+            for new, old in zip(self.states, self._committed, strict=True)
+        ]
+        return float(max((change.max(initial=0.0) for change in changes), default=0.0))
+
     def first_guess(self, step: float) -> list[PairState]:
         """Return the states with which heat begins a step [s]: gaps extrapolated in time."""
         if self._scheme != "iterated":

@@ -19,7 +19,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.coupling.agreement import disagreement
-from castx.coupling.change import StepChange, ThermalChange
+from castx.coupling.change import StepChange, StepErrors, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
 from castx.coupling.relaxation import Relaxation, goes_round, scaling
@@ -147,6 +147,20 @@ class CoupledProblem:
             COUPLING,
         )
 
+    def step_errors(self) -> StepErrors:
+        """Return the errors of the trial step; collective.
+
+        A step lags by half of itself, and so are gaps and viscoplastic strains off by half of what
+        they change in it.
+
+        Raises:
+            ConvergenceError: that of the temperatures cannot be found; on all ranks.
+        """
+        heat = self.heat.step_error(*self._heated_by)
+        flow = 0.0 if self.mechanics is None else self.mechanics.largest_flow()
+        moved = self.comm.allreduce(self.interfaces.largest_change(), op=MPI.MAX)
+        return StepErrors(heat.uniform, 0.5 * moved, 0.5 * flow, heat.made, heat.substeps)
+
     def settle(self) -> None:
         """Bring bodies that are not free of stress at the start into equilibrium; collective.
 
@@ -197,6 +211,7 @@ class CoupledProblem:
         """Solve heat and mechanics once; return the largest change of a temperature [K]."""
         self.counters.passes += 1
         both = list(zip(self.interfaces.thermal_at_start(), guess, strict=True))
+        self._heated_by = both, factors
         report = self.heat.advance(
             time, step, both, substeps, self._dissipation.powers, factors
         )

@@ -9,6 +9,7 @@ from dolfinx import fem
 
 from castx.arrays import FloatArray
 from castx.heat.problem import HeatReport
+from castx.heat.step_error import HeatError
 from castx.materials.enthalpy import HeatState
 from castx.stateful import Arrays, Saved
 from castx.transfer.pair_state import PairState
@@ -37,6 +38,13 @@ class Temperatures(Protocol):
         factors: Sequence[FloatArray] | None = None,
     ) -> HeatReport:
         """Find the trial state at the end of a step; arguments as of `HeatProblem.advance`."""
+
+    def step_error(
+        self,
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
+        factors: Sequence[FloatArray] | None = None,
+    ) -> HeatError:
+        """Return how far temperatures are off by the steps, see `HeatStepError.estimate`."""
 
     def time_to_change(
         self, change: float, pairs: Sequence[tuple[PairState, PairState] | None] = ()

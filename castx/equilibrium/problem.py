@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from mpi4py import MPI
+
+import numpy as np
+
 from castx.arrays import FloatArray
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
@@ -134,6 +138,15 @@ class MechanicalProblem:
             for clamp in body.loads.clamps:
                 found |= clamp.totals(values)
         return found
+
+    def largest_flow(self) -> float:
+        """Return the change of the equivalent viscoplastic strain in the trial step; collective.
+
+        The root mean square over what is solid of a body, of the body in which it is the largest.
+        """
+        local = np.array([[0.0, 0.0], *(body.flow_of_solid() for body in self.bodies.values())])
+        flow, solid = self.layout.comm.allreduce(local, op=MPI.SUM).T
+        return float(np.sqrt(flow / np.where(solid > 0.0, solid, 1.0)).max())
 
     def destroy(self) -> None:
         """Destroy the PETSc objects."""

@@ -103,7 +103,7 @@ class HeatUnknowns:
             prescribed = self._fed_members >= 0
             fixed[self.groups.idle] = True
             fixed[self.groups.firsts] = prescribed
-            self.groups.mark(prescribed, marks)
+            self.groups.spread(prescribed.astype(np.float64), marks)
             self.prescribed = marks.array_r > 0.5
             given.destroy()
             marks.destroy()

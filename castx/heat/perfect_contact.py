@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
+from castx.arrays import FloatArray, IntArray, LongArray
 from castx.heat.body import ThermalBody
 from castx.heat.interface import HeatExchange
 from castx.materials.enthalpy import EnthalpyCurve
@@ -240,9 +240,9 @@ class NodeGroups:
         numbers[found] = values[places[found]]
         return numbers, np.where(found, places, -1)
 
-    def mark(self, groups: BoolArray, vector: PETSc.Vec) -> None:
-        """Set the members of chosen groups to 1 and all other members to 0."""
-        self._remote.put(groups[self._groups].astype(np.float64), vector)
+    def spread(self, values: FloatArray, vector: PETSc.Vec) -> None:
+        """Set all members of each group of this rank to the value of the group; collective."""
+        self._remote.put(values[self._groups], vector)
 
     def set_at_members(self, values: FloatArray, vector: PETSc.Vec) -> None:
         """Set the entries of the members of this rank's groups; collective."""

@@ -19,6 +19,7 @@ from castx.heat.interface import HeatExchange, coefficients
 from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.heat.pace import time_to_change
+from castx.heat.step_error import HeatError, HeatStepError, TriedStep
 from castx.materials.enthalpy import HeatState
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
@@ -107,6 +108,7 @@ class HeatProblem:
             step_rule=partial(adjust_step, self._balance),
         )
         self._counters = counters or StepCounters()
+        self._error = HeatStepError(self._balance, self._solver.solve_linear)
         self._unknown = self._layout.create_vector()
         interfaces = [(item.pairs.secondary, item.pairs.primary) for item in exchanges]
         own = accounts_of(list(self.temperature), surfaces, interfaces)
@@ -189,6 +191,16 @@ class HeatProblem:
         self.rewind()
         return found
 
+    @booked_as(RunPart.HEAT)
+    def step_error(
+        self,
+        pairs: Sequence[tuple[PairState, PairState] | None] = (),
+        factors: Sequence[FloatArray] | None = None,
+    ) -> HeatError:
+        """Return how far temperatures are off by the steps, see `HeatStepError.estimate`."""
+        tried = TriedStep(*self._tried, [self._committed, *self._substates])
+        return self._error.estimate(tried, pairs, factors, self._unknown)
+
     def between(self, name: str) -> Sequence[HeatState]:
         """Return the states of a body at the ends of the sub-steps but the last; collective.
 
@@ -245,11 +257,13 @@ class HeatProblem:
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""
         self._committed = self._unknowns.enthalpies()
+        self._error.commit()
         self._ledger.commit()
 
     def rewind(self) -> None:
         """Return to the committed state."""
         self._unknowns.set_enthalpies(self._committed)
+        self._error.rewind()
         self._ledger.rewind()
 
     def saved(self) -> dict[str, Saved]:
@@ -260,7 +274,8 @@ class HeatProblem:
             )
             for number, body in enumerate(self._bodies)
         }
-        return joined({"enthalpy": enthalpies, "ledger": self._ledger.saved()})
+        parts = {"ledger": self._ledger.saved(), "step_error": self._error.saved()}
+        return joined({"enthalpy": enthalpies, **parts})
 
     def restore(self, arrays: Arrays) -> None:
         """Restore a saved state as the committed one."""
@@ -268,6 +283,7 @@ class HeatProblem:
             enthalpy = arrays[f"enthalpy/{body.name}"]
             self._committed[self._layout.local_slice(number)] = enthalpy[: body.owned]
         self._ledger.restore(part_of(arrays, "ledger"))
+        self._error.restore(part_of(arrays, "step_error"))
         self.rewind()
 
     def totals(self) -> dict[str, float]:

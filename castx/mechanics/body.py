@@ -235,6 +235,18 @@ class BodyMechanics:
         self._evaluate()
         return self.points.cell_means(self.material.response.equivalent)
 
+    def flow_of_solid(self) -> FloatArray:
+        """Return ∫ (Δξ)² dV and ∫ dV over what is solid of the owned cells [m³], shape (2,).
+
+        Δξ is the change of the equivalent viscoplastic strain in the trial step.
+        """
+        self._evaluate()
+        material, points = self.material, self.points
+        change = points.cell_means(material.response.equivalent - material.history.equivalent)
+        share = points.volumes_to_cells(material.conditions.share)
+        solid = (share * points.weights.sum(axis=1))[: self.owned_cells]
+        return np.array([solid @ change[: self.owned_cells] ** 2, solid.sum()])
+
     def nodal_plastic_power(self) -> FloatArray:
         """Return the power of plastic work at the owned nodes [W], shape (owned,)."""
         here = self.points.to_nodes(self.material.plastic_power(), len(self.mesh.parent_vertices))

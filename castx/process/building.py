@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from castx.case.case import Case
 from castx.case.caveats import caveats
+from castx.case.control import Time
 from castx.case.skin import chosen_text
 from castx.case.stages import Schedule
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
@@ -30,7 +31,7 @@ from castx.process.cycles import CycleEnds
 from castx.process.plausible import refuse_absurd_displacements
 from castx.process.process import Cycling, Process, StageProblem
 from castx.process.stage_case import stage_case
-from castx.process.step_control import StepSettings
+from castx.process.step_control import MOST_SUBSTEPS, ErrorBounds, StepSettings
 from castx.transfer.conductance import ConductionLaw
 
 SMALLEST = 1e-3
@@ -139,13 +140,19 @@ def process_of(
     return Process(schedule, builder, ejected, cycling)
 
 
+def first_change(time: Time) -> float:
+    """Return the temperature by which the fastest node may change in the first step [K]."""
+    tolerance = None if time.tolerance is None else time.tolerance.temperature
+    return min(time.temperature_change, tolerance or math.inf)
+
+
 def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
     """Return the settings of the step control of a case; steps end at stages.
 
     Args:
         case: the case.
-        fastest: time in which the fastest node changes by the wanted temperature at first [s]; a
-            first step that the case does not give is no longer.
+        fastest: time in which the fastest node changes by `first_change` at first [s]; a first
+            step that the case does not give is no longer.
     """
     time, schedule = case.time, Schedule(case.stages, case.time.end)
     first = float(f"{max(min(time.usual_first_step, fastest), SHORTEST * schedule.end):.2g}")
@@ -156,10 +163,21 @@ def step_settings(case: Case, fastest: float = math.inf) -> StepSettings:
         first,
         time.largest_step,
         min(smallest, first),
-        time.temperature_change,
+        time.wanted("temperature_change"),
         time.fixed_step,
         schedule.stops,
-        time.solid_fraction_change,
-        time.skin_change,
+        time.wanted("solid_fraction_change"),
+        time.wanted("skin_change"),
         time.reject_above,
+        _error_bounds(time),
     )
+
+
+def _error_bounds(time: Time) -> ErrorBounds | None:
+    if time.tolerance is None:
+        return None
+    given = time.tolerance.model_dump(exclude_none=True)
+    # Without a tolerance of its own the mechanics follows each heat step.
+    most = 1 if set(given) == {"temperature"} else MOST_SUBSTEPS
+    substeps = most if isinstance(time.heat_substeps, str) else time.heat_substeps
+    return ErrorBounds(**given, substeps=substeps)

@@ -21,10 +21,10 @@ from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.pairing import case_pairs
 from castx.errors import ConvergenceError
-from castx.process.building import process_of, step_settings
+from castx.process.building import first_change, process_of, step_settings
 from castx.process.process import Process
 from castx.process.state import State
-from castx.process.step_control import StepControl, StepSettings
+from castx.process.step_control import MOST_SUBSTEPS, SAFETY, StepControl, StepSettings
 from castx.profiling import RunPart, booked_as
 from castx.ranks import end_unless_all_failed
 from castx.solvers.counters import StepCounters
@@ -51,7 +51,11 @@ SOLID_PER_SUBSTEP = 0.1
 """Solid fraction that a heat sub-step aims to add to the fastest node: a front passes no more of an
 element, while temperatures hardly change on either side of it."""
 
-MOST_SUBSTEPS = 10
+WARMEST = 20.0
+"""Change of temperature in a step that sub-steps divide, where none smaller is wanted [K]."""
+
+ERRORS = {"temperature_error": "made", "gap_error": "gap", "strain_error": "strain"}
+"""Columns of history.csv with the errors by the steps, and what they are in `StepErrors`."""
 
 NO_COUNTERS = StepCounters()
 
@@ -94,7 +98,9 @@ class Simulation:
         self.process = process
         self.mesh, self.pairs = process.now.mesh, process.now.pairs
         self.control = StepControl(settings)
-        self._wanted, self._substeps = settings.temperature_change, substeps
+        self._wanted, self._substeps = min(settings.temperature_change, WARMEST), substeps
+        self._bounds = settings.tolerance
+        self._errors = {} if settings.tolerance is None else dict.fromkeys(ERRORS, 0.0)
         self._substep_rate = np.inf
         self._verdicts = None if comm is None else comm.Dup()
         self._begun = False
@@ -127,7 +133,7 @@ class Simulation:
         substeps = None if isinstance(given, str) else given
         fastest = inf
         if case.time.first_step is None:
-            fastest = process.now.problem.time_to_change(case.time.temperature_change)
+            fastest = process.now.problem.time_to_change(first_change(case.time))
         return cls(process, step_settings(case, fastest), substeps, comm)
 
     @property
@@ -189,7 +195,7 @@ class Simulation:
             step = self.control.propose(self.time)
             _log.debug("step of %g s from %g s", step, self.time)
             try:
-                change = self.problem.advance(within, step, self._heat_substeps(step))
+                change = self._try(within, step)
             except ConvergenceError as error:
                 _log.debug("the step failed: %s", error)
                 self.problem.rewind()
@@ -201,10 +207,11 @@ class Simulation:
             if not self.control.exceeds(step, change):
                 break
             _log.debug(
-                "the step changed too much: %g K, %g of a body froze, %g of a skin began to bear",
-                change.temperature, change.mean_solid_fraction, change.skin,
+                "it changed too much: %g K, %g of a body froze, %g of a skin began to bear, %s",
+                change.temperature, change.mean_solid_fraction, change.skin, change.errors,
             )  # fmt: skip
             self.problem.rewind()
+            self._substep_rate = max(self._substep_rate, self._wanted_substeps(change) / step)
             self.problem.counters.repeats += 1
             after_failed_try()
         counters = self.problem.counters
@@ -212,10 +219,18 @@ class Simulation:
         easy = change.passes <= EASY_PASSES
         self.control.accept(step, change, easy)
         self._substep_rate = self._wanted_substeps(change) / step
+        self._errors = {name: getattr(change.errors, ERRORS[name]) for name in self._errors}
         self.time = self.control.landed(self.time + step)
         self.step += 1
         self.process.end_step(self.time)
         return replace(counters, step=step, wall=clock.perf_counter() - begin)
+
+    def _try(self, time: float, step: float) -> StepChange:
+        """Try a step from a time of the cycle, and estimate its errors if they are asked for."""
+        change = self.problem.advance(time, step, self._heat_substeps(step))
+        if not self._errors:
+            return change
+        return replace(change, errors=self.problem.step_errors())
 
     def _cut(self, failed: Sequence[FailedTry]) -> None:
         """Make the next try smaller than the last one, or give up and say why."""
@@ -227,6 +242,10 @@ class Simulation:
             raise ConvergenceError(text, last.error.problem) from last.error
 
     def _wanted_substeps(self, change: StepChange) -> float:
+        """Return the heat steps that a step like the last one should have."""
+        if self._bounds is not None and self._bounds.temperature < np.inf:
+            errors = change.errors
+            return errors.substeps * errors.temperature / (SAFETY * self._bounds.temperature)
         by_temperature = change.temperature / (CHANGE_PER_SUBSTEP * self._wanted)
         return max(by_temperature, change.solid_fraction / SOLID_PER_SUBSTEP)
 
@@ -234,7 +253,8 @@ class Simulation:
         """Return the heat steps inside a step: the faster the state changes, the more."""
         if self._substeps is not None:
             return self._substeps
-        expected = min(self._substep_rate * step, MOST_SUBSTEPS)
+        most = MOST_SUBSTEPS if self._bounds is None else self._bounds.substeps
+        expected = min(self._substep_rate * step, most)
         return max(ceil(expected), 1)
 
     def state(self, counters: StepCounters = NO_COUNTERS) -> State:
@@ -242,7 +262,7 @@ class Simulation:
         process = self.process
         return State(
             process.now, self.time, self.step, counters, process.state(), process.left,
-            process.friction,
+            process.friction, self._errors,
         )  # fmt: skip
 
     def saved(self) -> dict[str, Saved]:

@@ -47,6 +47,7 @@ class State:
         process: stage, cycle and events.
         left: totals of bodies and interfaces that are gone.
         friction: coefficients of friction of the bodies whose ejection is estimated.
+        errors: by the steps, by their column; none where the case has no tolerance.
     """
 
     now: StageProblem
@@ -56,6 +57,7 @@ class State:
     process: ProcessState = START
     left: Mapping[str, float] = NONE
     friction: Mapping[str, float] = NONE
+    errors: Mapping[str, float] = NONE
 
     @property
     def mesh(self) -> CastingMesh:
@@ -136,7 +138,7 @@ class State:
                 totals[f"{name}.ejection_force"] = force
         if self.process.staged:
             totals |= {"cycle": self.process.cycle, "stage": self.process.stage}
-        return {**self.left, **totals}
+        return {**self.left, **totals, **self.errors}
 
     def _balance_totals(self, mechanics: MechanicalProblem) -> dict[str, float]:
         axes = {"axisymmetric": " z", "3d": "xyz"}.get(self.mesh.model, "xy")

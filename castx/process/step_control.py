@@ -3,8 +3,9 @@
 A step that changes some node by more than the wanted temperature, or freezes more of some body or
 of a skin at its wall than wanted, makes the next one smaller, by less larger, within bounds on
 growth and size; many passes or iterations forbid growth. A step that failed or changed far too much
-is halved. Steps land on the end and on stops without leaving a sliver: the rest up to the next of
-them is divided evenly once it is shorter than two steps.
+is halved. Errors beyond their tolerance do the same. Steps land on the end and on stops without
+leaving a sliver: the rest up to the next of them is divided evenly once it is shorter than two
+steps.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 
-from castx.coupling.change import StepChange
+import numpy as np
+
+from castx.coupling.change import StepChange, StepErrors
 from castx.errors import ConvergenceError
 from castx.stateful import Arrays, Saved, number
 
@@ -23,8 +26,47 @@ GROWTH, SHRINKAGE, CUT = 1.5, 0.5, 0.5
 SAFETY = 0.9
 """Share of the wanted change at which the next step aims."""
 
+SMALLEST_CUT = 0.1
+"""Least share of a step whose errors are too large that is tried next."""
+
+NOT_REJECTED = math.inf, math.inf
+"""Step and excess of its errors before any was rejected."""
+
+MOST_SUBSTEPS = 10
+"""Most heat steps inside a step that nobody has asked for."""
+
 LANDING = 1e-6
 """Excess of a step over the wanted size, relative, at which it still lands on a stop."""
+
+
+@dataclass(frozen=True)
+class ErrorBounds:
+    """Allowed errors by the steps.
+
+    Attributes:
+        temperature: of temperatures [K].
+        gap: of gaps [m].
+        strain: of viscoplastic strains.
+        substeps: heat steps into which a step may be divided for the sake of temperatures.
+    """
+
+    temperature: float = math.inf
+    gap: float = math.inf
+    strain: float = math.inf
+    substeps: int = 1
+
+    def share(self, errors: StepErrors, substeps: int) -> float:
+        """Return the largest ratio of an error to what is allowed.
+
+        Args:
+            errors: of a step.
+            substeps: heat steps into which the step is divided, in place of those it had.
+        """
+        return max(
+            errors.temperature * errors.substeps / substeps / self.temperature,
+            errors.gap / self.gap,
+            errors.strain / self.strain,
+        )
 
 
 @dataclass(frozen=True)
@@ -41,8 +83,9 @@ class StepSettings:
         stops: all steps land on these times, ascending.
         solid_fraction_change: wanted change of the mean solid fraction of any body in a step.
         skin_change: wanted mean change over any interface of the metal that bears at its wall.
-        reject_above: multiple of a wanted change above which a step is taken again; steps up to the
-            first one, and fixed ones, are kept.
+        reject_above: multiple of a wanted change or of a tolerance above which a step is taken
+            again; fixed ones are kept, and for a change those up to the first one.
+        tolerance: of the errors by the steps; None: nobody asks for them.
     """
 
     end: float
@@ -55,6 +98,7 @@ class StepSettings:
     solid_fraction_change: float = math.inf
     skin_change: float = math.inf
     reject_above: float = math.inf
+    tolerance: ErrorBounds | None = None
 
 
 class StepControl:
@@ -69,6 +113,7 @@ class StepControl:
         self._size = settings.first if settings.fixed is None else settings.fixed
         self._tolerance = 1e-9 * settings.end
         self._cutbacks = 0
+        self._rejected = NOT_REJECTED
 
     def finished(self, time: float) -> bool:
         """Return whether a time is the end."""
@@ -105,16 +150,40 @@ class StepControl:
             step: its size [s].
             change: of the state.
         """
-        settings = self._settings
-        smaller = max(CUT * step, settings.first)
-        # A step that lands on a stop may be the first one but for this excess: it stays.
-        if settings.fixed is not None or step <= smaller * (1 + 2 * LANDING):
-            return False
-        if self._excess(change) <= settings.reject_above:
+        smaller = min(self._smaller_by_change(step, change), self._smaller_by_errors(step, change))
+        if self._settings.fixed is not None or smaller >= step:
             return False
         self._size = smaller
         self._cutbacks += 1
         return True
+
+    def _smaller_by_change(self, step: float, change: StepChange) -> float:
+        """Return the step to try because the state changed too much, else the step itself."""
+        settings = self._settings
+        smaller = max(CUT * step, settings.first)
+        # A step that lands on a stop may be the first one but for this excess: it stays.
+        small = step <= smaller * (1 + 2 * LANDING)
+        return step if small or self._excess(change) <= settings.reject_above else smaller
+
+    def _smaller_by_errors(self, step: float, change: StepChange) -> float:
+        """Return the step to try because its errors are too large, else the step itself.
+
+        What changes at once has an error that does not fall with the step: it is accepted.
+        """
+        settings, excess = self._settings, self._error(change, change.errors.substeps)
+        last_step, last_excess = self._rejected
+        self._rejected = step, excess
+        sudden = excess > last_excess * 0.5 * (1.0 + step / last_step)
+        if sudden or excess <= settings.reject_above:
+            return step
+        return max(step * max(min(CUT, SAFETY / excess), SMALLEST_CUT), settings.smallest)
+
+    def _error(self, change: StepChange, substeps: int | None = None) -> float:
+        """Return the largest ratio of an error to its tolerance, with so many heat steps."""
+        tolerance = self._settings.tolerance
+        if tolerance is None:
+            return 0.0
+        return tolerance.share(change.errors, tolerance.substeps if substeps is None else substeps)
 
     def _excess(self, change: StepChange) -> float:
         """Return the largest ratio of a change in a step to its wanted value."""
@@ -134,11 +203,11 @@ class StepControl:
             easy: whether it took few passes and iterations.
         """
         settings, recovering = self._settings, self._cutbacks > 0
-        self._cutbacks = 0
+        self._cutbacks, self._rejected = 0, NOT_REJECTED
         if settings.fixed is not None:
             self._size = min(GROWTH * self._size, settings.fixed) if recovering else settings.fixed
             return
-        excess = self._excess(change)
+        excess = max(self._excess(change), self._error(change))
         ratio = SAFETY / excess if excess > 0 else GROWTH
         ratio = min(max(ratio, SHRINKAGE), GROWTH if easy and not recovering else 1.0)
         # A step cut short by a stop says nothing against the size it was cut from.
@@ -146,8 +215,12 @@ class StepControl:
         self._size = min(max(size, settings.smallest), settings.largest)
 
     def saved(self) -> dict[str, Saved]:
-        """Return the size of the next step and the cuts since the last accepted one."""
-        return {"size": number(self._size), "cutbacks": number(self._cutbacks)}
+        """Return the size of the next step, and what was cut since the last accepted one."""
+        return {
+            "size": number(self._size),
+            "cutbacks": number(self._cutbacks),
+            "rejected": Saved(np.array(self._rejected)),
+        }
 
     def restore(self, arrays: Arrays) -> None:
         """Restore size and cuts; new bounds of the settings apply at once."""
@@ -156,6 +229,8 @@ class StepControl:
         if settings.fixed is None:
             size = min(max(size, settings.smallest), settings.largest)
         self._size, self._cutbacks = size, int(arrays["cutbacks"])
+        step, excess = arrays["rejected"]
+        self._rejected = float(step), float(excess)
 
     def reject(self, step: float, cause: ConvergenceError) -> None:
         """Cut the step after a failed try.

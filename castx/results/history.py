@@ -23,7 +23,10 @@ INTERFACE_TOTALS = (
     "force", "ejection_force",
 )  # fmt: skip
 NOTHING = MappingProxyType[str, float]({})
-RUN_TOTALS = ("energy_error", "support_force", "largest_pull", "cycle", "stage")
+RUN_TOTALS = (
+    "energy_error", "temperature_error", "gap_error", "strain_error", "support_force",
+    "largest_pull", "cycle", "stage",
+)  # fmt: skip
 
 
 def ordered_totals(

@@ -160,6 +160,24 @@ class NonlinearSolver:
             )
         return SolveReport(iterations, linear_iterations, residuals)
 
+    def solve_linear(self, right: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Solve the linear system of the matrix as it is now, as exactly as options say.
+
+        Args:
+            right: right-hand side.
+            x: takes the solution.
+
+        Raises:
+            ConvergenceError: PETSc failed; on all ranks.
+        """
+        ksp = self.snes.ksp
+        try:
+            with self._options_in_database():
+                ksp.setOperators(*self.snes.getJacobian()[:2])
+                ksp.solve(right, x)
+        except PETSc.Error as error:
+            raise self._failure(error) from error
+
     def _failure(self, error: PETSc.Error) -> BaseException:
         """Return the exception to raise for a failure of PETSc, maybe on this rank alone."""
         cause: BaseException = error

@@ -11,6 +11,7 @@ from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
 from castx.case.reading.foundry import foundry_problems
+from castx.case.reading.step_tolerance import step_tolerance_problems
 from castx.case.reading.taylor_hood import taylor_hood_problems
 from castx.errors import CaseError
 from castx.input.placed import NOW, PlacedFormula
@@ -34,6 +35,7 @@ def case_problems(case: Case) -> Iterator[Problem]:
     yield from _interface_problems(case)
     yield from rigid_problems(case)
     yield from taylor_hood_problems(case)
+    yield from step_tolerance_problems(case)
     yield from _boundary_problems(case)
     yield from _gravity_problems(case)
     yield from _probe_problems(case)

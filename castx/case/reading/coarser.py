@@ -42,7 +42,7 @@ def with_coarser_mesh(case: Case, ratio: float) -> Case:
 
 
 def with_larger_steps(case: Case, ratio: float) -> Case:
-    """Return the case with all bounds and wanted changes of its steps enlarged.
+    """Return the case with all bounds, wanted changes and tolerances of its steps enlarged.
 
     Args:
         case: that was read from a file.
@@ -51,7 +51,10 @@ def with_larger_steps(case: Case, ratio: float) -> Case:
     time: dict[str, Any] = dict(case.content["time"])
     for key in STEP_KEYS:
         value = getattr(case.time, key)
-        if value is not None:
+        if value is not None and case.time.bounds(key):
             most = 1.0 if key in SHARES else case.time.end if key.endswith("step") else None
             time[key] = ratio * value if most is None else min(ratio * value, most)
+    if case.time.tolerance is not None:
+        given = case.time.tolerance.model_dump(exclude_none=True)
+        time["tolerance"] = {key: ratio * value for key, value in given.items()}
     return read_case(case.content | {"time": time}, case.path, "in larger steps")

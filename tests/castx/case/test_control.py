@@ -1,5 +1,7 @@
 """Time steps, coupling and solvers."""
 
+import math
+
 import pytest
 
 from castx.case.control import Coupling, Solver, Time
@@ -75,11 +77,30 @@ def test_defaults_of_coupling_and_solver_are_those_of_the_manual():
         ({"end": 90, "heat_substeps": True}, 'heat_substeps: "automatic" or a whole number'),
         ({"end": 90, "heat_substeps": 1.5}, 'heat_substeps: "automatic" or a whole number'),
         ({"end": 90, "last_step": 1}, "last_step: unknown key"),
+        ({"end": 90, "tolerance": {}}, "tolerance: at least one of temperature, gap and strain"),
+        ({"end": 90, "tolerance": {"gap": 0}}, r"tolerance\.gap: must be positive \(in m\)"),
+        ({"end": 90, "tolerance": {"gap": "2 K"}}, "tolerance.gap: 'K' is not a unit"),
+        ({"end": 90, "tolerance": {"strain": 1}}, "strain: must be positive and below 1"),
+        ({"end": 90, "tolerance": {"heat": 1}}, r"tolerance\.heat: unknown key"),
+        (
+            {"end": 90, "fixed_step": 1, "tolerance": {"gap": 1e-6}},
+            "tolerance: chooses the steps: leave it or fixed_step out",
+        ),
     ],
 )
 def test_refused_times(keys, text):
     with pytest.raises(Refusal, match=text):
         Time.read(keys)
+
+
+def test_with_a_tolerance_only_changes_that_are_given_are_wanted():
+    given = {"end": 90, "skin_change": 0.2}
+    keys = ("temperature_change", "solid_fraction_change", "skin_change")
+    assert [Time.read(given).wanted(key) for key in keys] == [20.0, 0.04, 0.2]
+    time = Time.read({**given, "tolerance": {"temperature": "2 K"}})
+    assert [time.wanted(key) for key in keys] == [math.inf, math.inf, 0.2]
+    assert time.bounds("largest_step") and not time.bounds("temperature_change")
+    assert (time.tolerance.temperature, time.tolerance.gap) == (2.0, None)
 
 
 @pytest.mark.parametrize("scheme", ["thermal", "mechanical", "one-way", "staggered", "iterated"])

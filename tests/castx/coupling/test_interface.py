@@ -129,3 +129,16 @@ def test_saved_states_come_back():
 
 def test_interfaces_are_found_by_name():
     assert interfaces("iterated").number("casting/mould") == 1
+
+
+def test_the_largest_change_is_that_of_an_open_gap():
+    found = interfaces("iterated")
+    assert found.largest_change() == 0.0
+    found.states[1] = moved(3e-4)
+    assert found.largest_change() == pytest.approx(6e-4), "from a pair that was pressed together"
+    found.commit(1.0)
+    found.states[1] = moved(4e-4)
+    assert found.largest_change() == pytest.approx(2e-4)
+    found.rewind()
+    assert found.largest_change() == 0.0
+    assert Interfaces([], "iterated").largest_change() == 0.0

@@ -95,3 +95,10 @@ def test_coefficients_are_those_of_the_kinds_and_laws(comm):
 def test_pairs_may_have_states_of_their_own(comm):
     heat, closed = problem(comm, ("law", ConstantConductance(40.0)))
     assert heat.coefficients([closed.at(np.array([0, 2]))])[0].tolist() == [40.0, 40.0]
+
+
+def test_given_temperatures_have_no_error(comm):
+    heat, closed = problem(comm)
+    heat.advance(0.0, 5.0)
+    error = heat.step_error([(closed, closed)])
+    assert (error.made, error.uniform) == (0.0, 0.0)

@@ -9,9 +9,11 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.coupling.change import StepErrors
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.heat.problem import HeatReport
+from castx.heat.step_error import HeatError
 from castx.proof.foreign.cases import contact_box
 from castx.solvers.counters import StepCounters
 from castx.transfer.pair_state import PairState
@@ -46,6 +48,10 @@ class FakeHeat:
         fall = step * 0.1 / self.given[-1][0][1][0]
         self.temperature["casting"].x.array[:] = self.committed - fall
         return HeatReport(2, 2, abs(fall))
+
+    def step_error(self, pairs, factors) -> HeatError:
+        self.asked = pairs, factors
+        return HeatError(made=3.0, uniform=2.0, substeps=4)
 
     def between(self, name) -> list[str]:
         return [f"passed by {name}"]
@@ -92,6 +98,9 @@ class FakeMechanics:
     def update_state(self, temperature, solid_fraction, step, between=()) -> None:
         self.state = float(temperature[0])
         self.passed.append(between)
+
+    def largest_flow(self) -> float:
+        return 4e-4
 
     def skin_growth(self) -> float:
         return 0.3
@@ -225,6 +234,23 @@ def test_one_way_never_looks_at_the_gap():
         problem.commit()
     assert problem.states[0].gap == pytest.approx([0.3])
     assert all(given[0] == (1.0, 1.0) for given in heat.given)
+
+
+def test_errors_of_a_step_are_those_of_the_heat_and_half_of_what_moves():
+    """Heat is asked with the states of the pairs of its last pass."""
+    problem, heat, _ = fake_problem("staggered")
+    problem.advance(0.0, 1.0, 4)
+    found = problem.step_errors()
+    assert found == StepErrors(2.0, 0.5 * problem.states[0].gap[0], 2e-4, made=3.0, substeps=4)
+    assert found.gap == pytest.approx(0.05)
+    [(start, end)], [factor] = heat.asked
+    assert (start.gap, end.gap, factor) == (0.0, 0.0, 1.0)
+    problem.commit()
+    problem.advance(1.0, 1.0, 1)
+    second = problem.step_errors()
+    assert second.gap == pytest.approx(0.5 * (problem.states[0].gap[0] - 0.1))
+    problem.mechanics = None
+    assert problem.step_errors().strain == 0.0
 
 
 def test_too_many_passes():

@@ -168,6 +168,37 @@ def test_only_a_body_that_flows_turns_work_into_heat(comm, law, share):
     assert made.dissipated_fraction == share
 
 
+@pytest.mark.ranks
+def test_flow_of_a_step_is_counted_by_what_is_solid(comm):
+    """Held at its ends and cooled by 100 K it flows alike everywhere; then it rests."""
+    mesh = slab_mesh(comm)
+    metal = elastic(70e9, 0.33, 2e-5, yield_stress=1e7)
+    held = [fixed("wall", "x"), fixed("far", "x"), fixed("bottom")]
+    given = MechanicalBody(Law(metal, STRESS_FREE, "thermo-elasto-plastic"))
+    made = problem(mesh, {"casting": given}, {"casting": held})
+    part = made.bodies["casting"]
+    cooled(made, STRESS_FREE - 100.0, 1.0)
+    squares, solid = comm.allreduce(part.flow_of_solid())
+    volume = comm.allreduce(part.points.weights[: part.owned_cells].sum())
+    assert solid == pytest.approx(volume, rel=1e-12)
+    flowed = comm.allreduce(float(part.plastic_strain().max()), max)
+    assert np.sqrt(squares / solid) == pytest.approx(flowed, rel=1e-6)
+    assert made.largest_flow() == pytest.approx(flowed, rel=1e-6) and flowed > 1e-4
+    made.equilibrium.commit()
+    cooled(made, STRESS_FREE - 100.0, 1.0)
+    assert made.largest_flow() < 1e-8 * flowed
+
+
+def test_solid_counts_by_its_share_in_a_cell(comm):
+    made = solidifying(comm)
+    part = made.bodies["casting"]
+    volume = part.points.weights.sum()
+    for fraction, share in ((0.0, 0.0), (0.85, 0.5), (1.0, 1.0)):
+        cooled(made, 590.0, fraction)
+        assert part.flow_of_solid()[1] == pytest.approx(share * volume, rel=1e-9, abs=1e-15)
+    assert made.largest_flow() == 0.0
+
+
 def solidifying(comm, starts_liquid: bool = True):
     """Return a bar of a melting material between rollers, shortened from the first step on."""
     mesh = slab_mesh(comm)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from castx.case.reading.read import read_case
 from castx.domain.mesh import build_mesh
 from castx.domain.pairs.pairing import case_pairs
 from castx.errors import CaseError
-from castx.process.building import process_of, stage_cases, step_settings
+from castx.process.building import first_change, process_of, stage_cases, step_settings
+from castx.process.step_control import MOST_SUBSTEPS, ErrorBounds
 from castx.transfer.conductance import ConstantConductance
 from tests.coupled_cases import cylinder
 
@@ -53,6 +55,28 @@ def test_a_first_step_that_follows_from_absurd_heat_is_not_nothing():
     case = read_case(data, Path("case.toml"))
     assert step_settings(case, 0.0).first == pytest.approx(7e-9)
     assert step_settings(case, 2e-8).first == pytest.approx(2e-8)
+
+
+def test_a_tolerance_of_a_case_reaches_the_step_control():
+    def settings(**changes):
+        return step_settings(case_of(coupling={"scheme": "iterated"}, time=changes))
+
+    assert settings().tolerance is None
+    found = settings(tolerance={"temperature": 2.0, "gap": 1e-6})
+    assert found.tolerance == ErrorBounds(2.0, 1e-6, math.inf, MOST_SUBSTEPS)
+    assert found.temperature_change == found.solid_fraction_change == math.inf
+    assert settings(tolerance={"strain": 1e-5}).tolerance.strain == 1e-5
+    assert settings(tolerance={"temperature": 2.0}).tolerance.substeps == 1
+    divided = {"tolerance": {"temperature": 2.0}, "heat_substeps": 4}
+    assert settings(**divided).tolerance.substeps == 4
+
+
+def test_a_tolerance_bounds_the_first_step():
+    assert first_change(case_of().time) == 20.0
+    assert first_change(case_of(time={"tolerance": {"temperature": 2.0}}).time) == 2.0
+    assert first_change(case_of(time={"tolerance": {"temperature": 30.0}}).time) == 20.0
+    by_gaps = case_of(coupling={"scheme": "iterated"}, time={"tolerance": {"gap": 1e-6}})
+    assert first_change(by_gaps.time) == 20.0
 
 
 def test_times_of_fields_cut_no_steps():

@@ -8,13 +8,19 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.case.stages import Schedule
-from castx.coupling.change import StepChange
+from castx.coupling.change import StepChange, StepErrors
 from castx.coupling.step import CoupledProblem
 from castx.errors import ConvergenceError
 from castx.process.building import step_settings
 from castx.process.process import Process, StageProblem
-from castx.process.simulation import MOST_SUBSTEPS, Simulation
-from castx.process.step_control import StepControl, StepSettings
+from castx.process.simulation import Simulation
+from castx.process.step_control import (
+    MOST_SUBSTEPS,
+    SAFETY,
+    ErrorBounds,
+    StepControl,
+    StepSettings,
+)
 from castx.solvers.counters import StepCounters
 from tests import coupled_cases
 from tests.coupled_cases import TIGHT, cylinder, merged
@@ -38,6 +44,11 @@ class FakeProblem:
         if step > self.limit:
             raise ConvergenceError("too large for this problem")
         return StepChange(3, self.change * step, self.solid * step, self.frozen * step)
+
+    def step_errors(self) -> StepErrors:
+        """Return errors that grow with the heat steps and the steps."""
+        _, step, substeps = self.tried[-1]
+        return StepErrors(2.0 * step / substeps, 1e-6 * step, 1e-5 * step, 3.0, substeps)
 
     def settle(self) -> None:
         assert not self.tried
@@ -102,6 +113,36 @@ def test_fixed_steps_are_not_taken_again():
     assert steps[1:] == [2.0] * 5 and problem.rewinds == 0
 
 
+def test_steps_follow_their_tolerance():
+    """Errors of 2 K, 1 µm and 1e-5 for each second."""
+    for bounds, largest in (
+        (ErrorBounds(temperature=0.5), 0.25 * SAFETY),
+        (ErrorBounds(gap=5e-7), 0.5 * SAFETY),
+        (ErrorBounds(strain=4e-6), 0.4 * SAFETY),
+        (ErrorBounds(temperature=0.5, gap=5e-7, substeps=4), 0.5 * SAFETY),
+    ):
+        problem = FakeProblem(change=1e-3)
+        settings = {"tolerance": bounds, "reject_above": 1.2, "smallest": 1e-3}
+        states = list(simulation(problem, temperature_change=np.inf, **settings))
+        steps = [state.counters.step for state in states[1:-2]]
+        assert steps[-1] == pytest.approx(largest), bounds
+        assert states[1].counters.repeats > 0
+        assert problem.tried[-3][2] == (2 if bounds.substeps == 4 else 1)
+
+
+def test_errors_are_columns_of_a_run_with_a_tolerance():
+    bounded = simulation(FakeProblem(change=1e-3), tolerance=ErrorBounds(gap=1e-3))
+    errors = [state.errors for state in bounded]
+    assert errors[0] == {"temperature_error": 0.0, "gap_error": 0.0, "strain_error": 0.0}
+    assert errors[1] == {"temperature_error": 3.0, "gap_error": 1e-6, "strain_error": 1e-5}
+
+    class Unasked(FakeProblem):
+        def step_errors(self):
+            raise AssertionError("nobody asked for errors")
+
+    assert all(not state.errors for state in simulation(Unasked()))
+
+
 class GivenSteps(StepControl):
     """Takes the steps that it is given."""
 
@@ -116,10 +157,17 @@ class GivenSteps(StepControl):
         return False
 
 
-def test_a_try_that_changed_too_much_leaves_no_trace(comm):
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"solid_fraction_change": 0.004},
+        {"tolerance": {"temperature": 6.0, "gap": 4e-6}, "heat_substeps": 2},
+    ],
+)
+def test_a_try_that_changed_too_much_leaves_no_trace(comm, wanted):
     """The steps that were accepted, taken at once, end in the same state."""
     changes = {"time": {"end": 3.0, "first_step": 0.05, "largest_step": 4.0}} | TIGHT
-    data = cylinder(changes, {"time": {"solid_fraction_change": 0.004, "reject_above": 1.0}})
+    data = cylinder(changes, {"time": {"reject_above": 1.0, **wanted}})
     data["bodies"][0]["law"] = "thermo-elasto-plastic"
     data["materials"]["aluminium"] |= {
         "yield_stress": 3e7, "liquid": {"viscosity": 1e5, "coherency": 0.5},
@@ -135,6 +183,27 @@ def test_a_try_that_changed_too_much_leaves_no_trace(comm):
     for name, value in coupled_cases.fields(state).items():
         scale = comm.allreduce(np.abs(value).max(initial=0.0), max)
         np.testing.assert_allclose(value, found[name], rtol=0.0, atol=1e-9 * scale, err_msg=name)
+
+
+@pytest.mark.ranks
+def test_a_run_with_a_tolerance_goes_on_from_a_saved_state(comm):
+    """To the bit: steps, errors, and what they end in."""
+    tolerance = {"temperature": 6.0, "gap": 4e-6, "strain": 1e-4}
+    data = cylinder({"time": {"end": 2.0, "tolerance": tolerance}})
+    whole, saved = coupled_cases.simulation(comm, data), {}
+    for state in whole:
+        if state.step == 6:
+            saved = {name: item.values.copy() for name, item in whole.saved().items()}
+    ended = coupled_cases.fields(state), dict(state.errors), state.step
+    later = coupled_cases.simulation(comm, data)
+    later.restore(saved)
+    state = list(later)[-1]
+    assert (dict(state.errors), state.step) == ended[1:]
+    assert state.errors["temperature_error"] > 0.0
+    for name, value in coupled_cases.fields(state).items():
+        np.testing.assert_array_equal(value, ended[0][name], err_msg=name)
+    whole.destroy()
+    later.destroy()
 
 
 def test_counters_include_the_rejected_tries():

@@ -4,9 +4,18 @@ import math
 
 import pytest
 
-from castx.coupling.change import StepChange
+from castx.coupling.change import StepChange, StepErrors
 from castx.errors import ConvergenceError
-from castx.process.step_control import CUT, GROWTH, SAFETY, SHRINKAGE, StepControl, StepSettings
+from castx.process.step_control import (
+    CUT,
+    GROWTH,
+    SAFETY,
+    SHRINKAGE,
+    SMALLEST_CUT,
+    ErrorBounds,
+    StepControl,
+    StepSettings,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -236,3 +245,77 @@ def test_a_restart_begins_with_the_first_step_but_never_with_a_larger_one():
     constant = control(fixed=3.0)
     constant.restart()
     assert constant.propose(0.0) == 3.0
+
+
+def erring(temperature: float = 0.0, gap: float = 0.0, strain: float = 0.0, substeps: int = 1):
+    """Return the change of a step that has errors alone."""
+    errors = StepErrors(temperature, gap, strain, substeps=substeps)
+    return StepChange(1, 0.0, 0.0, errors=errors)
+
+
+BOUNDS = ErrorBounds(temperature=2.0, gap=1e-6, strain=1e-5)
+
+
+@pytest.mark.parametrize("name, allowed", [("temperature", 2.0), ("gap", 1e-6), ("strain", 1e-5)])
+def test_steps_aim_at_the_tolerance_of_each_error(name, allowed):
+    steps = control(tolerance=BOUNDS)
+    steps.accept(1.0, erring(**{name: 1.2 * allowed}), easy=True)
+    assert steps.propose(0.0) == pytest.approx(SAFETY / 1.2)
+    free = control(tolerance=ErrorBounds())
+    free.accept(1.0, erring(**{name: 1.2 * allowed}), easy=True)
+    assert free.propose(0.0) == pytest.approx(GROWTH)
+
+
+@pytest.mark.parametrize("name, allowed", [("temperature", 2.0), ("gap", 1e-6), ("strain", 1e-5)])
+def test_a_step_with_errors_far_beyond_the_tolerance_is_cut(name, allowed):
+    """Errors fall with the step, and below the first one as well, but not below the smallest."""
+    bound = {"tolerance": BOUNDS, "reject_above": 2.0}
+    assert not control(**bound).exceeds(4.0, erring(**{name: 1.99 * allowed}))
+    cuts = (2.1, SAFETY / 2.1), (1.5, 1.0), (4.0, SAFETY / 4.0), (1e3, SMALLEST_CUT)
+    for excess, share in cuts:
+        steps = control(**bound)
+        assert steps.exceeds(4.0, erring(**{name: excess * allowed})) == (share < 1)
+        assert steps.propose(0.0) == pytest.approx(4.0 * share if share < 1 else 1.0)
+    steps = control(**bound)
+    assert steps.exceeds(0.5, erring(**{name: 1e3 * allowed})) and steps.propose(0.0) == 0.1
+    assert not steps.exceeds(0.1, erring(**{name: 100 * allowed}))
+
+
+def test_what_changes_at_once_is_accepted():
+    """Its error does not fall with the step: no step is small enough for it."""
+    bound = {"tolerance": BOUNDS, "reject_above": 2.0}
+    steps = control(**bound)
+    assert steps.exceeds(4.0, erring(gap=8e-6))
+    assert not steps.exceeds(1.0, erring(gap=7e-6))
+    steps.accept(1.0, erring(gap=7e-6), easy=True)
+    assert steps.propose(0.0) == pytest.approx(SHRINKAGE)
+    assert steps.exceeds(4.0, erring(gap=8e-6)), "an accepted step ends the comparison"
+    assert steps.exceeds(1.0, erring(gap=3e-6)), "it does fall with the step"
+
+
+def test_heat_steps_divide_the_error_of_temperatures():
+    """With ten of them inside, a step whose single one errs by 2 K may be ten times as long."""
+    bounds = ErrorBounds(temperature=2.0, substeps=10)
+    steps = control(tolerance=bounds, reject_above=2.0)
+    assert not steps.exceeds(1.0, erring(temperature=2.0, substeps=1))
+    steps.accept(1.0, erring(temperature=2.0, substeps=1), easy=True)
+    assert steps.propose(0.0) == pytest.approx(GROWTH)
+    steps = control(tolerance=bounds)
+    steps.accept(1.0, erring(temperature=2.0, substeps=10), easy=True)
+    assert steps.propose(0.0) == pytest.approx(SAFETY)
+
+
+def test_a_restored_control_knows_what_was_rejected():
+    bound = {"tolerance": BOUNDS, "reject_above": 2.0}
+    steps, other = control(**bound), control(**bound)
+    steps.exceeds(4.0, erring(gap=8e-6))
+    other.restore({name: item.values for name, item in steps.saved().items()})
+    assert other.propose(0.0) == steps.propose(0.0)
+    assert not other.exceeds(1.0, erring(gap=7e-6))
+
+
+def test_fixed_steps_have_no_tolerance():
+    steps = control(fixed=4.0, tolerance=BOUNDS, reject_above=1.0)
+    assert not steps.exceeds(4.0, erring(gap=1.0))
+    steps.accept(4.0, erring(gap=1.0), easy=True)
+    assert steps.propose(0.0) == 4.0

@@ -58,6 +58,19 @@ def test_solution_and_report(comm):
     made.destroy()
 
 
+def test_a_linear_system_with_the_present_matrix(comm):
+    """Also before the first iteration, and of a matrix that has changed since the last one."""
+    made, x = solver(comm)
+    matrix, right = made.snes.getJacobian()[0], x.duplicate()
+    right.set(6.0)
+    for value in (2.0, 3.0):
+        jacobian(1, made.snes, x, matrix, matrix)
+        matrix.scale(value)
+        made.solve_linear(right, x)
+        assert x.array_r == pytest.approx(6.0 / value)
+    made.destroy()
+
+
 def test_options_act_under_the_prefix_and_leave_the_database(comm):
     before = PETSc.Options().getAll()
     made, x = solver(comm, options={"ksp_type": "cg", "ksp_max_it": 3, "pc_type": "none"})

@@ -1,5 +1,7 @@
 """A case in a coarser mesh and in larger steps."""
 
+import math
+
 import pytest
 
 from castx.case.reading.coarser import with_coarser_mesh, with_larger_steps
@@ -68,3 +70,12 @@ def test_all_that_bounds_steps_grows(tmp_path):
 def test_no_step_exceeds_the_run(tmp_path):
     case = case_of(tmp_path, "time.largest_step=0.15")
     assert with_larger_steps(case, 2.0).time.largest_step == 0.2
+
+
+def test_tolerances_grow_and_what_they_replace_stays_free(tmp_path):
+    given = ['time.tolerance={ temperature = "2 K", gap = "3 um" }', "time.skin_change=0.2"]
+    time = with_larger_steps(case_of(tmp_path, *given), 2.0).time
+    assert (time.tolerance.temperature, time.tolerance.strain) == (4.0, None)
+    assert time.tolerance.gap == pytest.approx(6e-6)
+    assert time.wanted("skin_change") == 0.4
+    assert time.wanted("solid_fraction_change") == math.inf
