@@ -72,7 +72,7 @@ class StepTolerance(Description):
     strain: Annotated[float, Quantity(PURE_NUMBER, above=0.0, below=1.0)] | None = None
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield that nothing is given."""
+        """Yield a tolerance of nothing."""
         if self.temperature is None and self.gap is None and self.strain is None:
             text = "at least one of temperature, gap and strain is needed"
             yield Problem((), text)

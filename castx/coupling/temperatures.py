@@ -44,7 +44,7 @@ class Temperatures(Protocol):
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         factors: Sequence[FloatArray] | None = None,
     ) -> HeatError:
-        """Return how far temperatures are off by the steps, see `HeatStepError.estimate`."""
+        """Return the errors of the temperatures by the steps, see `HeatStepError.estimate`."""
 
     def time_to_change(
         self, change: float, pairs: Sequence[tuple[PairState, PairState] | None] = ()

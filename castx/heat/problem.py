@@ -197,7 +197,7 @@ class HeatProblem:
         pairs: Sequence[tuple[PairState, PairState] | None] = (),
         factors: Sequence[FloatArray] | None = None,
     ) -> HeatError:
-        """Return how far temperatures are off by the steps, see `HeatStepError.estimate`."""
+        """Return the errors of the temperatures by the steps, see `HeatStepError.estimate`."""
         tried = TriedStep(*self._tried, [self._committed, *self._substates])
         return self._error.estimate(tried, pairs, factors, self._unknown)
 

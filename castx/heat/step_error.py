@@ -90,7 +90,7 @@ class HeatStepError:
     ) -> None:
         self._balance, self._solve = balance, solve
         self._capacities = [_solid_capacity(body) for body in balance.bodies]
-        self._committed = np.zeros((2, balance.layout.size_local))
+        self._committed: FloatArray = np.zeros((2, balance.layout.size_local))
         self._trial = self._committed
 
     def estimate(
@@ -172,7 +172,7 @@ class HeatStepError:
             sums[number] = body.volumes @ error[part], capacity
         surplus, capacity = np.abs(comm.allreduce(sums, op=MPI.SUM)).T
         means = surplus / np.where(capacity > 0.0, capacity, 1.0)
-        return max(comm.allreduce(largest, op=MPI.MAX), float(means.max(initial=0.0)))
+        return float(max(comm.allreduce(largest, op=MPI.MAX), means.max(initial=0.0)))
 
     def commit(self) -> None:
         """Accept the trial errors."""
