@@ -53,10 +53,10 @@ def test_python_in_the_documentation_runs(page, tmp_path, monkeypatch):
 
 
 def test_importing_castx_imports_little_else_of_it():
-    """Only its version, and what keeps libraries from obeying the starting folder."""
+    """Its version, and what keeps libraries from obeying the starting folder and taking signals."""
     code = "import sys, castx; print([m for m in sys.modules if m.startswith('castx.')])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "['castx.start_folder', 'castx.version']"
+    assert found.stdout.strip() == "['castx.signals', 'castx.start_folder', 'castx.version']"
 
 
 def test_names_are_listed_and_unknown_ones_refused():

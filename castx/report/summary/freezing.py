@@ -49,8 +49,8 @@ def still_liquid(run: Results, body: str, time: float, liquid: float) -> Finding
 def last_liquid(run: Results, body: str, before: float, after: float) -> Finding:
     """Return when and where the last liquid of a casting has frozen.
 
-    The last liquid is followed in every step. A pool that ends in the last of them says when, and
-    that nothing can feed what it shrinks by.
+    The last liquid is followed in every step. A pool that ends in the last of them says that
+    nothing can feed what it shrinks by; it ends as it bears, and its last liquid freezes later.
 
     Args:
         run: the results.
@@ -60,24 +60,21 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
     """
     pools = [
         spot for spot in run.record.get("hot_spots", [])
-        if spot["body"] == body and spot["ended"] is not None and before <= spot["ended"] <= after
+        if spot["body"] == body and spot["ended"] is not None and before < spot["ended"] <= after
     ]  # fmt: skip
     place: Sequence[float] | None
     followed = run.record.get("last_liquid", {}).get(body)
     if pools:
         latest = max(pools, key=lambda spot: float(spot["ended"]))
-        time, place = float(latest["ended"]), latest["place"]
-        told = "The last liquid freezes there; what it shrinks by then nothing can feed."
+        place = latest["place"]
+        told = "the last liquid freezes there; what it shrinks by then nothing can feed."
     else:
-        time = after
         place = last_place(run, body, after) if followed is None else followed["place"]
-        told = (
-            f"All solid in the step from {before:.4g} to {after:.4g} s; the last liquid was at "
-            "this place."
-        )
+        told = "the last liquid was at this place."
     return Finding(
-        LAST_LIQUID, body, time, "s", told,
-        place=place, time=time, shown=Shown("temperature", (body,), earlier(run.times, time)),
+        LAST_LIQUID, body, after, "s",
+        f"All solid in the step from {before:.4g} to {after:.4g} s; {told}",
+        place=place, time=after, shown=Shown("temperature", (body,), earlier(run.times, after)),
     )  # fmt: skip
 
 

@@ -187,7 +187,7 @@ def test_a_try_that_changed_too_much_leaves_no_trace(comm, wanted):
 
 @pytest.mark.ranks
 def test_a_run_with_a_tolerance_goes_on_from_a_saved_state(comm):
-    """To the bit: steps, errors, and what they end in."""
+    """To the bit: steps, errors, and what they end in; on several ranks sums vary in order."""
     tolerance = {"temperature": 6.0, "gap": 4e-6, "strain": 1e-4}
     data = cylinder({"time": {"end": 2.0, "tolerance": tolerance}})
     whole, saved = coupled_cases.simulation(comm, data), {}
@@ -198,10 +198,13 @@ def test_a_run_with_a_tolerance_goes_on_from_a_saved_state(comm):
     later = coupled_cases.simulation(comm, data)
     later.restore(saved)
     state = list(later)[-1]
-    assert (dict(state.errors), state.step) == ended[1:]
+    vary = 0.0 if comm.size == 1 else 1e-10
+    assert dict(state.errors) == pytest.approx(ended[1], rel=vary, abs=0.0)
+    assert state.step == ended[2]
     assert state.errors["temperature_error"] > 0.0
     for name, value in coupled_cases.fields(state).items():
-        np.testing.assert_array_equal(value, ended[0][name], err_msg=name)
+        scale = comm.allreduce(np.abs(value).max(initial=0.0), max)
+        np.testing.assert_allclose(value, ended[0][name], 0.0, vary * scale, err_msg=name)
     whole.destroy()
     later.destroy()
 

@@ -14,22 +14,23 @@ def pool(ended, place):
     return {"body": "casting", "ended": ended, "place": place}
 
 
-def test_the_pool_that_ends_last_says_when_and_where():
+def test_the_pool_that_ends_last_says_where():
+    """Not when: it ends as it bears, before the last of it is solid."""
     found = run()
     found.record["hot_spots"] = [
         pool(1.7, [0.01, 0.0]), pool(1.9, [0.02, 0.01]), pool(0.9, [0.0, 0.0]), pool(None, [9, 9]),
         {**pool(1.95, [7.0, 7.0]), "body": "other"},
     ]  # fmt: skip
     (last,) = freezing(found)
-    assert (last.topic, last.value, last.time) == (LAST_LIQUID, 1.9, 1.9)
-    assert last.place == [0.02, 0.01] and last.number == "1.9 s"
+    assert (last.topic, last.value, last.time) == (LAST_LIQUID, 2.0, 2.0)
+    assert last.place == [0.02, 0.01] and last.number == "2 s"
     assert last.shown.time == 1.0  # the last fields with liquid
 
 
 def test_the_last_liquid_that_was_followed_says_where_it_was():
     found = run()
     found.record["last_liquid"] = {"casting": {"time": 1.0, "place": [0.013, 0.002]}}
-    found.record["hot_spots"] = [pool(0.9, [0.0, 0.0])]  # it ended before the last step
+    found.record["hot_spots"] = [pool(1.0, [0.0, 0.0])]  # it ended before the last step began
     (last,) = freezing(found)
     assert last.value == 2.0 and last.place == [0.013, 0.002]
 

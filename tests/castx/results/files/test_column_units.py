@@ -25,6 +25,9 @@ COLUMNS = [
     ("casting.support_moment.x", "N m", "N m/m"),
     ("largest_pull", "N", "N/m"),
     ("energy_error", "1", "1"),
+    ("temperature_error", "K", "K"),
+    ("gap_error", "m", "m"),
+    ("strain_error", "1", "1"),
 ]
 
 
@@ -36,7 +39,8 @@ def test_units(column, whole, plane):
 
 def test_what_is_followed_has_a_unit_or_is_a_number():
     known = {*BODY_TOTALS, *INTERFACE_TOTALS, *RUN_TOTALS, *COUNTERS}
-    numbers = {"solid_fraction", "force_error", "closed_fraction", "energy_error", "cycle", "stage"}
+    numbers = {"solid_fraction", "closed_fraction", "cycle", "stage"}
+    numbers |= {"force_error", "energy_error", "strain_error"}
     counted = {*COUNTERS} - {"step", "wall"}
     assert known - UNITS.keys() == numbers | counted
     assert set(PER_DEPTH) < set(UNITS.values())
