@@ -205,7 +205,9 @@ def test_a_run_with_a_tolerance_goes_on_from_a_saved_state(comm):
     scales: dict[str, float] = {}
     for name, value in ended[0].items():
         kind = name.split()[-1]  # the hot casting moves by nothing, the mould by micrometres
-        scales[kind] = max(scales.get(kind, 0.0), comm.allreduce(np.abs(value).max(), max))
+        scales[kind] = max(
+            scales.get(kind, 0.0), comm.allreduce(np.abs(value).max(initial=0.0), max)
+        )
     for name, value in coupled_cases.fields(state).items():
         scale = scales[name.split()[-1]]
         np.testing.assert_allclose(value, ended[0][name], 0.0, vary * scale, err_msg=name)
