@@ -8,22 +8,43 @@ from math import pi
 import gmsh
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, LongArray
 from castx.meshes.cad.description import MILLIMETRES, CadPart
-from castx.meshes.cad.faces import Face
+from castx.meshes.cad.faces import Face, inner_parameters
 
 FILLING = 0.11
 """Volume of a cell over the cube of its size."""
 
 
-def curved_sizes(tag: int, points: FloatArray, count: float) -> FloatArray:
-    """Return the sizes at points of a face of which `count` go round its circle of curvature."""
-    if not len(points):
+def curved_sizes(tag: int, parameters: FloatArray, count: float) -> FloatArray:
+    """Return the sizes at points of a face of which `count` go round its circle of curvature.
+
+    Args:
+        tag: of the face.
+        parameters: of the points, flat: to find them of points beside a face takes milliseconds.
+        count: of cells.
+    """
+    if not len(parameters):
         return np.empty(0)
-    parameters = gmsh.model.getParametrization(2, tag, (MILLIMETRES * points).ravel())
     bounds = gmsh.model.getPrincipalCurvatures(tag, parameters)[:2]
     curvature = np.abs(np.array(bounds)).max(axis=0) * MILLIMETRES
     return np.asarray(2.0 * pi / count / np.maximum(curvature, 1e-9))
+
+
+def curved_triangles(tag: int, nodes: LongArray, count: float) -> FloatArray:
+    """Return the sizes at the triangles of a meshed face: of those at their corners the middle one.
+
+    A corner may be the tip of a cone, where sizes are as small as they like.
+
+    Args:
+        tag: of the face.
+        nodes: of its triangles, (triangles, 3).
+        count: of cells round a circle of curvature.
+    """
+    tags, _, parameters = gmsh.model.mesh.getNodes(2, tag, True, True)
+    order = np.argsort(tags)
+    sizes = curved_sizes(tag, parameters, count)[order]
+    return np.asarray(np.median(sizes[np.searchsorted(tags[order], nodes)], axis=1))
 
 
 def curved_cells(part: CadPart, faces: Sequence[Face]) -> tuple[float, float, FloatArray]:
@@ -40,7 +61,7 @@ def curved_cells(part: CadPart, faces: Sequence[Face]) -> tuple[float, float, Fl
     """
     cells, least, place = 0.0, part.size, np.zeros(3)
     for face in faces:
-        sizes = curved_sizes(face.tag, face.points, part.curvature)
+        sizes = curved_sizes(face.tag, inner_parameters(face.tag), part.curvature)
         size = min(float(np.median(sizes)), part.size)
         cells += face.area * (size**-2 - part.size**-2) / (2.0 * part.growth) / FILLING
         if size < least:

@@ -15,8 +15,6 @@ GRIDS = (7, 25, 80)
 """Points along each parameter of a face, until some lie in it."""
 ON_EDGE = 9
 """Points along each edge."""
-OFFSETS = (1e-2, 1e-3, 1e-4, 1e-5)
-"""Distance of the point that decides on which side a body lies, in square roots of the area."""
 FLAT = 1e-6
 """Curvature over a length of the face's size that counts as none."""
 ROUND = 1e-3
@@ -69,20 +67,30 @@ def faces_of(volumes: Mapping[int, str]) -> list[Face]:
         volumes: body of each volume of the current gmsh model.
     """
     found = []
+    signs = {volume: _orientations(volume) for volume in volumes}
     for _, tag in gmsh.model.getEntities(2):
         above = [int(v) for v in gmsh.model.getAdjacencies(2, tag)[0] if int(v) in volumes]
         bodies = tuple(dict.fromkeys(volumes[v] for v in above))
         if len(bodies) == 2 or len(above) == 1:
-            found.append(_face(tag, bodies, above[0]))
+            found.append(_face(tag, bodies, signs[above[0]][tag]))
     return found
 
 
-def _face(tag: int, bodies: tuple[str, ...], volume: int) -> Face:
+def _orientations(volume: int) -> dict[int, int]:
+    """Return for each face of a volume 1 where its parameters turn about the way out, else -1.
+
+    So a solid knows its inside; to ask of points on which side they lie takes many times as long.
+    """
+    around = gmsh.model.getBoundary([(3, volume)], combined=False, oriented=True)
+    return {abs(tag): 1 if tag > 0 else -1 for _, tag in around}
+
+
+def _face(tag: int, bodies: tuple[str, ...], orientation: int) -> Face:
     area = gmsh.model.occ.getMass(2, tag)
     parameters = inner_parameters(tag)
     inside = np.reshape(gmsh.model.getValue(2, tag, parameters), (-1, 3))
     normals = np.reshape(gmsh.model.getNormal(tag, parameters), (-1, 3))
-    sign = _outward(volume, inside, normals, area**0.5)
+    sign = orientation * _turn(tag, parameters, normals)
     return Face(
         tag,
         bodies,
@@ -118,17 +126,11 @@ def edge_points(tag: int) -> FloatArray:
     return np.concatenate(points)
 
 
-def _outward(volume: int, points: FloatArray, normals: FloatArray, length: float) -> float:
-    """Return 1 if the normals point out of a volume, else -1."""
-    for offset in OFFSETS:
-        for point, normal in zip(points, normals, strict=True):
-            ahead, behind = (
-                bool(gmsh.model.isInside(3, volume, point + side * offset * length * normal))
-                for side in (1.0, -1.0)
-            )
-            if ahead != behind:
-                return -1.0 if ahead else 1.0
-    return 1.0
+def _turn(tag: int, parameters: FloatArray, normals: FloatArray) -> float:
+    """Return 1 if gmsh's normals of a face are those about which its parameters turn, else -1."""
+    along = np.reshape(gmsh.model.getDerivative(2, tag, parameters), (-1, 2, 3))
+    turning = np.cross(along[:, 0], along[:, 1])
+    return 1.0 if float(np.einsum("ij,ij->", turning, normals)) >= 0.0 else -1.0
 
 
 def _radius(tag: int, parameters: FloatArray, length: float) -> float | None:

@@ -14,9 +14,9 @@ from math import ceil
 import gmsh
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray, LongArray
+from castx.arrays import FloatArray, LongArray
 from castx.meshes.cad.cells import TRIANGLE, node_points
-from castx.meshes.cad.curvature import FILLING, curved_sizes
+from castx.meshes.cad.curvature import FILLING, curved_triangles
 from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeRule
 from castx.meshes.cad.faces import Face
 
@@ -46,7 +46,8 @@ class Samples:
         points: their middles, (samples, 3) [m].
         normals: out of the first body of the face, (samples, 3).
         areas: [m²].
-        edges: which edges of its face each corner lies on, (samples, 3, edges of the model).
+        edges: tags of the edges of its face that each corner lies on, and 0, (samples, 3, most).
+        nodes: tags of the corners, (samples, 3).
     """
 
     faces: LongArray
@@ -54,13 +55,14 @@ class Samples:
     points: FloatArray
     normals: FloatArray
     areas: FloatArray
-    edges: BoolArray
+    edges: LongArray
+    nodes: LongArray
 
 
 def samples_of(faces: Sequence[Face]) -> Samples:
     """Return the triangles of the faces in the current gmsh model."""
     points = node_points()
-    owners, corners, normals, edges = [], [], [], []
+    owners, corners, normals, edges, tags = [], [], [], [], []
     for index, face in enumerate(faces):
         nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, face.tag)[1].astype(np.int64)
         places = points[nodes.reshape(-1, 3)]
@@ -68,6 +70,9 @@ def samples_of(faces: Sequence[Face]) -> Samples:
         corners.append(places)
         normals.append(_outward(face, places))
         edges.append(_on_edges(face, nodes.reshape(-1, 3)))
+        tags.append(nodes.reshape(-1, 3))
+    most = max(found.shape[2] for found in edges)
+    edges = [np.pad(on, ((0, 0), (0, 0), (0, most - on.shape[2]))) for on in edges]
     places = np.concatenate(corners)
     vectors = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
     return Samples(
@@ -77,17 +82,19 @@ def samples_of(faces: Sequence[Face]) -> Samples:
         np.concatenate(normals),
         0.5 * np.linalg.norm(vectors, axis=1),
         np.concatenate(edges),
+        np.concatenate(tags),
     )
 
 
-def _on_edges(face: Face, nodes: LongArray) -> BoolArray:
-    """Return a mask of the edges of the model on which the nodes of a face lie: (…, edges)."""
-    edges, around = gmsh.model.getEntities(1), gmsh.model.getBoundary([(2, face.tag)], False, False)
-    on = np.zeros((*nodes.shape, len(edges)), dtype=np.bool_)
+def _on_edges(face: Face, nodes: LongArray) -> LongArray:
+    """Return tags of the edges of a face on which its nodes lie, and 0: (triangles, 3, most)."""
+    around = gmsh.model.getBoundary([(2, face.tag)], combined=False, oriented=False)
+    edges = sorted({tag for _, tag in around})
+    on = np.zeros((*nodes.shape, max(1, len(edges))), dtype=np.int64)
     for place, edge in enumerate(edges):
-        if edge in around:
-            on[..., place] = np.isin(nodes, gmsh.model.mesh.getNodes(*edge, True)[0])
-    return on
+        on[..., place] = edge * np.isin(nodes, gmsh.model.mesh.getNodes(1, edge, True)[0])
+    on = -np.sort(-on, axis=2)
+    return on[..., : max(1, int((on > 0).sum(axis=2).max(initial=0)))]
 
 
 def _outward(face: Face, places: FloatArray) -> FloatArray:
@@ -122,7 +129,7 @@ def wall_thickness(
     thickness = np.full(len(side), np.inf)
     count = min(MOST, int(MOST_PAIRS / max(1, len(own))) + 1)
     asked = own[np.argsort(-samples.areas[own], kind="stable")[:count]]  # fillets have small ones
-    others = samples.corners[own], normals[own], np.logical_or.reduce(samples.edges[own], axis=1)
+    others = samples.corners[own], normals[own], samples.edges[own].reshape(len(own), -1)
     for first in range(0, len(asked), CHUNK):
         rows = asked[first : first + CHUNK]
         thickness[rows] = _to_other_side(
@@ -134,10 +141,10 @@ def wall_thickness(
 def _to_other_side(
     points: FloatArray,
     normals: FloatArray,
-    edges: BoolArray,
+    edges: LongArray,
     corners: FloatArray,
     other_normals: FloatArray,
-    other_edges: BoolArray,
+    other_edges: LongArray,
 ) -> FloatArray:
     """Return the distance to the next opposite triangle, along the inward normal.
 
@@ -147,10 +154,10 @@ def _to_other_side(
     Args:
         points: from which to look along the negative normals, (points, 3) [m].
         normals: outward ones.
-        edges: on which the corners of their triangles lie, (points, 3, edges).
+        edges: tags of those on which the corners of their triangles lie, and 0, (points, 3, most).
         corners: of triangles, (triangles, 3, 3) [m].
         other_normals: of these.
-        other_edges: that these touch, (triangles, edges).
+        other_edges: tags of those that these touch, and 0, (triangles, 3 most).
     """
     first, sides = corners[:, 0], corners[:, 1:] - corners[:, :1]
     cosines = normals @ other_normals.T
@@ -170,7 +177,8 @@ def _to_other_side(
         known &= share >= -ON_EDGE
     hits = np.where(known, depths, np.inf)
     rows, columns = np.nonzero(known & (hits < 3.0 * hits.min(axis=1)[:, None]))
-    off = 3 - (edges[rows] & other_edges[columns][:, None]).any(axis=2).sum(axis=1)
+    near, met = edges[rows][..., None], other_edges[columns][:, None, None]
+    off = 3 - ((near == met) & (near > 0)).any(axis=(2, 3)).sum(axis=1)
     hits[rows, columns] *= np.where(off < 3, 3.0 / np.maximum(off, 1), 1.0)
     return np.asarray(hits.min(axis=1))
 
@@ -208,7 +216,7 @@ def wanted_sizes(
         least = min([part.size, *(rule.size for rule in part.rules if _on(rule, face, named))])
         if part.interface_size is not None and len(face.bodies) == 2:
             least = min(least, part.interface_size)
-        curved = curved_sizes(face.tag, samples.points[here], part.curvature)
+        curved = curved_triangles(face.tag, samples.nodes[here], part.curvature)
         sizes[here] = np.minimum(least, curved)
     corners, wanted = [samples.corners], []
     bodies = dict.fromkeys(name for face in faces for name in face.bodies)

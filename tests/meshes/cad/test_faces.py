@@ -61,3 +61,58 @@ def test_radii_of_fillets_and_of_bores_with_normals_out_of_the_metal():
 def test_text_of_a_face():
     text = max(faces(two_blocks, "casting", "die"), key=lambda face: face.area).text
     assert text == "die: 0.0006 m² round (0.015, 0.01, -0.01) m, normal (0, 0, -1)"
+
+
+def block_with_cavity_and_channel(occ):
+    """A block round a ball that is another body, with a bore that its mirror image has too."""
+    block, ball = occ.addBox(-20, -20, -20, 40, 40, 40), occ.addSphere(0, 0, 0, 6)
+    rod = occ.addCylinder(-30, 14, 3, 60, 0, 0, 3)
+    occ.mirror([(3, block)], 1, 0, 0, 0)
+    return [rod, ball, block]
+
+
+@pytest.mark.parametrize("placed", [(), ((1.0, 2.0, 0.5), 0.7)])
+def test_normals_point_out_of_the_first_body(placed):
+    """Seen by points on both sides, round cavities, channels and edges, in any position."""
+    with gmsh_session():
+        rod, ball, block = block_with_cavity_and_channel(gmsh.model.occ)
+        if placed:
+            axis, angle = placed
+            every = [(3, tag) for tag in (rod, ball, block)]
+            gmsh.model.occ.rotate(every, 0, 0, 0, *axis, angle)
+        gmsh.model.occ.synchronize()
+        solids = [Solid(rod, "rod", "", 4), Solid(ball, "ball", "", 2), Solid(block, "block", "")]
+        volumes = join(solids, 0.0, [rod])
+        found = faces_of(volumes)
+        tags = {body: tag for tag, body in volumes.items()}
+        assert any(face.bodies == ("block",) and face.radius is not None for face in found)
+        for face in found:
+            tag = tags[face.bodies[0]]
+            for point, normal in zip(face.points, face.normals, strict=False):
+                ahead, behind = (1e3 * point + side * 1e-3 * normal for side in (1.0, -1.0))
+                assert not gmsh.model.isInside(3, tag, ahead)
+                assert gmsh.model.isInside(3, tag, behind)
+
+
+def test_normals_of_a_mirrored_part_point_out_of_it():
+    with gmsh_session():
+        (tag,) = rounded_block(gmsh.model.occ)
+        gmsh.model.occ.mirror([(3, tag)], 1, 1, 0, 0)
+        gmsh.model.occ.synchronize()
+        found = faces_of({tag: "casting"})
+    inside = np.mean([face.centre for face in found], axis=0)
+    for face in found:
+        assert (np.einsum("ij,j->i", face.normals, face.centre - inside) > 0).all()
+
+
+def test_no_point_is_classified_to_know_the_way_out(monkeypatch):
+    """It takes time in proportion to all faces for each one, minutes for parts of hundreds."""
+    asked, inside = [], gmsh.model.isInside
+
+    def counted(dim, *rest, **words):
+        asked.append(dim)
+        return inside(dim, *rest, **words)
+
+    monkeypatch.setattr(gmsh.model, "isInside", counted)
+    assert len(faces(rounded_block, "casting")) == 10
+    assert set(asked) == {2}
