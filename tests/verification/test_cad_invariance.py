@@ -168,7 +168,7 @@ def test_a_meshed_assembly_gives_one_result_wherever_it_lies(comm, shared_tmp_pa
     assert last["casting solid_fraction"].min() < 0.5 and last["pairs gap"].max() > 1e-5
     assert np.any(last["pairs contact_pressure"] > 0.0)
     placed = ran(comm, shared_tmp_path, PLACED)
-    assert len(placed) == len(own) == 5
+    assert len(placed) == len(own) >= 3
     for quantity in own[0]:
         first, second = (np.array([state[quantity] for state in run]) for run in (own, placed))
         assert first.shape == second.shape, quantity
