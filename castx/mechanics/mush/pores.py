@@ -7,8 +7,9 @@ At nodes that are not solid at the start of a step, with R the volume that nothi
 so that either R = 0 or p = Δp_c. A primal–dual active set (M. Hintermüller, K. Ito and K. Kunisch,
 SIAM Journal on Optimization 13 (2002)) changes between Newton iterations: a node opens where p
 exceeds Δp_c, and closes where R is negative. Melt that no feeder reaches has no pressure in rigid
-walls until a pore opens: its highest nodes begin open where it freezes, and where it rests they
-keep the pressure of the last step as long as R = 0.
+walls until a pore opens: one of its highest nodes begins open where it freezes, the one with most
+melt, and where it rests its highest nodes keep the pressure of the last step as long as R = 0. All
+highest nodes open would hold a pool without weight at the cavity pressure throughout.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.mechanics.liquid.regions import CellRegions
@@ -29,6 +30,8 @@ LEVEL = 1e-9
 """Difference of heads relative to the largest one by which two nodes are equally high."""
 EXCEEDING = 1e-9
 """Part of Δp_c by which p may exceed it; of the weight of the melt without it."""
+SAME_MELT = 1e-6
+"""Difference of liquid fractions by which two nodes have equally much melt."""
 MOST_CHANGES = 6
 """Changes of one node in a solution after which it stays open."""
 
@@ -81,8 +84,8 @@ class PoreSet:
         self.open = self._committed & self._may
         self.resting = self._may & False
         self.open |= self._left(conducts, empty) & self._may
-        open_tops, resting = self._tops(liquid > 0.0, freezes, conducts, fed)
-        self.open, self.resting = self.open | (open_tops & self._may), resting & self._may
+        first, resting = self._tops(liquid, freezes, conducts, fed)
+        self.open, self.resting = self.open | (first & self._may), resting & self._may
         self._changes[:] = 0
 
     def _left(self, conducts: BoolArray, empty: BoolArray) -> BoolArray:
@@ -94,29 +97,55 @@ class PoreSet:
         return np.asarray(beside & ~joined)[: self._owned]
 
     def _tops(
-        self, mushy: BoolArray, freezes: BoolArray, conducts: BoolArray, fed: BoolArray
+        self, liquid: FloatArray, freezes: BoolArray, conducts: BoolArray, fed: BoolArray
     ) -> tuple[BoolArray, BoolArray]:
-        """Return the highest owned nodes of pools without feeder or pore that freeze, and rest."""
+        """Return owned nodes of pools without feeder or pore: the first to open, and the resting.
+
+        The first of a pool that freezes is, of its highest nodes, the one with the most melt; of
+        equal ones the first in the mesh file. Where a pool rests, all its highest nodes do.
+        """
         comm = self._regions.comm
-        count, region = self._regions.find(conducts, mushy)
-        of_node = np.full(len(mushy), -1, dtype=np.int64)
+        count, region = self._regions.find(conducts, liquid > 0.0)
+        of_node = np.full(len(liquid), -1, dtype=np.int64)
         of_node[self._regions.cell_nodes[conducts]] = region[conducts][:, None]
-        inside = np.flatnonzero((of_node >= 0) & mushy)
+        inside = np.flatnonzero((of_node >= 0) & (liquid > 0.0))
         pool, held = of_node[inside], fed.copy()
         held[: self._owned] |= self.open
         reached, freezing = np.zeros((2, count), dtype=np.int32)
         reached[pool[held[inside]]] = 1
         freezing[pool[freezes[inside]]] = 1
-        lowest = np.full(count, np.inf)
-        np.minimum.at(lowest, pool, self._potential[inside])
         comm.Allreduce(MPI.IN_PLACE, reached, op=MPI.MAX)
         comm.Allreduce(MPI.IN_PLACE, freezing, op=MPI.MAX)
-        comm.Allreduce(MPI.IN_PLACE, lowest, op=MPI.MIN)
+        lowest = self._lowest_of_pools(self._potential[inside], pool, count)
         at_top = (self._potential[inside] <= lowest[pool] + self._level) & (reached[pool] == 0)
-        found = np.zeros((2, len(mushy)), dtype=bool)
-        found[0, inside[at_top & (freezing[pool] > 0)]] = True
-        found[1, inside[at_top & (freezing[pool] == 0)]] = True
-        return found[0, : self._owned], found[1, : self._owned]
+        freezes_there = freezing[pool] > 0
+        tops, of_top = inside[at_top & freezes_there], pool[at_top & freezes_there]
+        first = self._first_of_pools(tops, of_top, count, liquid)
+        return self._on_owners(first), self._on_owners(inside[at_top & ~freezes_there])
+
+    def _first_of_pools(
+        self, nodes: LongArray, pool: LongArray, count: int, liquid: FloatArray
+    ) -> LongArray:
+        """Return the local node with the most melt of each pool, of equal ones the first."""
+        most = -self._lowest_of_pools(-liquid[nodes], pool, count)
+        melting = liquid[nodes] >= most[pool] - SAME_MELT
+        nodes, pool = nodes[melting], pool[melting]
+        numbers = self._body.original_nodes[nodes].astype(np.float64)
+        first = self._lowest_of_pools(numbers, pool, count)
+        return np.asarray(nodes[numbers == first[pool]])
+
+    def _lowest_of_pools(self, values: FloatArray, pool: LongArray, count: int) -> FloatArray:
+        """Return the lowest value of each pool over all ranks, shape (count,); collective."""
+        lowest = np.full(count, np.inf)
+        np.minimum.at(lowest, pool, values)
+        self._regions.comm.Allreduce(MPI.IN_PLACE, lowest, op=MPI.MIN)
+        return lowest
+
+    def _on_owners(self, nodes: LongArray) -> BoolArray:
+        """Return a mask of the owned nodes that any rank has found, shape (owned,); collective."""
+        found = np.zeros(len(self._potential))
+        found[nodes] = 1.0
+        return np.asarray(nodal_sum(self._body, found)[: self._owned] > 0.0)
 
     def change(self, missing: FloatArray, volumes: FloatArray, stress: FloatArray) -> bool:
         """Open and close pores at an iterate; return whether any has changed on this rank.

@@ -35,8 +35,43 @@ def own(found: PoreSet, mask: BoolArray) -> BoolArray:
     return mask[: len(found.open)]
 
 
+def everywhere(found: PoreSet, body: BodyMesh, mask: BoolArray) -> np.ndarray:
+    """Return the places (x, y) of owned nodes of a mask on all ranks [m], in no order."""
+    places = body.points[: len(found.open), :2][mask]
+    return np.concatenate(body.mesh.comm.allgather(places))
+
+
 @pytest.mark.ranks
-def test_highest_nodes_of_pools_that_nothing_reaches(comm):
+def test_one_highest_node_of_a_pool_that_nothing_reaches(comm):
+    """Two pools that a solid middle parts; one of them is fed. Melt is most at one place."""
+    body, found = pores(comm)
+    x, y = body.points[:, 0], body.points[:, 1]
+    solid = np.isclose(x, LENGTH / 2)
+    corners = body.nodes.dofmap.list
+    conducts = ~solid[corners].any(axis=1)
+    top = np.isclose(y, WIDTH) & (x > 0.6 * LENGTH)
+    columns = np.unique(np.concatenate(comm.allgather(x[top])).round(9))
+    for place in columns[1:-1]:
+        liquid = np.where(solid, 0.0, 0.5 - np.abs(x - place))
+        begin(body, found, liquid=liquid, conducts=conducts, fed=np.isclose(x, 0.0))
+        opened = everywhere(found, body, found.open)
+        np.testing.assert_allclose(opened, [[place, WIDTH]], atol=1e-9)
+        found.rewind()
+
+
+@pytest.mark.ranks
+def test_of_equal_nodes_the_first_of_the_mesh_file(comm):
+    """Not of equal height, nor with more melt than rounding."""
+    body, found = pores(comm)
+    top = np.isclose(body.points[:, 1], WIDTH)
+    begin(body, found, liquid=1.0 - 1e-8 * np.arange(len(top)) / len(top))
+    lowest = min(comm.allgather(body.original_nodes[top].min(initial=10**9)))
+    opened = np.concatenate(comm.allgather(body.original_nodes[: len(found.open)][found.open]))
+    np.testing.assert_array_equal(opened, [lowest])
+
+
+@pytest.mark.ranks
+def test_highest_nodes_of_pools_that_nothing_reaches_rest(comm):
     """Two pools that a solid middle parts; one of them is fed."""
     body, found = pores(comm)
     x, y = body.points[:, 0], body.points[:, 1]
@@ -44,9 +79,12 @@ def test_highest_nodes_of_pools_that_nothing_reaches(comm):
     corners = body.nodes.dofmap.list
     conducts = ~solid[corners].any(axis=1)
     liquid = np.where(solid, 0.0, 0.5)
-    begin(body, found, liquid=liquid, conducts=conducts, fed=np.isclose(x, 0.0))
+    none = np.zeros(len(x), dtype=bool)
+    fed = np.isclose(x, 0.0)
+    begin(body, found, liquid=liquid, conducts=conducts, fed=fed, freezes=none)
     expected = np.isclose(y, WIDTH) & (x > 0.6 * LENGTH)
-    np.testing.assert_array_equal(found.open, own(found, expected))
+    np.testing.assert_array_equal(found.resting, own(found, expected))
+    assert not found.open.any()
 
 
 @pytest.mark.ranks
@@ -63,10 +101,12 @@ def test_melt_that_rests_keeps_its_pressure_until_it_lacks_volume(comm):
     assert not found.resting.any()
 
 
-def test_without_weight_all_nodes_are_highest(comm):
+@pytest.mark.ranks
+def test_without_weight_one_node_opens(comm):
+    """All are highest: open, they would hold the pool at the cavity pressure throughout."""
     body, found = pores(comm, np.zeros(2))
-    begin(body, found)
-    assert found.open.all()
+    begin(body, found, liquid=1.0 - np.hypot(*(body.points[:, :2] - [LENGTH, 0.0]).T))
+    np.testing.assert_allclose(everywhere(found, body, found.open), [[LENGTH, 0.0]], atol=1e-9)
 
 
 def test_nodes_open_by_tension_and_close_by_compression(comm):
