@@ -72,8 +72,11 @@ def __getattr__(name: str) -> object:
     """Import a public object at its first use: the solvers take a second, the version none."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from castx.imports import unsearched
+
     module, _, inside = _MODULES[name].partition(":")
-    return getattr(import_module(module), inside or name)
+    with unsearched():
+        return getattr(import_module(module), inside or name)
 
 
 def __dir__() -> list[str]:

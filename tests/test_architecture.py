@@ -18,8 +18,8 @@ PROJECT = Path(__file__).parents[1]
 
 # The rooms of castx from the ground: a module imports from its own room and from those before it.
 ORDER = [
-    "signals start_folder arrays errors version commit tables stateful environment ranks form_rows "
-    "profiling",
+    "signals start_folder imports arrays errors version commit tables stateful environment ranks "
+    "form_rows profiling",
     "forms meshes meshes/cad meshes/generators",
     "input",
     "transfer",

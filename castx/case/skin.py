@@ -32,7 +32,6 @@ from dataclasses import dataclass
 from math import ceil, floor, log, log10
 
 import numpy as np
-from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
@@ -212,6 +211,8 @@ def finest(size: float, dimension: int) -> float:
         dimension: of the mesh.
     """
     allowed = MOST_GROWTH[dimension] ** (1.0 / dimension)
+
+    from scipy.optimize import brentq  # few cases need it, and it takes long to import
 
     def excess(ratio: float) -> float:
         return float(-log(ratio) / (1.0 - ratio) - allowed)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import IntEnum
 from pathlib import Path
@@ -14,9 +15,10 @@ from typing import Annotated, cast
 from mpi4py import MPI
 
 import typer
+from rich.console import RenderableType
 
 from castx.command.foreign import verify
-from castx.command.look_up import EntryName, EntryPlot, look_up
+from castx.command.look_up import interfaces, materials
 from castx.command.new import new
 from castx.command.refusals import naming, seconds
 from castx.command.scheil import scheil
@@ -33,6 +35,7 @@ from castx.command.terminal import (
 from castx.commit import commit
 from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
 from castx.handover.target import Target
+from castx.imports import kept
 from castx.input.printable import printable
 from castx.ranks import common_code, on_first_rank
 from castx.version import __version__
@@ -71,7 +74,9 @@ class Exit(IntEnum):
 
 def main() -> None:
     """Run the command line and exit with its code."""
-    sys.exit(execute(sys.argv[1:], MPI.COMM_WORLD))
+    code = execute(sys.argv[1:], MPI.COMM_WORLD)
+    gc.freeze()  # the end of the process gives all back, without a search for what is garbage
+    sys.exit(code)
 
 
 def execute(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
@@ -171,14 +176,28 @@ def run(
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
-    from castx.command.estimate import estimate_table, run_estimate
-    from castx.command.listing import profile_table
-    from castx.command.run import run as run_case_file
-    from castx.command.sensitivity import run_sensitivity, sensitivity_table
-    from castx.environment import blas_advantage, blas_warning
+    with kept():
+        from castx.command.run import run as run_case_file
+        from castx.environment import blas_advantage, blas_warning
 
     if estimate and sensitivity is not None:
         raise typer.BadParameter("--estimate and --sensitivity are runs of their own: take one")
+    tables: list[Callable[[Path], RenderableType]] = []
+    solve: Callable[..., Path] = run_case_file
+    if profile:
+        from castx.command.listing import profile_table
+
+        tables.append(profile_table)
+    if sensitivity is not None:
+        from castx.command.sensitivity import run_sensitivity, sensitivity_table
+
+        solve = run_sensitivity
+        tables.append(sensitivity_table)
+    if estimate:
+        from castx.command.estimate import estimate_table, run_estimate
+
+        solve = run_estimate
+        tables.append(estimate_table)
     comm, console = output_of(context)
     show_details(comm, log or ())
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):
@@ -186,7 +205,6 @@ def run(
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
         with naming(case_file):
-            solve = run_estimate if estimate else run_sensitivity if sensitivity else run_case_file
             folder = solve(
                 case_file, overrides or (), output=output, comm=comm, restart=restart,
                 time_limit=limit, profile=profile,
@@ -194,8 +212,7 @@ def run(
     except KeyboardInterrupt as error:  # typer would not say why
         say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
-    tables = (profile, profile_table), (sensitivity, sensitivity_table), (estimate, estimate_table)
-    for table in (table for wanted, table in tables if wanted and comm.rank == 0):
+    for table in tables if comm.rank == 0 else ():
         console.print(table(folder))
     console.print(f"done: {folder}\npictures and curves: castx report {folder}", markup=False)
 
@@ -211,9 +228,10 @@ def check(
     overrides: Overrides = None,
 ) -> None:
     """Validate a case, build its mesh and name its bodies, surfaces and interfaces; no solve."""
-    from castx.case.reading.read import load_case
-    from castx.command.check import check_case
-    from castx.studies.asked.reading import refuse_wrong_studies
+    with kept():
+        from castx.case.reading.read import load_case
+        from castx.command.check import check_case
+        from castx.studies.asked.reading import refuse_wrong_studies
 
     comm, console = output_of(context)
     with naming(case_file):
@@ -233,9 +251,10 @@ def mesh(
     overrides: Overrides = None,
 ) -> None:
     """Write the mesh of a case for gmsh (.msh) or another program (.vtu, .inp, .med, …)."""
-    from castx.case.reading.read import load_case
-    from castx.domain.memory import refuse_too_large
-    from castx.domain.source import write_mesh
+    with kept():
+        from castx.case.reading.read import load_case
+        from castx.domain.memory import refuse_too_large
+        from castx.domain.source import write_mesh
 
     comm, console = output_of(context)
     with naming(case_file):
@@ -261,7 +280,8 @@ def report(
     ] = None,
 ) -> None:
     """Write report.html into a results folder; of several, comparison.html here."""
-    from castx.report.page.comparison import write_page
+    with kept():
+        from castx.report.page.comparison import write_page
 
     comm, console = output_of(context)
     if comm.rank == 0:
@@ -292,7 +312,8 @@ def export(
     ] = None,
 ) -> None:
     """Hand a body over: to CalculiX, as tables, as its distorted or compensated surface."""
-    from castx.handover.export import Request, exported
+    with kept():
+        from castx.handover.export import Request, exported
 
     comm, console = output_of(context)
     request = Request(
@@ -303,32 +324,7 @@ def export(
         console.print(line, markup=False, style=style)
 
 
-@app.command()
-def materials(
-    context: typer.Context,
-    name: EntryName = None,
-    case_file: Annotated[
-        Path | None,
-        typer.Option("--case", metavar="CASE.toml", help="Take the materials of a case too."),
-    ] = None,
-    plot: EntryPlot = None,
-) -> None:
-    """List the materials of the database, or the numbers of one with units, ranges and sources."""
-    from castx.case.reading.read import load_case
-    from castx.command.listing import material_list, material_table
-    from castx.materials.lookup import find_material
-
-    given = {} if case_file is None else load_case(case_file).materials
-
-    def draw(path: Path) -> None:
-        from castx.report.material_figure import write_figure
-
-        write_figure(find_material(name or "", given), path)
-
-    table = material_list(given) if name is None else material_table(name, given)
-    look_up(context, table, draw, name, plot)
-
-
+app.command()(materials)
 for command in (scheil, verify, *STUDY_COMMANDS):
     app.command()(command)
 
@@ -350,27 +346,14 @@ def validate(
     list_or_validate(name, folder, output, *output_of(context), run_case_file, executor)
 
 
-@app.command()
-def interfaces(context: typer.Context, name: EntryName = None, plot: EntryPlot = None) -> None:
-    """List the interfaces of the database, or the numbers of one with units, ranges and sources."""
-    from castx.command.listing import interface_list, interface_table
-
-    def draw(path: Path) -> None:
-        from castx.report.interface_figure import write_interface_figure
-
-        write_interface_figure(name or "", path)
-
-    table = interface_list() if name is None else interface_table(name)
-    look_up(context, table, draw, name, plot)
+app.command()(interfaces)
 
 
 @app.command("app")
 def local_page(
     context: typer.Context,
     folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="With case files.")] = Path("."),
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Of 127.0.0.1; 0: a free one.")
-    ] = 0,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Of 127.0.0.1; 0: a free one.")] = 0,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Print the address only.")
     ] = False,

@@ -48,3 +48,41 @@ def look_up(
         return
     on_first_rank(comm, lambda: draw(plot))
     console.print(f"written: {plot}", markup=False)
+
+
+def materials(
+    context: typer.Context,
+    name: EntryName = None,
+    case_file: Annotated[
+        Path | None,
+        typer.Option("--case", metavar="CASE.toml", help="Take the materials of a case too."),
+    ] = None,
+    plot: EntryPlot = None,
+) -> None:
+    """List the materials of the database, or the numbers of one with units, ranges and sources."""
+    from castx.case.reading.read import load_case
+    from castx.command.listing import material_list, material_table
+    from castx.materials.lookup import find_material
+
+    given = {} if case_file is None else load_case(case_file).materials
+
+    def draw(path: Path) -> None:
+        from castx.report.material_figure import write_figure
+
+        write_figure(find_material(name or "", given), path)
+
+    table = material_list(given) if name is None else material_table(name, given)
+    look_up(context, table, draw, name, plot)
+
+
+def interfaces(context: typer.Context, name: EntryName = None, plot: EntryPlot = None) -> None:
+    """List the interfaces of the database, or the numbers of one with units, ranges and sources."""
+    from castx.command.listing import interface_list, interface_table
+
+    def draw(path: Path) -> None:
+        from castx.report.interface_figure import write_interface_figure
+
+        write_interface_figure(name or "", path)
+
+    table = interface_list() if name is None else interface_table(name)
+    look_up(context, table, draw, name, plot)

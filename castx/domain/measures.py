@@ -103,7 +103,7 @@ def nodal_area_vectors(
     """
     gdim = body.mesh.geometry.dim
     ds = surface_measure(body, model, degree)(body.surface_tag(surface))
-    v = ufl.TestFunction(fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,))))
+    v = ufl.TestFunction(body.vectors)
     normal = ufl.FacetNormal(body.mesh)
     return _assembled(nodal_area_vector(v, normal, ds.weight, ds.measure)).reshape(-1, gdim)
 
@@ -127,7 +127,7 @@ def facet_areas(
     weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
     ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=tags)(1)
     areas = _assembled(nodal_measure(ufl.TestFunction(body.nodes), weight, ds))
-    v = ufl.TestFunction(fem.functionspace(body.mesh, ("Lagrange", 1, (gdim,))))
+    v = ufl.TestFunction(body.vectors)
     vectors = nodal_area_vector(v, ufl.FacetNormal(body.mesh), weight, ds)
     return areas, _assembled(vectors).reshape(-1, gdim)
 

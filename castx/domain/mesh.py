@@ -105,6 +105,11 @@ class BodyMesh:
         """A vector over the nodes in which sums over ranks are made; the first time collective."""
         return la.vector(self.nodes.dofmap.index_map)
 
+    @cached_property
+    def vectors(self) -> fem.FunctionSpace:
+        """Linear functions with a vector at each node; the first time collective."""
+        return fem.functionspace(self.mesh, ("Lagrange", 1, (self.mesh.geometry.dim,)))
+
     def surface_tag(self, name: str) -> int:
         """Return the tag of a surface.
 

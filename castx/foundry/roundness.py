@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from castx.arrays import FloatArray
 
@@ -29,6 +28,8 @@ def roundness(points: FloatArray, areas: FloatArray | None = None) -> float:
         points: in the plane of the section, (n, 2) [m].
         areas: weights of the points, (n,) [m²]; None: all count alike.
     """
+    from scipy.optimize import least_squares  # few runs need it, and it takes long to import
+
     shares = np.ones(len(points)) if areas is None else areas
     away = points - np.average(points, axis=0, weights=shares)
     size = float(np.abs(away).max())

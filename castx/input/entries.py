@@ -35,7 +35,12 @@ _DOTTED_NAME = re.compile(r"[\w+-](?:[\w+. -]*[\w+-])?")
 class Description(BaseModel):
     """A frozen part of a case that refuses unknown keys and contradictions with their path."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        arbitrary_types_allowed=True,
+        defer_build=True,  # parts of a case are built with it, or not at all
+    )
 
     @model_validator(mode="wrap")
     @classmethod

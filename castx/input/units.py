@@ -7,11 +7,12 @@ import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
-from typing import Any
-
-import pint
+from typing import TYPE_CHECKING, Any
 
 from castx.errors import CaseError
+
+if TYPE_CHECKING:
+    import pint
 
 ABSOLUTE_ZERO = -273.15  # °C
 HOTTEST = 10_000.0  # °C; every element boils below 6000 °C
@@ -71,10 +72,38 @@ THERMAL_RESISTANCE = Dimension("a thermal resistance of a surface", "m^2*K/W", (
 ACCELERATION = Dimension("an acceleration", "m/s^2", ("m/s^2", "mm/s^2"))
 PURE_NUMBER = Dimension("a number without unit", "", ())
 
+FACTORS: dict[str, dict[str, float]] = {
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "inch": 0.0254},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "degC": {"degC": 1.0, "°C": 1.0},
+    "K": {"K": 1.0, "degC": 1.0, "°C": 1.0},
+    "kg/m^3": {"kg/m^3": 1.0, "g/cm^3": 999.9999999999999},
+    "J/kg/K": {"J/kg/K": 1.0, "kJ/kg/K": 1e3},
+    "W/m/K": {"W/m/K": 1.0, "W/mm/K": 1e3},
+    "J/kg": {"J/kg": 1.0, "kJ/kg": 1e3},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/mm^2": 1e6},
+    "deg": {"deg": 1.0, "rad": 57.29577951308232},
+    "N": {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    "N/m": {"N/m": 1.0, "kN/mm": 1e6, "MN/mm": 1e9},
+    "Pa/m": {"Pa/m": 1.0, "GPa/m": 1e9, "MPa/mm": 1e9, "GPa/mm": 1e12},
+    "1/K": {"1/K": 1.0, "um/m/K": 1e-6},
+    "Pa*s": {"Pa*s": 1.0, "MPa*s": 1e6},
+    "J/mol": {"J/mol": 1.0, "kJ/mol": 1e3},
+    "W/m^2": {"W/m^2": 1.0, "kW/m^2": 1e3},
+    "W/m^3": {"W/m^3": 1.0, "kW/m^3": 1e3},
+    "W/m^2/K": {"W/m^2/K": 1.0, "kW/m^2/K": 1e3},
+    "m^2*K/W": {"m^2*K/W": 1.0},
+    "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3},
+}
+"""By SI unit the factors of the common units, to the last digit those of pint, whose table of all
+units takes as long to read as the rest of a case."""
+
 
 @cache
 def registry() -> pint.UnitRegistry:
     """Return the table of units, read once."""
+    import pint
+
     return pint.UnitRegistry()
 
 
@@ -135,6 +164,12 @@ def converted(amount: float, unit: str, wanted: str) -> float:
 
 
 def _in_si(amount: float, text: str, dimension: Dimension) -> float:
+    scaled = dimension.difference or dimension.unit == "degC"  # else one with another origin
+    factor = FACTORS.get(dimension.unit, {}).get(text) if scaled else None
+    return _by_pint(amount, text, dimension) if factor is None else amount * factor
+
+
+def _by_pint(amount: float, text: str, dimension: Dimension) -> float:
     unit = _unit(text, dimension)
     table = registry()
     si = table.Unit(dimension.unit or "dimensionless")

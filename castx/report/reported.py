@@ -57,7 +57,7 @@ class ReportedRun(Results):
         """
         times = self.times
         if body is not None:
-            times = [found for found in times if body in self.grids(found)] or times
+            times = [found for found in times if body in self.bodies_at(found)] or times
         if time is None:
             return times[-1]
         return min(times, key=lambda written: abs(written - time))

@@ -108,6 +108,17 @@ class Results(RunTables):
         """
         return self._fields.times
 
+    def bodies_at(self, time: float | None = None) -> list[str]:
+        """Return the names of the bodies that are there at a time; their fields are not read.
+
+        Args:
+            time: one of `times` [s]; None: the last one.
+
+        Raises:
+            CaseError: no fields were written at that time.
+        """
+        return self._fields.bodies(self._written(time))
+
     def grids(self, time: float | None = None) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies that are there at a time with all written fields, for pyvista.
 
@@ -196,7 +207,7 @@ class Results(RunTables):
         """
         if body not in self.bodies:
             raise CaseError(f"no body {body!r}; {among(body, self.bodies)}")
-        there = [time for time in self.times if body in self.grids(time)]
+        there = [time for time in self.times if body in self.bodies_at(time)]
         found = [self.field(name, body, time) for time in there]
         first = found[0]
         points = first.points[first.cells].mean(axis=1) if first.in_cells else first.points
@@ -209,7 +220,7 @@ class Results(RunTables):
             CaseError: the interface is not there, or the field was not written.
         """
         both = set(interface.split("/"))
-        there = [time for time in self.times if both <= set(self.grids(time))]
+        there = [time for time in self.times if both <= set(self.bodies_at(time))]
         found = [self.interface(interface, time) for time in there or self.times]
         values = np.array([at.values[name] for at in found])
         return FieldOverTime(np.array(there), values, found[0].points)

@@ -11,7 +11,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
-from scipy.optimize import brentq
 
 from castx.arrays import BoolArray
 
@@ -107,6 +106,8 @@ def critical_part(
         if part not in known:
             known[part] = finite(part)
         return known[part]
+
+    from scipy.optimize import brentq  # few runs need it, and it takes long to import
 
     part = float(brentq(remembered, 0.0, 1.0, xtol=SHORTEST, rtol=precision, disp=False))
     return part if part > SHORTEST else None

@@ -137,7 +137,7 @@ def stills(run: ReportedRun) -> list[Shot]:
         return []
     what = chosen_times(run.times, moments(run))
     times = shown_times(list(what), [], MOST_STILLS)
-    bodies = tuple(run.freezing or run.grids())
+    bodies = tuple(run.freezing or run.bodies_at())
     made = [shot(run, topic_of(field), time, Shown(field, bodies)) for time in times]
     return [
         replace(one, title=f"t = {time:.4g} s" + (f": {what[time]}" if what[time] else ""))

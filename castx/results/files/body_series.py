@@ -37,6 +37,10 @@ class BodySeries:
         self._bodies = sorted(bodies, key=lambda body: body.number)
         self.times: list[float] = sorted({float(time) for body in bodies for time in body.times})
 
+    def bodies(self, time: float) -> list[str]:
+        """Return the names of the bodies at one of the times, without their fields."""
+        return [body.name for body in self._bodies if time in body.times]
+
     def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies at one of the times.
 

@@ -24,6 +24,9 @@ class WrittenFields(Protocol):
 
     times: list[float]
 
+    def bodies(self, time: float, /) -> list[str]:
+        """Return the names of the bodies at one of the times."""
+
     def read(self, time: float, /) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies at one of the times."""
 
@@ -51,6 +54,10 @@ class FieldSeries:
                 f"there are no fields in {folder}: neither {fields / f'BODY{ENDING}'} nor "
                 f"{fields / COLLECTION}"
             )
+
+    def bodies(self, time: float) -> list[str]:
+        """Return the names of the bodies at one of the times, without reading their fields."""
+        return self._written.bodies(time)
 
     def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies at one of the times.
@@ -87,6 +94,10 @@ class PieceSeries:
         if not self._pieces:
             raise CaseError(f"{collection} is damaged: it names no fields")
         self.times: list[float] = sorted(self._pieces)
+
+    def bodies(self, time: float) -> list[str]:
+        """Return the names of the bodies at one of the times."""
+        return list(dict.fromkeys(body for body, _ in self._pieces[time]))
 
     def read(self, time: float) -> dict[str, pyvista.UnstructuredGrid]:
         """Return the bodies at one of the times, the pieces of all ranks put together.

@@ -1,5 +1,6 @@
 """The command line: what it prints, and exit codes that are the same on all ranks."""
 
+import gc
 import re
 import subprocess
 import sys
@@ -7,7 +8,7 @@ import sys
 import pytest
 
 import castx.command.run
-from castx.command.cli import execute
+from castx.command.cli import execute, main
 from castx.commit import commit
 from castx.errors import ConvergenceError
 from tests.castx.command_line import start
@@ -247,6 +248,26 @@ def test_the_command_itself_loads_neither_units_nor_solvers():
     code = "import sys, castx.command.cli; print([m for m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"pint", "pydantic", "numpy", "dolfinx"} & set(eval(found.stdout))
+
+
+@pytest.mark.serial
+def test_a_run_loads_nothing_that_draws_and_no_optimiser():
+    code = "import sys, castx.command.cli, castx.command.run; print([m for m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"pint", "pyvista", "matplotlib", "scipy.optimize"} & set(eval(found.stdout))
+
+
+@pytest.mark.serial
+def test_the_end_of_the_command_searches_for_no_garbage(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["castx", "--version"])
+    before = gc.get_freeze_count()
+    try:
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert ended.value.code == 0 and capsys.readouterr().out.startswith("castx ")
+        assert gc.get_freeze_count() > before + 1000
+    finally:
+        gc.unfreeze()
 
 
 @pytest.mark.ranks

@@ -170,3 +170,17 @@ def test_refused_rows(rows, path, text):
 def test_table_sizes_are_bounded(rows):
     with pytest.raises(CaseError, match=f"1 to {LONGEST_TABLE} rows, got {len(rows)}"):
         over_time(LENGTH).read(rows)
+
+
+def test_a_part_of_a_case_is_built_when_it_is_first_read():
+    """Most are built as parts of others: each by itself would double the start of a command."""
+
+    class Part(Description):
+        length: Annotated[float, Quantity(LENGTH)] = 1.0
+
+    class All(Description):
+        part: Part
+
+    assert not Part.__pydantic_complete__ and not All.__pydantic_complete__
+    assert All.read({"part": {"length": "2 mm"}}).part.length == 2e-3
+    assert All.__pydantic_complete__ and not Part.__pydantic_complete__

@@ -1,7 +1,10 @@
 """Numbers with units."""
 
 import math
+import subprocess
+import sys
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -178,3 +181,33 @@ def test_numbers_are_converted_between_units_of_a_kind(amount, unit, wanted, fou
 def test_numbers_of_another_kind_are_not_converted(unit, wanted):
     with pytest.raises(CaseError, match=unit):
         converted(1.0, unit, wanted)
+
+
+COMMON = [(unit, text) for unit, factors in units.FACTORS.items() for text in factors]
+DIMENSIONS = [found for found in vars(units).values() if isinstance(found, units.Dimension)]
+
+
+@pytest.mark.parametrize("unit, text", COMMON)
+def test_a_common_unit_is_to_the_last_digit_what_pint_makes_of_it(unit, text):
+    draws = np.random.default_rng(1).uniform(-1.0, 1.0, 20) * 10.0 ** np.arange(-10.0, 10.0)
+    kinds = [dimension for dimension in DIMENSIONS if dimension.unit == unit]
+    assert kinds
+    for dimension in kinds:
+        for x in draws:
+            found = units._in_si(float(x), text, dimension)
+            assert found == units._by_pint(float(x), text, dimension)
+
+
+def test_all_units_that_messages_name_are_known_without_pint():
+    """But for temperatures with another origin."""
+    named = {(d.unit, text) for d in DIMENSIONS for text in d.units}
+    assert named - set(COMMON) == {("degC", "K"), ("degC", "degF")}
+
+
+def test_common_units_do_not_load_pint():
+    code = (
+        "import sys; from castx.input.units import LENGTH, STRESS, number; "
+        "print(number('3 mm', LENGTH), number('2 MPa', STRESS), 'pint' in sys.modules)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["0.003", "2000000.0", "False"]

@@ -37,10 +37,12 @@ def test_fields_are_read_once(monkeypatch):
     monkeypatch.setattr(Results, "grids", grids)
     monkeypatch.setattr(Results, "__init__", lambda self, folder: None)
     monkeypatch.setattr(Results, "times", [0.0, 1.0, 2.0])
+    monkeypatch.setattr(Results, "bodies_at", lambda self, t: ["a"] if t < 2.0 else ["b"])
     run = ReportedRun("folder")
     assert run.grids(1.0) is run.grids(1.0) and read == [1.0]
     assert run.nearest(None) == 2.0 and run.nearest(0.6) == 1.0
     assert run.nearest(None, "a") == 1.0
+    assert read == [1.0], "which bodies are there is known without their fields"
 
 
 def test_vectors_are_shown_by_their_size_and_lives_by_powers_of_ten():

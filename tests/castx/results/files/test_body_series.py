@@ -37,7 +37,8 @@ def folder(tmp_path):
 def test_bodies_come_back_in_their_order_while_they_are_there(folder):
     series = BodySeries(folder)
     assert series.times == [0.0, 1.5]
-    assert list(series.read(0.0)) == ["a mould"]
+    assert list(series.read(0.0)) == series.bodies(0.0) == ["a mould"]
+    assert series.bodies(1.5) == ["casting", "a mould"]
     bodies = series.read(1.5)
     assert list(bodies) == ["casting", "a mould"]
     assert (bodies["casting"]["temperature"] == 700.0).all()

@@ -41,14 +41,15 @@ def test_pieces_are_joined_at_their_common_points(folder):
     series = FieldSeries(folder)
     assert series.times == [0.0, 1.5]
     bodies = series.read(0.0)
-    assert list(bodies) == ["a", "b"]
+    assert list(bodies) == series.bodies(0.0) == ["a", "b"]
     assert bodies["a"].n_cells == 4 and bodies["a"].n_points == 10
     assert bodies["a"].bounds[:2] == (0.0, 4.0)
     assert (bodies["b"]["temperature"] == 2.0).all()
 
 
 def test_a_body_that_is_gone_is_left_out(folder):
-    assert list(FieldSeries(folder).read(1.5)) == ["b"]
+    series = FieldSeries(folder)
+    assert list(series.read(1.5)) == series.bodies(1.5) == ["b"]
 
 
 def test_missing_fields_are_refused(tmp_path):
