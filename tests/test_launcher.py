@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 import pty
@@ -318,3 +319,56 @@ def test_mpi_stays_on_a_single_machine_only_where_there_is_one(batch, hosts, alo
     found = dict(line.split("=", 1) for line in ended.stdout.splitlines() if "=" in line)
     assert {key: found[key] for key in SINGLE if key in found} == (SINGLE if alone else {})
     assert found["OMP_NUM_THREADS"] == "1"
+
+
+JUPYTER = """#!/bin/sh
+echo "lab in $(dirname "$0"): $*"
+echo "kernels in $JUPYTER_PATH"
+"""
+
+
+@pytest.fixture
+def notebooks(tmp_path):
+    """Return an environment with a cache of its own that has the virtual environment of castx."""
+    cache = tmp_path / "cache" / "castx"
+    cache.mkdir(parents=True)
+    venv = Path(os.environ["VIRTUAL_ENV"])
+    (cache / venv.name).symlink_to(venv)
+    unset = ("CASTX_CHECKOUT", "PATH")
+    environment = {key: value for key, value in os.environ.items() if key not in unset}
+    path = os.environ["PATH"].split(os.pathsep)
+    elsewhere = [folder for folder in path if not (Path(folder) / "jupyter").exists()]
+    return environment | {"XDG_CACHE_HOME": str(tmp_path / "cache"), "PIP_NO_INDEX": "1",
+                          "PATH": os.pathsep.join(elsewhere)}  # fmt: skip
+
+
+def jupyter(environment, *arguments):
+    """Start jupyter by the launcher."""
+    return subprocess.run(
+        [LAUNCHER, "jupyter", *arguments], env=environment, capture_output=True, text=True,
+        timeout=60, check=False,
+    )  # fmt: skip
+
+
+def test_jupyter_that_cannot_be_installed_is_said_with_the_cure(notebooks):
+    ended = jupyter(notebooks, "lab")
+    assert ended.returncode == 125
+    assert "castx: installing JupyterLab of PyPI in " in ended.stderr
+    assert "No matching distribution found for jupyterlab" in ended.stderr
+    folder = re.findall(r"By hand: python3 -m venv (\S+/cache/castx/jupyter-\w+);", ended.stderr)
+    assert folder and not (Path(folder[0]) / "complete").exists()
+
+
+def test_jupyter_stands_beside_castx_and_has_its_kernel(notebooks):
+    said = jupyter(notebooks).stderr
+    folder = Path(re.findall(r"By hand: python3 -m venv ([^\s;]+);", said)[0])
+    (folder / "bin" / "jupyter").write_text(JUPYTER)
+    (folder / "bin" / "jupyter").chmod(0o755)
+    (folder / "complete").touch()
+    ended = jupyter(notebooks, "lab", "--no-browser")
+    assert ended.returncode == 0 and not ended.stderr
+    lab, kernels = ended.stdout.splitlines()
+    assert lab == f"lab in {folder / 'bin'}: lab --no-browser"
+    found = Path(kernels.removeprefix("kernels in ").partition(":")[0])
+    kernel = json.loads((found / "kernels" / "python3" / "kernel.json").read_text())
+    assert Path(kernel["argv"][0]).parent.parent.name == Path(os.environ["VIRTUAL_ENV"]).name
