@@ -33,14 +33,16 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
     axes = ", ".join(parts("displacement", model))
     caption = (
         "Pools of liquid that nothing feeds any more, the largest shrinkage first. A pool that "
-        "splits later counts with its parts, which are listed too. What a pool lacks is the volume "
+        "splits later counts with its parts, which are listed too. It bears when its last node has "
+        "the solid fraction `foundry.pool_limit`, by default the coherency; the liquid that is "
+        "left between its grains freezes later. What a pool lacks is the volume "
         "of its cavity if nothing follows from outside; with mechanics `unfed_volume` of "
         "history.csv is what the shell has left of it, and the number to take."
     )
     if len(spots) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(spots)}; all are in hot_spots.csv."
     heading = (
-        "rank", "body", "pool", "cut off", "last liquid", f"there: {axes} [mm]",
+        "rank", "body", "pool", "cut off", "bears", f"at last there: {axes} [mm]",
         f"liquid when cut off [{unit}]", f"what its freezing lacks [{unit}]",
     )  # fmt: skip
     rows: list[tuple[str, ...]] = [
@@ -49,7 +51,7 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
             str(spot["body"]),
             str(spot["pool"]) + ("" if spot["parent"] is None else f", part of {spot['parent']}"),
             f"{spot['isolated']:.4g} s",
-            "not yet solid" if spot["ended"] is None else f"{spot['ended']:.4g} s",
+            "not yet" if spot["ended"] is None else f"{spot['ended']:.4g} s",
             ", ".join(f"{1e3 * x:.1f}" for x in spot["place"]),
             f"{factor * spot['volume']:.3g}",
             "unknown" if spot["deficit"] is None else f"{factor * spot['deficit']:.3g}",

@@ -16,6 +16,7 @@ def test_a_row_says_where_when_and_how_much():
     assert table.rows == [
         ("1", "casting", "3, part of 1", "9 s", "18.19 s", "0.0, 20.5", "21", "1.26")
     ]
+    assert table.heading[4] == "bears" and "freezes later" in table.caption
     assert "r, z" in table.heading[5] and "cm³" in table.heading[6]
     assert "all are in" not in table.caption
     assert "`unfed_volume` of history.csv is what the shell has left of it" in table.caption
@@ -24,7 +25,7 @@ def test_a_row_says_where_when_and_how_much():
 def test_what_is_unknown_is_said():
     spot = {**SPOT, "parent": None, "ended": None, "deficit": None, "place": [0.1, 0.2, 0.3]}
     (row,) = hot_spot_table([spot], "3d").rows
-    assert row[2] == "3" and row[4] == "not yet solid" and row[7] == "unknown"
+    assert row[2] == "3" and row[4] == "not yet" and row[7] == "unknown"
     assert row[5] == "100.0, 200.0, 300.0"
 
 
