@@ -24,14 +24,14 @@ def without(state: Mapping[str, Saved], bodies: Collection[str]) -> dict[str, Sa
 def left_total(name: str, value: float) -> float:
     """Return a total of a body or interface that is removed.
 
-    Amounts keep their last value, forces and powers are zero, and gaps are NaN.
+    Amounts keep their last value, forces and powers are zero, gaps and temperatures are NaN.
 
     Args:
         name: column of the total.
         value: its last value.
     """
     quantity = name.partition(".")[2].partition(".")[0]
-    if quantity in ("mean_gap", "min_gap", "max_gap"):
+    if quantity.partition("_")[2] in ("gap", "temperature"):
         return float("nan")
     gone = (
         "closed_fraction", "suction", "force", "force_error", "power", "ejection_force",

@@ -121,7 +121,7 @@ class State:
         """Totals of bodies and interfaces by the name of their column, equal on all ranks."""
         totals = self.problem.heat.totals()
         for name in self.problem.heat.solid_fraction:
-            totals[f"{name}.solid_fraction"] = self._solid_fraction(name)
+            totals |= self._heat_totals(name)
         for interface, state in zip(
             self.problem.interfaces.described, self.problem.interfaces.states, strict=True
         ):
@@ -156,11 +156,19 @@ class State:
                 found[f"{name}.support_moment.{axis}"] = float(value)
         return found
 
-    def _solid_fraction(self, body: str) -> float:
-        volumes = self.problem.volumes[body]
-        values = self.problem.heat.solid_fraction[body].x.array[: len(volumes)]
-        sums = self.mesh.comm.allreduce(np.array([values @ volumes, volumes.sum()]), op=MPI.SUM)
-        return float(sums[0] / sums[1])
+    def _heat_totals(self, body: str) -> dict[str, float]:
+        """Return the mean solid fraction of a body, and its temperatures; collective."""
+        comm, volumes = self.mesh.comm, self.problem.volumes[body]
+        solid = self.problem.heat.solid_fraction[body].x.array[: len(volumes)]
+        hot = self.problem.heat.temperature[body].x.array[: len(volumes)]
+        local = np.array([solid @ volumes, hot @ volumes, volumes.sum()])
+        solid_volume, heat, volume = comm.allreduce(local, op=MPI.SUM)
+        return {
+            f"{body}.solid_fraction": float(solid_volume / volume),
+            f"{body}.min_temperature": comm.allreduce(float(hot.min(initial=np.inf)), op=MPI.MIN),
+            f"{body}.mean_temperature": float(heat / volume),
+            f"{body}.max_temperature": comm.allreduce(float(hot.max(initial=-np.inf)), op=MPI.MAX),
+        }
 
     def _interface_totals(self, name: str, state: PairState) -> dict[str, float]:
         comm, pairs = self.mesh.comm, self.pairs[name]

@@ -13,8 +13,9 @@ from castx.solvers.counters import StepCounters
 
 COUNTERS = tuple(field.name for field in dataclasses.fields(StepCounters))
 BODY_TOTALS = (
-    "solid_fraction", "enthalpy", "heat_in", "support_force", "support_moment", "force_error",
-    "power", "feeding_demand", "fed_volume", "opened_volume", "yielded_volume", "unfed_volume",
+    "solid_fraction", "min_temperature", "mean_temperature", "max_temperature", "enthalpy",
+    "heat_in", "support_force", "support_moment", "force_error", "power",
+    "feeding_demand", "fed_volume", "opened_volume", "yielded_volume", "unfed_volume",
     "pocket_pressure", "melt_suction", "pipe_volume", "feeder_level",
     "level_drop",
 )  # fmt: skip

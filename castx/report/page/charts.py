@@ -14,6 +14,8 @@ from castx.results.reading import Results
 NUMERICS = "How the solution went"
 DIGITS = 7
 """Of the numbers of a curve."""
+NOTHING = 1e-6
+"""Change of a temperature that is none [K]: means are rounded."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,11 @@ def run_sections(run: Results) -> list[Section]:
     of_probes, of_steps = run.probes["time"], run.history["time"]
     found = [
         Section("Cooling curves", "Temperatures at the probes.", of_probes, cooling(run)),
+        Section(
+            "Temperatures of the bodies",
+            "The hottest node, the mean over the volume, and the coldest node.",
+            of_steps, body_temperatures(run),
+        ),
         Section(
             "Solidification and heat",
             "Solid fraction of the bodies, and the heat that has passed the interfaces.",
@@ -193,13 +200,30 @@ def filled(panels: Sequence[Panel]) -> list[Panel]:
 
 def cooling(run: Results) -> list[Panel]:
     """Return the cooling curves, with the freezing ranges as levels."""
+    levels = freezing_levels(run)
+    return filled([probed(run, "temperature [°C]", "temperature", levels=levels)])
+
+
+def body_temperatures(run: Results) -> list[Panel]:
+    """Return the temperatures of the bodies that change theirs: they need no probe."""
+    levels, panels = freezing_levels(run), []
+    for label, ending in (("hottest", "max"), ("mean", "mean"), ("coldest", "min")):
+        found = columns(run.history, f"{ending}_temperature")
+        known = {body: T[np.isfinite(T)] for body, T in found.items()}
+        moving = [body for body, T in known.items() if T.size and np.ptp(T) > NOTHING]
+        panels.append(Panel(f"{label} [°C]", {b: found[b] for b in moving}, levels))
+    return filled(panels)
+
+
+def freezing_levels(run: Results) -> dict[str, float]:
+    """Return the ends of the freezing ranges [°C] by their names."""
     levels: dict[str, float] = {}
     for name, body in run.record["bodies"].items():
         if name in run.freezing:
             solidus, liquidus = body["freezes"]
             ends = {"solidus": solidus, "liquidus": liquidus}
             levels |= ends if solidus < liquidus else {"melting point": solidus}
-    return filled([probed(run, "temperature [°C]", "temperature", levels=levels)])
+    return levels
 
 
 def solidification(run: Results) -> list[Panel]:

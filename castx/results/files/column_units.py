@@ -14,6 +14,7 @@ UNITS = {
     "mean_gap": "m", "min_gap": "m", "max_gap": "m", "clamp_displacement": "m",
     "force": "N", "ejection_force": "N", "clamp_force": "N", "support_force": "N",
     "largest_pull": "N", "support_moment": "N m",
+    "min_temperature": "°C", "mean_temperature": "°C", "max_temperature": "°C",
     "temperature_error": "K", "gap_error": "m",
 }  # fmt: skip
 """Units of the quantities of history.csv; the others are numbers and shares."""

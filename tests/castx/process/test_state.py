@@ -84,6 +84,12 @@ def test_totals_are_sums_over_all_ranks(run):
         assert totals[f"{body}.solid_fraction"] == pytest.approx(
             comm.allreduce(f @ volumes) / volume
         )
+        T = run.nodal(body, "temperature")[: owned(run, body)]
+        mean = comm.allreduce(T @ volumes) / volume
+        assert totals[f"{body}.mean_temperature"] == pytest.approx(mean)
+        assert totals[f"{body}.min_temperature"] == comm.allreduce(T.min(initial=9e9), op=MPI.MIN)
+        assert totals[f"{body}.max_temperature"] == comm.allreduce(T.max(initial=-9e9), op=MPI.MAX)
+        assert totals[f"{body}.min_temperature"] < mean < totals[f"{body}.max_temperature"]
         assert totals[f"{body}.enthalpy"] == pytest.approx(comm.allreduce(H @ volumes), rel=1e-9)
     area = comm.allreduce(pairs.areas.sum())
     assert area == pytest.approx(2 * np.pi * 0.03 * 0.04)

@@ -11,6 +11,7 @@ from castx.report.page.charts import (
     NUMERICS,
     Panel,
     Section,
+    body_temperatures,
     columns,
     contact,
     cooling,
@@ -79,6 +80,27 @@ def test_cooling_curves_show_where_the_casting_freezes():
     assert cooling(run)[0].levels == {"melting point": 660.0}
 
 
+def test_temperatures_of_bodies_need_no_probe():
+    run = results()
+    run.history |= {
+        "casting.max_temperature": 700.0 - TIME,
+        "casting.mean_temperature": 690.0 - TIME,
+        "casting.min_temperature": 680.0 - TIME,
+        "mould.max_temperature": np.array([20.0, 25.0, np.nan]),
+        "mould.mean_temperature": np.array([20.0, 20.0 + 4e-15, np.nan]),
+        "mould.min_temperature": 20.0 + 0.0 * TIME,
+    }
+    hottest, mean, coldest = body_temperatures(run)
+    assert [panel.label for panel in (hottest, mean, coldest)] == [
+        "hottest [°C]", "mean [°C]", "coldest [°C]",
+    ]  # fmt: skip
+    assert list(hottest.lines) == ["casting", "mould"]
+    assert list(mean.lines) == list(coldest.lines) == ["casting"], "a line that stays says nothing"
+    np.testing.assert_array_equal(coldest.lines["casting"], 680.0 - TIME)
+    assert mean.levels == {"solidus": 577.0, "liquidus": 613.0}
+    assert body_temperatures(results()) == [], "results of older versions have none"
+
+
 def test_heat_is_that_of_interfaces_and_counts_per_metre_in_plane_models():
     fraction, heat = solidification(results())
     np.testing.assert_array_equal(fraction.lines["casting"], 50.0 * TIME)
@@ -104,6 +126,9 @@ def test_the_energy_error_is_shown_where_there_is_one():
 def test_sections_without_lines_are_left_out():
     found = run_sections(results(probes=Columns({"time": TIME})))
     assert [section.title for section in found] == ["Solidification and heat", NUMERICS]
+    run = results(probes=Columns({"time": TIME}))
+    run.history["casting.mean_temperature"] = 700.0 - TIME
+    assert run_sections(run)[0].title == "Temperatures of the bodies"
 
 
 def test_curves_keep_seven_digits_and_know_what_is_no_number():

@@ -11,6 +11,7 @@ COLUMNS = [
     ("time", "s", "s"),
     ("heat_iterations", "1", "1"),
     ("casting.solid_fraction", "1", "1"),
+    ("casting.mean_temperature", "°C", "°C"),
     ("casting.enthalpy", "J", "J/m"),
     ("casting/mould.power", "W", "W/m"),
     ("casting/mould.heat.radiation", "J", "J/m"),
