@@ -194,6 +194,7 @@ def show_design(
     from castx.studies.inverse.design_picture import PICTURE, draw_design
 
     found = design(runner, study)
+    say_runs(console, runner, found.runs)
     console.print(
         "deviations, of ln where logarithms are sought, with each sensor and those before"
     )

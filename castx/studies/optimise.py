@@ -27,8 +27,6 @@ from castx.studies.vary import TABLE, refuse_unusable
 
 RESULT, PAGE = "optimised.json", "optimised.html"
 HEAD = "# With the best numbers that castx optimise has found.\n\n"
-POPULATION = 3
-"""Runs of a generation for each number, and four more."""
 FORBIDDEN = 1e30
 """Cost of a run beyond a limit; it grows with the excess, so that limits are met first."""
 NEAR = 1e-3
@@ -160,7 +158,7 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
 
 def _evolve(trials: _Trials) -> None:
     numbers = len(trials.study.inputs)
-    population = POPULATION * numbers + 4
+    population = trials.study.population
 
     def costs(points: FloatArray) -> FloatArray:
         return np.array(trials.cost(list(np.asarray(points).T)))

@@ -17,7 +17,7 @@ from castx.results.files.folder import write_whole
 from castx.results.files.run_tables import RunTables
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.inputs import VariedInput
-from castx.studies.asked.known import changes_of_case
+from castx.studies.asked.known import changes_of_case, refuse_elsewhere
 from castx.studies.asked.vary import GRID, LATIN, MORRIS, Vary
 from castx.studies.importance import Importance, importance
 from castx.studies.page import vary_page
@@ -81,7 +81,7 @@ def _value(one: VariedInput, share: float) -> float | str:
 def refuse_unusable(
     case_file: Path, overrides: Sequence[str], inputs: Sequence[VariedInput], kind: str
 ) -> None:
-    """Refuse inputs that the case does not take at both ends of their ranges.
+    """Refuse inputs that the case does not take, at an end of their range or with one of values.
 
     Args:
         case_file: the case.
@@ -95,9 +95,10 @@ def refuse_unusable(
     load_case(case_file, overrides)
     data, _ = case_data(case_file, overrides)
     for one in inputs:
-        for share in (0.0, 1.0):
+        for share in (0.0, 1.0) if one.values is None else _even(len(one.values)):
             try:
-                changes = changes_of_case(data, [one], [_value(one, share)])
+                refuse_elsewhere(data, one.of)
+                changes = changes_of_case(data, [one], [_value(one, float(share))])
                 load_case(case_file, [*overrides, *changes_as_overrides(changes)])
             except CaseError as error:
                 raise CaseError(f"[{kind}] {one.label}: {error}") from None

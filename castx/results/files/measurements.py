@@ -21,7 +21,7 @@ from castx.arrays import FloatArray
 from castx.case.output import DIMENSIONS
 from castx.errors import CaseError
 from castx.input.problems import among
-from castx.input.units import TIME, Dimension, number
+from castx.input.units import ABSOLUTE_ZERO, TEMPERATURE, TIME, Dimension, number
 from castx.ranks import on_first_rank
 from castx.results.files.folder import MEASURED, write_whole
 
@@ -128,6 +128,12 @@ def read_measurement(measurement: Measurement) -> Measured:
         raise CaseError(f"{where}: {error}") from None
     if not len(time):
         raise CaseError(f"{where}: there is no line with a time and a number")
+    if DIMENSIONS[quantity] is TEMPERATURE and values.min() < ABSOLUTE_ZERO:
+        coldest = int(values.argmin())
+        raise CaseError(
+            f"{where}: {values[coldest]:g} °C at {time[coldest]:g} s of the run is below absolute "
+            "zero; correct unit or column"
+        )
     if np.any(np.diff(time) <= 0.0):
         late = time[int(np.argmax(np.diff(time) <= 0.0))]
         raise CaseError(f"{where}: times must increase, and do not behind {late:g} s of the run")

@@ -48,6 +48,8 @@ class CandidateSensor(Description):
         if self.depth_deviation > 0.0 and self.below is None and not any(self.direction or ()):
             text = 'is needed where depth_deviation is not 0 and there is no "below": [1, 0]'
             yield Problem(("direction",), text)
+        if self.direction is not None and len(self.direction) != len(self.at):
+            yield Problem(("direction",), f"needs as many numbers as at, {len(self.at)}")
         if self.depth > 0.0 and self.below is None:
             yield Problem(("depth",), 'needs the surface from which it is measured: "below"')
 

@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import Field
 
 from castx.input.entries import Choice, Quantity, Whole
-from castx.input.problems import Problem
+from castx.input.problems import Problem, among
 from castx.input.units import TIME
 from castx.studies.asked.candidates import CandidateSensor
 from castx.studies.asked.curves import SensorCurve
@@ -65,6 +65,11 @@ class Identify(Running):
         for index, column in enumerate(columns):
             if column in columns[:index]:
                 yield Problem(("curves", index, "of"), "is there already; leave one out")
+        names = [one.name for one in self.unknowns]
+        for index, name in enumerate(self.wanted):
+            if name not in names:
+                text = f"no unknown {name!r}; {among(name, names)}"
+                yield Problem(("wanted", index), text)
         for index, one in enumerate(self.unknowns):
             if one.name in [other.name for other in self.unknowns[:index]] or one.name == CLOCK:
                 yield Problem(("unknowns", index, "name"), "is there already; choose another one")

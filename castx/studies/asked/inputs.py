@@ -92,6 +92,17 @@ class VariedInput(Description):
                 yield Problem((key,), text)
         if self.deviation is not None and self.deviation.value <= 0.0:
             yield Problem(("deviation",), "must be positive")
+        elif not bounded and self.mean is not None and self.deviation is not None:
+            yield from self._outside_problems()
+
+    def _outside_problems(self) -> Iterator[Problem]:
+        """Yield a mean so far outside low and high that nothing is left between them."""
+        positive = [one for one in (self.low, self.mean, self.high) if one is not None]
+        if self.distribution in LOGARITHMIC and any(one.value <= 0.0 for one in positive):
+            return  # said as such
+        if not all(math.isfinite(self.quantile(share)) for share in (0.0, 1.0)):
+            text = "lies so far outside low and high that nothing of its spread is between them"
+            yield Problem(("mean",), f"{text}; correct one of them")
 
     def quantile(self, share: float) -> float:
         """Return the value, in its unit, below which a share of all values lies.

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from castx.case.case import STUDIES
 from castx.errors import CaseError
 from castx.input.overrides import value_at
+from castx.input.problems import among
 from castx.materials.database import database_entry, database_names, database_value
 from castx.materials.lookup import LONGEST_CHAIN
 from castx.studies.asked.amounts import amount
@@ -86,6 +88,31 @@ def known_range(data: Mapping[str, Any], of: str) -> KnownRange | None:
         if number.name == ".".join(path[3:]) and plain and len(number.ranges) == 1:
             return KnownRange(*number.ranges[0], False, entry, number.source)
     return None
+
+
+def refuse_elsewhere(data: Mapping[str, Any], of: str) -> None:
+    """Refuse a path that leads to no number of a case, but that a case would take.
+
+    Any name may follow `materials`, so that a mistyped one would be a further material that
+    nothing is made of; and what a study says of itself is no part of what its runs are.
+
+    Args:
+        data: the content of the case.
+        of: path of the number, as `--set` takes it.
+
+    Raises:
+        CaseError: it leads to another material than those of the case, or into a study.
+    """
+    path = _keys(of)
+    if path[0] == "materials" and len(path) > 1:
+        names, inside = list(data.get("materials", {})), ".".join(path[1:])
+        if not any(f"{inside}.".startswith(f"{name}.") for name in names):  # which may have points
+            raise CaseError(
+                f"of = {of!r}: the case has no [materials.{path[1]}]; {among(path[1], names)}; one "
+                'of the database is varied by a material that extends it: extends = "NAME"'
+            )
+    if path[0] in STUDIES:
+        raise CaseError(f"of = {of!r}: [{path[0]}] is a study; a number of the case is needed")
 
 
 def with_known_ranges(

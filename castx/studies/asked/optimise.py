@@ -15,6 +15,8 @@ from castx.studies.asked.runner import Running
 
 EVOLUTION, SIMPLEX = "differential-evolution", "nelder-mead"
 LEAST, MOST = "least", "most"
+POPULATION = 3
+"""Runs of a generation for each number, and four more."""
 _AnswerName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
@@ -68,8 +70,16 @@ class Optimise(Running):
     limits: tuple[AnswerLimit, ...] = Field((), max_length=100)
     inputs: tuple[VariedInput, ...] = Field((), max_length=30)
 
+    @property
+    def population(self) -> int:
+        """Runs of a generation of the first method."""
+        return POPULATION * len(self.inputs) + 4
+
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield numbers that are missing, named twice or without a range."""
+        """Yield numbers that are missing, named twice or without a range, and too few runs."""
+        if self.method == EVOLUTION and self.inputs and self.runs < self.population:
+            text = f"at least {self.population}, those of one generation, are needed with"
+            yield Problem(("runs",), f'{text} {len(self.inputs)} inputs; or method = "{SIMPLEX}"')
         if not self.inputs:
             yield Problem(("inputs",), "missing; at least one [[optimise.inputs]] is needed")
         for index, one in enumerate(self.inputs):

@@ -16,6 +16,8 @@ from castx.studies.asked.amounts import AMOUNT, Amount, amount, other_unit
 
 LOG, LINEAR = "log", "linear"
 OVER = ("time", "gap", "temperature", "pressure", *AXES)
+LARGEST_DIFFERENCE = 1.0
+"""Of a logarithm: a factor of e says nothing of a slope any more."""
 _MOST_KNOTS = 100
 _Amounts = Annotated[tuple[Annotated[Amount, AMOUNT], ...], Field(max_length=_MOST_KNOTS)]
 
@@ -86,8 +88,20 @@ class SoughtNumber(Description):
         for key, given in (("low", self.low), ("high", self.high)):
             if self.scale == LOG and given is not None and given.value <= 0.0:
                 yield Problem((key,), f'must be positive, or scale = "{LINEAR}"')
+        yield from self._difference_problems()
         if self.scale == LOG and any(one.value <= 0.0 for one in self.start or ()):
             yield Problem(("start",), f'must be positive, or scale = "{LINEAR}"')
+
+    def _difference_problems(self) -> Iterator[Problem]:
+        """Yield a difference that is no small one."""
+        if self.difference is None:
+            return
+        if self.scale == LOG and self.difference > LARGEST_DIFFERENCE:
+            text = f"is one of ln: at most {LARGEST_DIFFERENCE:g}, of 1 % it is 0.01"
+            yield Problem(("difference",), text)
+        elif self.low is not None and self.high is not None:
+            if self.scale == LINEAR and self.difference >= self.high.value - self.low.value:
+                yield Problem(("difference",), "must be smaller than that of low and high")
 
     def _knot_problems(self) -> Iterator[Problem]:
         knots = self.knots or ()
@@ -99,9 +113,8 @@ class SoughtNumber(Description):
         values = [one.value for one in knots]
         if any(b <= a for a, b in pairwise(values)):
             yield Problem(("knots",), "must rise")
-        if count > 1 and count != len(knots):
-            yield Problem(
-                ("start",), f"one number, or one for each of {len(knots)} knots is needed"
-            )
+        if self.start is not None and count not in {1, max(len(knots), 1)}:
+            several = f", or one for each of {len(knots)} knots" if knots else ""
+            yield Problem(("start",), f"one number{several} is needed, there are {count}")
         if self.smoothness is not None and len(knots) < 3:
             yield Problem(("smoothness",), "needs a table of at least three knots")

@@ -52,12 +52,14 @@ class SensorDesign:
         before: their deviations with the sensors that are there, (numbers,).
         d_order: the choice that lowers the volume of what is not known most.
         a_order: the one that lowers the sum of the variances of the wanted numbers most.
+        runs: that its slopes took, those of the start included.
     """
 
     numbers: Sequence[str]
     before: FloatArray
     d_order: Sequence[Chosen]
     a_order: Sequence[Chosen]
+    runs: int
 
 
 def design(runner: Runner, study: Identify) -> SensorDesign:
@@ -77,6 +79,7 @@ def design(runner: Runner, study: Identify) -> SensorDesign:
         raise CaseError("--design needs [[identify.candidates]]: places where a sensor might lie")
     case = load_case(runner.case_file, runner.overrides)
     parameters = Parameters.of(study.unknowns, case.content)
+    parameters.refuse_unusable(runner, case.content)
     unknowns = parameters.unknowns()
     present = present_sensors(study, case)
     tables = slope_tables(runner, parameters, unknowns, [*study.candidates, *present])
@@ -103,9 +106,6 @@ def _ordered(
         one.name: [name for name in names if name.partition(" at ")[0] == one.name]
         for one in study.unknowns
     }
-    for name in study.wanted:
-        if name not in groups:
-            raise CaseError(f"[identify] wanted: no unknown {name!r}; {among(name, list(groups))}")
     wanted = [name for of in (study.wanted or tuple(groups)) for name in groups[of]]
     number = min(study.sensors, len(candidates))
     listed = list(candidates.values())
@@ -123,6 +123,7 @@ def _ordered(
         deviations(prior),
         with_deviations(d_optimal(listed, number, prior)),
         with_deviations(a_optimal(listed, number, prior, columns)),
+        1 + len(unknowns),
     )
 
 

@@ -49,6 +49,7 @@ class MeasuredCase:
         sensors = Sensors.of(study, case)
         given = case.content.get("probes", [])
         parameters = Parameters.of(study.unknowns, case.content)
+        parameters.refuse_unusable(runner, case.content)
         return cls(runner, parameters, sensors, {"probes": sensors.probes(given)})
 
     def unknowns(self) -> list[Unknown]:

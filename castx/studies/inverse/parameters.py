@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.reading.read import load_case
 from castx.errors import CaseError
 from castx.foundry.identification.fit import Unknown
 from castx.foundry.identification.smoothness import second_differences
 from castx.input.coordinates import AXES
 from castx.input.overrides import value_at
+from castx.input.problems import show
 from castx.studies.asked.amounts import Amount, amount, in_unit
-from castx.studies.asked.unknowns import LOG, SoughtNumber
-from castx.studies.runs.runner import Changes
+from castx.studies.asked.known import refuse_elsewhere
+from castx.studies.asked.unknowns import LINEAR, LOG, SoughtNumber
+from castx.studies.runs.runner import Changes, Runner, changes_as_overrides
 from castx.tables import Table
 
 BETWEEN = 8
@@ -71,6 +74,7 @@ class SoughtValues:
                 "or give a start"
             )
         unit, values = _values_there(asked, present, knots)
+        _refuse_beyond_bounds(asked, unit, values)
         return cls(asked, unit, np.array(values), present)
 
     @property
@@ -176,7 +180,24 @@ def _values_there(
             raise CaseError("the case has a table there: say over and knots, or give a start")
         return unit, [float(y) for y in table(np.array(knots))]
     except CaseError as error:
-        raise CaseError(f"[identify] {asked.name}: {asked.of}: {error}") from None
+        raise CaseError(
+            f"[identify] {asked.name}: the case has {asked.of} = {show(present)}: {error}"
+        ) from None
+
+
+def _refuse_beyond_bounds(asked: SoughtNumber, unit: str, values: Sequence[float]) -> None:
+    """Refuse values of the case at which a fit cannot begin."""
+    low = -np.inf if asked.low is None else asked.low.value
+    high = np.inf if asked.high is None else asked.high.value
+    for value in values:
+        said = f"[identify] {asked.name}: the case has {asked.of} = {value:g} {unit}".rstrip()
+        if asked.scale == LOG and value <= 0.0:
+            raise CaseError(
+                f'{said}, which has no logarithm: say scale = "{LINEAR}", or give a positive start'
+            )
+        if not low < value < high:
+            beyond = f"not above low = {low:g}" if value <= low else f"not below high = {high:g}"
+            raise CaseError(f"{said}, {beyond}: give a start between them, or other bounds")
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,6 +214,24 @@ class Parameters:
     def of(cls, asked: Sequence[SoughtNumber], content: Mapping[str, Any]) -> Parameters:
         """Return the unknowns of a case; raises as `SoughtValues.of`."""
         return cls([SoughtValues.of(one, content) for one in asked])
+
+    def refuse_unusable(self, runner: Runner, content: Mapping[str, Any]) -> None:
+        """Refuse unknowns that the case does not take with their start.
+
+        Args:
+            runner: of the case.
+            content: keys and values of the case.
+
+        Raises:
+            CaseError: with path, value and what the case asks for.
+        """
+        for one in self.sought:
+            start = {one.asked.of: one.change(dict(zip(one.names, one.start, strict=True)))}
+            try:
+                refuse_elsewhere(content, one.asked.of)
+                load_case(runner.case_file, [*runner.overrides, *changes_as_overrides(start)])
+            except CaseError as error:
+                raise CaseError(f"[identify] {one.asked.name}: {error}") from None
 
     def unknowns(self) -> list[Unknown]:
         """Return all numbers as a fit takes them."""

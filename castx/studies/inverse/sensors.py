@@ -138,6 +138,11 @@ class Sensors:
         """
         late = 0.0 if study.clock_deviation is None else WIDE * study.clock_deviation
         end = case.time.end - late
+        if end <= 0.0:
+            raise CaseError(
+                f"[identify] clock_deviation = {study.clock_deviation:g} s: three of them are as "
+                f"long as the run, which ends at {case.time.end:g} s; give a smaller one"
+            )
         return cls([_sensor(one, case, end) for one in study.curves], study.clock_deviation)
 
     @property
@@ -212,6 +217,11 @@ def _rungs(asked: SensorCurve, probe: Probe) -> FloatArray:
         raise CaseError(
             f"[identify] {asked.of}: depth_deviation needs to know where depth goes: give the "
             'probe below = "casting/mould" and its depth, or the curve a direction = [1, 0]'
+        )
+    if probe.below is None and asked.direction and len(asked.direction) != len(probe.at):
+        raise CaseError(
+            f"[identify] {asked.of}: direction = {list(asked.direction)} needs as many numbers as "
+            f"the place of the probe, at = {list(probe.at)}"
         )
     if probe.below is not None and probe.depth <= 0.0:
         raise CaseError(f"[identify] {asked.of}: a sensor on the surface has no unknown depth")

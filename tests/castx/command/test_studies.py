@@ -116,6 +116,7 @@ def test_a_design_names_places(comm, tmp_path, capsys, by_formula):
     assert execute([*arguments, "--design"], comm) == 0
     said = capsys.readouterr().out
     # dT/d ln h is 20 K/s t by differences of 1 %, at 1 to 5 s: 1/√(20.1² 55 + 1/9)
+    assert "2 runs, 2 of them made now in " in said and "of processor time" in said
     assert "+ shallow" in said and f"{(20.1**2 * 55 + 1 / 9) ** -0.5:.2g}" in said
     assert execute(arguments, comm) == 2
     assert "nothing was measured" in capsys.readouterr().err

@@ -101,6 +101,8 @@ def test_sobol_of_a_straight_case(case_file):
         ({"of": "bodies.0.temperatur"}, r"\[vary\] .*temperatur.*unknown key"),
         ({"of": "bodies.7.temperature"}, "has no '7'"),
         ({"low": -300}, "below absolute zero"),
+        ({"of": "materials.di.density"}, r'no \[materials.di\]; .*did you mean "die"'),
+        ({"of": "vary.draws"}, r"\[vary\] is a study; a number of the case is needed"),
         ({"low": "20 mm", "high": "30 mm"}, "is not a unit of temperature"),
     ],
 )
@@ -108,6 +110,14 @@ def test_inputs_that_the_case_does_not_take_are_refused_before_a_run(case_file, 
     executor = Formulas(freezing)
     with pytest.raises(CaseError, match=text):
         made(case_file, executor, inputs=[{**INPUTS[0], "name": "pouring", **change}])
+    assert not executor.made
+
+
+def test_each_value_of_a_grid_is_tried_before_a_run(case_file):
+    executor = Formulas(freezing)
+    one = {"of": "bodies.0.temperature", "values": [650, -300, 690]}
+    with pytest.raises(CaseError, match=r"temperature = -300.0: below absolute zero"):
+        made(case_file, executor, method="grid", inputs=[one])
     assert not executor.made
 
 

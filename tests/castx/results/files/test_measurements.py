@@ -62,6 +62,7 @@ def test_tables_of_loggers(tmp_path, text, keys, time, values):
         ("time,centre.temperature\n0,hot\n", {}, "line 2: 'hot' is no number"),
         ("time,centre.temperature\n0,nan\n", {}, "line 2: 'nan' is no number"),
         ("time,centre.temperature\n0,1\n0,2\n", {}, "times must increase, and do not behind 0 s"),
+        ("time,centre.temperature\n5,-300\n", {}, "-300 °C at 5 s of the run is below absolute"),
         ("time,centre.temperature\n", {}, "no line with a time and a number"),
         ("", {}, "no column 'time'"),
     ],

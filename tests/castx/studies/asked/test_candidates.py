@@ -28,6 +28,7 @@ def test_its_probes_lie_there_and_deeper():
     [
         ({**FREE, "direction": None}, 'there is no "below"'),
         ({**FREE, "depth": "1 mm"}, "needs the surface"),
+        ({**FREE, "direction": [1, 0, 0]}, "direction.*: needs as many numbers as at, 2"),
         ({**BELOW, "noise": 0}, "positive"),
     ],
 )

@@ -23,6 +23,7 @@ UNKNOWN = {"of": "interfaces.0.heat.closed", "name": "h"}
         ({"unknowns": [UNKNOWN, {**UNKNOWN, "of": "a"}]}, "choose another one"),
         ({"unknowns": [{**UNKNOWN, "name": "clock"}]}, "choose another one"),
         ({"clock_deviation": "-1 s"}, "positive"),
+        ({"wanted": ["h", "k"]}, r"wanted\[1\].*: no unknown 'k'; known: h"),
     ],
 )
 def test_what_is_wrong_is_refused(keys, text):

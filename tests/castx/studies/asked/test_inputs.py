@@ -47,6 +47,10 @@ def test_a_log_normal_one_has_its_median():
         ({"low": 0, "high": 1, "distribution": "log-uniform"}, "must be positive"),
         ({"mean": 1, "distribution": "normal"}, "deviation: missing"),
         ({"mean": 1, "deviation": -1, "distribution": "normal"}, "must be positive"),
+        (
+            {"low": 9, "high": 10, "mean": 1, "deviation": 0.1, "distribution": "normal"},
+            "mean.*: lies so far outside low and high",
+        ),
         ({"low": 1, "high": 2, "distribution": "even"}, "did you mean|allowed: uniform"),
     ],
 )

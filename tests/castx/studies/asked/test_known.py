@@ -8,7 +8,13 @@ import pytest
 from castx.case.reading.read import load_case
 from castx.errors import CaseError
 from castx.studies.asked.inputs import VariedInput
-from castx.studies.asked.known import changes_of_case, known_range, scaled, with_known_ranges
+from castx.studies.asked.known import (
+    changes_of_case,
+    known_range,
+    refuse_elsewhere,
+    scaled,
+    with_known_ranges,
+)
 from castx.studies.asked.reading import read_study
 from castx.studies.asked.vary import Vary
 from castx.studies.runs.runner import Runner, changes_as_overrides
@@ -74,6 +80,15 @@ def test_a_factor_multiplies_what_the_case_or_the_database_has():
     assert changes["materials.alloy.conductivity.liquid"] == [[613, 132.0], [800, 144.0]]
     assert changes["materials.alloy.conductivity"]["solid"][0] == [25, 160]
     assert list(changes)[-1] == "materials.alloy.conductivity.liquid"  # behind its group
+
+
+def test_paths_to_no_number_of_the_case_are_refused():
+    with pytest.raises(CaseError, match=r'no \[materials.aloy\]; .*did you mean "alloy"'):
+        refuse_elsewhere(DATA, "materials.aloy.conductivity")
+    with pytest.raises(CaseError, match=r"\[optimise\] is a study"):
+        refuse_elsewhere(DATA, "optimise.runs")
+    for there in ("materials.alloy.density", "materials.AlCu4.5.density", "time.end", "name"):
+        refuse_elsewhere(DATA, there)
 
 
 def test_nothing_to_multiply_is_refused():

@@ -33,6 +33,7 @@ def test_excess_is_relative_to_the_limit(limit, value, excess):
         ({"limits": [{"of": "a"}]}, "least or most is needed"),
         ({"limits": [{"of": "a", "least": 2, "most": 1}]}, "must not be above most"),
         ({"direction": "lowest"}, "allowed: least, most"),
+        ({"runs": 6}, 'runs.*: at least 7, .* with 1 inputs; or method = "nelder-mead"'),
         ({"goal": ""}, "at least 1 needed|goal"),
     ],
 )

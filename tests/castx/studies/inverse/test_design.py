@@ -42,7 +42,7 @@ def test_deviations_are_those_of_the_formula(tmp_path):
     for order in (found.d_order, found.a_order):
         assert [one.name for one in order] == ["near", "far"]
         assert [one.deviations[0] for one in order] == pytest.approx(list(told**-0.5), rel=1e-6)
-    assert runner.made == 2
+    assert runner.made == found.runs == 2
     record = json.loads((tmp_path / "study" / RESULT).read_text())
     assert record["d_optimal"][0]["name"] == "near"
 
@@ -59,7 +59,13 @@ def test_what_cannot_be_designed_is_refused(tmp_path):
     with pytest.raises(CaseError, match=r"needs \[\[identify.candidates\]\]"):
         design(*opened(tmp_path))
     one = [place("a", "1 mm")]
-    with pytest.raises(CaseError, match="no unknown 'k'; known: h"):
-        design(*opened(tmp_path, candidates=one, wanted=["k"]))
+    with pytest.raises(CaseError, match=r'\[identify\] h: .*did you mean "closed"'):
+        design(
+            *opened(
+                tmp_path,
+                candidates=one,
+                unknown={"of": "interfaces.0.heat.close", "start": 900},
+            )
+        )
     with pytest.raises(ConvergenceError, match="too fast"):
         design(*opened(tmp_path, candidates=one, unknown={"start": 2e5}))

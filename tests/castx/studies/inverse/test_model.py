@@ -35,6 +35,23 @@ def test_a_start_that_fails_is_refused(tmp_path):
         model.refuse_bad_start()
 
 
+@pytest.mark.parametrize(
+    ("unknown", "text"),
+    [
+        ({"of": "interfaces.0.heat.close", "start": 900}, r'\[identify\] h: .*mean "closed"'),
+        ({"of": "interfaces.7.heat.closed", "start": 900}, r"\[identify\] h: .*has no '7'"),
+        ({"of": "materials.di.density", "start": 900}, r'no \[materials.di\]; .*mean "die"'),
+        ({"of": "vary.draws", "start": 900}, r"\[vary\] is a study; a number of the case"),
+        ({"start": "2 mm"}, r"\[identify\] h: .*closed = \"2.0 mm\": 'mm' is not a unit"),
+    ],
+)
+def test_what_the_case_does_not_take_is_refused_before_a_run(tmp_path, unknown, text):
+    runner, study = opened(tmp_path, unknown=unknown)
+    with pytest.raises(CaseError, match=text):
+        MeasuredCase.of(runner, study)
+    assert runner.made == 0
+
+
 def test_an_unknown_without_influence_is_refused(tmp_path):
     other = {"of": "materials.die.conductivity", "name": "k"}
     model = MeasuredCase.of(*opened(tmp_path, others=[other]))

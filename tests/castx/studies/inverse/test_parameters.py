@@ -94,13 +94,22 @@ def test_a_table_along_a_face(content):
     ("keys", "text"),
     [
         ({"of": "interfaces.0.heat.close"}, "the case has nothing at interfaces.0.heat.close"),
-        ({"of": "bodies.0.name"}, r"bodies.0.name: a number is needed"),
+        ({"of": "bodies.0.name"}, r'the case has bodies.0.name = "casting": a number is needed'),
+        ({"low": "3 kW/m^2/K"}, "the case has .*closed = 2 kW/m.2/K, not above low = 3: give a"),
+        ({"high": "2000 W/m^2/K"}, "closed = 2000 W/m.2/K, not below high = 2000: give a start"),
         ({"low": 1.0, "high": 2.0, "of": "bodies.1.temperature"}, "write both in the same unit"),
     ],
 )
 def test_what_the_case_does_not_have_is_refused(content, keys, text):
     with pytest.raises(CaseError, match=text):
         sought(content, **keys)
+
+
+def test_a_number_without_logarithm_is_refused(content):
+    content["bodies"][1]["temperature"] = "-5 degC"
+    with pytest.raises(CaseError, match='-5 degC, which has no logarithm: say scale = "linear"'):
+        sought(content, of="bodies.1.temperature")
+    assert sought(content, of="bodies.1.temperature", scale="linear").start.tolist() == [-5.0]
 
 
 def test_smoothness_stands_in_the_columns_of_its_table(content):

@@ -86,6 +86,11 @@ def test_a_logger_that_fails_is_refused(case, line, text):
         sensors(case)
 
 
+def test_a_clock_that_may_be_off_by_the_whole_run_is_refused(case):
+    with pytest.raises(CaseError, match=r"clock_deviation = 14 s: .*ends at 40 s; give a smaller"):
+        sensors(case, study={"clock_deviation": "14 s"})
+
+
 def test_a_curve_that_covers_little_is_told(case, monkeypatch):
     said = []
     monkeypatch.setattr(module.log, "warning", lambda text, *args: said.append(text % args))
@@ -101,6 +106,8 @@ def test_a_depth_needs_to_know_where_it_goes(case):
     with pytest.raises(CaseError, match=r"direction = \[1, 0\]"):
         sensors(free, depth_deviation="0.3 mm")
     (one,) = sensors(free, depth_deviation="0.3 mm", direction=[2, 0]).sensors
+    with pytest.raises(CaseError, match=r"direction = \[1.0, 0.0, 0.0\] needs as many numbers"):
+        sensors(free, depth_deviation="0.3 mm", direction=[1, 0, 0])
     rows = one.rung_probes({"name": "near", "body": "mould", "at": ["32 mm", "0.5 mm"]})
     assert rows[0]["at"] == pytest.approx([0.0311, 5e-4]) and rows[0]["name"] == "near +0"
     surface = case.probes[0].model_copy(update={"depth": 0.0})
