@@ -8,8 +8,12 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from castx.input.units import plain_text
 from castx.meshes.cad.cells import POOR, Quality
 from castx.meshes.cad.report import Measure, Report
+
+UNITS = {"cm³": 1e6, "cm²": 1e4}
+"""In which volumes and areas are shown, by how many of them an SI unit has."""
 
 
 def show_cad(report: Report, interfaces: Sequence[str], console: Console) -> None:
@@ -39,8 +43,8 @@ def cad_table(report: Report, interfaces: Sequence[str]) -> Table:
         table.add_row(
             f"{kind} {name}",
             str(measure.parts),
-            f"{measure.cad:.6g} {unit}",
-            f"{measure.mesh:.6g} {unit}",
+            f"{plain_text(UNITS[unit] * measure.cad, 6)} {unit}",
+            f"{plain_text(UNITS[unit] * measure.mesh, 6)} {unit}",
             difference_text(measure),
         )
     return table
@@ -59,11 +63,11 @@ def quality_text(quality: Quality) -> str:
 
 def _rows(report: Report, interfaces: Sequence[str]) -> Iterator[tuple[str, str, str, Measure]]:
     known = {frozenset(name.split("/")): name for name in interfaces}
-    yield from (("m³", "body", measure.name, measure) for measure in report.bodies)
+    yield from (("cm³", "body", measure.name, measure) for measure in report.bodies)
     for measure in report.interfaces:
         name = known.get(frozenset(measure.name.split("/")), measure.name)
-        yield "m²", "interface", name, measure
-    yield from (("m²", "surface", measure.name, measure) for measure in report.surfaces)
+        yield "cm²", "interface", name, measure
+    yield from (("cm²", "surface", measure.name, measure) for measure in report.surfaces)
 
 
 def difference_text(measure: Measure) -> str:

@@ -33,6 +33,7 @@ from castx.domain.pairs.pairing import case_pairs
 from castx.domain.summary import InterfaceSummary, MeshSummary, mesh_summary
 from castx.errors import CaseError, MeshError
 from castx.heat.building import heat_exchange, initial_temperatures
+from castx.input.units import plain_text
 from castx.materials.lookup import find_material
 from castx.meshes.model import SYMMETRY
 from castx.process.building import stage_cases
@@ -205,8 +206,9 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
         summary: of its mesh.
         formulations: of the bodies, in words.
     """
-    headings = ("body", "material", "initially", "law", "nodes", "cells", "volume, m³")
-    table = Table(*headings, box=SIMPLE_HEAD)
+    table = Table(box=SIMPLE_HEAD)
+    for heading in ("body", "material", "initially", "law", "nodes", "cells", "volume, cm³"):
+        table.add_column(heading, overflow="fold")  # a name that is cut short names nothing
     rows = zip(case.bodies, summary.bodies, formulations, strict=True)
     for body, sizes, formulation in rows:
         table.add_row(
@@ -216,7 +218,7 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
             f"{body.law}\n{formulation}",
             str(sizes.nodes),
             str(sizes.cells),
-            f"{sizes.volume:.4g}",
+            plain_text(1e6 * sizes.volume),
         )
     return table
 
@@ -234,7 +236,7 @@ def size_text(model: str) -> str:
 
 def surface_table(case: Case, summary: MeshSummary) -> Table:
     """Return the named surfaces with their areas and boundary conditions."""
-    table = Table("surface", "area, m²", "conditions", box=SIMPLE_HEAD)
+    table = Table("surface", "area, cm²", "conditions", box=SIMPLE_HEAD)
     conditions = {boundary.on: boundary for boundary in case.boundaries}
     names = [body.name for body in case.bodies]
     for body in summary.bodies:
@@ -243,9 +245,9 @@ def surface_table(case: Case, summary: MeshSummary) -> Table:
                 on = f"{body.name}/{surface}"
                 given = conditions.get(on)
                 text = free_text(surface) if given is None else conditions_text(given, area)
-                table.add_row(on, f"{area:.4g}", text)
+                table.add_row(on, plain_text(1e4 * area), text)
         if body.unnamed > 0.0:
-            table.add_row(f"{body.name}, unnamed", f"{body.unnamed:.4g}", free_text(""))
+            table.add_row(f"{body.name}, unnamed", plain_text(1e4 * body.unnamed), free_text(""))
     return table
 
 
@@ -288,10 +290,10 @@ def interface_text(case: Case, summary: InterfaceSummary, pairs: Mapping[str, in
         pairs: how many node pairs each interface of the case has; a node at an edge has one on
             each side of it.
     """
-    sizes = f"{summary.nodes} nodes, {summary.area:.4g} m²"
+    sizes = f"{summary.nodes} nodes, {plain_text(1e4 * summary.area)} cm²"
     for interface in case.interfaces:
         if set(interface.bodies) == set(summary.bodies):
-            sizes = f"{pairs[interface.name]} pairs, {summary.area:.4g} m²"
+            sizes = f"{pairs[interface.name]} pairs, {plain_text(1e4 * summary.area)} cm²"
             laws = f"contact {interface.contact.method}, heat {heat_text(interface.heat)}"
             return f"interface {interface.name}: {sizes}, {laws}"
     return f"no interface between {' and '.join(summary.bodies)} ({sizes}): nothing passes there"

@@ -33,7 +33,7 @@ from castx.command.terminal import (
     show_details,
 )
 from castx.commit import commit
-from castx.errors import CaseError, ConvergenceError, MeshError, StorageError
+from castx.errors import CaseError, ConvergenceError, Interrupted, MeshError, StorageError
 from castx.handover.target import Target
 from castx.imports import kept
 from castx.input.printable import printable
@@ -177,6 +177,7 @@ def run(
 ) -> None:
     """Solve a case and write its results folder."""
     with kept():
+        from castx.command.run import restart_command
         from castx.command.run import run as run_case_file
         from castx.environment import blas_advantage, blas_warning
 
@@ -210,7 +211,10 @@ def run(
                 time_limit=limit, profile=profile,
             )  # fmt: skip
     except KeyboardInterrupt as error:  # typer would not say why
-        say(comm, f"interrupted: {error}".removesuffix(": "), Exit.INTERRUPTED)
+        told = f"interrupted: {error}".removesuffix(": ")
+        if isinstance(error, Interrupted):  # behind a checkpoint
+            told += f"; go on with\n{restart_command(context.params)}"
+        say(comm, told, Exit.INTERRUPTED)
         raise typer.Exit(Exit.INTERRUPTED) from None
     for table in tables if comm.rank == 0 else ():
         console.print(table(folder))

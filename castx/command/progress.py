@@ -14,11 +14,13 @@ from rich import progress
 from rich.console import Console
 
 from castx.command.terminal import console_of
+from castx.input.units import seconds_text
 from castx.process.remaining import Remaining
 from castx.results.states.snapshot import Snapshot
 
 WIDE = 105
 """Width of a terminal that has room for a bar beside the numbers."""
+
 
 class Progress:
     """Shows each accepted step, with the wall clock time left.
@@ -103,9 +105,9 @@ def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) 
         remaining: wall clock time left [s]; None: not known yet.
     """
     counters = snapshot.counters
-    parts = [f"t {snapshot.time:.4g} s", f"step {snapshot.step}"]
+    parts = [f"t {seconds_text(snapshot.time)}", f"step {snapshot.step}"]
     if snapshot.step > 0:
-        parts[-1] += f" ({counters.step:.3g} s)"
+        parts[-1] += f" ({seconds_text(counters.step, 3)})"
     if freezing is not None:
         parts.append(f"solid {100.0 * snapshot.totals[freezing]:.1f} %")
     if snapshot.step > 0:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from mpi4py import MPI
 
@@ -64,6 +66,22 @@ def run(
         case = with_output(case, Path(output))
     ranks = MPI.COMM_WORLD if comm is None else comm
     return run_case(case, ranks, restart, time_limit, profile)
+
+
+def restart_command(options: Mapping[str, Any]) -> str:
+    """Return the command line that goes on with an interrupted run.
+
+    Args:
+        options: those of `castx run` by the names of its parameters.
+    """
+    words = ["castx", "run", str(options["case_file"])]
+    for key in ("output", "time_limit", "sensitivity"):
+        if options[key] is not None:
+            words += [f"--{key.replace('_', '-')}", str(options[key])]
+    words += [f"--{key}" for key in ("estimate", "profile") if options[key]]
+    for override in options["overrides"] or ():
+        words += ["--set", override]
+    return shlex.join([*words, "--restart"])
 
 
 def with_output(case: Case, folder: Path) -> Case:

@@ -151,6 +151,21 @@ def _convert(text: str, dimension: Dimension) -> float:
     return _in_si(float(match.group()), unit, dimension)
 
 
+def plain_text(value: float, digits: int = 4) -> str:
+    """Return a number as text, such as "0.1235" and "28800": without powers of ten when large.
+
+    Args:
+        value: the number.
+        digits: that count.
+    """
+    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
+
+
+def seconds_text(time: float, digits: int = 4) -> str:
+    """Return a time [s] as text with its unit, as `plain_text` has it."""
+    return f"{plain_text(time, digits)} s"
+
+
 def converted(amount: float, unit: str, wanted: str) -> float:
     """Return a number in another unit of the same kind; "°C" is an absolute temperature.
 

@@ -20,6 +20,7 @@ from castx.case.case import Case
 from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.errors import ConvergenceError
 from castx.foundry.front.gradients import midpoint_gradients
+from castx.input.units import seconds_text
 from castx.process.plausible import size_of
 from castx.results.states.snapshot import FULLY_SOLID, Snapshot
 
@@ -73,9 +74,9 @@ class DeformationWatch:
             if max(gradient, moved) <= TOLD:
                 continue
             text = (
-                f"at t = {snapshot.time:.4g} s {body} is displaced by {100.0 * moved:.3g} % of its "
-                f"size, its solid strained and turned by up to {100.0 * gradient:.3g} % at "
-                f"({', '.join(f'{x:.4g}' for x in place)}) m; displacements are taken as small"
+                f"at t = {seconds_text(snapshot.time)} {body} is displaced by {100.0 * moved:.3g} "
+                f"% of its size, its solid strained and turned by up to {100.0 * gradient:.3g} % "
+                f"at ({', '.join(f'{x:.4g}' for x in place)}) m; displacements are taken as small"
             )
             if max(gradient, moved) > ABSURD:
                 raise ConvergenceError(

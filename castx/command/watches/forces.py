@@ -9,6 +9,7 @@ from typing import Self
 from mpi4py import MPI
 
 from castx.case.case import Case
+from castx.input.units import seconds_text
 from castx.results.states.snapshot import Snapshot
 
 _log = logging.getLogger(__name__)
@@ -58,7 +59,7 @@ class ForceWatch:
         if error <= self._allowed:
             return
         self._exceeded += 1
-        text = f"{error:.2g} of the forces on {body} at t = {snapshot.time:.4g} s"
+        text = f"{error:.2g} of the forces on {body} at t = {seconds_text(snapshot.time)}"
         if error > self._largest:
             self._largest, self._where = error, text
         if self._exceeded == 1 and self._warns:

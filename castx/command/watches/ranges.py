@@ -15,6 +15,7 @@ import numpy as np
 
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.input.units import seconds_text
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
 from castx.materials.granular import GRANULAR
@@ -58,7 +59,7 @@ class RangeWatch:
             )
             if found:
                 self._warned.add(body.material)
-                self._warn(f"at t = {snapshot.time:.4g} s", body, found, low, high)
+                self._warn(f"at t = {seconds_text(snapshot.time)}", body, found, low, high)
 
     def _extremes(self, snapshot: Snapshot) -> Iterator[tuple[float, float]]:
         """Yield the lowest and the highest temperature of each body on all ranks [°C]."""

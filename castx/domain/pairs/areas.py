@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from castx.case.interfaces import Interface
 from castx.domain.pairs.node_pairs import NodePairs
+from castx.input.units import plain_text
 
 DIFFERENCE = 0.05
 """Share of the larger area by which those of both sides differ before castx warns."""
@@ -21,9 +22,8 @@ def area_text(pairs: NodePairs, comm: MPI.Intracomm) -> str:
         comm: the ranks.
     """
     secondary, primary = _areas(pairs, comm)
-    return (
-        f"{secondary:.4g} m² of {pairs.secondary} face {primary:.4g} m² of {pairs.primary}"
-    )
+    of_one, of_other = (f"{plain_text(1e4 * area)} cm²" for area in (secondary, primary))
+    return f"{of_one} of {pairs.secondary} face {of_other} of {pairs.primary}"
 
 
 def area_warnings(

@@ -13,6 +13,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from castx.arrays import FloatArray
+from castx.input.units import seconds_text
 from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments
 from castx.report.page.assets import data_uri
@@ -140,7 +141,7 @@ def stills(run: ReportedRun) -> list[Shot]:
     bodies = tuple(run.freezing or run.bodies_at())
     made = [shot(run, topic_of(field), time, Shown(field, bodies)) for time in times]
     return [
-        replace(one, title=f"t = {time:.4g} s" + (f": {what[time]}" if what[time] else ""))
+        replace(one, title=f"t = {seconds_text(time)}" + (f": {what[time]}" if what[time] else ""))
         for one, time in zip(made, times, strict=True)
         if one is not None
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from castx.input.units import seconds_text
 from castx.results.states.quantities import parts
 
 
@@ -74,7 +75,7 @@ class Finding:
             model: geometric model, which names the axes.
         """
         texts = [] if self.place is None else [place_text(self.place, model)]
-        texts += [] if self.time is None else [f"t = {self.time:.4g} s"]
+        texts += [] if self.time is None else [f"t = {seconds_text(self.time)}"]
         return ", ".join(texts)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from castx.input.units import plain_text, seconds_text
 from castx.report.summary.finding import Finding, Shown
 from castx.results.reading import Results
 from castx.results.states.snapshot import FULLY_SOLID
@@ -73,7 +74,7 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
         told = "the last liquid was at this place."
     return Finding(
         LAST_LIQUID, body, after, "s",
-        f"All solid in the step from {before:.4g} to {after:.4g} s; {told}",
+        f"All solid in the step from {plain_text(before)} to {seconds_text(after)}; {told}",
         place=place, time=after, shown=Shown("temperature", (body,), earlier(run.times, after)),
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from castx.errors import CaseError
+from castx.input.units import seconds_text
 from castx.report.summary.finding import Finding, Shown
 from castx.results.field_times import OPEN
 from castx.results.reading import Results
@@ -35,10 +36,11 @@ def largest_gap(run: Results, name: str) -> Finding | None:
     opened = np.flatnonzero(widths > OPEN)
     told = "Largest opening of the run"
     if opened.size:
-        told += f"; it exceeds 1 µm first in the step to {run.history['time'][opened[0]]:.4g} s"
+        since = float(run.history["time"][opened[0]])
+        told += f"; it exceeds 1 µm first in the step to {seconds_text(since)}"
     written, place = gap_place(run, name, time)
     if place is not None and abs(written - time) > 1e-6 * time:
-        told += f"; the place is that in the fields of {written:.4g} s"
+        told += f"; the place is that in the fields of {seconds_text(written)}"
     casting = name.split("/")[0]
     space = run.model == "3d"
     field = "gap" if space else "temperature"  # in the plane the gap itself is seen

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from castx.input.units import seconds_text
 from castx.meshes.generators.declaration import PLANE_MODELS
 from castx.results.states.quantities import parts
 
@@ -50,8 +51,8 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
             str(rank),
             str(spot["body"]),
             str(spot["pool"]) + ("" if spot["parent"] is None else f", part of {spot['parent']}"),
-            f"{spot['isolated']:.4g} s",
-            "not yet" if spot["ended"] is None else f"{spot['ended']:.4g} s",
+            seconds_text(spot["isolated"]),
+            "not yet" if spot["ended"] is None else seconds_text(spot["ended"]),
             ", ".join(f"{1e3 * x:.1f}" for x in spot["place"]),
             f"{factor * spot['volume']:.3g}",
             "unknown" if spot["deficit"] is None else f"{factor * spot['deficit']:.3g}",

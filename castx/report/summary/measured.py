@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from castx.input.units import seconds_text
 from castx.report.summary.finding import Finding
 from castx.results.reading import Results
 from castx.results.states.quantities import UNITS
@@ -25,7 +26,7 @@ def deviations(run: Results) -> Iterator[Finding]:
         yield Finding(
             "Beside its measurement", name, apart.root_mean_square, unit,
             f"Root mean square of computed minus measured at {apart.points} points, at most "
-            f"{factor * apart.largest:+.3g} {unit} at {apart.at:.4g} s.",
+            f"{factor * apart.largest:+.3g} {unit} at {seconds_text(apart.at)}.",
             factor=factor,
         )  # fmt: skip
 

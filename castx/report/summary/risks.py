@@ -9,6 +9,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.foundry.suction import CUT_OFFS
+from castx.input.units import seconds_text
 from castx.meshes.generators.declaration import PLANE_MODELS
 from castx.report.summary.finding import Finding, Shown
 from castx.report.summary.freezing import earlier
@@ -88,7 +89,7 @@ def hot_spots(run: Results) -> Iterator[Finding]:
         isolated = float(spot["isolated"])
         yield Finding(
             "Worst hot spot", body, spot["volume"] if lacks is None else lacks, unit,
-            f"Nothing feeds this pool from {isolated:.4g} s on; the number is {what}.",
+            f"Nothing feeds this pool from {seconds_text(isolated)} on; the number is {what}.",
             factor=factor, place=spot["place"], time=isolated,
             shown=Shown("solid_fraction", (body,), earlier(run.times, isolated)),
         )  # fmt: skip

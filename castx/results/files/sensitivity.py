@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from castx.input.units import seconds_text
 from castx.results.files.folder import SENSITIVITY
 from castx.results.files.json_contents import JsonContents, read_json, write_json
 
@@ -39,9 +40,9 @@ class VariedRun(JsonContents):
         """Return when a casting was all solid, or that it was not."""
         time = self.frozen.get(body)
         if time is not None:
-            return f"{time:.4g} s"
+            return seconds_text(time)
         stopped = "at the end" if self.ended == "finished" else f"when it stopped ({self.ended})"
-        return f"not frozen {stopped}, {self.reached:.4g} s"
+        return f"not frozen {stopped}, {seconds_text(self.reached)}"
 
     def gap_text(self, interface: str) -> str:
         """Return the largest gap of an interface."""

@@ -62,17 +62,17 @@ def test_check_shows_what_was_selected_with_its_area(comm, shared_tmp_path, said
     assert execute(["check", str(case)], comm) == 0
     text = said()
     for line in (
-        "body casting             1       4e-06 m³    4e-06 m³    0 %",
-        "interface casting/die    1       0.0004 m²   0.0004 m²   0 %",
-        "surface casting/top      1       0.0004 m²   0.0004 m²   0 %",
-        "surface die/far          1       0.0002 m²   0.0002 m²   0 %",
-        "surface die/outside      5       0.0016 m²   0.0016 m²   0 %",
+        "body casting             1       4 cm³    4 cm³    0 %",
+        "interface casting/die    1       4 cm²    4 cm²    0 %",
+        "surface casting/top      1       4 cm²    4 cm²    0 %",
+        "surface die/far          1       2 cm²    2 cm²    0 %",
+        "surface die/outside      5       16 cm²   16 cm²   0 %",
     ):
         assert " ".join(line.split()) in " ".join(text.split())
     assert "in the worst, at (" in text
     other = 'interfaces=[{ bodies = ["die", "casting"], heat = { closed = 9, law = "constant" } }]'
     assert execute(["check", str(case), "--set", other], comm) == 0
-    assert "interface die/casting 1 0.0004 m²" in " ".join(said().split())
+    assert "interface die/casting 1 4 cm²" in " ".join(said().split())
     assert execute(["check", str(case), "--set", "geometry.surfaces.top.radius=1"], comm) == 2
     assert "'top' selects no face; there are" in said()
 

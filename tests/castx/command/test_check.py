@@ -145,7 +145,7 @@ def test_bodies_that_touch_without_an_interface_are_named():
     sizes, pairs = {"nodes": 9, "area": 0.0251327}, {"casting/core": 12}
     known = SimpleNamespace(bodies=("core", "casting"), **sizes)
     assert interface_text(case, known, pairs) == (
-        "interface casting/core: 12 pairs, 0.02513 m², contact condensed, heat limited"
+        "interface casting/core: 12 pairs, 251.3 cm², contact condensed, heat limited"
     )
     unknown = SimpleNamespace(bodies=("core", "die"), **sizes)
     assert "no interface between core and die (9 nodes," in interface_text(case, unknown, pairs)

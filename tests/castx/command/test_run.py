@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import pytest
 
 from castx.case.reading.read import load_case
 from castx.command.cli import execute
-from castx.command.run import run, run_case, with_output
+from castx.command.run import restart_command, run, run_case, with_output
 from castx.errors import CaseError
 from castx.profiling import RunPart
 from castx.results.reading import Results
@@ -29,6 +30,22 @@ def test_the_folder_is_that_of_the_case_or_the_given_one(comm, case_file, shared
     assert run(case_file, short, output=other, comm=comm) == other
     one, two = (Results(found).history["casting.enthalpy"] for found in (folder, other))
     np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.serial
+def test_the_command_that_goes_on_has_all_options():
+    options = {
+        "case_file": Path("my case.toml"), "output": None, "time_limit": "8 h", "sensitivity": None,
+        "estimate": True, "profile": False, "overrides": ["time.end=4", "name='x y'"],
+    }  # fmt: skip
+    said = restart_command(options)
+    assert shlex.split(said) == [
+        "castx", "run", "my case.toml", "--time-limit", "8 h", "--estimate", "--set", "time.end=4",
+        "--set", "name='x y'", "--restart",
+    ]  # fmt: skip
+    more = {"output": Path("out"), "sensitivity": "coherency", "overrides": None}
+    said = restart_command({**options, **more})
+    assert "--output out --time-limit '8 h' --sensitivity coherency --estimate" in said
 
 
 def test_a_relative_folder_is_that_of_the_present_one(case_file, monkeypatch):
@@ -170,6 +187,11 @@ def test_a_signal_ends_a_run_after_its_step_with_its_files(case_file, tmp_path, 
     process.send_signal(number)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
+    goes_on = (
+        f"castx run {case_file} --output {folder} --set time.end=1e4 --set time.largest_step=0.01 "
+        "--set time.first_step=0.01 --restart"
+    )
+    assert f"stopped by a signal; go on with {goes_on}" in " ".join(errors.split())
     record = json.loads((folder / "run.json").read_text())
     assert record["exit"] == {"reason": "interrupted", "message": "stopped by a signal"}
     assert record["totals"]["steps"] == steps(folder) - 1

@@ -211,3 +211,14 @@ def test_common_units_do_not_load_pint():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["0.003", "2000000.0", "False"]
+
+
+@pytest.mark.parametrize(
+    ("time", "text"),
+    [(0.0, "0 s"), (0.12345, "0.1235 s"), (88.566, "88.57 s"), (28800.4, "28800 s"),
+     (-12345.6, "-12346 s"), (1e-9, "1e-09 s"), (3e12, "3e+12 s")],
+)  # fmt: skip
+def test_times_are_shown_without_powers_of_ten(time, text):
+    assert units.seconds_text(time) == text
+    assert units.seconds_text(1920.4, 3) == "1920 s"
+    assert units.plain_text(19724.8, 6) == "19724.8"

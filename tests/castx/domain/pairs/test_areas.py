@@ -15,4 +15,4 @@ def test_matching_surfaces_have_equal_areas(comm):
     area = comm.allreduce(pairs.areas.sum())
     np.testing.assert_allclose(pairs.primary_area, area, rtol=1e-9)
     assert area_warning(pairs, comm) == ""
-    assert area_text(pairs, comm).startswith(f"{area:.4g} m² of casting face")
+    assert area_text(pairs, comm).startswith(f"{1e4 * area:.4g} cm² of casting face")

@@ -292,5 +292,5 @@ def test_the_log_names_the_areas_of_both_sides(comm, shared_tmp_path, caplog):
     separate(comm, shared_tmp_path, 6, 4)
     with caplog.at_level("INFO", logger="castx"):
         simulation(comm, case(shared_tmp_path)).destroy()
-    assert "interface upper/base: 0.02 m² of upper face 0.02 m² of base" in caplog.text
+    assert "interface upper/base: 200 cm² of upper face 200 cm² of base" in caplog.text
     assert "areas of both sides differ" not in caplog.text

@@ -18,6 +18,7 @@ from castx.report.reported import ReportedRun
 from castx.report.summary.registry import findings
 from castx.results.files.measurements import Measured, write_measured
 from castx.results.reading import Results
+from tests.castx.app.browser import Browser, found_browser
 
 pytestmark = pytest.mark.serial
 
@@ -86,6 +87,18 @@ def test_the_report_stands_alone(page, text):
     policy = next(value for value in page.values("content") if "default-src" in value)
     assert "default-src 'none'" in policy and "http" not in policy
     assert len(text) < 2_000_000
+
+
+@pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine")
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_phone_shows_the_whole_width(folder, text, tmp_path, width):
+    """Tables that are wider move inside the page."""
+    with Browser(found_browser(), tmp_path / "profile", width=width) as browser:
+        browser.open(f"file://{folder / 'report.html'}")
+        wide = browser.wait_for("document.readyState === 'complete' && innerWidth")
+        assert wide == width
+        assert browser.value("document.querySelector('table').offsetHeight") > 0
+        assert browser.value("document.documentElement.scrollWidth") <= width
 
 
 def test_hostile_names_are_text(page):
