@@ -6,11 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import pyvista
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.report.display import display
 from castx.report.pictures import Image, View, exaggeration, limits_of, picture
+from castx.report.style import DOTS_PER_INCH, figure
+
+INCHES, BAR, AXIS = 5.0, 1.6, 0.6
+"""Largest side of a picture in a notebook, and room for its colour bar and its axis [inch]."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,22 @@ class Drawing:
     limits: tuple[float, float]
     colours: str
     exaggeration: float
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture with axes and colour bar, as a notebook shows it."""
+        height, width = self.pixels.shape[:2]
+        scale = INCHES / max(height, width)
+        with figure(scale * width + BAR, scale * height + AXIS) as (drawn, stream):
+            axes = drawn.add_subplot()
+            axes.imshow(self.pixels, extent=self.extent)
+            axes.grid(visible=False)
+            if self.extent is None:
+                axes.set_axis_off()
+            else:
+                axes.set(xlabel="m", ylabel="m")
+            drawn.colorbar(ScalarMappable(Normalize(*self.limits), self.colours), ax=axes)
+            drawn.savefig(stream, format="png", dpi=DOTS_PER_INCH)
+        return stream.getvalue()
 
 
 def draw(
@@ -53,7 +75,8 @@ def draw(
     >>> drawing.pixels.shape[2], drawing.limits
     (3, (200, 670))
 
-    and in a figure of matplotlib: `plt.imshow(drawing.pixels, extent=drawing.extent)`.
+    A notebook shows it with axes and a colour bar. In a figure of matplotlib it is
+    `plt.imshow(drawing.pixels, extent=drawing.extent)`.
 
     Args:
         grids: the bodies, such as `Results.grids` gives them; fields may be added to them.

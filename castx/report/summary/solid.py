@@ -75,7 +75,7 @@ def not_residual(run: Results, body: str, time: float, found: Mapping[str, Any])
         touching = float(np.interp(time, run.history["time"], closed))
         if touching > 0.0:
             other = next(name for name in interface.split("/") if name != body)
-            yield f"{other} still holds it, at {100.0 * touching:.2g} % of their interface."
+            yield f"{other} still holds it, at {100.0 * touching:.0f} % of their interface."
 
 
 def beyond_strength(run: Results, body: str, stress: float) -> Iterator[str]:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+from dataclasses import replace
+
+import matplotlib.image
 import numpy as np
 import pytest
 import pyvista
@@ -80,3 +84,20 @@ def test_a_picture_in_space_has_no_extent():
 def test_a_field_that_is_not_there_is_refused(grids):
     with pytest.raises(CaseError, match=r"no body has values of 'temprature'.*\"temperature\""):
         draw(grids, "temprature", "plane-strain")
+
+
+def test_a_notebook_shows_it_with_axes_and_colour_bar(grids):
+    drawing = draw(grids, "temperature", "plane-strain", colours="gray", coloured=["mould"])
+
+    def shown(given):
+        png = given._repr_png_()
+        return png, matplotlib.image.imread(io.BytesIO(png))[..., :3]
+
+    png, image = shown(drawing)
+    part = image[:, round(0.75 * image.shape[1]) :]
+    greys = np.unique(np.round(part[np.ptp(part, axis=2) < 1e-3][:, 0], 1))
+    assert len(greys) >= 10, "the bar has all colours between black and white"
+    assert shown(replace(drawing, limits=(0.0, 1.0)))[0] != png
+    assert shown(replace(drawing, colours="viridis"))[0] != png
+    flat = shown(replace(drawing, extent=None))[1]
+    assert flat.shape == image.shape and not np.array_equal(flat, image)  # in space without axes

@@ -60,6 +60,7 @@ DOUBTS = [
     ({"law": "thermo-elastic"}, {}, "elastic"),
     ({}, {"hottest": 585.0}, "still up to 585 °C hot"),
     ({}, {"held": [0.0, 1.0, 0.5, 0.25]}, "mould still holds it, at 25 %"),
+    ({}, {"held": [0.0, 1.0, 1.0, 1.0]}, "mould still holds it, at 100 %"),
 ]
 
 
