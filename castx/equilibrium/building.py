@@ -14,6 +14,7 @@ from castx.case.contact import is_tied
 from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
 from castx.contact.kinematics.gaps import Gaps
+from castx.contact.kinematics.midside_shares import MidsideShares, name_of_midsides
 from castx.contact.kinematics.rigid import RigidBody
 from castx.contact.kinematics.rows import InterfaceRows
 from castx.contact.kinematics.transform import ConstraintTransform
@@ -54,6 +55,10 @@ LARGEST_DIRECT_Q1P0 = 12_000
 LARGEST_FLOWING = 200_000
 """Unknowns of a body that flows up to which it gets factors beside the multigrid of the others,
 once multigrid is slow: shells that freeze and yield cost it iterations by the hundred."""
+
+
+QuadraticPairs = tuple[NodePairs, Sequence[MidsideShares]]
+"""Pairs of an interface, and what the mid-sides of quadratic bodies have in them."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,7 @@ class DeformableBodies:
     @property
     def layout_names(self) -> list[str]:
         """Names of the bodies and of their mid-sides in the order of the layout."""
-        midsides = [f"mid-sides of {self.names[b]}" for b in self.assembly.quadratic]
+        midsides = [name_of_midsides(self.names[b]) for b in self.assembly.quadratic]
         return [*self.names, *midsides]
 
     @property
@@ -122,7 +127,7 @@ class DeformableBodies:
 def build_methods(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[NodePairs],
+    pairs: Sequence[QuadraticPairs],
     settings: MechanicsSettings,
 ) -> Equilibrium | FallbackMethods:
     """Return the equilibrium of bodies with contact, by several methods if there are fallbacks.
@@ -130,7 +135,7 @@ def build_methods(
     Args:
         bodies: the bodies.
         contacts: interfaces with contact.
-        pairs: their node pairs.
+        pairs: their node pairs, and what mid-sides have in them.
         settings: how to solve.
 
     Raises:
@@ -147,17 +152,20 @@ def build_methods(
 def _build_equilibrium(
     bodies: DeformableBodies,
     contacts: Sequence[Contact],
-    pairs: Sequence[NodePairs],
+    pairs: Sequence[QuadraticPairs],
     settings: MechanicsSettings,
 ) -> Equilibrium:
     method = common_method(contacts)
-    rows = [InterfaceRows(p, c.treatment) for c, p in zip(contacts, pairs, strict=True)]
+    rows = [
+        InterfaceRows(found, contact.treatment, midsides)
+        for contact, (found, midsides) in zip(contacts, pairs, strict=True)
+    ]
     transform = ConstraintTransform(
         bodies.layout, bodies.layout_names, bodies.parts[0].dimension, bodies.fixed, rows,
         [body.axial for body in bodies.parts],
     )  # fmt: skip
-    gaps = Gaps(bodies.layout, bodies.names, transform.interfaces, bodies.rigid)
-    contact = contact_system(method, contacts, transform, bodies.names, gaps, bodies.moduli)
+    gaps = Gaps(bodies.layout, bodies.layout_names, transform.interfaces, bodies.rigid)
+    contact = contact_system(method, contacts, transform, bodies.layout_names, gaps, bodies.moduli)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
     floating = _floating(bodies, transform, contact, springs) if settings.support else None
     gates = [

@@ -12,6 +12,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
+from castx.contact.kinematics.midside_shares import midside_shares
 from castx.contact.kinematics.pair_state import contact_state
 from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
@@ -72,9 +73,9 @@ class MechanicalProblem:
             for b, n in enumerate(names)
         ]
         self.bodies = dict(zip(names, parts, strict=True))
-        midsides = [body.midsides for body in parts if body.midsides is not None]
-        spaces = [each.space for each in parts] + [each.space for each in midsides]
-        sizes = [each.block_size for each in parts] + [each.block_size for each in midsides]
+        midsides = {p.name: p.midsides for p in parts if p.midsides is not None}
+        blocks = [*parts, *midsides.values()]
+        spaces, sizes = [each.space for each in blocks], [each.block_size for each in blocks]
         self.layout = Layout(mesh.comm, [space.dofmap.index_map for space in spaces], sizes)
         if pairs is None:
             described = [Facing(c.secondary, c.primary, c.pairing, c.initial_gap) for c in contacts]
@@ -97,7 +98,11 @@ class MechanicalProblem:
             names, self._assembly, [*fixed, *straight], self.rigid, length, moduli,
             counters or StepCounters(),
         )  # fmt: skip
-        self.equilibrium = build_methods(deformable, contacts, self.pairs, settings)
+        found = [
+            (own, midside_shares(mesh, own, contact.pairing, midsides))
+            for own, contact in zip(self.pairs, contacts, strict=True)
+        ]
+        self.equilibrium = build_methods(deformable, contacts, found, settings)
         self.memory = MechanicalMemory(self.bodies, self.equilibrium.first)
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.friction.coulomb import SlidingRows
-from castx.contact.kinematics.gaps import Gaps, fill_directions
+from castx.contact.kinematics.gaps import Gaps, fill_directions, fill_midsides
 from castx.solvers.layout import Layout
 
 
@@ -52,6 +52,11 @@ def tangent_matrix(
                 rows = (first + mine * width + k).astype(np.int32)
                 b, directions = names.index(name), sliding.tangents[mine, k]
                 fill_directions(T, layout, b, rows, numbers[index], shares[index], directions)
+        for k in range(width if len(mine) else 0):
+            place = np.full(len(interface.local), -1, dtype=np.int32)
+            place[sliding.rows[mine] - part.start] = first + mine * width + k
+            motions = interface.midsides_along(interface.tangents[:, k])
+            fill_midsides(T, layout, names, place, motions)
     T.assemble()
     return T
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from castx.arrays import FloatArray, IntArray, LongArray
-from castx.contact.kinematics.pair_rows import PairRows
+from castx.contact.kinematics.pair_rows import MidsideMotions, PairRows
 from castx.contact.kinematics.rigid import RigidBody
 from castx.contact.kinematics.rows import Treatment
 from castx.solvers.layout import Layout
@@ -21,7 +21,8 @@ from castx.solvers.layout import Layout
 class Gaps:
     """The rows of all interfaces, one after the other, on the owners of their secondary nodes.
 
-    g = g0 + n·(u_secondary − u_primary) (Chiumenti, section 7.1, positive when open).
+    g = g0 + n·(u_secondary − u_primary) (Chiumenti, section 7.1, positive when open), and what
+    mid-sides add, see `castx.contact.kinematics.midside_shares`.
 
     Attributes:
         at_rest: gaps without displacement of any body [m], shape (rows,).
@@ -36,7 +37,8 @@ class Gaps:
 
     Args:
         layout: numbering of the displacements of all bodies.
-        body_names: names of the bodies in the order of the layout; others are rigid.
+        body_names: names of the bodies and of their mid-sides in the order of the layout; other
+            bodies are rigid.
         interfaces: rows of the pairs of each interface.
         rigid: rigid bodies by name.
     """
@@ -83,6 +85,7 @@ class Gaps:
                     fill_directions(
                         B, layout, b, rows, numbers[index], shares[index], interface.normals
                     )
+            fill_midsides(B, layout, names, rows, interface.midsides_in_gaps())
         B.assemble()
         return B
 
@@ -138,14 +141,14 @@ def fill_directions(
     weights: FloatArray,
     directions: FloatArray,
 ) -> None:
-    """Set in each row Σ_j w_j d · u_j of nodes of a body.
+    """Add to each row Σ_j w_j d · u_j of nodes of a body, or of mid-sides.
 
     Args:
         B: the matrix.
         layout: numbering of its columns.
         b: number of the body.
         rows: global numbers of rows of this rank, shape (n,).
-        nodes: global node numbers, all different in a row, shape (n, corners).
+        nodes: global node numbers, shape (n, corners).
         weights: of the nodes, shape (n, corners).
         directions: shape (n, dimension).
     """
@@ -153,7 +156,31 @@ def fill_directions(
         columns = layout.dofs(b, nodes, k)
         values = weights * directions[:, k, None]
         for row, numbers, entries in zip(rows, columns, values, strict=True):
-            B.setValues(row, numbers, entries)
+            B.setValues(row, numbers, entries, PETSc.InsertMode.ADD_VALUES)
+
+
+def fill_midsides(
+    B: PETSc.Mat,
+    layout: Layout,
+    names: Sequence[str],
+    rows: IntArray,
+    motions: Iterable[MidsideMotions],
+) -> None:
+    """Add to rows what mid-sides have in the motions of an interface.
+
+    Args:
+        B: the matrix.
+        layout: numbering of its columns.
+        names: of the bodies and mid-sides in the order of the layout.
+        rows: global numbers of the rows of the interface, -1 of those that B lacks, shape (rows,).
+        motions: of its rows.
+    """
+    for name, place, midsides, weights, directions in motions:
+        there, b = rows[place] >= 0, names.index(name)
+        fill_directions(
+            B, layout, b, rows[place[there]], midsides[there, None], weights[there, None],
+            directions[there],
+        )  # fmt: skip
 
 
 def _joined(

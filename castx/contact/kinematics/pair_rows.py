@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from castx.arrays import BoolArray, FloatArray, IntArray
+import numpy as np
+
+from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
+from castx.contact.kinematics.midside_shares import MidsideShares
 from castx.contact.kinematics.rows import Treatment
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.stateful import Numbering, numbered_at_nodes
@@ -40,6 +45,24 @@ class EqualMotion:
     pair: int = 0
 
 
+class MidsideMotions(NamedTuple):
+    """What the mid-sides of one body have in motions of rows.
+
+    Attributes:
+        name: of the mid-sides in the layout of all unknowns.
+        rows: in which they count, shape (n,).
+        midsides: their global numbers, shape (n,).
+        weights: of their motions, negative of the primary body, shape (n,).
+        directions: along which their motions count, shape (n, dimension).
+    """
+
+    name: str
+    rows: IntArray
+    midsides: LongArray
+    weights: FloatArray
+    directions: FloatArray
+
+
 @dataclass(frozen=True)
 class PairRows:
     """Where the rows of the pairs of one interface stand among the unknowns.
@@ -56,6 +79,7 @@ class PairRows:
             fewer, shape (rows, dimension - 1, dimension); of tied pairs none.
         tangent_local: local number in v of the motion along each, -1 where it is no unknown,
             shape (rows, dimension - 1).
+        midsides: what the mid-sides of quadratic bodies have in the pairs.
     """
 
     pairs: NodePairs
@@ -66,6 +90,7 @@ class PairRows:
     treatment: Treatment
     tangents: FloatArray
     tangent_local: IntArray
+    midsides: Sequence[MidsideShares] = ()
 
     @property
     def numbering(self) -> Numbering:
@@ -78,3 +103,34 @@ class PairRows:
     def free(self) -> BoolArray:
         """Mask of the rows that carry a constraint."""
         return self.local >= 0
+
+    def midsides_in_gaps(self) -> Iterator[MidsideMotions]:
+        """Yield what mid-sides have in the gaps, of one quadratic body after the other.
+
+        They count along the area vectors of their edges, which lean where the surface is round.
+        """
+        if self.treatment is Treatment.TIED:
+            yield from self.midsides_along(self.normals)
+            return
+        for found, vectors in self._of_midsides():
+            along = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+            yield found._replace(directions=along)
+
+    def midsides_along(self, directions: FloatArray) -> Iterator[MidsideMotions]:
+        """Yield what mid-sides have in motions along other directions.
+
+        Args:
+            directions: of the motions of the rows, shape (rows, dimension).
+        """
+        for found, _ in self._of_midsides():
+            yield found._replace(directions=directions[found.rows])
+
+    def _of_midsides(self) -> Iterator[tuple[MidsideMotions, FloatArray]]:
+        """Yield weights of mid-sides, and their area vectors."""
+        for shares in self.midsides:
+            rows, share = shares.rows_of(self.index)
+            pressed = self.areas[rows] > 0
+            rows, share = rows[pressed], share[pressed]
+            vectors = shares.vectors[share]
+            weights = shares.sign * np.linalg.norm(vectors, axis=1) / self.areas[rows]
+            yield MidsideMotions(shares.name, rows, shares.midsides[share], weights, vectors), vectors

@@ -128,7 +128,9 @@ class RowPlacement:
                 there = np.flatnonzero(tangents[:, k].any(axis=1))
                 free = target[b].try_add(nodes[there], tangents[there, k], PARALLEL)
                 along[there, k] = self._local(b, nodes[there], free)
-        return PairRows(pairs, index, normals, areas, local, rows.treatment, tangents, along)
+        return PairRows(
+            pairs, index, normals, areas, local, rows.treatment, tangents, along, rows.midsides
+        )
 
     def _normals(
         self, rows: InterfaceRows, b: int, fixed: Sequence[FixedDirections]
@@ -169,7 +171,7 @@ class RowPlacement:
         none = np.zeros((len(fixed), 0, self._dimension))
         return PairRows(
             pairs, numbers, np.concatenate(normals), areas, fixed, Treatment.TIED, none,
-            np.zeros((len(fixed), 0), dtype=np.int32),
+            np.zeros((len(fixed), 0), dtype=np.int32), rows.midsides,
         )  # fmt: skip
 
     def _lead(

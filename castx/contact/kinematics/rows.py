@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -13,6 +13,7 @@ from castx.arrays import IntArray
 from castx.stateful import occurrence
 
 if TYPE_CHECKING:
+    from castx.contact.kinematics.midside_shares import MidsideShares
     from castx.domain.pairs.node_pairs import NodePairs
 
 
@@ -36,10 +37,12 @@ class InterfaceRows:
     Attributes:
         pairs: the node pairs, one or several at each node.
         treatment: by the change of unknowns.
+        midsides: what the mid-sides of quadratic bodies have in the pairs.
     """
 
     pairs: NodePairs
     treatment: Treatment = Treatment.CONDENSED
+    midsides: Sequence[MidsideShares] = ()
 
     def by_order_at_node(self) -> Iterator[IntArray]:
         """Yield the first pairs of all nodes, then the second ones, and so on."""

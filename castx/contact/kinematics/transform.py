@@ -5,7 +5,7 @@ the motion relative to a facing node along its normal (condensed contact), and w
 to a basis. The unknowns v and the displacements u of all bodies are related by the square,
 invertible v = R u and u = P v, which do not depend on which pairs are closed:
 
-    v_k = n_k · (u_secondary - u_primary)     contact: the change of the gap
+    v_k = n_k · (u_secondary - u_primary)     contact: the change of the gap, with mid-sides
     v_k = e · u                               prescribed direction
     v_k = e · (u - u_first)                   nodes of a surface that move equally: always zero
     v_k = w - w_first                         the axial strain of a body: always zero
@@ -16,7 +16,7 @@ contact force is the residual of that row of Pᵀ r(P v).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from petsc4py import PETSc
 
@@ -24,7 +24,7 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.contact.kinematics.basis import BasisMatrices
-from castx.contact.kinematics.pair_rows import PairRows, Prescribed
+from castx.contact.kinematics.pair_rows import MidsideMotions, PairRows, Prescribed
 from castx.contact.kinematics.placement import RowPlacement
 from castx.contact.kinematics.rows import InterfaceRows, Treatment
 from castx.mechanics.fixed_directions import ZERO, FixedDirections
@@ -46,9 +46,9 @@ class ConstraintTransform:
 
     Args:
         layout: numbering of the displacements (and pressures) of all bodies.
-        body_names: names of the bodies in the order of the layout.
+        body_names: names of the bodies and of their mid-sides in the order of the layout.
         dimension: number of displacement components.
-        fixed: fixed directions of each body.
+        fixed: fixed directions of each of them.
         interfaces: the interfaces with contact; a primary body without unknowns is rigid.
         uniform: of each body, the component of its unknowns that is the same at all nodes, or None.
 
@@ -77,12 +77,15 @@ class ConstraintTransform:
             if k is not None:
                 self.prescribed.append(Prescribed(basis.tie_component(b, k), ZERO))
         for interface in self.interfaces:
-            unchanged = interface.treatment is Treatment.UNCHANGED
-            if not unchanged and interface.pairs.primary in self._names:
-                self._make_relative(basis, interface, interface.local, interface.normals)
-                for k in range(interface.tangents.shape[1]):
-                    along = interface.tangent_local[:, k]
-                    self._make_relative(basis, interface, along, interface.tangents[:, k])
+            if interface.treatment is Treatment.UNCHANGED:
+                continue
+            of_midsides = interface.midsides_in_gaps()
+            self._make_relative(basis, interface, interface.local, interface.normals, of_midsides)
+            for k in range(interface.tangents.shape[1]):
+                along = interface.tangents[:, k]
+                of_midsides = interface.midsides_along(along)
+                local = interface.tangent_local[:, k]
+                self._make_relative(basis, interface, local, along, of_midsides)
         self.R, self.P = basis.finish()
         self.coupling = basis.coupling(self.P)
 
@@ -92,18 +95,21 @@ class ConstraintTransform:
         interface: PairRows,
         local: IntArray,
         directions: FloatArray,
+        of_midsides: Iterable[MidsideMotions],
     ) -> None:
         pairs, free = interface.pairs, local >= 0
-        nodes, weights = pairs.partners
-        chosen = interface.index[free]
-        basis.make_relative(
-            self._names.index(pairs.secondary),
-            pairs.secondary_local[chosen],
-            local[free],
-            directions[free],
-            self._names.index(pairs.primary),
-            (nodes[chosen], weights[chosen]),
-        )
+        b, own = self._names.index(pairs.secondary), pairs.secondary_local[interface.index]
+        nodes, weights = (part[interface.index[free]] for part in pairs.partners)
+        if pairs.primary in self._names:
+            other = self._names.index(pairs.primary)
+            basis.make_relative(
+                b, own[free], local[free], directions[free], other, (nodes, weights)
+            )
+        for name, rows, midsides, shares, along in of_midsides:
+            there = free[rows]
+            rows, other = rows[there], self._names.index(name)
+            partners = midsides[there, None], -shares[there, None]
+            basis.make_relative(b, own[rows], local[rows], along[there], other, partners)
 
     def displacements(self, v: FloatArray) -> FloatArray:
         """Return u = P v of owned unknowns v; collective."""

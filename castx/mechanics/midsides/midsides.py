@@ -12,7 +12,7 @@ import numpy.typing as npt
 import ufl
 from dolfinx import fem
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import FloatArray, IntArray, LongArray
 from castx.domain.measures import summed_over_ranks
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
@@ -103,6 +103,29 @@ class Midsides:
         marks[here] = 1.0
         return np.flatnonzero(self.sum(marks)).astype(np.int32)
 
+    def at_edges(self, surface: str, ends: LongArray) -> LongArray:
+        """Return the global mid-sides of edges of a surface, whichever rank owns them; collective.
+
+        Args:
+            surface: name of the surface.
+            ends: global nodes at the ends of the edges, shape (n, 2).
+        """
+        here = self.on_surface(surface)
+        here = here[here < self.owned_midsides]
+        nodes = self._body.nodes.dofmap.index_map
+        own = nodes.local_to_global(self.ends[here].ravel()).reshape(-1, 2)
+        mine = _keys(own, nodes.size_global), self._index_map.local_to_global(here)
+        everywhere = zip(*self._body.mesh.comm.allgather(mine), strict=True)
+        keys, numbers = (np.concatenate(parts) for parts in everywhere)
+        order = np.argsort(keys)
+        place = np.searchsorted(keys[order], _keys(ends, nodes.size_global))
+        return np.asarray(numbers[order][place], dtype=np.int64)
+
     def sum(self, values: npt.NDArray[Any]) -> FloatArray:
         """Return the sums over all ranks of values at the local mid-sides; collective."""
         return summed_over_ranks(self._index_map, values)
+
+
+def _keys(ends: LongArray, nodes: int) -> LongArray:
+    """Return one number for each pair of nodes, in either order."""
+    return np.asarray(ends.min(axis=1) * nodes + ends.max(axis=1), dtype=np.int64)
