@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from castx.case.case import Case
 from castx.case.contact import NONE
+from castx.contact.methods.registry import DEFAULT, METHODS
 from castx.input.problems import Problem
 
 TAYLOR_HOOD = "taylor-hood"
@@ -17,10 +18,24 @@ def taylor_hood_problems(case: Case) -> Iterator[Problem]:
     if not quadratic or case.coupling.scheme == "thermal":
         return
     for index, interface in enumerate(case.interfaces):
+        contact, place = interface.contact, ("interfaces", index, "contact")
         touching = [name for name in interface.bodies if name in quadratic]
-        if touching and interface.contact.method != NONE:
-            text = f"{touching[0]!r} has the formulation 'taylor-hood', which touches no other body"
-            yield Problem(("interfaces", index, "contact", "method"), f'{text}; use "none"')
+        if not touching or contact.method == NONE:
+            continue
+        has = f"{touching[0]!r} has the formulation 'taylor-hood'"
+        by_blocks = [name for name in METHODS if METHODS[name].by_blocks]
+        for name in (contact.method, *contact.fallback):
+            if name in by_blocks:
+                key = "method" if name == contact.method else "fallback"
+                text = f"{has}, which is not solved block by block; use {DEFAULT!r} in place of"
+                yield Problem((*place, key), f"{text} {name!r}")
+        if contact.pairing == "node-to-face" and interface.primary in quadratic:
+            text = f"{interface.primary!r} has the formulation 'taylor-hood' and faces nodes of"
+            cure = (
+                f"name the bodies the other way round if {interface.secondary!r} is linear, or "
+                'mesh both with common nodes for pairing = "node-to-node"'
+            )
+            yield Problem((*place, "pairing"), f"{text} another mesh; {cure}")
     for index, boundary in enumerate(case.boundaries):
         clamp = boundary.clamp
         if boundary.body in quadratic and clamp is not None and clamp.stiffness is not None:

@@ -50,21 +50,21 @@ def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) 
 
     Args:
         mesh: mesh of the bodies.
-        pairs: of nodes that two bodies share, on lines or triangles.
+        pairs: of the interface, whose facets are lines or triangles.
         sharp_angle: between the facets of different patches, each of which has a pair [rad]; None:
             each node has one pair.
     """
     facets = surface_facets(mesh, mesh.bodies[pairs.secondary], pairs.surface)
     labels = _labels(facets, sharp_angle)
     edges = _edges(facets, labels, mesh.model)
-    pair_of = _pairs_of_labels(facets, labels, pairs)
-    found = pair_of[edges.labels]
+    found = _pairs_of_labels(facets, labels, pairs)[edges.labels]
     edge, end = np.nonzero(found >= 0)
-    return EdgeShares(
-        found[edge, end].astype(np.int32),
-        edges.nodes[edge],
-        -edges.shares[edge, end, None] * edges.vectors[edge],
-    )
+    pair = found[edge, end]
+    # A node may have a part of its area in each of several interfaces.
+    areas = np.bincount(labels.ravel(), facets.areas.ravel())[edges.labels[edge, end]]
+    shares = edges.shares[edge, end] * pairs.areas[pair] / areas
+    vectors = -shares[:, None] * edges.vectors[edge]
+    return EdgeShares(pair.astype(np.int32), edges.nodes[edge], vectors)
 
 
 @dataclass(frozen=True)
@@ -155,10 +155,10 @@ def _pairs_of_labels(facets: SurfaceFacets, labels: LongArray, pairs: NodePairs)
     found = np.full(count, -1, dtype=np.int64)
     if len(pairs.areas) == 0:
         return found
-    # Pairs of one node differ by their normals: nodes are whole numbers apart, normals less.
+    # Pairs of one node differ by their normals, by 2 at most.
     normals = -vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    own = np.column_stack((4.0 * pairs.secondary_nodes, pairs.normals))
-    distance, nearest = cKDTree(own).query(np.column_stack((4.0 * node, normals)))
-    here = distance < 1.0
+    own = np.column_stack((5.0 * pairs.secondary_nodes, pairs.normals))
+    distance, nearest = cKDTree(own).query(np.column_stack((5.0 * node, normals)))
+    here = distance < 2.5
     found[here] = nearest[here]
     return found
