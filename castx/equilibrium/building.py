@@ -14,15 +14,14 @@ from castx.case.contact import is_tied
 from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
 from castx.contact.kinematics.gaps import Gaps
-from castx.contact.kinematics.midside_shares import MidsideShares, name_of_midsides
+from castx.contact.kinematics.midside_shares import QuadraticPairs, name_of_midsides
 from castx.contact.kinematics.rigid import RigidBody
-from castx.contact.kinematics.rows import InterfaceRows
+from castx.contact.kinematics.rows import InterfaceRows, Treatment
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.methods.registry import METHODS
 from castx.contact.multipliers import MultiplierContact
 from castx.contact.system import ContactSystem
 from castx.domain.measures import nodal_volumes
-from castx.domain.pairs.node_pairs import NodePairs
 from castx.equilibrium.block_iterative import BlockIteration, arrow_blocks
 from castx.equilibrium.body_blocks import body_blocks, moving_together
 from castx.equilibrium.equilibrium import Equilibrium, Procedure
@@ -55,10 +54,6 @@ LARGEST_DIRECT_Q1P0 = 12_000
 LARGEST_FLOWING = 200_000
 """Unknowns of a body that flows up to which it gets factors beside the multigrid of the others,
 once multigrid is slow: shells that freeze and yield cost it iterations by the hundred."""
-
-
-QuadraticPairs = tuple[NodePairs, Sequence[MidsideShares]]
-"""Pairs of an interface, and what the mid-sides of quadratic bodies have in them."""
 
 
 @dataclass(frozen=True)
@@ -157,14 +152,16 @@ def _build_equilibrium(
 ) -> Equilibrium:
     method = common_method(contacts)
     rows = [
-        InterfaceRows(found, contact.treatment, midsides)
-        for contact, (found, midsides) in zip(contacts, pairs, strict=True)
+        InterfaceRows(found.nodes, contact.treatment, found.shares)
+        for contact, found in zip(contacts, pairs, strict=True)
     ]
+    tied = [InterfaceRows(found.tied, Treatment.TIED) for found in pairs if found.tied]
     transform = ConstraintTransform(
-        bodies.layout, bodies.layout_names, bodies.parts[0].dimension, bodies.fixed, rows,
-        [body.axial for body in bodies.parts],
+        bodies.layout, bodies.layout_names, bodies.parts[0].dimension, bodies.fixed,
+        [*rows, *tied], [body.axial for body in bodies.parts],
     )  # fmt: skip
-    gaps = Gaps(bodies.layout, bodies.layout_names, transform.interfaces, bodies.rigid)
+    touching = transform.interfaces[: len(rows)]
+    gaps = Gaps(bodies.layout, bodies.layout_names, touching, bodies.rigid)
     contact = contact_system(method, contacts, transform, bodies.layout_names, gaps, bodies.moduli)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
     floating = _floating(bodies, transform, contact, springs) if settings.support else None

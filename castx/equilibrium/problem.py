@@ -10,9 +10,10 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.contact import is_tied
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
-from castx.contact.kinematics.midside_shares import midside_shares
+from castx.contact.kinematics.midside_shares import quadratic_pairs
 from castx.contact.kinematics.pair_state import contact_state
 from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
@@ -99,7 +100,7 @@ class MechanicalProblem:
             counters or StepCounters(),
         )  # fmt: skip
         found = [
-            (own, midside_shares(mesh, own, contact.pairing, midsides))
+            quadratic_pairs(mesh, own, contact.pairing, is_tied(contact.method), midsides)
             for own, contact in zip(self.pairs, contacts, strict=True)
         ]
         self.equilibrium = build_methods(deformable, contacts, found, settings)

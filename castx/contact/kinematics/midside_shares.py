@@ -7,14 +7,14 @@ mid-side beside that. Only nodes have pairs; the gap of a pair counts the bubble
 
 with m_e its part of the area vector ∫ b n dS of an edge (`castx.domain.pairs.edge_shares`) and S
 the area of the pair. It is the mean gap round the node, and its force p S acts on the bubbles with
-p m_e, as a uniform pressure does. A bubble of one node and its neighbour alone is no gap: edges lie
-on the wall in the mean.
+p m_e, as a uniform pressure does: edges touch in the mean.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,30 +69,83 @@ def name_of_midsides(body: str) -> str:
     return f"mid-sides of {body}"
 
 
-def midside_shares(
-    mesh: CastingMesh, pairs: NodePairs, rule: Pairing, midsides: Mapping[str, Midsides]
-) -> tuple[MidsideShares, ...]:
-    """Return the shares of the mid-sides of both bodies of an interface; collective.
+class QuadraticPairs(NamedTuple):
+    """The pairs of an interface, and what mid-sides have to do with them.
+
+    Attributes:
+        nodes: pairs of nodes.
+        shares: of mid-sides in these pairs.
+        tied: pairs of the mid-sides themselves, with nothing where those of one body stay between
+            the ends of their edges; None: there are none.
+    """
+
+    nodes: NodePairs
+    shares: tuple[MidsideShares, ...] = ()
+    tied: NodePairs | None = None
+
+
+def quadratic_pairs(
+    mesh: CastingMesh,
+    pairs: NodePairs,
+    rule: Pairing,
+    tied: bool,
+    midsides: Mapping[str, Midsides],
+) -> QuadraticPairs:
+    """Return pairs of an interface with the mid-sides of its bodies; collective.
+
+    Two quadratic bodies that are tied move as one: their mid-sides are tied too. Where one of them
+    is linear or rigid the edges of the other stay straight.
 
     Args:
         mesh: mesh of the bodies.
-        pairs: of the interface.
-        rule: of these pairs, which are those of shared nodes if one of the bodies is quadratic.
+        pairs: of the interface. Those from node to face have no quadratic primary body.
+        rule: of these pairs.
+        tied: whether the bodies are.
         midsides: of the quadratic bodies by name.
     """
     quadratic = [name for name in (pairs.secondary, pairs.primary) if name in midsides]
     if not quadratic:
-        return ()
-    angle = rule.sharp_angle if rule.normals == PATCHES else None
-    shares = edge_shares(mesh, pairs, angle)
+        return QuadraticPairs(pairs)
+    if tied:
+        return QuadraticPairs(pairs, tied=_tied_midsides(mesh, pairs, quadratic, midsides))
+    shares = edge_shares(mesh, pairs, rule.sharp_angle if rule.normals == PATCHES else None)
     found = []
     for name in quadratic:
         own = name == pairs.secondary
         ends = shares.ends if own else _facing(mesh, pairs)[shares.ends]
-        surface = pairs.surface if own else pairs.secondary
-        numbers = midsides[name].at_edges(surface, ends)
-        found.append(MidsideShares(name, 1.0 if own else -1.0, shares.pair, numbers, shares.vectors))
-    return tuple(found)
+        numbers = midsides[name].at_edges(_surface_of(name, pairs), ends)
+        sign = 1.0 if own else -1.0
+        found.append(MidsideShares(name, sign, shares.pair, numbers, shares.vectors))
+    return QuadraticPairs(pairs, tuple(found))
+
+
+def _tied_midsides(
+    mesh: CastingMesh,
+    pairs: NodePairs,
+    quadratic: Sequence[str],
+    midsides: Mapping[str, Midsides],
+) -> NodePairs:
+    """Return pairs of the mid-sides of tied bodies, of one body with nothing else; collective."""
+    body, own = mesh.bodies[quadratic[0]], midsides[quadratic[0]]
+    local = own.on_surface(_surface_of(quadratic[0], pairs))
+    local = local[local < own.owned_midsides]
+    ends = body.nodes.dofmap.index_map.local_to_global(own.ends[local].ravel()).reshape(-1, 2)
+    facing, primary = np.zeros(len(local), dtype=np.int64), ""
+    if len(quadratic) == 2:
+        there = _surface_of(quadratic[1], pairs)
+        facing = midsides[quadratic[1]].at_edges(there, _facing(mesh, pairs)[ends])
+        primary = name_of_midsides(quadratic[1])
+    points = body.points[own.ends[local]].mean(axis=1)
+    none = np.zeros_like(points)
+    return NodePairs(
+        name_of_midsides(quadratic[0]), primary,
+        own.space.dofmap.index_map.local_to_global(local), local, facing,
+        own.numbering.numbers[local], points, np.ones(len(local)), none, none,
+    )  # fmt: skip
+
+
+def _surface_of(body: str, pairs: NodePairs) -> str:
+    return pairs.surface if body == pairs.secondary else pairs.secondary
 
 
 def _facing(mesh: CastingMesh, pairs: NodePairs) -> LongArray:
