@@ -2,13 +2,13 @@
 
 Between the ends of an edge a displacement has the bubble b = 4 φ_a φ_b beside what is linear. A
 pressure acts on it along the area vector ∫ b n dS of the edge, two thirds of the length of a line
-and a third of each triangle beside it, which its two ends share. A share α is such that both ends
-together lie where the edge does,
+and a third of each triangle beside it. The nodes of these facets share it, by such shares α that
+they lie in the mean where the bubble does along the surface,
 
-    α_a x_a + α_b x_b = x_e,  α_a + α_b = 1,  x_i = ∫ φ_i x dS/∫ φ_i dS,  x_e = ∫ b x dS/∫ b dS,
+    Σ α_i = 1,  Σ α_i x_i = x_e,  x_i = ∫ φ_i x dS/∫ φ_i dS,  x_e = ∫ b x dS/∫ b dS,
 
-along the edge: half of it, but at the rim of the interface, whose node stands for what lies beside
-it. So pairs carry every uniform pressure exactly, and on lines one that is linear along them.
+and are as near as they can to a half for both ends and nothing for the others. So the pairs carry
+every pressure exactly that is linear along a flat surface, as that of a melt at rest is.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ from castx.domain.surface_facets import SurfaceFacets, surface_facets
 
 DEGREE = 4
 """Of the quadrature: exact for a bubble times a place times a radius."""
+
+DEPENDENT = 1e-6
+"""Part of the largest singular value below which a condition follows from the others."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +60,13 @@ def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) 
     facets = surface_facets(mesh, mesh.bodies[pairs.secondary], pairs.surface)
     labels = _labels(facets, sharp_angle)
     edges = _edges(facets, labels, mesh.model)
-    found = _pairs_of_labels(facets, labels, pairs)[edges.labels]
-    edge, end = np.nonzero(found >= 0)
-    pair = found[edge, end]
+    # Behind the last label nothing is, so that -1 has no pair.
+    found = np.append(_pairs_of_labels(facets, labels, pairs), -1)[edges.labels]
+    edge, node = np.nonzero(found >= 0)
+    pair = found[edge, node]
     # A node may have a part of its area in each of several interfaces.
-    areas = np.bincount(labels.ravel(), facets.areas.ravel())[edges.labels[edge, end]]
-    shares = edges.shares[edge, end] * pairs.areas[pair] / areas
+    areas = np.bincount(labels.ravel(), facets.areas.ravel())[edges.labels[edge, node]]
+    shares = edges.shares[edge, node] * pairs.areas[pair] / areas
     vectors = -shares[:, None] * edges.vectors[edge]
     return EdgeShares(pair.astype(np.int32), edges.nodes[edge], vectors)
 
@@ -72,10 +76,11 @@ class _Edges:
     """Edges of the facets of one patch.
 
     Attributes:
-        labels: of both ends, shape (edges, 2).
+        labels: of the nodes of its facets, both ends first, -1 where there are fewer, shape
+            (edges, most).
         nodes: global nodes at both ends, shape (edges, 2).
         vectors: ∫ b n dS, n outward [m²], shape (edges, dimension).
-        shares: α of both ends, shape (edges, 2).
+        shares: α of the labels, shape (edges, most).
     """
 
     labels: LongArray
@@ -94,7 +99,8 @@ def _labels(facets: SurfaceFacets, sharp_angle: float | None) -> LongArray:
 
 
 def _edges(facets: SurfaceFacets, labels: LongArray, model: str) -> _Edges:
-    corners = facets.kind.faces if facets.kind.dimension == 2 else np.array([[0, 1]])
+    plane = facets.kind.dimension == 2
+    corners = facets.kind.faces if plane else np.array([[0, 1]])
     # Both ends in the order of their labels, and an edge between two facets of a patch once.
     given = labels[:, corners].reshape(-1, 2)
     order = np.argsort(given, axis=1)
@@ -107,15 +113,51 @@ def _edges(facets: SurfaceFacets, labels: LongArray, model: str) -> _Edges:
         return 4 * shapes[:, corners[:, 0]] * shapes[:, corners[:, 1]]
 
     areas, moments = _integrals(facets, model, bubbles)
-    middles = _sums(edge, moments, len(ends)) / _sums(edge, areas, len(ends))
-    areas_there, moments_there = _integrals(facets, model, lambda shapes: shapes)
-    count, corner = int(labels.max(initial=-1)) + 1, labels.ravel()
-    at_ends = (_sums(corner, moments_there, count) / _sums(corner, areas_there, count))[ends]
-    along = at_ends[:, 1] - at_ends[:, 0]
-    second = np.sum((middles - at_ends[:, 0]) * along, axis=1) / np.sum(along**2, axis=1)
-    second = np.clip(second, 0.0, 1.0)
     vectors = _sums(edge, areas * normals, len(ends))
-    return _Edges(ends, nodes[place], vectors, np.stack((1.0 - second, second), axis=1))
+    middles = _sums(edge, moments, len(ends)) / _sums(edge, areas, len(ends))
+    areas, moments = _integrals(facets, model, lambda shapes: shapes)
+    count, corner = int(labels.max(initial=-1)) + 1, labels.ravel()
+    centres = _sums(corner, moments, count) / _sums(corner, areas, count)
+    if plane:
+        across = labels[:, 3 - corners.sum(axis=1)].ravel()
+        ends = np.column_stack((ends, _of_both_facets(edge, across, len(ends))))
+    return _Edges(ends, nodes[place], vectors, _shares(ends, centres, middles, vectors))
+
+
+def _of_both_facets(edge: LongArray, across: LongArray, count: int) -> LongArray:
+    """Return the labels across edges in their one or two facets, -1 for none, (edges, 2)."""
+    found = np.full((count, 2), -1, dtype=np.int64)
+    found[edge, 0] = across
+    other = np.flatnonzero(found[edge, 0] != across)
+    found[edge[other], 1] = across[other]
+    return found
+
+
+def _shares(
+    labels: LongArray, centres: FloatArray, middles: FloatArray, vectors: FloatArray
+) -> FloatArray:
+    """Return the shares α of nodes in edges, shape (edges, most).
+
+    Args:
+        labels: of the nodes of each edge, both ends first, -1 for none, shape (edges, most).
+        centres: x_i of the labels [m], shape (labels, dimension).
+        middles: x_e [m], shape (edges, dimension).
+        vectors: normal to the surface, shape (edges, dimension).
+    """
+    normals = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    apart = centres[labels] - middles[:, None]
+    along = apart - np.einsum("enk,ek->en", apart, normals)[:, :, None] * normals[:, None]
+    along /= np.linalg.norm(along[:, 0] - along[:, 1], axis=1)[:, None, None]
+    there = labels >= 0
+    ones = np.ones((*labels.shape, 1))
+    conditions = np.concatenate((ones, along), axis=2) * there[:, :, None]
+    start = np.zeros(labels.shape)
+    start[:, :2] = 0.5
+    missing = -np.einsum("enk,en->ek", conditions, start)
+    missing[:, 0] += 1.0
+    inverse = np.linalg.pinv(conditions.transpose(0, 2, 1), rcond=DEPENDENT)
+    shares = start + np.einsum("enk,ek->en", inverse, missing)
+    return np.asarray(shares / shares.sum(axis=1, keepdims=True))
 
 
 def _integrals(
