@@ -64,13 +64,15 @@ def mesh(tmp_path_factory, origin):
     return drawn(comm, "3d", BODIES, folder / "bodies.msh", draw)
 
 
-def pressed(mesh, contacts: Sequence[Contact]):
+def pressed(mesh, contacts: Sequence[Contact], quadratic: Sequence[str] = ()):
     """Return the assembly under pressure, held by its planes of symmetry, in equilibrium."""
     bodies, held = {}, {}
     for name, poisson in POISSON.items():
         surfaces = mesh.bodies[name].surfaces
         loads = tuple(pushed(s, PRESSURE) for s in surfaces if s.startswith("far-"))
-        bodies[name] = body(elastic(3 * BULK * (1 - 2 * poisson), poisson), loads=loads)
+        formulation = "taylor-hood" if name in quadratic else "mixed"
+        metal = elastic(3 * BULK * (1 - 2 * poisson), poisson)
+        bodies[name] = body(metal, loads=loads, formulation=formulation)
         held[name] = [fixed(s) for s in surfaces if s.startswith("plane-")]
     made = problem(mesh, bodies, held, contacts)
     assert made.equilibrium.solve(0.0).balanced
@@ -96,6 +98,14 @@ def test_pressure_crosses_all_interfaces_and_the_points_where_four_bodies_meet(c
     check_uniform(comm, made)
     np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
     assert len(everywhere(comm, made.gaps.areas)) > 100
+
+
+@pytest.mark.parametrize("quadratic", [("casting",), BODIES])
+def test_pressure_crosses_the_interfaces_of_quadratic_bodies(comm, mesh, quadratic):
+    """Some of which are round: mid-sides have the area vectors of their edges."""
+    made = pressed(mesh, [Contact(*names) for names in MOULD_FIRST], quadratic)
+    check_uniform(comm, made)
+    np.testing.assert_allclose(pressures(comm, made), PRESSURE, rtol=1e-8)
 
 
 def test_areas_of_pairs_are_those_of_the_surfaces(comm, mesh, origin):

@@ -86,9 +86,26 @@ def test_melt_at_rest(comm, lid, model, stabilisation) -> None:
     """On triangles and tetrahedra, in a mould that it only touches."""
     still = {"geometry": {"lid": lid, "size": 0.025}}
     data = box(still, {"solver": {"mechanics_tolerance": 1e-12, "linear": "direct"}}, model=model)
-    data["bodies"][0] |= {"temperature_history": [[0.0, 640.0], [1.0, 640.0]]}
     data["bodies"][0] |= {"stabilisation": stabilisation}
-    data["interfaces"][0]["contact"] = {"method": "condensed"}
+    check_rest(comm, data)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", ["3d", "plane-strain"])
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+@pytest.mark.parametrize("lid", [True, False])
+def test_melt_of_quadratic_displacements_at_rest(comm, lid, model, method) -> None:
+    """Its pressure is linear along the walls, where pairs share it with the mid-sides."""
+    still = {"geometry": {"lid": lid, "size": 0.025}}
+    data = box(still, {"solver": {"mechanics_tolerance": 1e-12, "linear": "direct"}}, model=model)
+    data["bodies"][0] |= {"formulation": "taylor-hood"}
+    check_rest(comm, data, method)
+
+
+def check_rest(comm, data, method="condensed") -> None:
+    """Let melt rest in a mould that it touches, and compare its pressure with the exact one."""
+    data["bodies"][0] |= {"temperature_history": [[0.0, 640.0], [1.0, 640.0]]}
+    data["interfaces"][0]["contact"] = {"method": method}
     for state in states(comm, data):
         if not state.step:
             continue

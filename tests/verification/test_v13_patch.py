@@ -19,7 +19,7 @@ from castx.proof.verification.contact.pressed_blocks import (
     SETTLING,
     YOUNG,
 )
-from tests.contact_methods import TWO_BODIES
+from tests.contact_methods import AT_ONCE, TWO_BODIES
 from tests.elastic_bodies import (
     blocks,
     body,
@@ -38,7 +38,9 @@ pytestmark = pytest.mark.sampled
 
 MODELS = ("plane-strain", "plane-stress", "axisymmetric", "3d")
 FORMULATIONS = (("mixed", "osgs"), ("mixed", "gls"), ("displacement", "osgs"))
-
+QUADRATIC = (
+    ("taylor-hood", "taylor-hood"), ("taylor-hood", "displacement"), ("mixed", "taylor-hood"),
+)  # fmt: skip
 
 SETTINGS = {"block-iterative": {"block_solver": "preconditioner"}}
 
@@ -50,14 +52,27 @@ def test_pressure_is_uniform_and_displacement_exact(
     comm, model, formulation, stabilisation, method
 ):
     law = {"formulation": formulation, "stabilisation": stabilisation}
-    bodies = {name: body(elastic(young, POISSON), **law) for name, young in YOUNG.items()}
+    contact = Contact("upper", "base", method, settings=SETTINGS.get(method, {}))
+    check_patch(comm, model, {"upper": law, "base": law}, contact)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("model", ["3d", "plane-strain", "axisymmetric", "plane-stress"])
+@pytest.mark.parametrize("formulations", QUADRATIC)
+def test_quadratic_bodies_pass_it(comm, model, formulations, method):
+    """On both sides, and opposite a linear body on either: mid-sides bear their part."""
+    laws = {name: {"formulation": of} for name, of in zip(YOUNG, formulations, strict=True)}
+    check_patch(comm, model, laws, Contact("upper", "base", method))
+
+
+def check_patch(comm, model, laws, contact):
+    """Press blocks of two laws together, and compare with the exact answer."""
+    bodies = {name: body(elastic(E, POISSON), **laws[name]) for name, E in YOUNG.items()}
     bodies["upper"] = body(
-        elastic(YOUNG["upper"], POISSON), **law, loads=(pushed("top", PRESSURE),)
+        elastic(YOUNG["upper"], POISSON), **laws["upper"], loads=(pushed("top", PRESSURE),)
     )
-    made = problem(
-        blocks(comm, model), bodies, {"base": [fixed("bottom")]},
-        [Contact("upper", "base", method, settings=SETTINGS.get(method, {}))],
-    )  # fmt: skip
+    made = problem(blocks(comm, model), bodies, {"base": [fixed("bottom")]}, [contact])
     made.equilibrium.solve(0.0)
 
     factor = 1 - POISSON**2 if model == "plane-strain" else 1.0

@@ -32,8 +32,19 @@ from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, proble
 pytestmark = pytest.mark.sampled
 
 
-def touching(comm, folder: Path, method: str, elements: int, model: str = "plane-strain"):
-    """Return the solved problem with so many elements on the half-width."""
+def touching(
+    comm, folder: Path, method: str, elements: int, model: str = "plane-strain", upper: str = ""
+):
+    """Return the solved problem with so many elements on the half-width.
+
+    Args:
+        comm: the ranks.
+        folder: for the mesh.
+        method: of the contact.
+        elements: on the half-width.
+        model: geometric model.
+        upper: formulation of the upper cylinder; that of the lower one unless given.
+    """
     size = HALF_WIDTH / elements
     names = list(YOUNG)
     mesh = drawn(comm, model, names, folder / "hertz.msh", lambda: draw_rollers(size, model))
@@ -41,8 +52,8 @@ def touching(comm, folder: Path, method: str, elements: int, model: str = "plane
     end = pushed("upper end", 0.5 * LOAD / RADIUS["upper"])
     loads = {"upper": (end,), "lower": ()}
     bodies = {
-        name: body(elastic(E, POISSON), loads=loads[name], formulation=form)
-        for name, E in YOUNG.items()
+        name: body(elastic(E, POISSON), loads=loads[name], formulation=formulation)
+        for (name, E), formulation in zip(YOUNG.items(), (upper or form, form), strict=True)
     }
     rule = Pairing(kind="node-to-face", surfaces=("upper skin", "lower skin"))
     held = {"upper": [], "lower": [fixed("lower end")]}
@@ -75,7 +86,18 @@ def test_reference_numbers():
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 @pytest.mark.parametrize("method", sharp(AT_ONCE))
 def test_pressure_and_width(comm, shared_tmp_path, method, model):
-    made = touching(comm, shared_tmp_path, method, 10, model)
+    check_pressure(comm, touching(comm, shared_tmp_path, method, 10, model), model)
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_pressure_and_width_under_a_quadratic_cylinder(comm, shared_tmp_path, method, model):
+    made = touching(comm, shared_tmp_path, method, 10, model, "taylor-hood")
+    check_pressure(comm, made, model)
+
+
+def check_pressure(comm, made, model):
+    """Compare load, peak, width and pressures with the exact ones, on ten elements."""
     depth = DEPTH * HALF_WIDTH / 10 if model == "3d" else 1.0
     total = comm.allreduce(made.contact_states()[0].force.sum(axis=0))
     assert total[1] == pytest.approx(0.5 * LOAD * depth, rel=1e-3)

@@ -53,7 +53,10 @@ def cut_cube(comm, folder, law: dict, method: str):
 
 
 @pytest.mark.parametrize("method", IN_THE_LIMIT)
-@pytest.mark.parametrize("law", [{}, {"stabilisation": "gls"}, {"formulation": "displacement"}])
+@pytest.mark.parametrize(
+    "law",
+    [{}, {"stabilisation": "gls"}, {"formulation": "displacement"}, {"formulation": "taylor-hood"}],
+)
 def test_uniform_pressure_then_release(comm, shared_tmp_path, law, method):
     made = cut_cube(comm, shared_tmp_path, law, method)
     for excess in (10.0, 4.0):

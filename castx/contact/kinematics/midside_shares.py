@@ -49,20 +49,6 @@ class MidsideShares:
         """Name of the mid-sides in the layout of all unknowns."""
         return name_of_midsides(self.body)
 
-    def rows_of(self, index: IntArray) -> tuple[IntArray, IntArray]:
-        """Return the rows in which the shares count, and the number of the share in each.
-
-        Args:
-            index: number of the pair of each row, shape (rows,).
-        """
-        order = np.argsort(index, kind="stable")
-        low, high = (np.searchsorted(index[order], self.pair, side) for side in ("left", "right"))
-        count = high - low
-        share = np.repeat(np.arange(len(count)), count)
-        within = np.arange(len(share)) - np.repeat(np.cumsum(count) - count, count)
-        rows = order[low[share] + within]
-        return rows.astype(np.int32), share.astype(np.int32)
-
 
 def name_of_midsides(body: str) -> str:
     """Return the name of the mid-sides of a body in the layout of all unknowns."""

@@ -79,7 +79,8 @@ class PairRows:
             fewer, shape (rows, dimension - 1, dimension); of tied pairs none.
         tangent_local: local number in v of the motion along each, -1 where it is no unknown,
             shape (rows, dimension - 1).
-        midsides: what the mid-sides of quadratic bodies have in the pairs.
+        midsides: what the mid-sides of quadratic bodies have in the pairs, each of which has one
+            row then.
     """
 
     pairs: NodePairs
@@ -109,9 +110,6 @@ class PairRows:
 
         They count along the area vectors of their edges, which lean where the surface is round.
         """
-        if self.treatment is Treatment.TIED:
-            yield from self.midsides_along(self.normals)
-            return
         for found, vectors in self._of_midsides():
             along = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
             yield found._replace(directions=along)
@@ -128,9 +126,8 @@ class PairRows:
     def _of_midsides(self) -> Iterator[tuple[MidsideMotions, FloatArray]]:
         """Yield weights of mid-sides, and their area vectors."""
         for shares in self.midsides:
-            rows, share = shares.rows_of(self.index)
-            pressed = self.areas[rows] > 0
-            rows, share = rows[pressed], share[pressed]
-            vectors = shares.vectors[share]
+            pressed = np.flatnonzero(self.areas[shares.pair] > 0)
+            rows, vectors = shares.pair[pressed], shares.vectors[pressed]
             weights = shares.sign * np.linalg.norm(vectors, axis=1) / self.areas[rows]
-            yield MidsideMotions(shares.name, rows, shares.midsides[share], weights, vectors), vectors
+            midsides = shares.midsides[pressed]
+            yield MidsideMotions(shares.name, rows, midsides, weights, vectors), vectors

@@ -171,7 +171,7 @@ class RowPlacement:
         none = np.zeros((len(fixed), 0, self._dimension))
         return PairRows(
             pairs, numbers, np.concatenate(normals), areas, fixed, Treatment.TIED, none,
-            np.zeros((len(fixed), 0), dtype=np.int32), rows.midsides,
+            np.zeros((len(fixed), 0), dtype=np.int32),
         )  # fmt: skip
 
     def _lead(

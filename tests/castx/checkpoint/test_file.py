@@ -110,10 +110,9 @@ def boxed(model: str) -> dict[str, Any]:
 
 
 def quadratic() -> dict[str, Any]:
-    """Return the cylinder whose casting has quadratic displacements and shrinks by itself."""
+    """Return the cylinder whose casting has quadratic displacements and leaves its mould."""
     data = flowing()
     data["bodies"][0]["formulation"] = "taylor-hood"
-    data["interfaces"][0]["contact"] = {"method": "none"}
     return data
 
 

@@ -48,6 +48,20 @@ def test_mid_sides_of_a_surface_lie_between_its_nodes(comm, model, monkeypatch, 
     np.testing.assert_array_equal(on, np.flatnonzero(there))
 
 
+@CUT
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_mid_sides_are_found_by_the_ends_of_their_edges(comm, model, monkeypatch, cut):
+    """On every rank those of all ranks, whatever the order of the ends."""
+    body, midsides = made(comm, model, monkeypatch, cut)
+    on = midsides.on_surface("wall")
+    on = on[on < midsides.owned_midsides]
+    nodes = body.nodes.dofmap.index_map.local_to_global(midsides.ends[on].ravel()).reshape(-1, 2)
+    numbers = everywhere(comm, midsides.space.dofmap.index_map.local_to_global(on))
+    ends = everywhere(comm, nodes)
+    assert len(ends) > 1
+    np.testing.assert_array_equal(midsides.at_edges("wall", ends[:, ::-1]), numbers)
+
+
 def test_sums_are_those_of_all_ranks(comm):
     """Each owned cell gives one to its edges: edges on the outside have one cell, others two."""
     body = slab(comm)
