@@ -12,17 +12,26 @@ pytestmark = pytest.mark.serial
 
 FILE = Path("cylinder.toml")
 QUADRATIC = {"bodies__0__formulation": "taylor-hood"}
-APART = {**QUADRATIC, "interfaces__0__contact": {"method": "none"}}
+FACING = {
+    "interfaces__0__contact": {
+        "pairing": "node-to-face", "surfaces": ["mould", "casting"],
+    }
+}  # fmt: skip
+MOULD = {"bodies__1__formulation": "taylor-hood"}
+BLOCKS = {"method": "block-iterative"}
 CLAMP = {"boundaries__0__on": "casting/top", "boundaries__0__clamp": {"force": "20 kN"}}
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        APART,
-        {**QUADRATIC, "coupling__scheme": "thermal"},
-        {**APART, **CLAMP},
-        {**APART, "solver__linear": "direct"},
+        QUADRATIC,
+        {**QUADRATIC, "interfaces__0__contact": {"method": "none"}},
+        {**QUADRATIC, "interfaces__0__contact": {"method": "multipliers"}},
+        {**QUADRATIC, **FACING},
+        {**QUADRATIC, "coupling__scheme": "thermal", "interfaces__0__contact": BLOCKS},
+        {**QUADRATIC, **CLAMP},
+        {**QUADRATIC, "solver__linear": "direct"},
     ],
 )
 def test_accepted(changes):
@@ -32,10 +41,25 @@ def test_accepted(changes):
 @pytest.mark.parametrize(
     "changes, text",
     [
-        (QUADRATIC, r"interfaces\[0\].*'casting' has the formulation 'taylor-hood'"),
-        ({**APART, "solver__linear": "iterative"}, r'solver\.linear.*use "direct"'),
         (
-            {**APART, **CLAMP, "boundaries__0__clamp": {"stiffness": "1 MN/mm"}},
+            {**QUADRATIC, "interfaces__0__contact": BLOCKS},
+            r"interfaces\[0\]\.contact\.method.*'casting' has .*use 'condensed' in place",
+        ),
+        (
+            {**MOULD, "interfaces__0__contact": BLOCKS | {"fallback": ["condensed"]}},
+            r"interfaces\[0\]\.contact\.method.*'mould' has the formulation 'taylor-hood'",
+        ),
+        (
+            {**QUADRATIC, "interfaces__0__contact": {"fallback": ["penalty", "block-iterative"]}},
+            r"interfaces\[0\]\.contact\.fallback.*in place of 'block-iterative'",
+        ),
+        (
+            {**MOULD, **FACING},
+            r"interfaces\[0\]\.contact\.pairing.*name the bodies the other way round",
+        ),
+        ({**QUADRATIC, "solver__linear": "iterative"}, r'solver\.linear.*use "direct"'),
+        (
+            {**QUADRATIC, **CLAMP, "boundaries__0__clamp": {"stiffness": "1 MN/mm"}},
             r"boundaries\[0\]\.clamp\.stiffness.*takes a force",
         ),
     ],
