@@ -121,7 +121,9 @@ def test_edges_that_are_tied_to_a_linear_body_stay_straight(comm, shared_tmp_pat
     forms = {"lower": "displacement", "upper": "displacement"} | {quadratic: "taylor-hood"}
     made = pulled_block(comm, shared_tmp_path, forms, False)
     assert np.abs(on_the_cut(comm, made, quadratic)[1]).max() < 1e-20
-    assert comm.allreduce(np.abs(made.bodies[quadratic].midsides.solution.x.array).max(), max) > 1e-8
+    assert (
+        comm.allreduce(np.abs(made.bodies[quadratic].midsides.solution.x.array).max(), max) > 1e-8
+    )
 
 
 FRICTION, PRESSURE, DRAWN = 0.2, 10e6, 1e-4

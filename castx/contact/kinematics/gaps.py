@@ -122,9 +122,11 @@ class Gaps:
 
     def signatures(self) -> FloatArray:
         """Return a number in (0, 1) for each row that depends on its place and normal alone."""
-        place = [i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
-                 + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
-                 for i in self.interfaces]
+        place = [
+            i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
+            + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
+            for i in self.interfaces
+        ]
         # Fractional part of a large multiple of a sine: the usual pseudo-random number of shaders,
         # of unknown origin, with its factors 12.9898, 78.233 and 43758.5453. The others, and the
         # factor 1e3 for places in metres, are any numbers that are no multiples of each other.

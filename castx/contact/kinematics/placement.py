@@ -84,9 +84,7 @@ class RowPlacement:
             if not condition.symmetry:
                 self._held.append(EqualMotion(b, condition.nodes[kept], slots[kept]))
 
-    def _refuse_prescribed(
-        self, b: int, condition: FixedDirections, prescribed: BoolArray
-    ) -> None:
+    def _refuse_prescribed(self, b: int, condition: FixedDirections, prescribed: BoolArray) -> None:
         if self._layout.comm.allreduce(bool(prescribed.any()), op=MPI.LOR):
             raise CaseError(
                 f"{condition.name} is uniform, but another condition on {self._names[b]!r} "

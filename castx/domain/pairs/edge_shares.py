@@ -174,7 +174,9 @@ def _integrals(
     places, weights = facets.kind.quadrature(DEGREE)
     shapes = facets.kind.shape_functions(places)[0]
     points = np.einsum("qa,fad->fqd", shapes, facets.points)
-    weight = weights * points[:, :, 0] if model == "axisymmetric" else np.tile(weights, (len(points), 1))
+    weight = (
+        weights * points[:, :, 0] if model == "axisymmetric" else np.tile(weights, (len(points), 1))
+    )
     weight = weight * (facets.areas.sum(axis=1) / weight.sum(axis=1))[:, None]
     values = functions(shapes)
     areas = np.einsum("fq,qe->fe", weight, values)

@@ -83,9 +83,7 @@ def test_a_linear_pressure_on_flat_sides_is_carried_exactly(comm, name, cut, mon
     where = np.searchsorted(numbers, np.sort(shares.ends, axis=1) @ [nodes, 1])
     found = np.zeros_like(expected)
     np.add.at(found, where, per_share)
-    np.testing.assert_allclose(
-        comm.allreduce(found), expected, atol=1e-12 * np.abs(expected).max()
-    )
+    np.testing.assert_allclose(comm.allreduce(found), expected, atol=1e-12 * np.abs(expected).max())
 
 
 def test_ends_share_an_edge_evenly_far_from_the_rim(comm):
