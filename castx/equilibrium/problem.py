@@ -27,6 +27,7 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.description import MechanicalBody
 from castx.mechanics.fixed_directions import SurfaceDisplacement, fixed_directions
 from castx.mechanics.fixed_midsides import midside_directions
+from castx.mechanics.midsides.midsides import Midsides
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
 from castx.solvers.layout import Layout
@@ -75,7 +76,7 @@ class MechanicalProblem:
         ]
         self.bodies = dict(zip(names, parts, strict=True))
         midsides = {p.name: p.midsides for p in parts if p.midsides is not None}
-        blocks = [*parts, *midsides.values()]
+        blocks: list[BodyMechanics | Midsides] = [*parts, *midsides.values()]
         spaces, sizes = [each.space for each in blocks], [each.block_size for each in blocks]
         self.layout = Layout(mesh.comm, [space.dofmap.index_map for space in spaces], sizes)
         if pairs is None:

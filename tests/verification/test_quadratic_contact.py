@@ -1,11 +1,11 @@
 """Quadratic bodies in contact: one body cut in two, friction, and a thin wall on a stop.
 
-A body that is cut and tied again moves as the whole body. Two blocks under a pressure p whose upper one
-is drawn along slide at the traction μ p, and so does the shear stress in both: the lower one leans
-by μ p H/G. A cantilever under its load q per length, whose end a stop holds, presses on it by 3/8 q
-L (Timoshenko, Strength of Materials, part I, 3rd ed., section 43), less what shear gives way: the
-tip by q L⁴/(8 E I) + 6/5 q L²/(2 G h) without the stop, by R L³/(3 E I) + 6/5 R L/(G h) under its
-force R; in plane strain E/(1 − ν²) stands for E.
+A body that is cut and tied again moves as the whole body. Two blocks under a pressure p whose upper
+one is drawn along slide at the traction μ p, and so does the shear stress in both: the lower one
+leans by μ p H/G. A cantilever under its load q per length, whose end a stop holds, presses on it by
+3/8 q L (Timoshenko, Strength of Materials, part I, 3rd ed., section 43), less what shear gives way:
+the tip by q L⁴/(8 E I) + 6/5 q L²/(2 G h) without the stop, by R L³/(3 E I) + 6/5 R L/(G h) under
+its force R; in plane strain E/(1 − ν²) stands for E.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def meshed(
 
 def block(cut: bool, space: bool) -> LinearMesh:
     """Return a block of 20 × 40 mm, whose upper half is another body if it is cut."""
-    x, y = np.linspace(0.0, SIDE, 4), np.linspace(-SIDE, SIDE, 7)
+    x, y = np.arange(4) * (SIDE / 3), np.arange(-3, 4) * (SIDE / 3)
     made = grid(x, y, lambda middle: np.where(cut & (middle[:, 1] > 0), 1, 0))
     if not space:
         return made
@@ -62,7 +62,7 @@ def block(cut: bool, space: bool) -> LinearMesh:
 
 
 def pulled_block(comm, folder: Path, forms: dict[str, str], space: bool):
-    """Return a block of one or two tied bodies, pulled aside and heated unevenly, in equilibrium."""
+    """Return a block of one or two tied bodies in equilibrium, pulled aside, unevenly hot."""
     names = list(forms)
     surfaces = [plane("low", 1, -SIDE, FINE), plane("high", 1, SIDE, FINE), everything_else("side")]
     mesh = meshed(comm, folder, block(len(names) == 2, space), names, surfaces)
@@ -170,7 +170,7 @@ LENGTH, HEIGHT, POISSON, LOAD = 0.04, 0.002, 0.33, 2e4
 
 def wall_on_a_stop(comm, folder: Path, formulation: str, method: str, across: int = 1):
     """Return a wall of cells as long as it is high over the number across, on a rigid stop."""
-    x = np.linspace(0.0, LENGTH, across * round(LENGTH / HEIGHT) + 1)
+    x = np.arange(across * round(LENGTH / HEIGHT) + 1) * (HEIGHT / across)
     y = np.concatenate((np.array([-HEIGHT]), np.linspace(0.0, HEIGHT, across + 1)))
     last = x[-2]
 

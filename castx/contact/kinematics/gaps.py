@@ -168,7 +168,7 @@ def fill_midsides(
     rows: IntArray,
     motions: Iterable[MidsideMotions],
 ) -> None:
-    """Add to rows what mid-sides have in the motions of an interface.
+    """Add the motions of mid-sides to the rows of an interface.
 
     Args:
         B: the matrix.

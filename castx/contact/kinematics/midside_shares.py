@@ -1,4 +1,4 @@
-"""What the mid-sides of quadratic bodies have in the gaps of an interface.
+"""Shares of the mid-sides of quadratic bodies in the gaps of an interface.
 
 The displacement of a quadratic body is linear between its nodes and has a bubble w at each
 mid-side beside that. Only nodes have pairs; the gap of a pair counts the bubbles round its node,
@@ -28,7 +28,7 @@ from castx.mechanics.midsides.midsides import Midsides
 
 @dataclass(frozen=True)
 class MidsideShares:
-    """What the mid-sides of one body have in the pairs of an interface on this rank.
+    """Shares of the mid-sides of one body in the pairs of an interface on this rank.
 
     Attributes:
         body: name of the body.
@@ -56,7 +56,7 @@ def name_of_midsides(body: str) -> str:
 
 
 class QuadraticPairs(NamedTuple):
-    """The pairs of an interface, and what mid-sides have to do with them.
+    """The pairs of an interface, with mid-sides.
 
     Attributes:
         nodes: pairs of nodes.
@@ -116,7 +116,8 @@ def _tied_midsides(
     local = own.on_surface(_surface_of(quadratic[0], pairs))
     local = local[local < own.owned_midsides]
     ends = body.nodes.dofmap.index_map.local_to_global(own.ends[local].ravel()).reshape(-1, 2)
-    facing, primary = np.zeros(len(local), dtype=np.int64), ""
+    facing: LongArray = np.zeros(len(local), dtype=np.int64)
+    primary = ""
     if len(quadratic) == 2:
         there = _surface_of(quadratic[1], pairs)
         facing = midsides[quadratic[1]].at_edges(there, _facing(mesh, pairs)[ends])

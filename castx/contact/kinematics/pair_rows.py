@@ -46,7 +46,7 @@ class EqualMotion:
 
 
 class MidsideMotions(NamedTuple):
-    """What the mid-sides of one body have in motions of rows.
+    """Part of the mid-sides of one body in motions of rows.
 
     Attributes:
         name: of the mid-sides in the layout of all unknowns.
@@ -106,7 +106,7 @@ class PairRows:
         return self.local >= 0
 
     def midsides_in_gaps(self) -> Iterator[MidsideMotions]:
-        """Yield what mid-sides have in the gaps, of one quadratic body after the other.
+        """Yield the part of mid-sides in the gaps, of one quadratic body after the other.
 
         They count along the area vectors of their edges, which lean where the surface is round.
         """
@@ -115,7 +115,7 @@ class PairRows:
             yield found._replace(directions=along)
 
     def midsides_along(self, directions: FloatArray) -> Iterator[MidsideMotions]:
-        """Yield what mid-sides have in motions along other directions.
+        """Yield the part of mid-sides in motions along other directions.
 
         Args:
             directions: of the motions of the rows, shape (rows, dimension).

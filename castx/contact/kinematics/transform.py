@@ -99,17 +99,17 @@ class ConstraintTransform:
     ) -> None:
         pairs, free = interface.pairs, local >= 0
         b, own = self._names.index(pairs.secondary), pairs.secondary_local[interface.index]
-        nodes, weights = (part[interface.index[free]] for part in pairs.partners)
+        nodes, weights = pairs.partners
+        chosen = interface.index[free]
         if pairs.primary in self._names:
             other = self._names.index(pairs.primary)
-            basis.make_relative(
-                b, own[free], local[free], directions[free], other, (nodes, weights)
-            )
+            partners = nodes[chosen], weights[chosen]
+            basis.make_relative(b, own[free], local[free], directions[free], other, partners)
         for name, rows, midsides, shares, along in of_midsides:
             there = free[rows]
             rows, other = rows[there], self._names.index(name)
-            partners = midsides[there, None], -shares[there, None]
-            basis.make_relative(b, own[rows], local[rows], along[there], other, partners)
+            facing = midsides[there, None], -shares[there, None]
+            basis.make_relative(b, own[rows], local[rows], along[there], other, facing)
 
     def displacements(self, v: FloatArray) -> FloatArray:
         """Return u = P v of owned unknowns v; collective."""

@@ -1,4 +1,4 @@
-"""What the edges of an interface have of its pairs, where displacements are quadratic.
+"""Shares of pairs in the edges of their interface, where displacements are quadratic.
 
 Between the ends of an edge a displacement has the bubble b = 4 φ_a φ_b beside what is linear. A
 pressure acts on it along the area vector ∫ b n dS of the edge, two thirds of the length of a line
@@ -100,13 +100,13 @@ def _labels(facets: SurfaceFacets, sharp_angle: float | None) -> LongArray:
 
 def _edges(facets: SurfaceFacets, labels: LongArray, model: str) -> _Edges:
     plane = facets.kind.dimension == 2
-    corners = facets.kind.faces if plane else np.array([[0, 1]])
+    corners: LongArray = facets.kind.faces if plane else np.array([[0, 1]])
     # Both ends in the order of their labels, and an edge between two facets of a patch once.
     given = labels[:, corners].reshape(-1, 2)
     order = np.argsort(given, axis=1)
     nodes = np.take_along_axis(facets.nodes[:, corners].reshape(-1, 2), order, axis=1)
-    given = np.take_along_axis(given, order, axis=1)
-    ends, place, edge = np.unique(given, axis=0, return_index=True, return_inverse=True)
+    sorted_ends = np.take_along_axis(given, order, axis=1)
+    ends, place, edge = np.unique(sorted_ends, axis=0, return_index=True, return_inverse=True)
     edge, normals = edge.ravel(), np.repeat(facets.normals, len(corners), axis=0)
 
     def bubbles(shapes: FloatArray) -> FloatArray:
@@ -163,7 +163,7 @@ def _shares(
 def _integrals(
     facets: SurfaceFacets, model: str, functions: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return ∫ f dS and ∫ f x dS of functions f of flat facets, (facets functions, 1 and dimension).
+    """Return ∫ f dS and ∫ f x dS of functions f of flat facets, in rows, facet after facet.
 
     Args:
         facets: of the interface.

@@ -19,7 +19,7 @@ from tests.partitions import PARTITION, scattered, thinly_scattered
 SHARP = math.radians(40)
 RULES = {
     "averaged": (Pairing(), node_pairs),
-    "patches": (Pairing("patches", SHARP), lambda *of: pairs_by_patch(*of, SHARP)),
+    "patches": (Pairing("patches", SHARP), lambda mesh, a, b: pairs_by_patch(mesh, a, b, SHARP)),
 }
 
 
