@@ -54,7 +54,7 @@ def meshed(
 
 def block(cut: bool, space: bool) -> LinearMesh:
     """Return a block of 20 × 40 mm, whose upper half is another body if it is cut."""
-    x, y = np.arange(4) * (SIDE / 3), np.arange(-3, 4) * (SIDE / 3)
+    x, y = (np.array([*steps], dtype=np.float64) * SIDE / 3 for steps in (range(4), range(-3, 4)))
     made = grid(x, y, lambda middle: np.where(cut & (middle[:, 1] > 0), 1, 0))
     if not space:
         return made
@@ -170,7 +170,8 @@ LENGTH, HEIGHT, POISSON, LOAD = 0.04, 0.002, 0.33, 2e4
 
 def wall_on_a_stop(comm, folder: Path, formulation: str, method: str, across: int = 1):
     """Return a wall of cells as long as it is high over the number across, on a rigid stop."""
-    x = np.arange(across * round(LENGTH / HEIGHT) + 1) * (HEIGHT / across)
+    x = np.array([*range(across * round(LENGTH / HEIGHT) + 1)], dtype=np.float64)
+    x *= HEIGHT / across
     y = np.concatenate((np.array([-HEIGHT]), np.linspace(0.0, HEIGHT, across + 1)))
     last = x[-2]
 

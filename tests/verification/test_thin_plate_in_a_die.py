@@ -31,7 +31,8 @@ STRESS = 16.0e6
 
 def write_mesh(file: Path, across: int) -> None:
     """Write the mesh of half a plate between two dies, of cells as long as they are high."""
-    x = np.arange(round(HALF / HEIGHT) * across + 1) * (HEIGHT / across)
+    x = np.array([*range(round(HALF / HEIGHT) * across + 1)], dtype=np.float64)
+    x *= HEIGHT / across
     y = np.concatenate((-DIE[::-1], np.linspace(0.0, HEIGHT, across + 1), HEIGHT + DIE))
 
     def region(middle):
