@@ -27,6 +27,9 @@ from castx.results.states.snapshot import Snapshot
 
 _log = logging.getLogger(__name__)
 
+NEAR = 0.5
+"""By what temperatures may lie outside a range without a word [K]: a step that chills a coarse mesh
+lets nodes beside it fall short by a part of a kelvin, and no table knows its ends as well."""
 _HEAT = {"heat_capacity", "conductivity"}
 _ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 _HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
@@ -54,9 +57,8 @@ class RangeWatch:
         for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
             if body.material in self._warned or body.name not in snapshot.mesh.bodies:
                 continue
-            found = outside_used_range(
-                self._case, body, self._materials[body.material], low, high
-            )
+            within = low + NEAR, max(high - NEAR, low + NEAR)
+            found = outside_used_range(self._case, body, self._materials[body.material], *within)
             if found:
                 self._warned.add(body.material)
                 self._warn(f"at t = {seconds_text(snapshot.time)}", body, found, low, high)

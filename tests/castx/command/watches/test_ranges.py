@@ -61,6 +61,19 @@ def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
 
 
 @pytest.mark.ranks
+@pytest.mark.parametrize(
+    ("ends", "warned"),
+    [((19.6, 200), 0), ((19.4, 200), 1), ((19.6, 19.6), 0), ((19.4, 19.4), 1), ((200, 600.4), 0),
+     ((200, 600.6), 1), ((700, 700), 1)],
+)  # fmt: skip
+def test_a_part_of_a_kelvin_outside_is_none(comm, heard, ends, warned):
+    watch = RangeWatch(case_of(), comm)
+    for snapshot in snapshots(comm, ends):
+        watch.check(snapshot)
+    assert sum("steel-H13" in text for text in heard) == warned * (comm.rank == 0)
+
+
+@pytest.mark.ranks
 def test_the_first_rank_speaks_though_it_has_no_cells(comm, heard, monkeypatch):
     monkeypatch.setattr(PARTITION, on_the_last)
     watch = RangeWatch(case_of(), comm)
