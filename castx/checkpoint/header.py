@@ -18,7 +18,7 @@ STATE = ("/heat/enthalpy/", "/mechanics/motion/", "/points/")
 
 
 class _Header(BaseModel):
-    model_config = ConfigDict(strict=True)
+    model_config = ConfigDict(strict=True, defer_build=True)
     castx: str
     written: str
     time: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 from mpi4py import MPI
 
@@ -121,7 +121,7 @@ def collection(outputs: Sequence[WrittenMoment]) -> str:
     for index, body, name in pieces_of(outputs):
         part, last = part + 1 if index == last else 0, index
         lines.append(
-            f'    <DataSet timestep="{outputs[index].time!r}" group={quoteattr(body)} '
-            f'part="{part}" file={quoteattr(name)}/>'
+            f'    <DataSet timestep="{outputs[index].time!r}" group="{escape(body)}" '
+            f'part="{part}" file="{escape(name)}"/>'
         )
     return "\n".join([*lines, "  </Collection>", "</VTKFile>", ""])

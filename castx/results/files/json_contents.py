@@ -16,7 +16,7 @@ Contents = TypeVar("Contents", bound="JsonContents")
 class JsonContents(BaseModel):
     """Contents of a file, whose numbers are finite."""
 
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 def write_json(path: Path, found: JsonContents) -> None:

@@ -17,7 +17,7 @@ LARGEST = 64 * 1024**2
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(strict=True)
+    model_config = ConfigDict(strict=True, defer_build=True)
 
 
 _Model = Literal["plane-stress", "plane-strain", "generalised-plane-strain", "axisymmetric", "3d"]

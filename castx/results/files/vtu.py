@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkStringArray
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataSetAttributes, vtkUnstructuredGrid
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from castx.arrays import FloatArray, IntArray, LongArray
 
 if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
+
     from castx.domain.mesh import BodyMesh
 
 VTK_TENSOR = [0, 1, 2, 3, 5, 4]
@@ -90,6 +88,12 @@ def write_piece(
         name: of the body; the field data `name` hold it.
         units: of the fields by name, written into their arrays as VTK's UNITS_LABEL.
     """
+    # Few runs write this format, and VTK takes long to import.
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints, vtkStringArray
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
     grid = vtkUnstructuredGrid()
     points = vtkPoints()
     points.SetData(numpy_to_vtk(piece.points, deep=True))
@@ -130,6 +134,9 @@ def add_arrays(
     units: Mapping[str, str],
 ) -> None:
     """Add named arrays, with the units known, to the point or cell data of a grid."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkDataArray
+
     for name, values in arrays.items():
         array = numpy_to_vtk(vtk_columns(values), deep=True)
         array.SetName(name)
