@@ -132,16 +132,18 @@ FRICTION, PRESSURE, DRAWN = 0.2, 10e6, 1e-4
 @pytest.mark.ranks
 @pytest.mark.parametrize("method", WITH_FRICTION)
 @pytest.mark.parametrize("pair", [("taylor-hood", "taylor-hood"), ("taylor-hood", "displacement")])
-def test_a_uniform_shear_crosses_a_sliding_interface(comm, shared_tmp_path, pair, method):
+@pytest.mark.parametrize("space", [True, False])
+def test_a_uniform_shear_crosses_a_sliding_interface(comm, shared_tmp_path, space, pair, method):
     """Steel without lateral contraction; both blocks are sheared by forces on their sides too."""
     surfaces = [
         plane("low", 1, -SIDE, FINE), plane("high", 1, SIDE, FINE), plane("left", 0, 0.0, FINE),
-        everything_else("right"),
+        plane("right", 0, SIDE, FINE), everything_else("front"),
     ]  # fmt: skip
     names = ["base", "slider"]
-    mesh = meshed(comm, shared_tmp_path, block(True, False), names, surfaces)
+    mesh = meshed(comm, shared_tmp_path, block(True, space), names, surfaces)
     shear = FRICTION * PRESSURE
-    sides = (pulled("right", 0.0, shear), pulled("left", 0.0, -shear))
+    rest = (0.0,) * space
+    sides = (pulled("right", 0.0, shear, *rest), pulled("left", 0.0, -shear, *rest))
     forms = dict(zip(reversed(names), pair, strict=True))
     bodies = {
         "base": body(elastic(YOUNG, 0.0), formulation=forms["base"], loads=sides),

@@ -35,14 +35,17 @@ class MidsideShares:
         sign: 1 of the secondary body, -1 of the primary one.
         pair: numbers of pairs, shape (n,).
         midsides: global numbers of mid-sides, of any owner, shape (n,).
-        vectors: m_e [m²], shape (n, dimension).
+        areas: of their parts m_e of the area vectors, negative where these point backwards [m²],
+            shape (n,).
+        normals: unit vectors along the area vectors of the edges, shape (n, dimension).
     """
 
     body: str
     sign: float
     pair: IntArray
     midsides: LongArray
-    vectors: FloatArray
+    areas: FloatArray
+    normals: FloatArray
 
     @property
     def name(self) -> str:
@@ -101,7 +104,7 @@ def quadratic_pairs(
         ends = shares.ends if own else _facing(mesh, pairs)[shares.ends]
         numbers = midsides[name].at_edges(_surface_of(name, pairs), ends)
         sign = 1.0 if own else -1.0
-        found.append(MidsideShares(name, sign, shares.pair, numbers, shares.vectors))
+        found.append(MidsideShares(name, sign, shares.pair, numbers, shares.areas, shares.normals))
     return QuadraticPairs(pairs, tuple(found))
 
 

@@ -52,7 +52,7 @@ class MidsideMotions(NamedTuple):
         name: of the mid-sides in the layout of all unknowns.
         rows: in which they count, shape (n,).
         midsides: their global numbers, shape (n,).
-        weights: of their motions, negative of the primary body, shape (n,).
+        weights: of their motions, shape (n,).
         directions: along which their motions count, shape (n, dimension).
     """
 
@@ -110,9 +110,7 @@ class PairRows:
 
         They count along the area vectors of their edges, which lean where the surface is round.
         """
-        for found, vectors in self._of_midsides():
-            along = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-            yield found._replace(directions=along)
+        yield from self._of_midsides()
 
     def midsides_along(self, directions: FloatArray) -> Iterator[MidsideMotions]:
         """Yield the part of mid-sides in motions along other directions.
@@ -120,14 +118,12 @@ class PairRows:
         Args:
             directions: of the motions of the rows, shape (rows, dimension).
         """
-        for found, _ in self._of_midsides():
+        for found in self._of_midsides():
             yield found._replace(directions=directions[found.rows])
 
-    def _of_midsides(self) -> Iterator[tuple[MidsideMotions, FloatArray]]:
-        """Yield weights of mid-sides, and their area vectors."""
+    def _of_midsides(self) -> Iterator[MidsideMotions]:
         for shares in self.midsides:
             pressed = np.flatnonzero(self.areas[shares.pair] > 0)
-            rows, vectors = shares.pair[pressed], shares.vectors[pressed]
-            weights = shares.sign * np.linalg.norm(vectors, axis=1) / self.areas[rows]
-            midsides = shares.midsides[pressed]
-            yield MidsideMotions(shares.name, rows, midsides, weights, vectors), vectors
+            rows, midsides = shares.pair[pressed], shares.midsides[pressed]
+            weights = shares.sign * shares.areas[pressed] / self.areas[rows]
+            yield MidsideMotions(shares.name, rows, midsides, weights, shares.normals[pressed])

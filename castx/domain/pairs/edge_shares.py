@@ -39,13 +39,15 @@ class EdgeShares:
     Attributes:
         pair: numbers of pairs, shape (n,).
         ends: global nodes of the secondary body at the ends of an edge, shape (n, 2).
-        vectors: α ∫ b n dS of the edge, n the outward normal of the primary body [m²], shape
+        areas: α |∫ b n dS| of the edge, of some nodes across it negative [m²], shape (n,).
+        normals: unit vectors along ∫ b n dS, n the outward normal of the primary body, shape
             (n, dimension).
     """
 
     pair: IntArray
     ends: LongArray
-    vectors: FloatArray
+    areas: FloatArray
+    normals: FloatArray
 
 
 def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) -> EdgeShares:
@@ -67,8 +69,9 @@ def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) 
     # A node may have a part of its area in each of several interfaces.
     areas = np.bincount(labels.ravel(), facets.areas.ravel())[edges.labels[edge, node]]
     shares = edges.shares[edge, node] * pairs.areas[pair] / areas
-    vectors = -shares[:, None] * edges.vectors[edge]
-    return EdgeShares(pair.astype(np.int32), edges.nodes[edge], vectors)
+    size = np.linalg.norm(edges.vectors, axis=1)
+    normals = -edges.vectors / size[:, None]
+    return EdgeShares(pair.astype(np.int32), edges.nodes[edge], shares * size[edge], normals[edge])
 
 
 @dataclass(frozen=True)

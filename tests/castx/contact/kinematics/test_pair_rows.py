@@ -43,7 +43,7 @@ def test_numbers_tell_node_and_order():
 
 SHARES = MidsideShares(
     "b", -1.0, np.array([0, 1, 2], dtype=np.int32), np.array([70, 71, 72]),
-    np.array([[0.6, 0.8, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]]),
+    np.array([1.0, 1.0, -3.0]), np.array([[0.6, 0.8, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
 )  # fmt: skip
 
 
@@ -53,12 +53,12 @@ def test_mid_sides_count_in_gaps_along_the_vectors_of_their_edges():
     assert found.name == "mid-sides of b"
     np.testing.assert_array_equal(found.rows, [0, 2])
     np.testing.assert_array_equal(found.midsides, [70, 72])
-    np.testing.assert_allclose(found.weights, [-0.5, -3.0])
+    np.testing.assert_allclose(found.weights, [-0.5, 3.0])
     np.testing.assert_allclose(found.directions, [[0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
 
 
 def test_mid_sides_count_in_other_motions_along_these():
     along = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
     (found,) = rows((SHARES,)).midsides_along(along)
-    np.testing.assert_allclose(found.weights, [-0.5, -3.0])
+    np.testing.assert_allclose(found.weights, [-0.5, 3.0])
     np.testing.assert_allclose(found.directions, along[[0, 2]])
