@@ -7,12 +7,16 @@ import math
 import numpy as np
 import pytest
 
+from castx.case.contact import Pairing
 from castx.domain.pairs.edge_shares import edge_shares
 from castx.domain.pairs.node_pairs import node_pairs
+from castx.domain.pairs.pairing import Facing, pairs_of
 from castx.domain.pairs.patches import pairs_by_patch
 from castx.domain.surface_facets import surface_facets
+from castx.meshes.model import everything_else, fill_model, plane
+from castx.meshes.structured import grid
 from tests.castx.domain.interface_meshes import MESHES, NAMES
-from tests.elastic_bodies import everywhere
+from tests.elastic_bodies import drawn, everywhere
 from tests.partitions import PARTITION, scattered, thinly_scattered
 
 pytestmark = pytest.mark.ranks
@@ -95,3 +99,27 @@ def test_ends_share_an_edge_evenly_far_from_the_rim(comm):
     inside = np.abs(points[:, 0] - points[:, 0].mean()) < 1e-9
     assert np.count_nonzero(inside) == 4
     np.testing.assert_allclose(size[inside], 0.01 / 3)
+
+
+def test_a_node_that_faces_two_bodies_has_a_part_of_its_edges_in_each(comm, shared_tmp_path):
+    """On a base that parts in the middle, below a gap: all edges together have theirs once."""
+    x = np.array([*range(5)], dtype=np.float64)
+    y = np.array([-2.0, -1.0, 0.0, 0.1, 1.0, 2.0])
+
+    def region(middle):
+        below = np.where(middle[:, 1] > 0, -1, np.where(middle[:, 0] < 2, 1, 2))
+        return np.where(middle[:, 1] > 0.1, 0, below)
+
+    names, tops = ["upper", "left", "right"], plane("top", 1, 0.0, 1e-9)
+    surfaces = [plane("skin", 1, 0.1, 1e-9), tops, everything_else("side")]
+    mesh = drawn(
+        comm, "plane-strain", names, shared_tmp_path / "bases.msh",
+        lambda: fill_model(grid(x, y, region), names, surfaces),
+    )  # fmt: skip
+    rule = Pairing(kind="node-to-face", surfaces=("skin", "top"))
+    total, alone = 0.0, 0
+    for pairs in pairs_of(mesh, [Facing("upper", name, rule) for name in names[1:]]):
+        total += comm.allreduce(float(edge_shares(mesh, pairs, None).areas.sum()))
+        alone += comm.allreduce(len(pairs.areas))
+    assert alone > len(x)
+    assert total == pytest.approx(2 / 3 * 4.0)

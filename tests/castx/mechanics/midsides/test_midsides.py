@@ -48,6 +48,7 @@ def test_mid_sides_of_a_surface_lie_between_its_nodes(comm, model, monkeypatch, 
     np.testing.assert_array_equal(on, np.flatnonzero(there))
 
 
+@pytest.mark.ranks
 @CUT
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
 def test_mid_sides_are_found_by_the_ends_of_their_edges(comm, model, monkeypatch, cut):
