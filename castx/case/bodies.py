@@ -22,6 +22,9 @@ from castx.input.units import HEAT_SOURCE
 from castx.materials.description import MaterialDescription
 from castx.tables import Table
 
+IN_CELLS = "cells"
+"""Name of freezing that is found inside the cells."""
+
 
 def _start_of_history(body: dict[str, Any]) -> InitialTemperature:
     history = body.get("temperature_history")
@@ -45,6 +48,7 @@ class Body(Description):
             "q1p0".
         stabilisation: of the mixed formulation.
         feeding: how liquid is fed: one pressure in each trapped pocket, or flow through the mush.
+        freezing: where latent heat and the share that bears are found, at nodes or inside cells.
     """
 
     name: EntryName
@@ -58,16 +62,20 @@ class Body(Description):
         str,
         Choice(
             (
-                "thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic",
-                "drucker-prager", "rigid",
+                "thermo-elastic",
+                "thermo-elasto-plastic",
+                "thermo-elasto-viscoplastic",
+                "drucker-prager",
+                "rigid",
             )
         ),
     ] = "thermo-elastic"
-    formulation: Annotated[
-        str | None, Choice(("mixed", "displacement", "q1p0", "taylor-hood"))
-    ] = None
+    formulation: Annotated[str | None, Choice(("mixed", "displacement", "q1p0", "taylor-hood"))] = (
+        None
+    )
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
     feeding: Annotated[str, Choice(("pockets", "darcy"))] = "pockets"
+    freezing: Annotated[str, Choice(("nodes", IN_CELLS))] = "nodes"
 
     def starts_solid(self, material: MaterialDescription) -> bool:
         """Return whether the body starts solid, and stays so if its temperature is prescribed.

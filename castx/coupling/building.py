@@ -10,7 +10,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.bodies import Body
+from castx.case.bodies import IN_CELLS, Body
 from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.case.interfaces import Interface
@@ -82,9 +82,7 @@ def build_problem(
         mechanics = _mechanics(case, mesh, materials, free, contacts, placed, counters)
     own = dict(laws or {})
     _check_laws(case, own)
-    exchanges = [
-        heat_exchange(i, pairs[i.name], mesh, own.get(i.name)) for i in case.interfaces
-    ]
+    exchanges = [heat_exchange(i, pairs[i.name], mesh, own.get(i.name)) for i in case.interfaces]
     heat: Temperatures
     if scheme == "mechanical":
         given = {b.name: PrescribedBody(materials[b.name], _history(b)) for b in case.bodies}
@@ -165,7 +163,9 @@ def _heat(
     counters: StepCounters,
 ) -> HeatProblem:
     bodies = [
-        HeatBody(b.name, materials[b.name], temperatures[b.name], b.heat_source)
+        HeatBody(
+            b.name, materials[b.name], temperatures[b.name], b.heat_source, b.freezing == IN_CELLS
+        )
         for b in case.bodies
     ]
     solver = case.solver
@@ -270,7 +270,7 @@ def _solved_material(mesh: CastingMesh, body: Body, material: Material) -> Mater
             cure = (
                 f"in the model {mesh.model!r} it needs triangles and the law {ELASTIC!r}; else "
                 "take the model 'generalised-plane-strain', or a material that extends "
-                f"{body.material!r} with liquid = \"none\""
+                f'{body.material!r} with liquid = "none"'
             )
         raise CaseError(
             f"body {body.name!r} has formulation 'displacement', but its material "
@@ -288,7 +288,7 @@ def _mechanical_body(
         material = material.without_shrinkage()
     own = [boundary for boundary in case.boundaries if boundary.body == body.name]
     return MechanicalBody(
-        Law(material, stress_free, body.law),
+        Law(material, stress_free, body.law, body.freezing == IN_CELLS),
         formulation_of(mesh, body),
         body.stabilisation,
         tuple(material.density * g for g in case.loads.gravity) if any(case.loads.gravity) else (),

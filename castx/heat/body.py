@@ -12,6 +12,7 @@ from castx.arrays import FloatArray, IntArray
 from castx.domain.measures import cell_measure, nodal_areas, nodal_volumes
 from castx.domain.mesh import BodyMesh
 from castx.forms.heat import conduction
+from castx.heat.latent_heat import LatentHeat
 from castx.materials.conduction_potential import conduction_potential
 from castx.materials.enthalpy import HeatState
 from castx.materials.material import Material
@@ -28,12 +29,14 @@ class HeatBody:
         temperature: at the start [°C], one number or one for each owned node, shape (owned,); at a
             melting point the body is liquid.
         heat_source: heat per volume over time [W/m³].
+        inside: whether latent heat is stored inside the cells, instead of at the nodes alone.
     """
 
     name: str
     material: Material
     temperature: float | FloatArray
     heat_source: Table | None = None
+    inside: bool = False
 
 
 class ThermalBody:
@@ -74,6 +77,7 @@ class ThermalBody:
         form = fem.form(conduction(theta, v, dx.weight, dx.measure))
         matrix = fem.assemble_matrix(form)
         matrix.scatter_reverse()
+        self._inside = self._latent_heat(fem.create_matrix(form))
         self.conduction = matrix.to_scipy()
         self._diagonal = self.conduction.diagonal()
         self.columns = matrix.index_map(1)
@@ -82,6 +86,14 @@ class ThermalBody:
         )
         self._theta = la.vector(self.columns)
         self._theta_slope = la.vector(self.columns)
+
+    def _latent_heat(self, matrix: la.MatrixCSR) -> LatentHeat | None:
+        """Return the latent heat inside the cells, if it is stored there."""
+        if not self.description.inside:
+            return None
+        material = self.description.material
+        latent = material.density * material.latent_heat
+        return LatentHeat(self.mesh, self._model, self.curve, latent, matrix)
 
     def surface_areas(self, surface: str) -> tuple[IntArray, FloatArray]:
         """Return the owned nodes of a surface and the areas they stand for [m²]."""
@@ -137,6 +149,33 @@ class ThermalBody:
         slope.scatter_forward()
         return np.asarray(self.conduction.data * slope.array[self.conduction.indices])
 
+    def latent_heat_inside(self, enthalpy: FloatArray) -> FloatArray:
+        """Return the latent heat inside the cells beside V H [J], shape (owned,); collective.
+
+        Args:
+            enthalpy: of the owned nodes [J/m³], shape (owned,).
+        """
+        if self._inside is None:
+            return np.zeros(self.owned)
+        return self._inside.stored(*self.state(enthalpy))
+
+    def latent_heat_slope(self, slope: FloatArray) -> FloatArray | None:
+        """Return its derivatives at the trial state, entry by entry of `conduction.data`.
+
+        Args:
+            slope: derivative of the enthalpy of the owned nodes over the unknown, shape (owned,).
+        """
+        if self._inside is None:
+            return None
+        H = self.enthalpy.x.array[: self.owned]
+        found = []
+        for rate in (self.curve.temperature_slope(H), self.curve.solid_fraction_slope(H)):
+            vector = la.vector(self.columns)
+            vector.array[: self.owned] = rate * slope
+            vector.scatter_forward()
+            found.append(vector.array)
+        return self._inside.slopes(self.temperature.x.array, *found)
+
     def rounding(self) -> FloatArray:
         """Return the size of the terms that cancelled in the last `conducted_heat` [W].
 
@@ -150,5 +189,6 @@ class ThermalBody:
         return 0.0 if table is None else table.mean(start, end)
 
     def stored_heat(self) -> float:
-        """Return the enthalpy of the owned nodes [J], zero for the solid at 0 °C."""
-        return float(self.volumes @ self.enthalpy.x.array[: self.owned])
+        """Return the heat of the owned nodes [J], zero for the solid at 0 °C; collective."""
+        enthalpy = self.enthalpy.x.array[: self.owned].copy()
+        return float(self.volumes @ enthalpy + self.latent_heat_inside(enthalpy).sum())

@@ -92,18 +92,30 @@ class HeatJacobian:
         matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
         return matrix
 
-    def assemble(self, diagonal: FloatArray, temperature_slope: PETSc.Vec) -> None:
+    def assemble(
+        self,
+        diagonal: FloatArray,
+        temperature_slope: PETSc.Vec,
+        inside: Sequence[FloatArray | None],
+        step: float,
+    ) -> None:
         """Assemble at the present state of the bodies.
 
         Args:
             diagonal: what only the node itself acts on, in the layout [W m³/J].
             temperature_slope: derivative of each node's temperature over its unknown [K m³/J].
+            inside: derivatives of the latent heat inside the cells of each body [m³]; or none.
+            step: Δt [s].
         """
         add = PETSc.InsertMode.ADD
         slopes = temperature_slope.array_r
         self.matrix.zeroEntries()
-        for body, part, pointers, columns, rows, places in self._bodies:
+        for (body, part, pointers, columns, rows, places), latent in zip(
+            self._bodies, inside, strict=True
+        ):
             values = body.conduction_slope(slopes[part])
+            if latent is not None:
+                values += latent / step
             values[places] += diagonal[part]
             self.matrix.setValuesIJV(pointers, columns, values, add, rows)
         for exchange, pointers, columns, rows in self._pairs:

@@ -12,7 +12,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.domain.mesh import CastingMesh
 from castx.errors import CaseError, ConvergenceError
-from castx.heat.balance import HeatBalance, HeatUnknowns
+from castx.heat.balance import HeatBalance
 from castx.heat.body import HeatBody, ThermalBody
 from castx.heat.boundaries import SurfaceFlux, SurfaceHeat, SurfaceTemperature
 from castx.heat.interface import HeatExchange, coefficients
@@ -20,6 +20,7 @@ from castx.heat.ledger import Accounts, HeatBooks, accounts_of
 from castx.heat.newton import PREFIX, adjust_step, converged, default_options, jacobian, residual
 from castx.heat.pace import time_to_change
 from castx.heat.step_error import HeatError, HeatStepError, TriedStep
+from castx.heat.unknowns import HeatUnknowns
 from castx.materials.enthalpy import HeatState
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters

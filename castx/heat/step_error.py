@@ -85,9 +85,7 @@ class HeatStepError:
         solve: solves a linear system with the matrix of the balance.
     """
 
-    def __init__(
-        self, balance: HeatBalance, solve: Callable[[PETSc.Vec, PETSc.Vec], None]
-    ) -> None:
+    def __init__(self, balance: HeatBalance, solve: Callable[[PETSc.Vec, PETSc.Vec], None]) -> None:
         self._balance, self._solve = balance, solve
         self._capacities = [_solid_capacity(body) for body in balance.bodies]
         self._committed: FloatArray = np.zeros((2, balance.layout.size_local))
@@ -113,8 +111,8 @@ class HeatStepError:
         """
         balance, unknowns, substep = self._balance, self._balance.unknowns, tried.substep
         leaving = self._leaving_at_start(tried, pairs)
-        last = (tried.states[-1] - tried.states[-2]) / substep
-        added = 0.5 * (unknowns.volumes * last + leaving)  # for each second of a sub-step
+        before, after = (unknowns.stored(state) for state in tried.states[-2:])
+        added = 0.5 * ((after - before) / substep + leaving)  # for each second of a sub-step
         balance.exchanges.set_states(pairs, tried.middle_of_last, factors)
         balance.begin(tried.states[-2], tried.states[-1], tried.start + tried.step, tried.step)
         balance.evaluate(x)

@@ -21,13 +21,15 @@ import numpy.typing as npt
 from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.materials.phased import Phased
-from castx.materials.solid_fraction import FractionPiece, SolidFractionLaw, linear_piece
+from castx.materials.solid_fraction import (
+    SMALLEST_JUMP,
+    FractionPiece,
+    SolidFractionLaw,
+    linear_piece,
+)
 
 CURVE_TOLERANCE = 1e-5
 """Largest distance of the stored curve from the law [K]."""
-
-SMALLEST_JUMP = 1e-12
-"""Difference of solid fraction below which two pieces count as continuous."""
 
 Rise = Callable[[FloatArray, FloatArray], FloatArray]
 

@@ -20,6 +20,7 @@ from castx.materials.solid_fraction import (
     ScheilLaw,
     SolidFractionLaw,
     fraction_at,
+    has_plateau,
 )
 from castx.materials.sources import (
     OutsideRange,
@@ -150,6 +151,14 @@ class Material:
         if coherency >= 1.0:
             return (fraction >= 1.0).astype(np.float64)
         return np.clip((fraction - coherency) / (1.0 - coherency), 0.0, 1.0)
+
+    @property
+    def freezes_at_a_plateau(self) -> bool:
+        """Whether some of the metal, or all of it, freezes at one temperature."""
+        law = self.solid_fraction
+        if law is None or self.solidus is None or self.liquidus is None:
+            return False
+        return has_plateau(law, self.solidus, self.liquidus)
 
     @property
     def cavitation(self) -> float:

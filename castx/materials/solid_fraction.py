@@ -14,6 +14,9 @@ import numpy as np
 
 from castx.arrays import FloatArray
 
+SMALLEST_JUMP = 1e-12
+"""Difference of solid fraction below which two pieces count as continuous."""
+
 
 @dataclass(frozen=True)
 class FractionPiece:
@@ -41,6 +44,14 @@ def fraction_at(
         inside = (temperature >= piece.start) & (temperature < piece.end)
         fraction[inside] = piece.fraction(temperature[inside])
     return fraction
+
+
+def has_plateau(law: SolidFractionLaw, solidus: float, liquidus: float) -> bool:
+    """Return whether some of the metal freezes at one temperature."""
+    pieces = law.pieces(solidus, liquidus)
+    below = [1.0, *(float(piece.fraction(np.array([piece.end]))[0]) for piece in pieces)]
+    above = [*(float(piece.fraction(np.array([piece.start]))[0]) for piece in pieces), 0.0]
+    return any(cold - hot > SMALLEST_JUMP for cold, hot in zip(below, above, strict=True))
 
 
 def linear_piece(start: float, end: float, first: float, last: float) -> FractionPiece:

@@ -14,7 +14,8 @@ it melts. Its liquid keeps the volume of the solid: frozen and cold again it fil
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -59,6 +60,14 @@ class StressFreeState:
         solid = np.asarray(initial) < contracts
         fraction = np.where(solid, material.solid_fraction_at(np.asarray(initial)), 0.0)
         return cls(np.minimum(initial, contracts), contracts, fraction)
+
+    def at(self, spread: Callable[[FloatArray], FloatArray]) -> Self:
+        """Return the state at other places, from a function that finds nodal values there."""
+        temperature, fraction = (
+            value if np.ndim(value) == 0 else spread(np.asarray(value))
+            for value in (self.temperature, self.solid_fraction)
+        )
+        return replace(self, temperature=temperature, solid_fraction=fraction)
 
     def thermal_strain(self, material: Material, temperature: FloatArray) -> FloatArray:
         """Return e^θ at the nodes; the value of the liquid at an infinite temperature.
@@ -136,4 +145,3 @@ def liquid_shrinkage(material: Material, solid_fraction: Any) -> FloatArray:
     """
     share = np.minimum(np.asarray(solid_fraction, dtype=np.float64), material.fed_until)
     return np.asarray(material.description.solidification_shrinkage * share)
-

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from castx.case.bodies import Body
+from castx.case.bodies import IN_CELLS, Body
 from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.interfaces import Interface
@@ -108,6 +108,8 @@ def _body_problems(
         text = f'prescribes the temperature, but coupling.scheme = "{scheme}" solves for it'
         cure = 'use scheme = "mechanical" or leave it out'
         yield Problem(("bodies", index, "temperature_history"), f"{text}; {cure}")
+    if body.freezing == IN_CELLS:
+        yield from _problems_of_freezing_in_cells(index, body, material)
     if scheme == "thermal":
         return
     for key, text in law_problems(material, body.law):
@@ -118,6 +120,20 @@ def _body_problems(
         if not body.starts_solid(material):
             text = f'material {body.material!r} has an incompressible liquid; use "mixed"'
             yield Problem(("bodies", index, "formulation"), f'{text}, or liquid = "none" there')
+
+
+def _problems_of_freezing_in_cells(
+    index: int, body: Body, material: MaterialDescription
+) -> Iterator[Problem]:
+    """Yield metals without a solid fraction of its own at each temperature, and melt that flows."""
+    place, cure = ("bodies", index, "freezing"), 'freezing = "nodes" has no such limit'
+    if not Material(body.material, material).melts:
+        yield Problem(place, f"{body.material!r} never freezes; leave it out")
+    elif Material(body.material, material).freezes_at_a_plateau:
+        text = f'"cells" needs a solid fraction at each temperature, but {body.material!r} freezes'
+        yield Problem(place, f"{text} at one temperature, if only in part; {cure}")
+    if body.feeding == "darcy":
+        yield Problem(place, f'melt that flows by feeding = "darcy" counts at nodes; {cure}')
 
 
 def _needed_properties(

@@ -11,8 +11,9 @@ strain of contraction c, thermal and of solidification. A cell contracts where i
 
     de^θ = Σ_v w_v dc_v / Σ_v w_v,
 
-over its corners v. Solid grows while it contracts, in a thin skin by much of what there is: the sum
-over a step goes through the states that its heat has passed (`growth`).
+over its corners v, or over samples inside where its mush ends (`places`). Solid grows while it
+contracts, in a thin skin by much of what there is: the sum over a step goes through the states that
+its heat has passed (`growth`).
 
 Over one step, with w_0 and w the shares at its start and its end,
 
@@ -37,18 +38,24 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.places import MetalPlaces
+
+ROUNDING = 1e-15
+"""Strain of contraction over a step that is none."""
 
 
 class MetalNodes(NamedTuple):
-    """Metal of the nodes at one time.
+    """Metal of the nodes, or of other places, at one time.
 
     Attributes:
         share: w, the share that bears stress, shape (nodes,).
         contraction: c, volumetric strain of temperature and solidification, shape (nodes,).
+        temperature: T [°C], shape (nodes,).
     """
 
     share: FloatArray
     contraction: FloatArray
+    temperature: FloatArray
 
 
 class Shares(NamedTuple):
@@ -121,7 +128,7 @@ class CellVolume(NamedTuple):
 
 
 class Growth(NamedTuple):
-    """Solid of the nodes over a step, each of shape (nodes,).
+    """Solid of the nodes, or of other places, over a step, each of shape (places,).
 
     A cell contracts by de^θ = ∫ Σ_v w_v dc_v / Σ_v w_m,v over its corners.
 
@@ -133,14 +140,14 @@ class Growth(NamedTuple):
     strained: FloatArray
     contracted: FloatArray
 
-    def contraction(self, points: IntegrationPoints) -> FloatArray:
+    def contraction(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
         """Return de^θ of the cells, zero without solid, shape (cells,)."""
-        part, whole = points.volume_means(self.contracted), points.volume_means(self.strained)
+        part, whole = places.volume_means(self.contracted), places.volume_means(self.strained)
         return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
 
 
 def growth(
-    points: IntegrationPoints,
+    places: IntegrationPoints | MetalPlaces,
     passed: Sequence[MetalNodes],
     frozen: FloatArray,
     *,
@@ -157,7 +164,7 @@ def growth(
     over the body. Nodes that freeze one after the other contract by fits and starts.
 
     Args:
-        points: integration points of the body.
+        places: of the metal; integration points stand for the nodes of the body.
         passed: metal of the nodes at the start of the step, between, and at its end, in equal
             times.
         frozen: c of the nodes as they become solid, shape (nodes,).
@@ -169,11 +176,11 @@ def growth(
         for phase in _phases(before, after, frozen, isothermal=isothermal)
     ]
     amounts = [phase.contracting * phase.change for phase in phases]
-    part, whole = points.integrals(
+    part, whole = places.integrals(
         [*(np.abs(amount) for amount in amounts), *(phase.strained for phase in phases)]
     ).reshape(2, -1)
     strains = np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
-    if not strains.any():
+    if not np.any(strains > ROUNDING):
         strains = np.tile([1.0, 0.0, 0.0], len(passed) - 1)
     strained = sum(strain * phase.strained for strain, phase in zip(strains, phases, strict=True))
     return Growth(np.asarray(strained / strains.sum()), np.asarray(sum(amounts)))
@@ -222,9 +229,7 @@ def _share_behind_a_front(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.where(after > before, np.maximum(before, 0.25 * after), 0.5 * (before + after))
 
 
-def in_the_solid(
-    points: IntegrationPoints, values: FloatArray, weight: FloatArray
-) -> FloatArray:
+def in_the_solid(points: IntegrationPoints, values: FloatArray, weight: FloatArray) -> FloatArray:
     """Return nodal values at the points as means over the solid there, shape (points,).
 
     Args:

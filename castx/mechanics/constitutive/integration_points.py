@@ -42,7 +42,7 @@ class IntegrationPoints:
     """
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
-        self._mesh, self._kind, self.model = body.mesh, body.kind, model
+        self._mesh, self.kind, self.model = body.mesh, body.kind, model
         self.numbering, self.node_numbering = body.cell_numbering, body.node_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
@@ -68,7 +68,7 @@ class IntegrationPoints:
         return self.cells * self.per_cell
 
     def _cell_type(self) -> basix.CellType:
-        kind: basix.CellType = getattr(basix.CellType, self._kind.name)
+        kind: basix.CellType = getattr(basix.CellType, self.kind.name)
         return kind
 
     def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
@@ -172,9 +172,13 @@ class IntegrationPoints:
 
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the body of arrays of nodal values, shape (arrays,); collective."""
-        nodes = len(self.node_numbering.numbers)
-        weights = self.to_nodes(np.ones(self.count), nodes)
-        local = np.array([weights @ each for each in values])
+        return self.integrals_at_points([self.from_nodes(each) for each in values])
+
+    def integrals_at_points(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return ∫ v over the body of arrays of values at the points, (arrays,); collective."""
+        owned = self._mesh.topology.index_map(self._mesh.topology.dim).size_local
+        weights = self.weights[:owned].ravel()
+        local = np.array([weights @ each[: len(weights)] for each in values])
         return np.asarray(self._mesh.comm.allreduce(local))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.errors import CaseError
 from castx.materials.enthalpy import HeatState
 from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
@@ -40,9 +40,12 @@ from castx.mechanics.constitutive.growth import (
     in_the_solid,
 )
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
+from castx.mechanics.constitutive.places import MetalPlaces
 from castx.tables import Table
 
 ELASTIC = "thermo-elastic"
+ROUNDED = 12
+"""Decimals to which shares of samples are kept, so that liquid has none and solid is whole."""
 
 
 class Conditions(NamedTuple):
@@ -92,11 +95,13 @@ class Law:
         stress_free: state without thermal strain; a number: a temperature of the solid [°C].
         name: "thermo-elastic", "thermo-elasto-plastic", "thermo-elasto-viscoplastic" or
             "drucker-prager", of grains.
+        inside: whether the share of solid is found inside the cells, instead of at the nodes alone.
     """
 
     material: Material
     stress_free: float | StressFreeState
     name: str = ELASTIC
+    inside: bool = False
 
     @property
     def stress_free_state(self) -> StressFreeState:
@@ -133,16 +138,23 @@ class Law:
             count: number of local nodes.
             liquid: whether the solid of that state is all there is, instead of all metal.
         """
-        fraction = self.stress_free_state.solid_fraction if liquid else 1.0
-        share = self.material.bearing_share(np.broadcast_to(fraction, (count,)))
-        return MetalNodes(share, np.zeros(count))
+        unstressed, none = self.stress_free_state, np.zeros(count)
+        fraction = np.asarray(unstressed.solid_fraction if liquid else 1.0) + none
+        share = self.material.bearing_share(fraction)
+        return MetalNodes(share, none, unstressed.temperature + none)
 
     def nodes(self, temperature: FloatArray, solid_fraction: FloatArray) -> MetalNodes:
         """Return the metal of nodes at temperatures [°C] and solid fractions, shape (nodes,)."""
-        unstressed = self.stress_free_state
+        return self._metal(self.stress_free_state, temperature.copy(), solid_fraction)
+
+    def _metal(
+        self, unstressed: StressFreeState, temperature: FloatArray, solid_fraction: FloatArray
+    ) -> MetalNodes:
+        """Return the metal of places with their state without strain, shape (places,)."""
         strain = unstressed.thermal_strain(self.material, temperature)
         strain = strain + unstressed.shrinkage(self.material, solid_fraction)
-        return MetalNodes(self.material.bearing_share(solid_fraction), strain)
+        share = self.material.bearing_share(solid_fraction)
+        return MetalNodes(share, np.asarray(strain), temperature)
 
     def conditions(
         self,
@@ -171,16 +183,17 @@ class Law:
         young, poisson = self._elastic_tables()
         E, nu = young(temperature), poisson(temperature)
         shear_modulus = in_the_solid(points, E / (2 * (1 + nu)), end.share)
-        share = points.volume_means(end.share)
+        passed = [start, *(self.nodes(*state) for state in between), end]
+        places = self._places(points, passed)
+        first, *_, last = at_places = [self._at(places, metal) for metal in passed]
+        share = places.volume_means(last.share)
         nodal = 3 * (1 - 2 * nu) / E
         compressibility = np.where(
             share > 0, points.volume_means(nodal, end.share), points.volume_means(nodal)
         )
-        grown = self._growth(points, start, between, end)
+        grown = self._growth(places, at_places)
         shares = Shares.between(
-            points.from_nodes(start.share),
-            points.from_nodes(end.share),
-            points.from_nodes(grown.strained),
+            *(places.at_points(w) for w in (first.share, last.share, grown.strained))
         )
         at_points = in_the_solid(points, temperature, end.share)
         viscous, flowing = self._liquid(shear_modulus, points.from_nodes(temperature), step)
@@ -189,26 +202,50 @@ class Law:
             flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
-            points.volume_means(start.share), share, compressibility,
-            grown.contraction(points), end,
+            places.volume_means(first.share), share, compressibility,
+            grown.contraction(places), end,
         )  # fmt: skip
 
-    def _growth(
-        self,
-        points: IntegrationPoints,
-        start: MetalNodes,
-        between: Sequence[HeatState],
-        end: MetalNodes,
-    ) -> Growth:
-        solidus = self.material.solidus
+    def _places(self, points: IntegrationPoints, passed: Sequence[MetalNodes]) -> MetalPlaces:
+        """Return the nodes, with samples in cells where mush ends while metal passes its states."""
+        cells: IntArray = np.empty(0, dtype=np.int32)
+        if self.inside:
+            shares = np.stack([metal.share for metal in passed])
+            least, most = shares.min(axis=0), shares.max(axis=0)
+            corners = points.cell_nodes
+            mixed = most[corners].any(axis=1) & (least[corners] < 1.0).any(axis=1)
+            cells = np.flatnonzero(mixed).astype(np.int32)
+        return MetalPlaces(points, cells)
+
+    def _at(self, places: MetalPlaces, metal: MetalNodes) -> MetalNodes:
+        """Return metal of the nodes at all places, that of samples by their temperature.
+
+        What nodes have beside the equilibrium at their temperature is linear in the cells, such as
+        a state without strain that is liquid from the start.
+        """
+        if not places.sampled:
+            return metal
+        inside, temperature = places.samples_from_nodes, metal.temperature
+        settled = self.nodes(temperature, self.material.solid_fraction_at(temperature))
+        share, strain = (
+            inside(own - equilibrium)
+            for own, equilibrium in zip(metal[:2], settled[:2], strict=True)
+        )
+        temperature = inside(temperature)
+        fraction = self.material.solid_fraction_at(temperature)
+        found = self._metal(self.stress_free_state.at(inside), temperature, fraction)
+        share = np.clip(np.round(found.share + share, ROUNDED), 0.0, 1.0)
+        samples = MetalNodes(share, found.contraction + strain, temperature)
+        return MetalNodes(*(places.joined(*values) for values in zip(metal, samples, strict=True)))
+
+    def _growth(self, places: MetalPlaces, passed: Sequence[MetalNodes]) -> Growth:
+        solidus, first, last = self.material.solidus, passed[0], passed[-1]
         if solidus is None or self.material.liquid is None:
-            return growth(points, [start, end], end.contraction)
-        passed = [start, *(self.nodes(*state) for state in between), end]
-        solid = np.ones_like(end.share)
-        return growth(
-            points, passed, self.nodes(solidus * solid, solid).contraction,
-            isothermal=self.material.is_isothermal,
-        )  # fmt: skip
+            return growth(places, [first, last], last.contraction)
+        solid = np.ones_like(last.share)
+        unstressed = self.stress_free_state.at(places.from_nodes)
+        frozen = self._metal(unstressed, solidus * solid, solid).contraction
+        return growth(places, passed, frozen, isothermal=self.material.is_isothermal)
 
     def _liquid(
         self, shear_modulus: FloatArray, temperature: FloatArray, step: float
@@ -227,4 +264,3 @@ class Law:
                 f"material {self.material.name!r} needs young_modulus and poisson_ratio"
             )
         return young, poisson
-

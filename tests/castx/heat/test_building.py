@@ -49,8 +49,10 @@ def mesh(comm, shared_tmp_path):
     if comm.rank == 0:
         with gmsh_session():
             add = gmsh.model.geo
-            points = [add.addPoint(x, y, 0.0, 0.1)
-                      for x, y in ((-1, 0), (0, 0), (1, 0), (1, 1), (0, 1), (-1, 1), (0, 0.5))]
+            points = [
+                add.addPoint(x, y, 0.0, 0.1)
+                for x, y in ((-1, 0), (0, 0), (1, 0), (1, 1), (0, 1), (-1, 1), (0, 0.5))
+            ]
             ends = ((0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0), (1, 6), (6, 4))
             lines = [add.addLine(points[a], points[b]) for a, b in ends]
             loops = ((1, 7, 8, 5, 6), (2, 3, 4, -8, -7))

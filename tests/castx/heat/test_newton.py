@@ -112,9 +112,7 @@ def test_linear_solves_are_only_as_exact_as_the_goal_needs(comm):
     exact = {"ksp_rtol": FINEST_LINEAR}
     found = []
     for options in (None, exact):
-        heat = problem_under_law(
-            mesh, SERIES, tolerance=1e-6, linear="iterative", options=options
-        )
+        heat = problem_under_law(mesh, SERIES, tolerance=1e-6, linear="iterative", options=options)
         reports = [advanced(heat, mesh, [1.0]), advanced(heat, mesh, [5.0], substeps=4)]
         newton, linear = (
             sum(getattr(report, name) for report in reports)

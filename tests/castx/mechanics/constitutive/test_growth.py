@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.arrays import FloatArray
 from castx.mechanics.constitutive.growth import (
     CellVolume,
     MetalNodes,
@@ -23,9 +24,14 @@ def test_shares_while_solid_grows_stays_and_melts():
     np.testing.assert_allclose(found.strained, [0.25, 0.75, 1.0, 1.0, 0.0, 0.0])
 
 
+def of(share: FloatArray, contraction: FloatArray) -> MetalNodes:
+    """Return metal of which the temperature does not matter."""
+    return MetalNodes(share, contraction, np.zeros_like(share))
+
+
 def metal(nodes: int, seed: int) -> MetalNodes:
     random = np.random.default_rng(seed)
-    return MetalNodes(random.random(nodes).round(1), 1e-3 * random.normal(size=nodes))
+    return of(random.random(nodes).round(1), 1e-3 * random.normal(size=nodes))
 
 
 FROZEN = -2e-4
@@ -48,7 +54,7 @@ def test_a_cell_contracts_where_it_bears(points):
         change = (end.contraction - start.contraction)[corners]
         expected = (mean[corners] * change).sum() / mean[corners].sum()
         assert cells[cell] == pytest.approx(expected, rel=1e-12)
-    liquid = MetalNodes(np.zeros(nodes), end.contraction)
+    liquid = of(np.zeros(nodes), end.contraction)
     other = liquid._replace(contraction=start.contraction)
     none = growth(points, [liquid, other], np.full(nodes, FROZEN))
     assert not none.contraction(points).any()
@@ -56,14 +62,14 @@ def test_a_cell_contracts_where_it_bears(points):
     first = points.cell_nodes[0][0]
     one = np.zeros(nodes)
     one[first] = 0.01
-    only = [MetalNodes(one, state.contraction) for state in (start, end)]
+    only = [of(one, state.contraction) for state in (start, end)]
     cells = growth(points, only, np.full(nodes, FROZEN)).contraction(points)
     assert cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
 
 
 def test_without_contraction_the_share_is_the_mean_over_the_states(points):
     nodes = points.cell_nodes.max() + 1
-    passed = [MetalNodes(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
+    passed = [of(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
     found = growth(points, passed, np.zeros(nodes))
     np.testing.assert_allclose(found.strained, (0.1 + 0.55) / 2, rtol=1e-12)
     assert not found.contracted.any()
@@ -77,8 +83,8 @@ def test_metal_that_becomes_solid_contracts_after_that(points, melts, isothermal
     All metal alike contracts by as much as it does, in a step of any size.
     """
     nodes = points.cell_nodes.max() + 1
-    mushy = MetalNodes(np.full(nodes, 0.5), np.full(nodes, -1e-4))
-    cold = MetalNodes(np.ones(nodes), np.full(nodes, -5e-4))
+    mushy = of(np.full(nodes, 0.5), np.full(nodes, -1e-4))
+    cold = of(np.ones(nodes), np.full(nodes, -5e-4))
     passed = [cold, mushy] if melts else [mushy, cold]
     found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
     np.testing.assert_allclose(found.contraction(points), 4e-4 if melts else -4e-4, rtol=1e-12)
@@ -92,9 +98,9 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
     skin, both = np.zeros(nodes), np.ones(nodes)
     skin[first] = 1.0
     passed = [
-        MetalNodes(skin, np.full(nodes, FROZEN)),
-        MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
-        MetalNodes(both, np.where(skin == 1, -1e-3, FROZEN)),
+        of(skin, np.full(nodes, FROZEN)),
+        of(skin, np.where(skin == 1, -6e-4, FROZEN)),
+        of(both, np.where(skin == 1, -1e-3, FROZEN)),
     ]
     wide, narrow = (
         growth(points, states, np.full(nodes, FROZEN)) for states in (passed, passed[::2])
@@ -115,9 +121,9 @@ def test_what_is_strained_does_not_hang_on_the_ranks(comm, body, points):
     x = body.nodes.tabulate_dof_coordinates()[:, 0]
     skin, both = (x < 0.012).astype(float), np.ones(len(x))
     passed = [
-        MetalNodes(skin, np.full(len(x), FROZEN)),
-        MetalNodes(skin, np.where(skin == 1, -6e-4, FROZEN)),
-        MetalNodes(both, np.where(skin == 1, -8e-4, FROZEN)),
+        of(skin, np.full(len(x), FROZEN)),
+        of(skin, np.where(skin == 1, -6e-4, FROZEN)),
+        of(both, np.where(skin == 1, -8e-4, FROZEN)),
     ]
     found = growth(points, passed, np.full(len(x), FROZEN))
     # Of 20 mm the skin has 10 and half of the next cell of 5; of the rest half bears in the mean.
@@ -136,7 +142,7 @@ def test_solid_behind_a_front_is_strained_as_it_was_at_the_start(points):
     skin, more = np.full(nodes, 0.2), np.full(nodes, 0.6)
     skin[first] = more[first] = 1.0
     cold = np.where(skin == 1, -4e-4, FROZEN)
-    passed = [MetalNodes(skin, np.full(nodes, FROZEN)), MetalNodes(more, cold)]
+    passed = [of(skin, np.full(nodes, FROZEN)), of(more, cold)]
     for isothermal, share in ((False, 0.4), (True, 0.2)):
         found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
         np.testing.assert_allclose(np.delete(found.strained, first), share, rtol=1e-12)

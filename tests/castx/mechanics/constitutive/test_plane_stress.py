@@ -31,7 +31,7 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
     )
     return Conditions(
         G * one, flow, Shares.between(one, one, one), None, None, one, one,
-        np.full(COUNT, 1 / K), none, MetalNodes(one, none),
+        np.full(COUNT, 1 / K), none, MetalNodes(one, none, none),
     )  # fmt: skip
 
 

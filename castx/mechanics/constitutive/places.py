@@ -1,0 +1,99 @@
+"""Places at which solid is summed over a cell: its corners, and samples inside where mush ends.
+
+The solid fraction stands at the nodes. An alloy's share w of what bears rises from 0 to 1 over a
+few kelvins, which may lie within a cell: corners alone then pass from liquid to solid one after the
+other, and a skin begins with half a cell. The temperature is linear in a cell, so that samples
+inside know how far the solid has come. A sample belongs to the nearest integration point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from castx.arrays import FloatArray, IntArray
+from castx.domain.cell_samples import SampleRule, sample_rule
+from castx.mechanics.constitutive.integration_points import IntegrationPoints
+
+AS_NEAR = 1e-9
+"""Difference of distances, in sizes of the cell, by which two points are equally near."""
+
+
+class MetalPlaces:
+    """The nodes of a body, and samples inside some of its cells.
+
+    Values at the places are one array, of the nodes first, then of the samples cell by cell.
+
+    Args:
+        points: integration points of the body.
+        cells: local cells with samples, shape (sampled cells,).
+    """
+
+    def __init__(self, points: IntegrationPoints, cells: IntArray) -> None:
+        self._points, self._cells = points, cells
+        self._nodes = len(points.node_numbering.numbers)
+        self._at_samples: FloatArray = np.empty((0, 0))
+        if len(cells):
+            rule = sample_rule(points.kind)
+            self._at_samples, self._of_cell = rule.shapes, rule.shares
+            self._of_points = _nearest(points.places, rule)
+
+    @property
+    def sampled(self) -> bool:
+        """Whether there are samples on this rank."""
+        return len(self._cells) > 0
+
+    def from_nodes(self, values: FloatArray) -> FloatArray:
+        """Return nodal values at the places, linear in the cells, shape (places,)."""
+        return self.joined(values, self.samples_from_nodes(values))
+
+    def samples_from_nodes(self, values: FloatArray) -> FloatArray:
+        """Return nodal values at the samples, linear in the cells, shape (samples,)."""
+        if not self.sampled:
+            return np.empty(0)
+        corners = values[self._points.cell_nodes[self._cells]]
+        return np.asarray(corners @ self._at_samples.T).ravel()
+
+    def joined(self, nodes: FloatArray, samples: FloatArray) -> FloatArray:
+        """Return values of nodes and samples as one array, shape (places,)."""
+        return np.concatenate([nodes, samples]) if self.sampled else nodes
+
+    def volume_means(self, values: FloatArray) -> FloatArray:
+        """Return means of values at the places over the volumes, shape (volumes,)."""
+        found = self._points.volume_means(values[: self._nodes])
+        if not self.sampled:
+            return found
+        if self._points.volumes == self._points.count:
+            self._points.by_cell(found)[self._cells] = self._samples(values) @ self._of_points.T
+        else:
+            found[self._cells] = self._samples(values) @ self._of_cell
+        return found
+
+    def at_points(self, values: FloatArray) -> FloatArray:
+        """Return values at the places as means round the points, shape (points,)."""
+        found = self._points.from_nodes(values[: self._nodes])
+        if self.sampled:
+            self._points.by_cell(found)[self._cells] = self._samples(values) @ self._of_points.T
+        return found
+
+    def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return ∫ v over the body of arrays at the places, shape (arrays,); collective."""
+        return self._points.integrals_at_points([self.at_points(each) for each in values])
+
+    def _samples(self, values: FloatArray) -> FloatArray:
+        """Return values at the samples with one row for each cell that has some."""
+        return values[self._nodes :].reshape(len(self._cells), -1)
+
+
+def _nearest(points: FloatArray, rule: SampleRule) -> FloatArray:
+    """Return the shares that samples have in the means round the points, (points, samples).
+
+    Args:
+        points: places of the points of a cell, shape (points, tdim).
+        rule: the samples.
+    """
+    distances = np.linalg.norm(points[:, None] - rule.places, axis=2)
+    near = distances <= distances.min(axis=0) + AS_NEAR
+    parts = near * (rule.shares / near.sum(axis=0))
+    return np.asarray(parts / parts.sum(axis=1, keepdims=True))

@@ -1,0 +1,204 @@
+"""A plate of an alloy that bears within a few kelvins, on few cells: freezing inside them.
+
+Reference: heat and strain on a fine grid in one dimension. The metal is elastic, with w G and K/w
+where a share w bears. New solid is born free of stress, nothing bends and no force acts along the
+plate, so that with the volumetric strain c, thermal and of solidification,
+
+    dε ∫ M dx = ∫ M dc/3 dx,   M = 18 K G w/(3 K + 4 w² G),
+
+where both lateral directions move alike; where one of them is held, plane strain, the left-hand M
+is 4 w G (3 K + w² G)/(3 K + 4 w² G).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_banded
+
+from castx.arrays import FloatArray
+from castx.proof.verification.solids.freezing_plate import MESHES
+from castx.proof.verification.states import nodal, places
+from tests.coupled_cases import simulation
+
+LENGTH, BIOT_H, AMBIENT, START, END, STEPS = 0.02, 2000.0, 250.0, 640.0, 24.0, 240
+DENSITY, CAPACITY, CONDUCTIVITY, LATENT = 2500.0, 1000.0, 100.0, 4e5
+EXPANSION, SHRINKAGE, COHERENCY, POISSON = 2e-5, 0.05, 0.9, 0.3
+FRACTIONS = [[594.0, 1.0], [600.0, 0.9], [606.0, 0.4], [630.0, 0.0]]
+FINE = 480
+
+
+def solid_fraction(temperature: FloatArray) -> FloatArray:
+    temperatures, fractions = np.array(FRACTIONS).T
+    return np.asarray(np.interp(temperature, temperatures, fractions))
+
+
+def case(mesh: str, cells: int, freezing: str) -> dict[str, Any]:
+    """Return the plate with this number of cells across."""
+    model, kind = MESHES[mesh]
+    size = LENGTH / cells
+    geometry: dict[str, Any] = {
+        "generator": "slab", "model": model, "cells": kind,
+        "length": LENGTH, "width": 2 * size, "size": size,
+    }  # fmt: skip
+    lateral = {"bottom": "top"}
+    if model == "3d":
+        geometry["depth"] = geometry["width"] = size
+        lateral["back"] = "front"
+    boundaries: list[dict[str, Any]] = [
+        {"on": "casting/wall",
+         "heat": {"type": "convection", "coefficient": BIOT_H, "ambient": AMBIENT}},
+        {"on": "casting/far", "displacement": {"normal": 0.0}},
+    ]  # fmt: skip
+    for held, free in lateral.items():
+        boundaries.append({"on": f"casting/{held}", "displacement": {"normal": 0.0}})
+        boundaries.append({"on": f"casting/{free}", "displacement": {"normal": "uniform"}})
+    metal = {
+        "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
+        "latent_heat": LATENT, "solid_fraction": FRACTIONS, "young_modulus": 30e9,
+        "poisson_ratio": POISSON, "expansion": EXPANSION, "solidification_shrinkage": SHRINKAGE,
+        "liquid": {"viscosity": 1e4, "coherency": COHERENCY},
+    }  # fmt: skip
+    return {
+        "geometry": geometry,
+        "materials": {"metal": metal},
+        "bodies": [{"name": "casting", "material": "metal", "temperature": START,
+                    "law": "thermo-elastic", "freezing": freezing}],
+        "boundaries": boundaries,
+        "time": {"end": END, "fixed_step": END / STEPS},
+        "solver": {"linear": "direct", "mechanics_tolerance": 1e-6},
+    }  # fmt: skip
+
+
+def run(comm, data: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
+    """Return lateral strain and temperature of the wall [°C], both (steps,)."""
+    width, strains, walls = data["geometry"]["width"], [], []
+    for state in simulation(comm, data):
+        if state.time == 0.0:
+            continue
+        place = places(state, "casting")
+        top, wall = np.isclose(place[:, 1], width), np.isclose(place[:, 0], 0.0)
+        strains.append(nodal(state, "casting", "displacement")[top, 1].mean() / width)
+        walls.append(nodal(state, "casting", "temperature")[wall].mean())
+    return np.array(strains), np.array(walls)
+
+
+@cache
+def reference(*, held: bool) -> tuple[FloatArray, FloatArray]:
+    """Return lateral strain and temperature of the wall [°C] on a fine grid, both (steps,)."""
+    size, step = LENGTH / FINE, END / STEPS
+    volumes = np.full(FINE + 1, size)
+    volumes[[0, -1]] *= 0.5
+    conducts = CONDUCTIVITY / size
+    temperature: FloatArray = np.full(FINE + 1, START)
+    strain = 0.0
+    strains, walls = [], []
+    for _ in range(STEPS):
+        before, temperature = temperature, _heated(temperature, volumes, conducts, step)
+        (w0, c0), (w1, c1) = _metal(before), _metal(temperature)
+        w = 0.5 * (w0 + w1)
+        both, one = moduli(w)
+        if w.any():
+            pulled = volumes @ (both * (c1 - c0)) / 3.0
+            strain += float(pulled / (volumes @ (one if held else both)))
+        strains.append(strain)
+        walls.append(temperature[0])
+    return np.array(strains), np.array(walls)
+
+
+def moduli(share: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return M of layers that move in both lateral directions, and in one, over 2 G (1 + ν)."""
+    G, K = 0.5 / (1.0 + POISSON), 1.0 / (3.0 * (1.0 - 2.0 * POISSON))
+    scale = share / (3.0 * K + 4.0 * share**2 * G)
+    return 18.0 * K * G * scale, 4.0 * G * (3.0 * K + share**2 * G) * scale
+
+
+def _metal(temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return w and c of layers."""
+    fraction = solid_fraction(temperature)
+    share = np.clip((fraction - COHERENCY) / (1.0 - COHERENCY), 0.0, 1.0)
+    cooled = np.minimum(temperature, FRACTIONS[0][0]) - FRACTIONS[0][0]
+    beyond = np.maximum(fraction - COHERENCY, 0.0)
+    return share, 3.0 * EXPANSION * cooled - SHRINKAGE * beyond
+
+
+def _heated(start: FloatArray, volumes: FloatArray, conducts: float, step: float) -> FloatArray:
+    """Return the temperatures after an implicit Euler step, by Newton's method."""
+
+    def content(temperature: FloatArray) -> FloatArray:
+        heat = CAPACITY * temperature - LATENT * solid_fraction(temperature)
+        return np.asarray(DENSITY * volumes * heat)
+
+    temperature, stored = start.copy(), content(start)
+    for _ in range(200):
+        flux = conducts * np.diff(temperature)
+        gained = np.append(flux, 0.0) - np.concatenate([[0.0], flux])
+        gained[0] += BIOT_H * (AMBIENT - temperature[0])
+        wrong = (content(temperature) - stored) / step - gained
+        slope = (content(temperature + 1e-4) - content(temperature - 1e-4)) / 2e-4 / step
+        bands = np.zeros((3, len(start)))
+        bands[1] = slope + np.concatenate([[BIOT_H], np.full(FINE, conducts)])
+        bands[1, :-1] += conducts
+        bands[0, 1:] = bands[2, :-1] = -conducts
+        change = solve_banded((1, 1), bands, -wrong)
+        temperature = temperature + change * min(1.0, 2.0 / np.abs(change).max())
+        if np.abs(change).max() < 1e-9:
+            return temperature
+    raise AssertionError("the heat of the reference has not converged")
+
+
+LATE = [3 * STEPS // 4 - 1, STEPS - 1]
+
+
+@pytest.mark.serial
+@pytest.mark.sampled
+@pytest.mark.parametrize("mesh", MESHES)
+def test_a_plate_of_a_narrow_alloy_on_ten_cells(comm, mesh):
+    """Its contraction at three quarters of the time and at the end; its wall while it freezes."""
+    exact, wall = reference(held=MESHES[mesh][0] == "plane-strain")
+    strains, walls = zip(
+        *(run(comm, case(mesh, 10, freezing)) for freezing in ("cells", "nodes")), strict=True
+    )
+    inside, nodes = (np.abs(strain[LATE] / exact[LATE] - 1.0) for strain in strains)
+    assert np.all(inside < 0.14) and np.all(nodes > 1.35 * inside)
+    off, nodal_off = (np.sqrt(np.mean((found - wall)[STEPS // 10 :] ** 2)) for found in walls)
+    assert off < 0.6 and nodal_off > 1.6 * off
+
+
+@pytest.mark.slow
+@pytest.mark.serial
+def test_both_come_closer_with_smaller_cells(comm):
+    exact, _ = reference(held=False)
+    for freezing in ("cells", "nodes"):
+        coarse, fine = (
+            np.abs(run(comm, case("tetrahedra", cells, freezing))[0][LATE] / exact[LATE] - 1.0)
+            for cells in (10, 40)
+        )
+        assert np.all(fine < 0.5 * coarse)
+
+
+@pytest.mark.ranks
+def test_heat_is_kept_and_a_run_goes_on_as_if_it_had_not_stopped(comm):
+    """In steps in which half of a cell freezes."""
+    data = case("triangles", 6, "cells")
+    data["time"] = {"end": 12.0, "fixed_step": 1.0}
+    whole, begun = simulation(comm, data), simulation(comm, data)
+    found = [dict(state.totals) for state in whole]
+    lost = LATENT * DENSITY * LENGTH * data["geometry"]["width"]
+    assert found[-1]["energy_error"] < 1e-6
+    assert -found[-1]["casting/wall.heat"] > 0.3 * lost
+    for number, _ in enumerate(begun):
+        if number == len(found) // 2:
+            break
+    saved = {name: item.values for name, item in begun.saved().items()}
+    goes_on = simulation(comm, data)
+    goes_on.restore(saved)
+    last = [dict(state.totals) for state in goes_on][-1]
+    for name in ("casting/wall.heat", "casting.solid_fraction", "casting.enthalpy"):
+        if name in found[-1]:
+            assert last[name] == pytest.approx(found[-1][name], rel=1e-9), name
+    for run_ in (whole, begun, goes_on):
+        run_.destroy()
