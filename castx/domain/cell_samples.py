@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import basix
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -23,23 +22,24 @@ class SampleRule(NamedTuple):
 
     Attributes:
         places: in the reference cell, shape (samples, tdim).
-        shares: of its volume, shape (samples,).
+        weights: in it, shape (samples,).
         shapes: linear shape functions there, shape (samples, corners).
     """
 
     places: FloatArray
-    shares: FloatArray
+    weights: FloatArray
     shapes: FloatArray
+
+    @property
+    def shares(self) -> FloatArray:
+        """Shares of the volume of the reference cell, shape (samples,)."""
+        return np.asarray(self.weights / self.weights.sum())
 
 
 def sample_rule(kind: CellKind) -> SampleRule:
     """Return the samples of cells of a kind."""
-    cell = getattr(basix.CellType, kind.name)
-    rule = basix.make_quadrature(cell, DEGREES[kind.name])
-    places, shares = (np.asarray(part, dtype=np.float64) for part in rule)
-    element = basix.create_element(basix.ElementFamily.P, cell, 1)
-    table = np.asarray(element.tabulate(0, places), dtype=np.float64)
-    return SampleRule(places, shares / shares.sum(), table[0, :, :, 0])
+    places, weights = kind.quadrature(DEGREES[kind.name])
+    return SampleRule(places, weights, kind.shape_functions(places)[0])
 
 
 def sample_volumes(body: BodyMesh, model: str, rule: SampleRule) -> FloatArray:
@@ -54,6 +54,4 @@ def sample_volumes(body: BodyMesh, model: str, rule: SampleRule) -> FloatArray:
     scale = abs(ufl.JacobianDeterminant(body.mesh)) * weight
     cells = np.arange(len(body.nodes.dofmap.list), dtype=np.int32)
     values = fem.Expression(scale, rule.places).eval(body.mesh, cells)
-    cell = getattr(basix.CellType, body.kind.name)
-    whole = float(np.sum(basix.make_quadrature(cell, 1)[1]))
-    return np.asarray(whole * rule.shares * np.reshape(values, (len(cells), -1)))
+    return np.asarray(rule.weights * np.reshape(values, (len(cells), len(rule.weights))))

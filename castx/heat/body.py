@@ -77,7 +77,7 @@ class ThermalBody:
         form = fem.form(conduction(theta, v, dx.weight, dx.measure))
         matrix = fem.assemble_matrix(form)
         matrix.scatter_reverse()
-        self._inside = self._latent_heat(fem.create_matrix(form))
+        self._inside = self._latent_heat(form)
         self.conduction = matrix.to_scipy()
         self._diagonal = self.conduction.diagonal()
         self.columns = matrix.index_map(1)
@@ -87,12 +87,13 @@ class ThermalBody:
         self._theta = la.vector(self.columns)
         self._theta_slope = la.vector(self.columns)
 
-    def _latent_heat(self, matrix: la.MatrixCSR) -> LatentHeat | None:
+    def _latent_heat(self, conduction: fem.Form) -> LatentHeat | None:
         """Return the latent heat inside the cells, if it is stored there."""
         if not self.description.inside:
             return None
         material = self.description.material
         latent = material.density * material.latent_heat
+        matrix = fem.create_matrix(conduction)
         return LatentHeat(self.mesh, self._model, self.curve, latent, matrix)
 
     def surface_areas(self, surface: str) -> tuple[IntArray, FloatArray]:
@@ -143,11 +144,16 @@ class ThermalBody:
         Args:
             temperature_slope: derivative of the temperature of the owned nodes over the unknown.
         """
-        slope = self._theta_slope
         conductivity = self._potential_law.derivative(self.owned_temperature)
-        slope.array[: self.owned] = conductivity * temperature_slope
-        slope.scatter_forward()
-        return np.asarray(self.conduction.data * slope.array[self.conduction.indices])
+        slope = self._at_columns(conductivity * temperature_slope)
+        return np.asarray(self.conduction.data * slope[self.conduction.indices])
+
+    def _at_columns(self, values: FloatArray) -> FloatArray:
+        """Return values of the owned nodes at the columns of `conduction`; collective."""
+        vector = self._theta_slope
+        vector.array[: self.owned] = values
+        vector.scatter_forward()
+        return vector.array.copy()
 
     def latent_heat_inside(self, enthalpy: FloatArray) -> FloatArray:
         """Return the latent heat inside the cells beside V H [J], shape (owned,); collective.
@@ -168,12 +174,8 @@ class ThermalBody:
         if self._inside is None:
             return None
         H = self.enthalpy.x.array[: self.owned]
-        found = []
-        for rate in (self.curve.temperature_slope(H), self.curve.solid_fraction_slope(H)):
-            vector = la.vector(self.columns)
-            vector.array[: self.owned] = rate * slope
-            vector.scatter_forward()
-            found.append(vector.array)
+        rates = self.curve.temperature_slope(H), self.curve.solid_fraction_slope(H)
+        found = [self._at_columns(rate * slope) for rate in rates]
         return self._inside.slopes(self.temperature.x.array, *found)
 
     def rounding(self) -> FloatArray:

@@ -118,7 +118,9 @@ def _common_knots(curves: Sequence[EnthalpyCurve]) -> FloatArray:
         known = first < curve.temperatures.size
         known[known] = curve.temperatures[first[known]] == temperatures[known]
         lower[k, known] = curve.enthalpies[first[known]]
-    plateau = np.array([np.isin(temperatures, _plateaus(curve)) for curve in curves])
+    plateau = np.array(
+        [np.isin(temperatures, _plateaus(curve)) for curve in curves]
+    )
     lower = np.where(plateau, lower, upper)
     doubled = np.stack((lower, upper), axis=2).reshape(len(curves), -1)
     keep = np.stack((plateau.any(axis=0), np.ones(len(temperatures), dtype=bool)), axis=1).ravel()

@@ -127,9 +127,10 @@ def _problems_of_freezing_in_cells(
 ) -> Iterator[Problem]:
     """Yield metals without a solid fraction of its own at each temperature, and melt that flows."""
     place, cure = ("bodies", index, "freezing"), 'freezing = "nodes" has no such limit'
-    if not Material(body.material, material).melts:
+    metal = Material(body.material, material)
+    if not metal.melts:
         yield Problem(place, f"{body.material!r} never freezes; leave it out")
-    elif Material(body.material, material).freezes_at_a_plateau:
+    elif metal.freezes_at_a_plateau:
         text = f'"cells" needs a solid fraction at each temperature, but {body.material!r} freezes'
         yield Problem(place, f"{text} at one temperature, if only in part; {cure}")
     if body.feeding == "darcy":

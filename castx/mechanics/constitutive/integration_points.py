@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import basix
 import basix.ufl
 import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, IntArray
 from castx.domain import compat
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
@@ -51,8 +50,8 @@ class IntegrationPoints:
         self.places = compat.interpolation_points(self._space(()))
         self.per_cell = len(self.places)
         self.components = 6 if model == "3d" else 4
-        self._shapes = self._tabulate()
-        rule = np.asarray(basix.make_quadrature(self._cell_type(), degree)[1])
+        self._shapes = self.kind.shape_functions(self.places)[0]
+        rule = self.kind.quadrature(degree)[1]
         scale = abs(ufl.JacobianDeterminant(body.mesh))
         volumes = rule * self._by_points(self.evaluate(self.expression(scale)))
         weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
@@ -63,25 +62,20 @@ class IntegrationPoints:
         """Sizes of the cells [m], shape (cells,)."""
 
     @property
+    def owned_cells(self) -> int:
+        """Number of local cells that are no ghosts; they come first."""
+        return int(self._mesh.topology.index_map(self._mesh.topology.dim).size_local)
+
+    @property
     def count(self) -> int:
         """Number of local points."""
         return self.cells * self.per_cell
-
-    def _cell_type(self) -> basix.CellType:
-        kind: basix.CellType = getattr(basix.CellType, self.kind.name)
-        return kind
 
     def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
         element = basix.ufl.quadrature_element(
             self._mesh.basix_cell(), value_shape=shape, degree=self.degree
         )
         return fem.functionspace(self._mesh, element)
-
-    def _tabulate(self) -> FloatArray:
-        """Return the linear shape functions at the points, shape (points per cell, corners)."""
-        element = basix.create_element(basix.ElementFamily.P, self._cell_type(), 1)
-        table: FloatArray = np.asarray(element.tabulate(0, self.places), dtype=np.float64)
-        return table[0, :, :, 0]
 
     def scalar(self) -> fem.Function:
         """Return a function with a number at each point."""
@@ -146,9 +140,10 @@ class IntegrationPoints:
         """Return values of the volumes with one row for each cell."""
         return values
 
-    def from_nodes(self, values: FloatArray) -> FloatArray:
-        """Return nodal values interpolated to the points, shape (points,)."""
-        return np.asarray(values[self.cell_nodes] @ self._shapes.T).ravel()
+    def from_nodes(self, values: FloatArray, cells: IntArray | None = None) -> FloatArray:
+        """Return nodal values interpolated to the points, shape (points,), or to those of cells."""
+        corners = self.cell_nodes if cells is None else self.cell_nodes[cells]
+        return np.asarray(values[corners] @ self._shapes.T).ravel()
 
     def from_cells(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return cell values at the points, shape (points,)."""
@@ -172,18 +167,20 @@ class IntegrationPoints:
 
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the body of arrays of nodal values, shape (arrays,); collective."""
-        return self.integrals_at_points([self.from_nodes(each) for each in values])
+        return self.summed(self.own_integrals(values))
 
-    def integrals_at_points(self, values: Sequence[FloatArray]) -> FloatArray:
-        """Return ∫ v over the body of arrays of values at the points, (arrays,); collective."""
-        owned = self._mesh.topology.index_map(self._mesh.topology.dim).size_local
-        weights = self.weights[:owned].ravel()
-        local = np.array([weights @ each[: len(weights)] for each in values])
+    def own_integrals(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return ∫ v over the cells of this rank of arrays of nodal values, shape (arrays,)."""
+        weights = self.to_nodes(np.ones(self.count), len(self.node_numbering.numbers))
+        return np.array([weights @ each for each in values])
+
+    def summed(self, local: FloatArray) -> FloatArray:
+        """Return sums over all ranks; collective."""
         return np.asarray(self._mesh.comm.allreduce(local))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""
-        owned = self._mesh.topology.index_map(self._mesh.topology.dim).size_local
+        owned = self.owned_cells
         weighted = (self._by_points(values) * self.weights)[:owned] @ self._shapes
         sums = np.bincount(
             self.cell_nodes[:owned].ravel(), weights=weighted.ravel(), minlength=nodes

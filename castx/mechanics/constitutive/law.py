@@ -125,6 +125,11 @@ class Law:
         """Whether all that flows does so by a rate, so that its stress has no kink as it yields."""
         return self.name == VISCOPLASTIC
 
+    @property
+    def _freezes(self) -> bool:
+        """Whether solid grows out of a liquid that has a law of its own."""
+        return self.material.melts and self.material.liquid is not None
+
     def largest_shear_modulus(self) -> float:
         """Return the largest shear modulus of the material [Pa], the scale of its pressures."""
         young, poisson = self._elastic_tables()
@@ -183,7 +188,8 @@ class Law:
         young, poisson = self._elastic_tables()
         E, nu = young(temperature), poisson(temperature)
         shear_modulus = in_the_solid(points, E / (2 * (1 + nu)), end.share)
-        passed = [start, *(self.nodes(*state) for state in between), end]
+        inside = between if self._freezes else ()
+        passed = [start, *(self.nodes(*state) for state in inside), end]
         places = self._places(points, passed)
         first, *_, last = at_places = [self._at(places, metal) for metal in passed]
         share = places.volume_means(last.share)
@@ -239,12 +245,12 @@ class Law:
         return MetalNodes(*(places.joined(*values) for values in zip(metal, samples, strict=True)))
 
     def _growth(self, places: MetalPlaces, passed: Sequence[MetalNodes]) -> Growth:
-        solidus, first, last = self.material.solidus, passed[0], passed[-1]
-        if solidus is None or self.material.liquid is None:
-            return growth(places, [first, last], last.contraction)
-        solid = np.ones_like(last.share)
+        if not self._freezes:
+            return growth(places, passed, passed[-1].contraction)
+        solid = np.ones_like(passed[-1].share)
+        solidus = np.full_like(solid, self.material.solidus)
         unstressed = self.stress_free_state.at(places.from_nodes)
-        frozen = self._metal(unstressed, solidus * solid, solid).contraction
+        frozen = self._metal(unstressed, solidus, solid).contraction
         return growth(places, passed, frozen, isothermal=self.material.is_isothermal)
 
     def _liquid(
