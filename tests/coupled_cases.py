@@ -130,6 +130,26 @@ def final_state(comm: MPI.Intracomm, data: Mapping[str, Any], folder: Path = Pat
     return last
 
 
+def gone_on(
+    comm: MPI.Intracomm, data: Mapping[str, Any]
+) -> tuple[list[dict[str, float]], dict[str, float]]:
+    """Return the totals of all states of a run, and the last of one restored in its middle."""
+    found = [dict(state.totals) for state in states(comm, data)]
+    begun = simulation(comm, data)
+    for number, _ in enumerate(begun):
+        if number == len(found) // 2:
+            break
+    saved = {name: item.values for name, item in begun.saved().items()}
+    goes_on = simulation(comm, data)
+    goes_on.restore(saved)
+    last: dict[str, float] = {}
+    for state in goes_on:
+        last = dict(state.totals)
+    begun.destroy()
+    goes_on.destroy()
+    return found, last
+
+
 def places(state: State, body: str) -> FloatArray:
     """Return the positions of the owned nodes of a body, (owned, gdim)."""
     nodes = state.mesh.bodies[body].nodes

@@ -20,9 +20,9 @@ import pytest
 from scipy.linalg import solve_banded
 
 from castx.arrays import FloatArray
-from castx.proof.verification.solids.freezing_plate import MESHES
+from castx.proof.verification.solids.freezing_plate import MESHES, free_plate
 from castx.proof.verification.states import nodal, places
-from tests.coupled_cases import simulation
+from tests.coupled_cases import gone_on, simulation
 
 LENGTH, BIOT_H, AMBIENT, START, END, STEPS = 0.02, 2000.0, 250.0, 640.0, 24.0, 240
 DENSITY, CAPACITY, CONDUCTIVITY, LATENT = 2500.0, 1000.0, 100.0, 4e5
@@ -38,24 +38,7 @@ def solid_fraction(temperature: FloatArray) -> FloatArray:
 
 def case(mesh: str, cells: int, freezing: str) -> dict[str, Any]:
     """Return the plate with this number of cells across."""
-    model, kind = MESHES[mesh]
-    size = LENGTH / cells
-    geometry: dict[str, Any] = {
-        "generator": "slab", "model": model, "cells": kind,
-        "length": LENGTH, "width": 2 * size, "size": size,
-    }  # fmt: skip
-    lateral = {"bottom": "top"}
-    if model == "3d":
-        geometry["depth"] = geometry["width"] = size
-        lateral["back"] = "front"
-    boundaries: list[dict[str, Any]] = [
-        {"on": "casting/wall",
-         "heat": {"type": "convection", "coefficient": BIOT_H, "ambient": AMBIENT}},
-        {"on": "casting/far", "displacement": {"normal": 0.0}},
-    ]  # fmt: skip
-    for held, free in lateral.items():
-        boundaries.append({"on": f"casting/{held}", "displacement": {"normal": 0.0}})
-        boundaries.append({"on": f"casting/{free}", "displacement": {"normal": "uniform"}})
+    cooling = {"type": "convection", "coefficient": BIOT_H, "ambient": AMBIENT}
     metal = {
         "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
         "latent_heat": LATENT, "solid_fraction": FRACTIONS, "young_modulus": 30e9,
@@ -63,11 +46,10 @@ def case(mesh: str, cells: int, freezing: str) -> dict[str, Any]:
         "liquid": {"viscosity": 1e4, "coherency": COHERENCY},
     }  # fmt: skip
     return {
-        "geometry": geometry,
+        **free_plate(*MESHES[mesh], LENGTH, cells, cooling),
         "materials": {"metal": metal},
         "bodies": [{"name": "casting", "material": "metal", "temperature": START,
                     "law": "thermo-elastic", "freezing": freezing}],
-        "boundaries": boundaries,
         "time": {"end": END, "fixed_step": END / STEPS},
         "solver": {"linear": "direct", "mechanics_tolerance": 1e-6},
     }  # fmt: skip
@@ -185,20 +167,9 @@ def test_heat_is_kept_and_a_run_goes_on_as_if_it_had_not_stopped(comm):
     """In steps in which half of a cell freezes."""
     data = case("triangles", 6, "cells")
     data["time"] = {"end": 12.0, "fixed_step": 1.0}
-    whole, begun = simulation(comm, data), simulation(comm, data)
-    found = [dict(state.totals) for state in whole]
+    found, last = gone_on(comm, data)
     lost = LATENT * DENSITY * LENGTH * data["geometry"]["width"]
     assert found[-1]["energy_error"] < 1e-6
     assert -found[-1]["casting/wall.heat"] > 0.3 * lost
-    for number, _ in enumerate(begun):
-        if number == len(found) // 2:
-            break
-    saved = {name: item.values for name, item in begun.saved().items()}
-    goes_on = simulation(comm, data)
-    goes_on.restore(saved)
-    last = [dict(state.totals) for state in goes_on][-1]
     for name in ("casting/wall.heat", "casting.solid_fraction", "casting.enthalpy"):
-        if name in found[-1]:
-            assert last[name] == pytest.approx(found[-1][name], rel=1e-9), name
-    for run_ in (whole, begun, goes_on):
-        run_.destroy()
+        assert last[name] == pytest.approx(found[-1][name], rel=1e-9), name

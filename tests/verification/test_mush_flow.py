@@ -20,7 +20,7 @@ from castx.process.state import State
 from castx.proof.verification.heat.freezing_range import FreezingRange
 from castx.proof.verification.heat.neumann import strip_case
 from castx.proof.verification.verification import Resolution
-from tests.coupled_cases import merged, nodal, places, simulation, states
+from tests.coupled_cases import gone_on, merged, nodal, places, states
 from tests.verification import two_risers
 from tests.verification.mush_strips import CONTRACTION, LENGTH, METAL, SPEED, skeleton, strip
 from tests.verification.test_rest_and_sealed_boxes import (
@@ -298,20 +298,8 @@ def test_a_run_goes_on_as_if_it_had_not_stopped(comm):
     data = chilled({"geometry": {"size": 0.02, "lid": False}, "time": {"end": 40.0}}, MUSH,
                    {"materials": {"alloy": running}})  # fmt: skip
     data["bodies"][0] |= {"feeding": "darcy"}
-    whole, begun = simulation(comm, data), simulation(comm, data)
-    found = [dict(state.totals) for state in whole]
-    for number, _ in enumerate(begun):
-        if number == len(found) // 2:
-            break
-    saved = {name: item.values for name, item in begun.saved().items()}
-    goes_on = simulation(comm, data)
-    goes_on.restore(saved)
-    last = {}
-    for state in goes_on:
-        last = dict(state.totals)
+    found, last = gone_on(comm, data)
     for name in (*LEDGER, "pocket_pressure", "level_drop.free"):
         key = f"casting.{name}"
         assert last[key] == pytest.approx(found[-1][key], rel=1e-9, abs=1e-18), name
     assert last["casting.level_drop.free"] > 0.0
-    for run in (whole, begun, goes_on):
-        run.destroy()

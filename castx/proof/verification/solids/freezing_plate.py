@@ -82,19 +82,27 @@ def reference(plate: Plate) -> tuple[FloatArray, FloatArray]:
     return times, FreezingFront(plate.biot, plate.stefan).strains(times * plate.end)
 
 
-def plate_case(plate: Plate, model: str, kind: str, cells: int) -> dict[str, Any]:
-    """Return the case with this number of cells across the plate."""
-    size = LENGTH / cells
+def free_plate(
+    model: str, kind: str, length: float, cells: int, cooling: dict[str, Any]
+) -> dict[str, Any]:
+    """Return geometry and boundaries of a plate that contracts evenly along itself.
+
+    Args:
+        model: geometric model.
+        kind: of its cells.
+        length: across the plate [m].
+        cells: across it.
+        cooling: heat condition of its wall.
+    """
+    size = length / cells
     geometry: dict[str, Any] = {
         "generator": "slab", "model": model, "cells": kind,
-        "length": LENGTH, "width": 2 * size, "size": size,
+        "length": length, "width": 2 * size, "size": size,
     }  # fmt: skip
     lateral = {"bottom": "top"}
     if model == "3d":
         geometry["depth"] = geometry["width"] = size
         lateral["back"] = "front"
-    coefficient = plate.biot * CONDUCTIVITY / LENGTH
-    cooling = {"type": "convection", "coefficient": coefficient, "ambient": MELTING - SPAN}
     boundaries: list[dict[str, Any]] = [
         {"on": "casting/wall", "heat": cooling},
         {"on": "casting/far", "displacement": {"normal": 0.0}},
@@ -102,6 +110,13 @@ def plate_case(plate: Plate, model: str, kind: str, cells: int) -> dict[str, Any
     for held, free in lateral.items():
         boundaries.append({"on": f"casting/{held}", "displacement": {"normal": 0.0}})
         boundaries.append({"on": f"casting/{free}", "displacement": {"normal": "uniform"}})
+    return {"geometry": geometry, "boundaries": boundaries}
+
+
+def plate_case(plate: Plate, model: str, kind: str, cells: int) -> dict[str, Any]:
+    """Return the case with this number of cells across the plate."""
+    coefficient = plate.biot * CONDUCTIVITY / LENGTH
+    cooling = {"type": "convection", "coefficient": coefficient, "ambient": MELTING - SPAN}
     metal = {
         "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
         "latent_heat": CAPACITY * SPAN / plate.stefan, "solidus": MELTING, "liquidus": MELTING,
@@ -110,11 +125,10 @@ def plate_case(plate: Plate, model: str, kind: str, cells: int) -> dict[str, Any
     }  # fmt: skip
     end = plate.end / SECOND
     return {
-        "geometry": geometry,
+        **free_plate(model, kind, LENGTH, cells, cooling),
         "materials": {"metal": metal},
         "bodies": [{"name": "casting", "material": "metal", "temperature": MELTING + 1e-3,
                     "law": "thermo-elastic"}],
-        "boundaries": boundaries,
         "time": {"end": end, "fixed_step": end / plate.steps},
         "solver": {"linear": "direct", "mechanics_tolerance": 1e-6},
     }  # fmt: skip

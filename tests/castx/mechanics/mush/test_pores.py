@@ -41,14 +41,18 @@ def everywhere(found: PoreSet, body: BodyMesh, mask: BoolArray) -> np.ndarray:
     return np.concatenate(body.mesh.comm.allgather(places))
 
 
+def parted(body: BodyMesh) -> tuple[BoolArray, BoolArray]:
+    """Return the solid nodes in the middle of the slab, and the cells through which melt flows."""
+    solid = np.isclose(body.points[:, 0], LENGTH / 2)
+    return solid, ~solid[body.nodes.dofmap.list].any(axis=1)
+
+
 @pytest.mark.ranks
 def test_one_highest_node_of_a_pool_that_nothing_reaches(comm):
     """Two pools that a solid middle parts; one of them is fed. Melt is most at one place."""
     body, found = pores(comm)
     x, y = body.points[:, 0], body.points[:, 1]
-    solid = np.isclose(x, LENGTH / 2)
-    corners = body.nodes.dofmap.list
-    conducts = ~solid[corners].any(axis=1)
+    solid, conducts = parted(body)
     top = np.isclose(y, WIDTH) & (x > 0.6 * LENGTH)
     columns = np.unique(np.concatenate(comm.allgather(x[top])).round(9))
     for place in columns[1:-1]:
@@ -75,9 +79,7 @@ def test_highest_nodes_of_pools_that_nothing_reaches_rest(comm):
     """Two pools that a solid middle parts; one of them is fed."""
     body, found = pores(comm)
     x, y = body.points[:, 0], body.points[:, 1]
-    solid = np.isclose(x, LENGTH / 2)
-    corners = body.nodes.dofmap.list
-    conducts = ~solid[corners].any(axis=1)
+    solid, conducts = parted(body)
     liquid = np.where(solid, 0.0, 0.5)
     none = np.zeros(len(x), dtype=bool)
     fed = np.isclose(x, 0.0)
