@@ -52,6 +52,11 @@ class Pairing:
     meshed_gap: bool = True
     search_distance: float | None = None
 
+    @property
+    def angle_of_patches(self) -> float | None:
+        """Angle between the facets of different patches [rad]; None: each node has one pair."""
+        return self.sharp_angle if self.normals == PATCHES else None
+
 
 BY_NODES = Pairing()
 """The default rule."""

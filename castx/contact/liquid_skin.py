@@ -6,15 +6,15 @@ left of the liquid. So a closed pair bears a pull,
 
     −w p_c ≤ (1 − w) p_v,
 
-with p_c the contact pressure, p_v the depression at which melt lets go (`Material.wall_suction`)
-and w the share of the metal of its node that bears stress (`Material.bearing_share`), of two bodies
-the smaller one. That share of a pull comes from the solid; the rest is due to the viscosity of the
-liquid, a number that keeps the problem solvable. The solid surface, w = 1, leaves its wall without
-being pulled, a liquid never does, and everything is continuous between them. Where melt flows
-through the mush its pressure decides, see `castx.mechanics.mush.wall`. A pair that has let go
-is free until it closes by itself; where all its metal has melted again it closes at once. One that
-was given a gap that is positive without any displacement is never held: there is no metal at that
-wall.
+with p_c the contact pressure over the facets round the pair (`kinematics.facet_means`), p_v the
+depression at which melt lets go (`Material.wall_suction`) and w the share of the metal of its node
+that bears stress (`Material.bearing_share`), of two bodies the smaller one. That share of a pull
+comes from the solid; the rest is due to the viscosity of the liquid, a number that keeps the
+problem solvable. The solid surface, w = 1, leaves its wall without being pulled, a liquid never
+does, and everything is continuous between them. Where melt flows through the mush its pressure
+decides, see `castx.mechanics.mush.wall`. A pair that has let go is free until it closes by itself;
+where all its metal has melted again it closes at once. One that was given a gap that is positive
+without any displacement is never held: there is no metal at that wall.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.contact.kinematics.facet_means import FacetMeans
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.liquid_column import column_pressure
 from castx.mechanics.body import BodyMechanics
@@ -70,6 +71,8 @@ class LiquidSkin:
         self._areas, self._slices = gaps.areas, gaps.slices
         self._values = layout.create_vector()
         self._sides = list(self._find_sides(gaps))
+        any_facets = any(interface.facets is not None for interface in gaps.interfaces)
+        self._means = FacetMeans(layout.comm, gaps) if any_facets else None
 
     def _find_sides(self, gaps: Gaps) -> Iterator[_Side]:
         numbers = {b.name: n for n, b in enumerate(self._bodies) if b.name in self._regions}
@@ -98,6 +101,15 @@ class LiquidSkin:
             largest[side.rows] = np.maximum(largest[side.rows], here)
         pulls = np.where(self._can_hold, largest * self._areas, 0.0)
         return pulls, self._can_hold & np.isinf(largest)
+
+    def felt(self, forces: FloatArray, held: BoolArray) -> FloatArray:
+        """Return contact forces as liquid at the wall feels them: means round pairs; collective.
+
+        Args:
+            forces: of the pairs [N], compressive positive, shape (rows,).
+            held: closed pairs that liquid holds, shape (rows,).
+        """
+        return forces if self._means is None else self._means.forces(forces, held)
 
     def pressures(self) -> FloatArray:
         """Return the pressure of the liquid column at all rows [Pa], (rows,); collective.
@@ -154,6 +166,8 @@ class LiquidSkin:
         for side in self._sides:
             for entry in side.entries:
                 entry.destroy()
+        if self._means is not None:
+            self._means.destroy()
         self._values.destroy()
 
 

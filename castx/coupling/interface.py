@@ -153,4 +153,5 @@ def initial_state(interface: CoupledInterface) -> PairState:
     """Return the state of the pairs of an interface before anything moves."""
     gap = interface.pairs.gap.copy()
     force = np.zeros_like(interface.pairs.area_vectors)
-    return PairState(gap, np.zeros(len(gap)), gap <= 0, force)
+    none = np.zeros(len(gap))
+    return PairState(gap, none, gap <= 0, force, none)

@@ -152,7 +152,7 @@ def _build_equilibrium(
 ) -> Equilibrium:
     method = common_method(contacts)
     rows = [
-        InterfaceRows(found.nodes, contact.treatment, found.shares)
+        InterfaceRows(found.nodes, contact.treatment, found.shares, found.facets)
         for contact, found in zip(contacts, pairs, strict=True)
     ]
     tied = [InterfaceRows(found.tied, Treatment.TIED) for found in pairs if found.tied]

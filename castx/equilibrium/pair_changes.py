@@ -26,11 +26,6 @@ CERTAIN, QUITE_CERTAIN = 0.1, 1e-3
 """Residual beside the largest pull of a pair from which on pairs may open, and where they change
 one at a time."""
 
-LETS_GO = 2.0
-"""Residual beside the largest pull from which on what liquid holds may let go. With less, the rings
-of pairs that a skin leaves cost up to 13 iterations in a step in place of 10. With 3, or by forces
-foretold, a skin of AlSi7Mg leaves its wall 0.4 s early, to a gap that is larger by a quarter."""
-
 MOST_FORETOLD = 3
 """Openings of a pair in a solve after which it waits for forces that have settled."""
 
@@ -42,8 +37,8 @@ class PairChanges:
     linear system foretold (semismooth Newton; Hintermüller, Ito and Kunisch 2002): those balance,
     where the forces of the iterate hold what its iteration left undone. So one iteration serves
     both the law and the set, instead of several for each ring of pairs that a skin leaves. What
-    liquid holds lets go by forces of an iterate near equilibrium: a linear system knows nothing of
-    the flow by which metal that has just frozen yields to them, and what has let go stays open.
+    liquid holds lets go by forces that have settled: those before know nothing of the flow by which
+    metal that has just frozen yields to them, and what has let go stays open.
 
     Args:
         balance: the nonlinear problem.
@@ -112,10 +107,10 @@ class PairChanges:
             active.restart_cycle_detection()
         else:
             linear = balance.is_linear and not improved
-            pull = 0.0 if linear else active.largest_pull(balance.trial_forces)
+            felt, before = balance.felt_forces(), active.closed
+            pull = 0.0 if linear else active.largest_pull(felt)
             settled = linear or self._is_settled(f, pull, slides)
-            before = active.closed
-            forces = self._forces_to_judge(settled, lets_go=norm <= LETS_GO * pull)
+            forces = felt if settled else self._unsettled(felt)
             changed = active.update(forces, noise, settled)
             self._openings += before & ~active.closed
             balance.contact.hold(active.held)
@@ -170,28 +165,25 @@ class PairChanges:
         share = QUITE_CERTAIN if balance.active.one_by_one else CERTAIN
         return f.norm() <= share * pull and (slides or not balance.contact.has_friction)
 
-    def _forces_to_judge(self, settled: bool, lets_go: bool) -> FloatArray:
-        """Return the forces by which pairs close and open [N], foretold pulls until they settle.
+    def _unsettled(self, forces: FloatArray) -> FloatArray:
+        """Return the forces by which pairs close and open before they settle [N].
+
+        Nothing opens but what has foretold pulls.
 
         Args:
-            settled: whether the residual is so small that the forces of the iterate decide.
-            lets_go: whether it is small enough for what liquid holds to let go.
+            forces: of the iterate [N], shape (pairs,).
         """
-        active, forces = self._balance.active, self._balance.trial_forces.copy()
-        if settled:
-            return forces
-        held = active.closed & active.held
-        waits = active.closed & ~held if lets_go else active.closed
-        forces[waits] = np.maximum(forces[waits], 0.0)
+        active = self._balance.active
+        forces = np.where(active.closed, np.maximum(forces, 0.0), forces)
         if self._foretold is not None:
-            certain = active.closed & ~held & (self._openings < MOST_FORETOLD)
+            certain = active.closed & ~active.held & (self._openings < MOST_FORETOLD)
             forces[certain] = self._foretold[certain]
         return forces
 
     def violates(self) -> bool:
         """Return whether a pair pulls or penetrates by more than the balance of forces allows."""
         balance = self._balance
-        return balance.active.violates(balance.trial_forces, balance.convergence.smallest)
+        return balance.active.violates(balance.felt_forces(), balance.convergence.smallest)
 
     def shorten_to_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 
 from mpi4py import MPI
@@ -13,11 +13,12 @@ from castx.arrays import FloatArray
 from castx.case.contact import is_tied
 from castx.contact.choice import Contact, check_bodies
 from castx.contact.kinematics.gaps import Gaps
-from castx.contact.kinematics.midside_shares import quadratic_pairs
+from castx.contact.kinematics.midside_shares import QuadraticPairs, quadratic_pairs
 from castx.contact.kinematics.pair_state import contact_state
 from castx.contact.kinematics.rigid import rigid_body
 from castx.domain.measures import extent
 from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.facet_pairs import facet_pairs
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.pairs.pairing import Facing, pairs_of
 from castx.equilibrium.building import DeformableBodies, MechanicsSettings, build_methods
@@ -100,8 +101,9 @@ class MechanicalProblem:
             names, self._assembly, [*fixed, *straight], self.rigid, length, moduli,
             counters or StepCounters(),
         )  # fmt: skip
+        liquid = {part.name for part in parts if not part.is_compressible}
         found = [
-            quadratic_pairs(mesh, own, contact.pairing, is_tied(contact.method), midsides)
+            _interface_pairs(mesh, own, contact, midsides, liquid)
             for own, contact in zip(self.pairs, contacts, strict=True)
         ]
         self.equilibrium = build_methods(deformable, contacts, found, settings)
@@ -129,10 +131,11 @@ class MechanicalProblem:
         gaps, forces = self.pair_values()
         closed, friction = present.active.closed, present.balance.along_surface(present.x)
         column = present.liquid_pressures()
+        felt = present.balance.skin.felt(forces, closed & present.active.held)
         return [
             contact_state(
                 interface, gaps[part], forces[part], closed[part],
-                None if friction is None else friction[part], column[part],
+                None if friction is None else friction[part], felt[part], column[part],
             )
             for part, interface in zip(self.gaps.slices, self.gaps.interfaces, strict=True)
         ]  # fmt: skip
@@ -159,6 +162,30 @@ class MechanicalProblem:
         """Destroy the PETSc objects."""
         self.equilibrium.destroy()
         self._assembly.destroy()
+
+
+def _interface_pairs(
+    mesh: CastingMesh,
+    pairs: NodePairs,
+    contact: Contact,
+    midsides: Mapping[str, Midsides],
+    liquid: Set[str],
+) -> QuadraticPairs:
+    """Return the pairs of an interface with mid-sides, and facets where liquid may hold them.
+
+    Args:
+        mesh: mesh of the bodies.
+        pairs: of the interface.
+        contact: of its bodies.
+        midsides: of the quadratic bodies by name.
+        liquid: names of the bodies that may be liquid.
+    """
+    tied = is_tied(contact.method)
+    found = quadratic_pairs(mesh, pairs, contact.pairing, tied, midsides)
+    if tied or liquid.isdisjoint((contact.secondary, contact.primary)):
+        return found
+    facets = facet_pairs(mesh, pairs, contact.pairing.angle_of_patches)
+    return found._replace(facets=facets)
 
 
 def _closed_surfaces(

@@ -137,13 +137,7 @@ class PairsState(NoState):
     def wall_suction(self) -> FloatArray:
         """Return by how much closed pairs are pulled, friction left out [Pa], shape (pairs,)."""
         interfaces = self.problem.interfaces
-        number = interfaces.number(self.interface)
-        state, pairs = interfaces.states[number], interfaces.described[number].pairs
-        pulls = np.zeros(len(state.gap))
-        if state.force.shape[1]:
-            normal = np.einsum("pi,pi->p", state.force, pairs.normals)
-            np.divide(-normal, pairs.areas, out=pulls, where=state.closed)
-        return np.maximum(pulls, 0.0)
+        return interfaces.states[interfaces.number(self.interface)].suction
 
     def resistance(self) -> FloatArray:
         """Return the thermal resistances [m²K/W], shape (pairs,)."""

@@ -23,12 +23,15 @@ class PairState:
         closed: whether the surfaces touch, shape (pairs,).
         force: contact force on the secondary nodes, friction included [N], shape
             (pairs, dimension).
+        suction: pull of closed pairs as liquid at the wall feels it, friction left out [Pa], shape
+            (pairs,); zero where nothing pulls.
     """
 
     gap: FloatArray
     pressure: FloatArray
     closed: BoolArray
     force: FloatArray
+    suction: FloatArray
 
     @classmethod
     def of(cls, gap: FloatArray, pressure: FloatArray) -> Self:
@@ -36,8 +39,11 @@ class PairState:
 
         Negative gaps and pressures [Pa] become zero.
         """
-        force = np.zeros((len(gap), 0))
-        return cls(np.asarray(gap), np.asarray(pressure), np.asarray(gap <= 0.0), force).clipped()
+        none = np.zeros((len(gap), 0))
+        found = cls(
+            np.asarray(gap), np.asarray(pressure), np.asarray(gap <= 0.0), none, np.zeros(len(gap))
+        )
+        return found.clipped()
 
     def clipped(self) -> Self:
         """Return the state that heat transfer depends on: no overlap, no gap of closed pairs.
@@ -52,5 +58,6 @@ class PairState:
     def at(self, points: Points) -> Self:
         """Return the state of some of the pairs."""
         return type(self)(
-            self.gap[points], self.pressure[points], self.closed[points], self.force[points]
-        )
+            self.gap[points], self.pressure[points], self.closed[points], self.force[points],
+            self.suction[points],
+        )  # fmt: skip

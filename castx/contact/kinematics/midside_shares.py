@@ -19,9 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray, LongArray
-from castx.case.contact import PATCHES, Pairing
+from castx.case.contact import Pairing
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.edge_shares import edge_shares
+from castx.domain.pairs.facet_pairs import FacetPairs
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.mechanics.midsides.midsides import Midsides
 
@@ -66,11 +67,13 @@ class QuadraticPairs(NamedTuple):
         shares: of mid-sides in these pairs.
         tied: pairs of the mid-sides themselves, with nothing where those of one body stay between
             the ends of their edges; None: there are none.
+        facets: round the pairs of nodes; None: nothing asks for them.
     """
 
     nodes: NodePairs
     shares: tuple[MidsideShares, ...] = ()
     tied: NodePairs | None = None
+    facets: FacetPairs | None = None
 
 
 def quadratic_pairs(
@@ -97,7 +100,7 @@ def quadratic_pairs(
         return QuadraticPairs(pairs)
     if tied:
         return QuadraticPairs(pairs, tied=_tied_midsides(mesh, pairs, quadratic, midsides))
-    shares = edge_shares(mesh, pairs, rule.sharp_angle if rule.normals == PATCHES else None)
+    shares = edge_shares(mesh, pairs, rule.angle_of_patches)
     found = []
     for name in quadratic:
         own = name == pairs.secondary

@@ -11,6 +11,7 @@ import numpy as np
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.contact.kinematics.midside_shares import MidsideShares
 from castx.contact.kinematics.rows import Treatment
+from castx.domain.pairs.facet_pairs import FacetPairs
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.stateful import Numbering, numbered_at_nodes
 from castx.tables import Table
@@ -81,6 +82,7 @@ class PairRows:
             shape (rows, dimension - 1).
         midsides: what the mid-sides of quadratic bodies have in the pairs, each of which has one
             row then.
+        facets: round the pairs, each of which has one row then; None: nothing asks for them.
     """
 
     pairs: NodePairs
@@ -92,6 +94,7 @@ class PairRows:
     tangents: FloatArray
     tangent_local: IntArray
     midsides: Sequence[MidsideShares] = ()
+    facets: FacetPairs | None = None
 
     @property
     def numbering(self) -> Numbering:

@@ -16,6 +16,7 @@ def contact_state(
     force: FloatArray,
     closed: BoolArray,
     friction: FloatArray | None,
+    felt: FloatArray | None = None,
     least: FloatArray | float = 0.0,
 ) -> PairState:
     """Return the state of an interface.
@@ -27,6 +28,7 @@ def contact_state(
         closed: rows that touch.
         friction: on the secondary nodes of the rows [N], shape (rows, dimension); None: there is
             none.
+        felt: forces of the rows as liquid at the wall feels them [N]; None: as they are.
         least: pressure that the rows have whatever their forces, such as that of a liquid [Pa].
     """
     pairs = placed.pairs
@@ -41,8 +43,16 @@ def contact_state(
         force = np.sum(vectors * pairs.normals, axis=1)
     # What a liquid holds may pull. Else it is noise: an equilibrium with a pair that pulls by more
     # is not accepted.
-    pushes = np.maximum(force, 0.0)
-    pressure = np.divide(pushes, areas, out=np.zeros_like(pushes), where=areas > 0)
+    pressure = _stress(force, areas)
+    pulls = force if felt is None or placed.treatment is Treatment.TIED else felt
+    suction = np.where(closed, _stress(-pulls, areas), 0.0)
     if placed.treatment is not Treatment.TIED:
         pressure = np.maximum(pressure, least)
-    return PairState(gap, pressure, closed.copy(), vectors)
+    return PairState(gap, pressure, closed.copy(), vectors, suction)
+
+
+def _stress(force: FloatArray, areas: FloatArray) -> FloatArray:
+    """Return positive forces over areas [Pa], zero elsewhere."""
+    positive = np.maximum(force, 0.0)
+    found = np.divide(positive, areas, out=np.zeros_like(positive), where=areas > 0)
+    return np.asarray(found)

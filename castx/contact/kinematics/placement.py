@@ -127,8 +127,9 @@ class RowPlacement:
                 free = target[b].try_add(nodes[there], tangents[there, k], PARALLEL)
                 along[there, k] = self._local(b, nodes[there], free)
         return PairRows(
-            pairs, index, normals, areas, local, rows.treatment, tangents, along, rows.midsides
-        )
+            pairs, index, normals, areas, local, rows.treatment, tangents, along, rows.midsides,
+            rows.facets,
+        )  # fmt: skip
 
     def _normals(
         self, rows: InterfaceRows, b: int, fixed: Sequence[FixedDirections]

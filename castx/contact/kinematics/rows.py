@@ -14,6 +14,7 @@ from castx.stateful import occurrence
 
 if TYPE_CHECKING:
     from castx.contact.kinematics.midside_shares import MidsideShares
+    from castx.domain.pairs.facet_pairs import FacetPairs
     from castx.domain.pairs.node_pairs import NodePairs
 
 
@@ -38,11 +39,13 @@ class InterfaceRows:
         pairs: the node pairs, one or several at each node.
         treatment: by the change of unknowns.
         midsides: what the mid-sides of quadratic bodies have in the pairs.
+        facets: round the pairs; None: nothing asks for them.
     """
 
     pairs: NodePairs
     treatment: Treatment = Treatment.CONDENSED
     midsides: Sequence[MidsideShares] = ()
+    facets: FacetPairs | None = None
 
     def by_order_at_node(self) -> Iterator[IntArray]:
         """Yield the first pairs of all nodes, then the second ones, and so on."""

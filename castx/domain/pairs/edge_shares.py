@@ -17,13 +17,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from castx.arrays import FloatArray, IntArray, LongArray
 from castx.domain.mesh import CastingMesh
+from castx.domain.pairs.facet_pairs import facet_pairs, sums_by_number
 from castx.domain.pairs.node_pairs import NodePairs
-from castx.domain.pairs.patches import corner_patches
-from castx.domain.surface_facets import SurfaceFacets, surface_facets
+from castx.domain.surface_facets import SurfaceFacets
 
 DEGREE = 4
 """Of the quadrature: exact for a bubble times a place times a radius."""
@@ -59,13 +58,13 @@ def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) 
         sharp_angle: between the facets of different patches, each of which has a pair [rad]; None:
             each node has one pair.
     """
-    facets = surface_facets(mesh, mesh.bodies[pairs.secondary], pairs.surface)
-    labels = _labels(facets, sharp_angle)
+    found = facet_pairs(mesh, pairs, sharp_angle)
+    facets, labels = found.facets, found.labels
     edges = _edges(facets, labels, mesh.model)
     # Behind the last label nothing is, so that -1 has no pair.
-    found = np.append(_pairs_of_labels(facets, labels, pairs), -1)[edges.labels]
-    edge, node = np.nonzero(found >= 0)
-    pair = found[edge, node]
+    pair_at = np.append(found.pairs, -1)[edges.labels]
+    edge, node = np.nonzero(pair_at >= 0)
+    pair = pair_at[edge, node]
     # A node may have a part of its area in each of several interfaces.
     areas = np.bincount(labels.ravel(), facets.areas.ravel())[edges.labels[edge, node]]
     shares = edges.shares[edge, node] * pairs.areas[pair] / areas
@@ -92,15 +91,6 @@ class _Edges:
     shares: FloatArray
 
 
-def _labels(facets: SurfaceFacets, sharp_angle: float | None) -> LongArray:
-    """Return a number for each corner of each facet, the same within a pair, (facets, corners)."""
-    if sharp_angle is None:
-        found = np.unique(facets.nodes, return_inverse=True)[1]
-    else:
-        found = corner_patches(facets, sharp_angle)
-    return np.asarray(found, dtype=np.int64).reshape(facets.nodes.shape)
-
-
 def _edges(facets: SurfaceFacets, labels: LongArray, model: str) -> _Edges:
     plane = facets.kind.dimension == 2
     corners: LongArray = facets.kind.faces if plane else np.array([[0, 1]])
@@ -116,11 +106,11 @@ def _edges(facets: SurfaceFacets, labels: LongArray, model: str) -> _Edges:
         return 4 * shapes[:, corners[:, 0]] * shapes[:, corners[:, 1]]
 
     areas, moments = _integrals(facets, model, bubbles)
-    vectors = _sums(edge, areas * normals, len(ends))
-    middles = _sums(edge, moments, len(ends)) / _sums(edge, areas, len(ends))
+    vectors = sums_by_number(edge, areas * normals, len(ends))
+    middles = sums_by_number(edge, moments, len(ends)) / sums_by_number(edge, areas, len(ends))
     areas, moments = _integrals(facets, model, lambda shapes: shapes)
     count, corner = int(labels.max(initial=-1)) + 1, labels.ravel()
-    centres = _sums(corner, moments, count) / _sums(corner, areas, count)
+    centres = sums_by_number(corner, moments, count) / sums_by_number(corner, areas, count)
     if plane:
         across = labels[:, 3 - corners.sum(axis=1)].ravel()
         ends = np.column_stack((ends, _of_both_facets(edge, across, len(ends))))
@@ -185,27 +175,3 @@ def _integrals(
     areas = np.einsum("fq,qe->fe", weight, values)
     moments = np.einsum("fq,qe,fqd->fed", weight, values, points)
     return areas.reshape(-1, 1), moments.reshape(-1, points.shape[2])
-
-
-def _sums(number: LongArray, values: FloatArray, count: int) -> FloatArray:
-    """Return sums of rows by a number of each, shape (count, columns)."""
-    return np.stack([np.bincount(number, column, count) for column in values.T], axis=1)
-
-
-def _pairs_of_labels(facets: SurfaceFacets, labels: LongArray, pairs: NodePairs) -> LongArray:
-    """Return the pair of this rank of each label, -1 where it is on another rank."""
-    count = int(labels.max(initial=-1)) + 1
-    node = np.zeros(count, dtype=np.int64)
-    node[labels.ravel()] = facets.nodes.ravel()
-    dimension = facets.vectors.shape[2]
-    vectors = _sums(labels.ravel(), facets.vectors.reshape(-1, dimension), count)
-    found = np.full(count, -1, dtype=np.int64)
-    if len(pairs.areas) == 0:
-        return found
-    # Pairs of one node differ by their normals, by 2 at most.
-    normals = -vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    own = np.column_stack((5.0 * pairs.secondary_nodes, pairs.normals))
-    distance, nearest = cKDTree(own).query(np.column_stack((5.0 * node, normals)))
-    here = distance < 2.5
-    found[here] = nearest[here]
-    return found

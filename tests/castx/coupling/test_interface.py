@@ -43,7 +43,7 @@ def test_areas_follow_the_order_of_the_interfaces():
 def moved(gap):
     return PairState(
         np.array([gap, -1e-12, 2 * gap]), np.array([0.0, 5e6, -1.0]),
-        np.array([False, True, False]), np.arange(6.0).reshape(3, 2),
+        np.array([False, True, False]), np.arange(6.0).reshape(3, 2), np.zeros(3),
     )  # fmt: skip
 
 
@@ -115,7 +115,7 @@ def test_saved_states_come_back():
         found.commit(2.0)
     saved = found.saved()
     assert {name.rpartition("/")[2] for name in saved} == {
-        "step", "gap", "pressure", "closed", "force", "resistance", "gap_rate"
+        "step", "gap", "pressure", "closed", "force", "suction", "resistance", "gap_rate"
     }  # fmt: skip
     other.restore({name: array.values for name, array in saved.items()})
     other.rewind()

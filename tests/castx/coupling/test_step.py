@@ -115,7 +115,7 @@ class FakeMechanics:
 
     def contact_states(self):
         gap, none = np.array([self.slope * (1.0 - self.state)]), np.zeros(1)
-        return [PairState(gap, none, np.zeros(1, dtype=bool), np.zeros((1, 2)))]
+        return [PairState(gap, none, np.zeros(1, dtype=bool), np.zeros((1, 2)), none)]
 
     def commit(self) -> None:
         self.commits += 1

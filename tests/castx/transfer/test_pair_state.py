@@ -22,7 +22,8 @@ def test_penetration_and_tension_count_as_zero():
 def test_clipped_closes_what_has_no_gap_and_takes_the_gap_of_what_is_closed():
     """A closed pair has a gap of round-off, an open one may overlap in an unfinished state."""
     gap, closed = np.array([1e-19, -1e-7, 3e-5]), np.array([True, False, False])
-    found = PairState(gap, np.array([2e6, -1.0, 0.0]), closed, np.ones((3, 2))).clipped()
+    pressure, force, none = np.array([2e6, -1.0, 0.0]), np.ones((3, 2)), np.zeros(3)
+    found = PairState(gap, pressure, closed, force, none).clipped()
     np.testing.assert_array_equal(found.gap, [0.0, 0.0, 3e-5])
     np.testing.assert_array_equal(found.closed, [True, True, False])
     np.testing.assert_array_equal(found.pressure, [2e6, 0.0, 0.0])
@@ -31,9 +32,11 @@ def test_clipped_closes_what_has_no_gap_and_takes_the_gap_of_what_is_closed():
 
 def test_some_of_the_pairs():
     force = np.arange(6.0).reshape(3, 2)
-    state = PairState(np.arange(3.0), 10.0 * np.arange(3.0), np.arange(3) < 1, force)
+    values, closed = np.arange(3.0), np.arange(3) < 1
+    state = PairState(values, 10.0 * values, closed, force, 7.0 * values)
     part = state.at(np.array([2, 0]))
     np.testing.assert_array_equal(part.gap, [2.0, 0.0])
     np.testing.assert_array_equal(part.pressure, [20.0, 0.0])
     np.testing.assert_array_equal(part.closed, [False, True])
     np.testing.assert_array_equal(part.force, force[[2, 0]])
+    np.testing.assert_array_equal(part.suction, [14.0, 0.0])

@@ -59,9 +59,22 @@ def test_a_tied_pair_presses_along_its_normal():
     assert np.all(state.closed) and np.all(state.gap == 0.0)
 
 
+def test_a_wall_pulls_closed_pairs_by_what_liquid_feels():
+    rows = placed([0, 1], [UP, UP], [2e-4, 5e-4])
+    gaps, force, felt = np.zeros(2), np.array([30.0, -9.0]), np.array([-4.0, -5.0])
+    for closed, expected in ((np.ones(2, bool), [2e4, 1e4]), (np.arange(2) < 1, [2e4, 0.0])):
+        state = contact_state(rows, gaps, force, closed, None, felt)
+        np.testing.assert_allclose(state.suction, expected)
+        np.testing.assert_allclose(state.force[:, 1], force)
+    np.testing.assert_allclose(contact_state(rows, gaps, force, closed, None).suction, 0.0)
+    tied = placed([0, 1], [UP, UP], [2e-4, 5e-4], Treatment.TIED)
+    state = contact_state(tied, gaps, force, closed, None, felt)
+    np.testing.assert_allclose(state.suction, [0.0, 4.5e4])
+
+
 def test_a_liquid_presses_at_least_by_its_column():
     rows = placed([0, 1], [UP, UP], [2e-4, 5e-4])
     force, least = np.array([30.0, -9.0]), np.array([1e3, 2e3])
-    state = contact_state(rows, np.zeros(2), force, np.ones(2, bool), None, least)
+    state = contact_state(rows, np.zeros(2), force, np.ones(2, bool), None, least=least)
     np.testing.assert_allclose(state.pressure, [1.5e5, 2e3])
     np.testing.assert_allclose(state.force, [[0.0, 30.0], [0.0, -9.0]])

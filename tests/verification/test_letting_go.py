@@ -1,0 +1,53 @@
+"""A skin lets go of its wall by the pull of the whole skin, not by that of single nodes.
+
+A cylinder freezes in a steel mould. At each time the pull that its wall bears, as a mean over the
+wall, follows from the hoop stress of the skin and hardly hangs on the mesh, though those of
+neighbouring nodes differ by more than the mean. It lets go at p_v (1 − w)/w.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from castx.proof.verification.states import nodal, places
+from tests.coupled_cases import cylinder, simulation
+
+SUCTION, COHERENCY, STEP = 1.01e5, 0.9, 0.25
+
+
+def case(size: float) -> dict[str, Any]:
+    data = cylinder(size=size)
+    data["bodies"][0] = {
+        "name": "casting", "material": "AlSi7Mg", "temperature": 670.0, "freezing": "cells",
+        "law": "thermo-elasto-viscoplastic",
+    }  # fmt: skip
+    data["bodies"][1]["material"] = "steel-H13"
+    data["time"] = {"end": 20.0, "fixed_step": STEP}
+    return data
+
+
+def pulls_until_it_opens(comm, size: float) -> list[float]:
+    """Return the mean pulls over what the wall bears, of the steps until a pair opens."""
+    ratios = []
+    for state in simulation(comm, case(size)):
+        if state.paired("casting/mould", "gap").max() > 1e-8:
+            break
+        force = state.now.problem.interfaces.states[0].force[:, 0]
+        pull = -float(force.sum() / state.pairs["casting/mould"].areas.sum())
+        wall = np.isclose(places(state, "casting")[:, 0], 0.03)
+        solid = nodal(state, "casting", "solid_fraction")[wall].mean()
+        share = max((solid - COHERENCY) / (1.0 - COHERENCY), 0.0)
+        ratios.append(abs(pull) * share / (SUCTION * (1.0 - share)))
+    return ratios
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("size", [5e-3, 2.5e-3])
+def test_a_skin_is_held_until_its_mean_pull_is_what_the_wall_bears(comm, size):
+    """It grows by a quarter of what the wall bears in the last step."""
+    held = pulls_until_it_opens(comm, size)
+    assert 0.7 < held[-1] < 1.0
+    assert np.all(np.diff(held[-5:]) > 0.0)
