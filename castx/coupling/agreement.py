@@ -12,6 +12,11 @@ LONE = 100.0
 """Change of a lone pair that counts as much as one of all pairs: where it opens by less than a
 micrometre its resistance moves by percents, and hardly any heat with it."""
 
+ROUNDED = 1e-8
+"""Change of the resistances that is rounding after a pass that changes no force by more. Forces of
+2e-14 of those in a body move it on springs of 1e-7 of its stiffness, and its gaps with it: those of
+a block in its mould were rounded to 2e-10 of themselves."""
+
 
 def disagreement(
     comm: MPI.Intracomm, found: FloatArray, tried: FloatArray, areas: FloatArray

@@ -18,7 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.coupling.agreement import disagreement
+from castx.coupling.agreement import ROUNDED, disagreement
 from castx.coupling.change import StepChange, StepErrors, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
@@ -110,7 +110,7 @@ class CoupledProblem:
         Raises:
             ConvergenceError: a problem or the passes did not converge; `rewind` then.
         """
-        self._step = step
+        self._step, self._at_rest = step, False
         guess = self.interfaces.first_guess(step)
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
@@ -127,7 +127,8 @@ class CoupledProblem:
             )
             of_heat = self._thermal_change.share(step * self._dissipation.update())
             change = max(of_resistances, of_heat)
-            if self._scheme != "iterated" or change <= self._tolerance:
+            agreed = max(self._tolerance, ROUNDED) if self._at_rest else self._tolerance
+            if self._scheme != "iterated" or change <= agreed:
                 self._require_finite()
                 return StepChange(
                     passes=number,
@@ -212,13 +213,13 @@ class CoupledProblem:
         self.counters.passes += 1
         both = list(zip(self.interfaces.thermal_at_start(), guess, strict=True))
         self._heated_by = both, factors
-        report = self.heat.advance(
-            time, step, both, substeps, self._dissipation.powers, factors
-        )
+        report = self.heat.advance(time, step, both, substeps, self._dissipation.powers, factors)
         if self.mechanics is not None:
             self._update_bodies(step, passed=True)
             equilibrium = self.mechanics.equilibrium
-            if not equilibrium.solve(time + step).balanced:
+            solved = equilibrium.solve(time + step)
+            self._at_rest = solved.began_balanced
+            if not solved.balanced:
                 self.counters.unbalanced += 1
                 equilibrium.finish(time + step)
             self.interfaces.update(self.mechanics.contact_states())

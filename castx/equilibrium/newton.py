@@ -60,6 +60,7 @@ class EquilibriumReport:
         augmentations: where in `residuals` updates of multipliers that are no unknowns stand.
         sweeps: where in `residuals` the sweeps over blocks begin.
         balanced: whether the forces balance; a block iteration may stop before they do.
+        began_balanced: whether they did but for rounding where the iteration began.
         linear_solves: iterations of each linear solve.
     """
 
@@ -70,6 +71,7 @@ class EquilibriumReport:
     augmentations: tuple[int, ...] = ()
     sweeps: tuple[int, ...] = ()
     balanced: bool = True
+    began_balanced: bool = False
     linear_solves: tuple[int, ...] = ()
 
 
@@ -174,8 +176,13 @@ class Newton:
             self._counters.linear_iterations += snes.getLinearSolveIterations()
             self._counters.contact_changes += active.changes
         return EquilibriumReport(
-            report.iterations, report.linear_iterations, active.changes, tuple(self._residuals),
-            tuple(self._augmentations), linear_solves=tuple(self._linear_solves),
+            report.iterations,
+            report.linear_iterations,
+            active.changes,
+            tuple(self._residuals),
+            tuple(self._augmentations),
+            began_balanced=self._residuals[0] <= self.balance.convergence.rounding,
+            linear_solves=tuple(self._linear_solves),
         )
 
     def _worst_row(self) -> str:

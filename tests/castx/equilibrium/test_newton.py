@@ -39,6 +39,15 @@ def test_two_bars(comm, method):
 
 
 @pytest.mark.serial
+def test_a_report_says_whether_anything_had_to_move(comm):
+    made = bars(comm)
+    assert not made.equilibrium.solve(0.0).began_balanced
+    assert made.equilibrium.solve(0.0).began_balanced
+    made.equilibrium.x.array[:] *= 1.0 + 1e-9  # beyond rounding, not beyond the tolerance
+    assert not made.equilibrium.solve(0.0).began_balanced
+
+
+@pytest.mark.serial
 def test_bodies_a_billion_times_as_soft_take_the_same_iterations(comm):
     """Their forces are millinewtons, and no tolerance knows a newton."""
     reports = []
