@@ -3,11 +3,11 @@
 A closed pair that is pulled opens, an open pair that penetrates closes, all at once. Where that
 leads back to a set that was there before it would cycle for ever; then one pair changes at a time,
 until fewer pairs violate their state than ever before, from where on all change again (J. J. Júdice
-and F. M. Pires, Computers and Operations Research 21 (1994)). It is the worst one, and once a set
-has returned that way too the first one in an order of all pairs, which ends at the solution of
-every problem that has just one (K. G. Murty, Linear Algebra and its Applications 7 (1974)). If even
-then a set returns, as it may with friction, the pair chatters: it is frozen for the rest of the
-step in the state in which it violates less.
+and F. M. Pires, Computers and Operations Research 21 (1994)). It is the worst one, with those that
+are as bad, and once a set has returned that way too the first one in an order of all pairs, which
+ends at the solution of every problem that has just one (K. G. Murty, Linear Algebra and its
+Applications 7 (1974)). If even then a set returns, as it may with friction, the pair chatters: it
+is frozen for the rest of the step in the state in which it violates less.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+
+ALIKE = 1e-3
+"""Difference of violations, relative, below which pairs change together: which of two that mirror
+each other is the worst one rounding decides, and the other one would follow by itself."""
 
 MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
@@ -90,10 +94,13 @@ class Pivoting:
         return self._single(closed, violation)
 
     def _single(self, closed: BoolArray, violation: FloatArray) -> BoolArray:
-        """Return the pair that changes alone: the worst, the first in order, or none is left."""
+        """Return the pairs that change alone: the worst ones, the first in order, or none."""
         while True:
-            keys = self._signatures if self._in_order else -violation
-            chosen = self._least(np.where((violation > 0) & ~self.frozen, keys, np.inf))
+            wrong = (violation > 0) & ~self.frozen
+            if self._in_order:
+                chosen = self._least(np.where(wrong, self._signatures, np.inf))
+            else:
+                chosen = self._worst(np.where(wrong, violation, 0.0))
             if not self._any(chosen) or self._signature(closed ^ chosen) not in self._seen:
                 return chosen
             if not self._in_order:
@@ -103,6 +110,11 @@ class Pivoting:
             goes_back = chosen & (violation > self._left)
             if self._any(goes_back):
                 return goes_back
+
+    def _worst(self, violation: FloatArray) -> BoolArray:
+        """Return the pair with the largest violation on all ranks, and those as bad."""
+        largest = self._comm.allreduce(float(violation.max(initial=0.0)), op=MPI.MAX)
+        return np.asarray((violation > 0.0) & (violation >= (1.0 - ALIKE) * largest))
 
     def _least(self, keys: FloatArray) -> BoolArray:
         """Return the pair with the least key on all ranks, none where no key is finite."""

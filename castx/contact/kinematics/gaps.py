@@ -121,10 +121,13 @@ class Gaps:
         return np.asarray(self._values.array_r + self.initial)
 
     def signatures(self) -> FloatArray:
-        """Return a number in (0, 1) for each row that depends on its place and normal alone."""
+        """Return a number in (0, 1) for each row that depends on its place and direction alone.
+
+        The order of the bodies, which turns the normal round, does not change it.
+        """
         place = [
             i.pairs.points[i.index] @ np.array([12.9898, 78.233, 37.719])[: i.normals.shape[1]]
-            + i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]
+            + (i.normals @ np.array([3.1, 5.3, 7.7])[: i.normals.shape[1]]) ** 2
             for i in self.interfaces
         ]
         # Fractional part of a large multiple of a sine: the usual pseudo-random number of shaders,

@@ -125,6 +125,19 @@ def test_once_a_set_returns_the_worst_pair_of_all_ranks_changes_alone(comm):
     assert changed.tolist() == [comm.rank == comm.size - 1]
 
 
+@pytest.mark.ranks
+@pytest.mark.parametrize(("apart", "together"), [(1e-4, True), (1e-2, False)])
+def test_pairs_that_are_as_bad_as_the_worst_one_change_with_it(comm, apart, together):
+    """A casting that mirrors itself keeps to sets that do so too."""
+    violation = np.array([1.0 - apart * comm.rank, 1.0 - apart, 0.5])
+    pivoting = Pivoting(comm, np.array([0.1, 0.2, 0.3]) + 0.01 * comm.rank)
+    closed = np.zeros(3, dtype=bool)
+    pivoting.begin(closed)
+    pivoting.next(closed, violation)
+    changed = pivoting.next(~closed, violation)
+    assert changed.tolist() == [comm.rank == 0 or together, together, False]
+
+
 def test_rewind_returns_to_the_committed_set(comm):
     active = ActiveSet(comm, np.array([0.0, 1.0]), np.ones(2, dtype=bool), np.array([0.2, 0.7]))
     active.update(np.array([-1.0, 1.0]))
