@@ -52,6 +52,87 @@ def test_the_viscosity_of_molten_bronze_after_hirai() -> None:
     assert database_value("CuSn12", ["melt_viscosity"]) == pytest.approx(expected, rel=0.11)
 
 
+@pytest.mark.parametrize(
+    ("name", "silicon", "within"), [("AlSi7Mg", 7.0, 0.06), ("AlSi9Cu3", 9.0, 0.09)]
+)
+def test_silicon_lowers_the_shrinkage_of_aluminium(name, silicon, within) -> None:
+    """Magnusson and Arnberg: 6.6 % of pure aluminium, 4.4 % of Al-11.6 % Si."""
+    expected = 0.066 + (0.044 - 0.066) * silicon / 11.6
+    found = database_value(name, ["solidification_shrinkage"])
+    assert found == pytest.approx(expected, rel=within)
+
+
+@pytest.mark.parametrize(
+    ("name", "percent", "lowest"),
+    [
+        ("G20Mn5", {"C": 0.2, "Si": 0.4}, 0.95),
+        ("GJL-250", {"C": 3.3, "Si": 2.0}, 1.0),
+        ("GJS-400", {"C": 3.5, "Si": 2.5}, 1.0),
+    ],
+)
+def test_the_conductivity_of_molten_iron_after_wiedemann_and_franz(name, percent, lowest) -> None:
+    """Resistivity of molten Fe-C-Si [µΩ cm] as auxi-mpp 2.8.1 fits it, degree 2."""
+    mass = {"C": 12.011, "Si": 28.0855, "Fe": 55.845}
+    moles = {key: value / mass[key] for key, value in percent.items()}
+    total = sum(moles.values()) + (100.0 - sum(percent.values())) / mass["Fe"]
+    c, si = moles["C"] / total, moles["Si"] / total
+    highest = {"G20Mn5": 1.05, "GJL-250": 1.18, "GJS-400": 1.16}[name]
+    for at, value in database_value(name, ["conductivity", "liquid"]):
+        t = at + 273.15
+        resistivity = (
+            13.126445 + 0.08669321 * t + 315.76813 * c + 408.54928 * si - 1.1267774e-5 * t**2
+            - 0.08206751 * t * c - 0.13296927 * t * si - 158.67826 * c**2
+            - 745.16858 * c * si - 230.08561 * si**2
+        )  # fmt: skip
+        expected = 2.44e-8 * t / (1e-8 * resistivity)
+        assert lowest * expected <= value <= highest * expected, at
+
+
+def test_molten_copper_and_iron_after_the_reference_correlations() -> None:
+    rows = database_value("Cu-pure", ["conductivity", "liquid"])
+    for (at, value), within in zip(rows, (0.10, 0.02), strict=True):
+        expected = 150.49 + 0.07041 * (at + 273.15 - 1357.77)
+        assert value == pytest.approx(expected, rel=within), at
+    iron = 1e-3 * 10.0 ** (2694.95 / 1809.0 - 0.7209)
+    assert database_value("G20Mn5", ["melt_viscosity"]) == pytest.approx(iron, rel=0.03)
+
+
+def test_the_heat_of_bronze_is_that_of_copper_and_tin() -> None:
+    copper = np.array(database_value("Cu-pure", ["heat_capacity", "solid"])).T
+    tin = 27.112 / 118.71e-3
+    for at, value in database_value("CuSn12", ["heat_capacity", "solid"]):
+        mixed = 0.88 * np.interp(at, *copper) + 0.12 * tin
+        assert value == pytest.approx(mixed, rel=0.06), at
+    liquid = 0.88 * database_value("Cu-pure", ["heat_capacity", "liquid"]) + 0.12 * tin
+    assert database_value("CuSn12", ["heat_capacity", "liquid"]) == pytest.approx(liquid, rel=0.02)
+
+
+def test_hot_steel_has_the_heat_of_austenite() -> None:
+    """Shomate equation of γ-iron, J/mol/K."""
+    for at, value in database_value("G20Mn5", ["heat_capacity", "solid"])[-2:]:
+        austenite = (23.97449 + 8.367750e-3 * (at + 273.15)) / 55.845e-3
+        assert value == pytest.approx(austenite, rel=0.01), at
+
+
+def test_the_arms_of_aluminium_copper_after_ronto_and_roosz() -> None:
+    expected = 77.09e-6 * 4.5**-0.1989 * 1.1**-0.078
+    found = database_value("AlCu4.5", ["arm_spacing", "coefficient"])
+    assert found == pytest.approx(expected, rel=0.13)
+
+
+@pytest.mark.parametrize("name", ["sand-silica", "sand-chromite"])
+def test_sand_dilates_by_its_friction_beyond_thirty_degrees(name) -> None:
+    friction = database_value(name, ["granular", "friction_angle"])
+    assert database_value(name, ["granular", "dilatancy_angle"]) == friction - 30.0
+
+
+def test_bronze_is_free_of_stress_where_it_becomes_coherent() -> None:
+    bronze = find_material("CuSn12", {})
+    at = bronze.description.stress_free
+    fraction = dict(database_value("CuSn12", ["solid_fraction"]))
+    assert fraction[at] == database_value("CuSn12", ["liquid", "coherency"])
+
+
 def test_pure_aluminium_creeps_after_frost_and_ashby() -> None:
     """Stress at a rate of 1/s by power-law creep, ε̇ = A D μ b/(k T) (σ/μ)^n."""
     for at, stress in database_value("Al-pure", ["viscosity"])[3:]:
