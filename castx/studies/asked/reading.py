@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from castx.case.case import STUDIES
-from castx.case.reading.read import case_data
+from castx.case.case import STUDIES, Case
+from castx.case.reading.read import case_data, load_case
 from castx.errors import CaseError
-from castx.input.problems import Problem, Refusal, summary
+from castx.input.problems import KeyPath, Problem, Refusal, summary
 from castx.studies.asked.identify import Identify
 from castx.studies.asked.known import with_known_ranges
 from castx.studies.asked.optimise import Optimise
@@ -32,7 +32,7 @@ def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> 
         overrides: values that replace those of the file.
 
     Raises:
-        CaseError: the file has no such table, or it cannot be accepted.
+        CaseError: the file has no such table, it cannot be accepted, or no run has what it asks.
     """
     name = next(key for key, value in KINDS.items() if value is kind)
     data, remark = case_data(path, overrides)
@@ -44,10 +44,29 @@ def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> 
         table = {**table, "inputs": inputs}
         for line in words:
             log.info("%s", line)
+    source = f"{path} {remark}".strip()
     try:
-        return kind.read(table)
+        study = kind.read(table)
     except Refusal as refusal:
-        raise CaseError(summary(f"{path} {remark}".strip(), _inside(name, refusal), data)) from None
+        raise CaseError(summary(source, _inside(name, refusal), data)) from None
+    if isinstance(study, Optimise):
+        problems = list(_unanswerable(study, load_case(path, overrides)))
+        if problems:
+            raise CaseError(summary(source, problems, data))
+    return study
+
+
+def _unanswerable(study: Optimise, case: Case) -> Iterator[Problem]:
+    """Yield the goal and the limits of a study that no run of its case can answer."""
+    from castx.report.summary.answerable import refusal_of
+
+    varied = [one.of for one in study.inputs]
+    places: list[tuple[KeyPath, str]] = [(("optimise", "goal"), study.goal)]
+    for index, limit in enumerate(study.limits):
+        places.append((("optimise", "limits", index, "of"), limit.of))
+    for place, name in places:
+        if text := refusal_of(name, case, varied):
+            yield Problem(place, text)
 
 
 def _inside(name: str, refusal: Refusal) -> tuple[Problem, ...]:

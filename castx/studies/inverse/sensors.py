@@ -32,7 +32,7 @@ OF_DEPTH, OF_CLOCK = 1e-4, 0.1
 FEWEST = 11
 """Samples that a test of whiteness needs."""
 COVERED = 0.5
-"""Share of the run that a curve should cover."""
+"""Share of the run that a curve should cover, and up to which samples must reach."""
 log = logging.getLogger(__name__)
 
 
@@ -133,8 +133,8 @@ class Sensors:
         """Read the samples of a study.
 
         Raises:
-            CaseError: no probe belongs to a curve, its file cannot be read, or it has no samples
-                within the run.
+            CaseError: no probe belongs to a curve, its file cannot be read, it has no samples
+                within the run, or nothing is measured of its second half.
         """
         late = 0.0 if study.clock_deviation is None else WIDE * study.clock_deviation
         end = case.time.end - late
@@ -143,7 +143,9 @@ class Sensors:
                 f"[identify] clock_deviation = {study.clock_deviation:g} s: three of them are as "
                 f"long as the run, which ends at {case.time.end:g} s; give a smaller one"
             )
-        return cls([_sensor(one, case, end) for one in study.curves], study.clock_deviation)
+        sensors = [_sensor(one, case, end) for one in study.curves]
+        _refuse_unmeasured(max(float(one.time[-1]) for one in sensors), late, case.time.end)
+        return cls(sensors, study.clock_deviation)
 
     @property
     def measured(self) -> FloatArray:
@@ -184,6 +186,22 @@ class Sensors:
         own = {str(one["name"]): one for one in given}
         rows = [row for one in self.sensors for row in one.rung_probes(own[one.probe.name])]
         return [*(dict(one) for one in given), *rows]
+
+
+def _refuse_unmeasured(last: float, late: float, end: float) -> None:
+    """Refuse samples that end in the first half of a run.
+
+    Args:
+        last: time of the last one [s].
+        late: by which the clock may be off [s].
+        end: of the run [s].
+    """
+    if last + late < COVERED * end:
+        raise CaseError(
+            f"[identify] the samples of all curves end at {last:g} s, and the run at {end:g} s: "
+            "whatever is sought of the rest is guessed, and every run computes it; correct start "
+            f"or time_unit of the curves, or end the run with them: time.end = {last + late:g}"
+        )
 
 
 def _sensor(asked: SensorCurve, case: Case, end: float) -> Sensor:

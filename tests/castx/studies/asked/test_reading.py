@@ -7,6 +7,7 @@ import pytest
 from castx.case.case import STUDIES
 from castx.case.reading.read import load_case
 from castx.errors import CaseError
+from castx.studies.asked.optimise import Optimise
 from castx.studies.asked.reading import KINDS, read_study, refuse_wrong_studies
 from castx.studies.asked.vary import Vary
 from tests.castx.many_runs import CASE
@@ -50,6 +51,26 @@ def test_what_is_wrong_is_named_with_its_place(tmp_path):
 def test_a_case_without_it_is_refused(tmp_path):
     with pytest.raises(CaseError, match=r"has no table \[vary\]"):
         read_study(file(tmp_path, ""), Vary)
+
+
+def test_a_goal_that_no_run_answers_is_refused_before_the_first_one(tmp_path):
+    table = """
+[optimise]
+goal = "Freezes lst: casting"
+[[optimise.limits]]
+of = "Largest gap: casting/mould"
+most = 20
+[[optimise.inputs]]
+of = "time.end"
+low = 4
+high = 8
+"""
+    path = file(tmp_path, table)
+    first = r'optimise.goal = "Freezes lst: casting": no run .*did you mean "Freezes last: casting"'
+    text = rf"2 problems\n  {first}[^\n]*\n  optimise.limits\[0\].of = .*: needs mechanics"
+    for ask in (lambda: read_study(path, Optimise), lambda: refuse_wrong_studies(path)):
+        with pytest.raises(CaseError, match=text):
+            ask()
 
 
 def test_all_studies_have_a_description(tmp_path):

@@ -91,13 +91,39 @@ def test_a_clock_that_may_be_off_by_the_whole_run_is_refused(case):
         sensors(case, study={"clock_deviation": "14 s"})
 
 
+def short(case, first, last):
+    """Write the samples of some seconds into a file of their own."""
+    head, *rows = (case.path.parent / "near.csv").read_text().splitlines()
+    rows = [row for row in rows if first <= float(row.split(",")[0]) <= last]
+    (case.path.parent / "short.csv").write_text("\n".join([head, *rows]) + "\n")
+    return {**CURVE, "file": "short.csv"}
+
+
 def test_a_curve_that_covers_little_is_told(case, monkeypatch):
     said = []
     monkeypatch.setattr(module.log, "warning", lambda text, *args: said.append(text % args))
-    file = case.path.parent / "near.csv"
-    file.write_text("\n".join(file.read_text().splitlines()[:20]) + "\n")
-    sensors(case)
-    assert said == ["near.temperature: its samples cover 22 % of the run"]
+    far = case.probes[0].model_copy(update={"name": "far"})
+    two = case.model_copy(update={"probes": (*case.probes, far)})
+    whole = {**CURVE, "of": "far.temperature", "column": "near.temperature"}
+    sensors(two, study={"curves": [whole, short(case, 0.0, 9.0)]})
+    sensors(case, study={"curves": [short(case, 25.0, END)]})
+    told = "near.temperature: its samples cover {} % of the run"
+    assert said == [told.format(22), told.format(35)]
+
+
+def test_samples_that_end_in_the_first_half_of_the_run_are_refused(case):
+    text = r"all curves end at 15 s, and the run at 40 s: .*, or end the run with them: time.end = "
+    curves = [short(case, 0.0, 15.0)]
+    with pytest.raises(CaseError, match=text + "15$"):
+        sensors(case, study={"curves": curves})
+    with pytest.raises(CaseError, match=text + "18$"):
+        sensors(case, study={"curves": curves, "clock_deviation": "1 s"})
+    cured = case.model_copy(update={"time": case.time.model_copy(update={"end": 18.0})})
+    (one,) = sensors(cured, study={"curves": curves, "clock_deviation": "1 s"}).sensors
+    assert one.time[-1] == 15.0
+    short(case, 0.0, 20.0)
+    (one,) = sensors(case, study={"curves": curves}).sensors
+    assert one.time[-1] == 20.0
 
 
 def test_a_depth_needs_to_know_where_it_goes(case):
