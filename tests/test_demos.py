@@ -121,6 +121,21 @@ def test_the_notebook_compares_the_laws_of_an_interface():
 
 
 @pytest.mark.slow
+def test_the_notebook_finds_the_heat_transfer_that_made_its_curves():
+    text, pictures = executed("identify_notebook.py")
+    rows = re.findall(
+        r"^h at \d+ +([\d.]+) W/m²/K +\[([\d.]+), ([\d.]+)\], true ([\d.]+)", text, re.M
+    )
+    assert len(rows) == 4
+    for row, within in zip(rows, (0.15, 0.08, 0.05, 0.08), strict=True):
+        value, low, high, true = (float(number) for number in row)
+        assert low < true < high and value == pytest.approx(true, rel=within)
+    assert "6 of 6 bands hold the truth" in text and text.count(": noise.") == 2
+    assert re.search(r"\d+ runs, \d+ of them made now in [\d:]+ of processor time", text)
+    assert pictures == 2
+
+
+@pytest.mark.slow
 def test_the_notebook_explains_residual_stress():
     text, pictures = executed("residual_stress_notebook.py")
 

@@ -28,6 +28,8 @@ EDGE = "#30343a"
 FRONT = "#00a0ff"
 ROUNDING = 1e-9
 NICE = (1.0, 2.0, 5.0, 10.0)
+SLENDER = 200 / 900
+"""Least ratio of the sides of a picture: what is longer has white beside it."""
 VISIBLE_DISPLACEMENT = 0.06
 """Share of the size of the bodies that an exaggerated displacement has at most."""
 
@@ -80,7 +82,10 @@ class View:
             margin = 0.04 * np.linalg.norm(high - low) * np.array([1.0, 1.0, 0.0])
             if model == "axisymmetric":
                 low = low * [0.0, 1.0, 1.0] - high * [1.0, 0.0, 0.0]
-            return cls(model, low - margin, high + margin, None, None)
+            low, high = low - margin, high + margin
+            sides = high - low
+            lacking = np.maximum(SLENDER * sides.max() - sides, 0.0) * [0.5, 0.5, 0.0]
+            return cls(model, low - lacking, high + lacking, None, None)
         shows = np.abs(inner[0] - low)[:2] < 1e-6 * (high - low)[:2]
         open_x, open_y = shows & (len(boxes) > 1)
         along = {(True, True): (-0.75, -1.0), (True, False): (-1.0, -0.45)}
@@ -113,7 +118,7 @@ class View:
             return self.pixels, self.pixels
         width, height = (self.high - self.low)[:2]
         scale = self.pixels / max(width, height)
-        return max(round(scale * width), 200), max(round(scale * height), 200)
+        return round(scale * width), round(scale * height)
 
     def aim(self, plotter: pyvista.Plotter) -> None:
         """Point the camera."""

@@ -48,6 +48,22 @@ def test_colours_are_values_at_places(grids):
     assert at(drawing, 0.999 * drawing.extent[1], 0.0).min() == 255
 
 
+@pytest.mark.parametrize("stretch", [(20.0, 1.0), (0.2, 10.0)])
+def test_a_slender_part_is_shown_from_end_to_end(grids, stretch):
+    for grid in grids.values():
+        grid.points = grid.points * [*stretch, 1.0]
+    drawing = draw(grids, "temperature", "plane-strain", colours="gray", factor=0.0)
+    left, right, lower, upper = drawing.extent
+    height, width = drawing.pixels.shape[:2]
+    assert min(height, width) == 200 and max(height, width) == 900
+    assert width / height == pytest.approx((right - left) / (upper - lower), rel=0.01)
+    across, along = 20e-3 * stretch[0], 20e-3 * stretch[1]
+    for share in (0.25, 0.75):  # away from the lines round the bodies
+        assert at(drawing, 0.25 * across, share * along).max() < 10
+        assert at(drawing, 0.75 * across, share * along).min() > 245
+    assert at(drawing, 0.97 * right, 0.97 * upper).min() == 255
+
+
 def test_limits_and_bodies_can_be_chosen(grids):
     drawing = draw(
         grids, "temperature", "plane-strain", limits=(0.0, 400.0), colours="gray",
