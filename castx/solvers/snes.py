@@ -169,10 +169,11 @@ class NonlinearSolver:
 
         Raises:
             ConvergenceError: PETSc failed; on all ranks.
+            Exception: what a callback raised.
         """
         ksp = self.snes.ksp
         try:
-            with self._options_in_database():
+            with self._options_in_database(), collection_paused():
                 ksp.setOperators(*self.snes.getJacobian()[:2])
                 ksp.solve(right, x)
         except PETSc.Error as error:

@@ -187,10 +187,40 @@ def catch_what_a_callback_raises(where: str, raised: Exception) -> None:
     made.destroy()
 
 
+class Raising:
+    """A preconditioner that raises when it is applied."""
+
+    def __init__(self, raised):
+        self.raised = raised
+
+    def apply(self, pc, r, z):
+        raise self.raised
+
+
+def catch_what_a_preconditioner_raises(where, raised):
+    made, x = solver(PETSc.COMM_SELF, options={"ksp_type": "gmres", "pc_type": "python"})
+    made.snes.ksp.pc.setPythonContext(Raising(raised))
+    matrix, right = made.snes.getJacobian()[0], x.duplicate()
+    jacobian(3, made.snes, x, matrix, matrix)
+    right.set(1.0)
+    with pytest.raises(type(raised), match=str(raised)) as caught:
+        getattr(made, where)(*([right] if where == "solve_linear" else []), x)
+    assert caught.value is raised
+    made.destroy()
+
+
 @pytest.mark.serial
 @pytest.mark.parametrize("raised", ['ZeroDivisionError("a bug")', 'ConvergenceError("no state")'])
-@pytest.mark.parametrize("where", ["setFunction", "setJacobian"])
-def test_what_a_callback_raises_comes_out_as_it_is(where, raised):
+@pytest.mark.parametrize(
+    "catch, where",
+    [
+        ("callback", "setFunction"),
+        ("callback", "setJacobian"),
+        ("preconditioner", "solve"),
+        ("preconditioner", "solve_linear"),
+    ],
+)
+def test_what_a_callback_raises_comes_out_as_it_is(catch, where, raised):
     """Sixty times in a process of its own, with garbage collected as often as can be.
 
     A collection on the way of an exception through petsc4py ends the process by a fault.
@@ -199,10 +229,10 @@ def test_what_a_callback_raises_comes_out_as_it_is(where, raised):
         "import gc\n"
         "from mpi4py import MPI\n"  # finds the MPI of wheels for petsc4py
         "from castx.errors import ConvergenceError\n"
-        "from tests.castx.solvers.test_snes import catch_what_a_callback_raises\n"
+        f"from tests.castx.solvers.test_snes import catch_what_a_{catch}_raises as catch\n"
         "gc.set_threshold(1, 1, 1)\n"
         "for _ in range(60):\n"
-        f"    catch_what_a_callback_raises({where!r}, {raised})\n"
+        f"    catch({where!r}, {raised})\n"
         "print('as it is', gc.isenabled())"
     )
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
