@@ -22,8 +22,10 @@ from castx.input.units import HEAT_SOURCE
 from castx.materials.description import MaterialDescription
 from castx.tables import Table
 
-IN_CELLS = "cells"
-"""Name of freezing that is found inside the cells."""
+AUTOMATIC, AT_NODES, IN_CELLS = "automatic", "nodes", "cells"
+"""Where freezing is found, as a case says it."""
+POCKETS, DARCY = "pockets", "darcy"
+"""How liquid is fed, likewise."""
 
 
 def _start_of_history(body: dict[str, Any]) -> InitialTemperature:
@@ -48,7 +50,8 @@ class Body(Description):
             "q1p0".
         stabilisation: of the mixed formulation.
         feeding: how liquid is fed: one pressure in each trapped pocket, or flow through the mush.
-        freezing: where latent heat and the share that bears are found, at nodes or inside cells.
+        freezing: where latent heat and the share that bears are found, at nodes or inside cells;
+            "automatic" is what suits the metal, see `castx.case.reading.freezing`.
     """
 
     name: EntryName
@@ -74,8 +77,8 @@ class Body(Description):
         None
     )
     stabilisation: Annotated[str, Choice(("osgs", "gls"))] = "osgs"
-    feeding: Annotated[str, Choice(("pockets", "darcy"))] = "pockets"
-    freezing: Annotated[str, Choice(("nodes", IN_CELLS))] = "nodes"
+    feeding: Annotated[str, Choice((POCKETS, DARCY))] = POCKETS
+    freezing: Annotated[str, Choice((AUTOMATIC, AT_NODES, IN_CELLS))] = AUTOMATIC
 
     def starts_solid(self, material: MaterialDescription) -> bool:
         """Return whether the body starts solid, and stays so if its temperature is prescribed.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +49,8 @@ class PrescribedTemperatures:
         self.temperature = {n: fem.Function(space) for n, space in spaces.items()}
         self.enthalpy: dict[str, fem.Function] = {}
         self.solid_fraction = {n: fem.Function(space) for n, space in spaces.items()}
+        # Temperatures that are uniform are those of the nodes.
+        self.solid_inside: dict[str, Callable[[], float]] = {n: float for n in spaces}
         self._time = 0.0
         self._set(0.0)
 

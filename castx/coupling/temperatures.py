@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 from dolfinx import fem
@@ -22,11 +22,14 @@ class Temperatures(Protocol):
         temperature: of the nodes of each body [°C].
         enthalpy: per volume of the nodes of each body [J/m³]; none where it is not computed.
         solid_fraction: of the nodes of each body.
+        solid_inside: functions that return the solid of this rank inside the cells of each body
+            beside that of its nodes [m³]; collective.
     """
 
     temperature: dict[str, fem.Function]
     enthalpy: dict[str, fem.Function]
     solid_fraction: dict[str, fem.Function]
+    solid_inside: dict[str, Callable[[], float]]
 
     def advance(
         self,

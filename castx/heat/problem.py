@@ -94,6 +94,7 @@ class HeatProblem:
         self.temperature = {body.name: body.temperature for body in self._bodies}
         self.enthalpy = {body.name: body.enthalpy for body in self._bodies}
         self.solid_fraction = {body.name: body.solid_fraction for body in self._bodies}
+        self.solid_inside = {body.name: body.solid_inside for body in self._bodies}
         dimension = mesh.parent.topology.dim
         defaults = default_options(linear, self._layout.size_global, dimension)
         given = dict(options or {})

@@ -161,7 +161,8 @@ class State:
         comm, volumes = self.mesh.comm, self.problem.volumes[body]
         solid = self.problem.heat.solid_fraction[body].x.array[: len(volumes)]
         hot = self.problem.heat.temperature[body].x.array[: len(volumes)]
-        local = np.array([solid @ volumes, hot @ volumes, volumes.sum()])
+        inside = self.problem.heat.solid_inside[body]()
+        local = np.array([solid @ volumes + inside, hot @ volumes, volumes.sum()])
         solid_volume, heat, volume = comm.allreduce(local, op=MPI.SUM)
         return {
             f"{body}.solid_fraction": float(solid_volume / volume),

@@ -168,6 +168,12 @@ def test_heat_is_kept_and_a_run_goes_on_as_if_it_had_not_stopped(comm):
     data = case("triangles", 6, "cells")
     data["time"] = {"end": 12.0, "fixed_step": 1.0}
     found, last = gone_on(comm, data)
+    given = found[-1]["casting.enthalpy"] - found[0]["casting.enthalpy"]
+    cooled = found[-1]["casting.mean_temperature"] - found[0]["casting.mean_temperature"]
+    volume = LENGTH * data["geometry"]["width"]
+    sensible = DENSITY * CAPACITY * cooled * volume
+    solid = (sensible - given) / (DENSITY * LATENT * volume)
+    assert found[-1]["casting.solid_fraction"] == pytest.approx(solid, rel=1e-6)
     lost = LATENT * DENSITY * LENGTH * data["geometry"]["width"]
     assert found[-1]["energy_error"] < 1e-6
     assert -found[-1]["casting/wall.heat"] > 0.3 * lost

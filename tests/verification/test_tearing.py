@@ -82,7 +82,7 @@ def test_a_bar_gains_its_rate_times_the_time_of_passing(comm, shared_tmp_path, n
 
 
 GRADIENT, SPEED, RATE = 1e4, 1e-3, 0.01
-LENGTH, WIDTH, CELLS = 2e-3, 1e-3, 8
+LENGTH, WIDTH, CELLS = 2e-3, 1e-3, 24
 
 
 def strip() -> dict[str, Any]:
@@ -136,13 +136,13 @@ def test_the_margin_of_a_strip_pulled_across_the_gradient(pulled_strip):
 def test_what_shrinks_while_it_freezes_is_strained_in_the_brittle_range(pulled_strip):
     """Held in the third direction and at its sides, it cannot follow: ε̇ t + s Δf/3.
 
-    An element spans half of the range, and behind the solidus it shrinks no more: the part of the
-    shrinkage, a quarter of the whole, is 11 % low here, 6 % with 12 elements.
+    An element spans a sixth of the range, and behind the solidus it shrinks no more: the part of
+    the shrinkage, a quarter of the whole, is 4 % low here, 9 % with 8 elements.
     """
     exact = RATE * 0.45 + 0.06 / 1.06 * 0.09 / 3.0
     inside = np.abs(pulled_strip.points[:, 0] - 0.5 * LENGTH) < 1.5 * LENGTH / CELLS
     found = pulled_strip.point_data["brittle_strain"][inside]
-    np.testing.assert_allclose(found.mean(), exact, rtol=0.035)
+    np.testing.assert_allclose(found.mean(), exact, rtol=0.015)
 
 
 def test_fields_go_on_after_a_restart_and_on_any_ranks(comm, shared_tmp_path, pulled_strip):

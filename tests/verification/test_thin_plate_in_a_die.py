@@ -1,9 +1,9 @@
 """Residual stress of a plate of 3 mm that freezes between the halves of a die, one cell across.
 
 Half of 60 × 3 mm of AlSi7Mg freezes between steel of 250 °C below and 100 °C above, and is taken
-out after 3 s. Once it is cold, the root mean square of its von Mises stress is 16.0 MPa with twelve
-linear cells across, and with eight quadratic ones. With 1, 2, 4 and 6 linear cells it is 8.7, 11.1,
-13.8 and 14.6 MPa.
+out after 3 s. Once it is cold, the root mean square of its von Mises stress is 15.3 MPa with twelve
+linear cells across, and with eight quadratic ones, whether metal freezes at nodes or inside cells.
+With 1, 2, 4 and 6 linear cells it is 13.7, 13.5, 13.6 and 14.3 MPa, in half of the default steps.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tests.coupled_cases import final_state
 HALF, HEIGHT = 0.030, 0.003
 DIE = np.array([1.0, 3.0, 7.0, 15.0]) * 1e-3
 """Distances of the nodes of the die from the plate [m]."""
-STRESS = 16.0e6
+STRESS = 15.3e6
 """Root mean square of the von Mises stress on fine meshes [Pa]."""
 
 
@@ -71,7 +71,8 @@ def plate(formulation: str) -> dict[str, Any]:
         ],
         "stages": [{"at": 3.0, "remove": [*halves], "boundaries": [
             {"on": f"casting/{half}", "heat": air} for half in halves]}],
-        "time": {"end": 400.0, "first_step": 0.02, "largest_step": 20.0},
+        "time": {"end": 400.0, "first_step": 0.01, "largest_step": 10.0,
+                 "temperature_change": 10.0},
     }  # fmt: skip
 
 
@@ -90,9 +91,14 @@ def residual_stress(comm: MPI.Intracomm, folder: Path, formulation: str, across:
 @pytest.mark.serial
 @pytest.mark.parametrize(
     ("formulation", "across", "off"),
-    [("taylor-hood", 1, 0.05), ("taylor-hood", 4, 0.05), ("mixed", 6, 0.12)],
+    [
+        ("taylor-hood", 1, 0.05),
+        ("taylor-hood", 4, 0.05),
+        ("mixed", 1, 0.12),
+        ("mixed", 6, 0.12),
+    ],
 )
 def test_residual_stress(comm, shared_tmp_path, formulation, across, off):
-    """One quadratic cell across is as good as six linear ones."""
+    """One quadratic cell across is better than six linear ones."""
     found = residual_stress(comm, shared_tmp_path, formulation, across)
     assert abs(found / STRESS - 1.0) < off

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from castx.case.bodies import IN_CELLS, Body
+from castx.case.bodies import DARCY, IN_CELLS, Body
 from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.interfaces import Interface
@@ -133,7 +133,7 @@ def _problems_of_freezing_in_cells(
     elif metal.freezes_at_a_plateau:
         text = f'"cells" needs a solid fraction at each temperature, but {body.material!r} freezes'
         yield Problem(place, f"{text} at one temperature, if only in part; {cure}")
-    if body.feeding == "darcy":
+    if body.feeding == DARCY:
         yield Problem(place, f'melt that flows by feeding = "darcy" counts at nodes; {cure}')
 
 

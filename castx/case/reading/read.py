@@ -11,6 +11,7 @@ from castx.case.case import STUDIES, Case
 from castx.case.geometry import gravity_along
 from castx.case.reading.between_parts import case_problems
 from castx.case.reading.changed_keys import CHANGED_KEYS, ChangedKey, with_new_names
+from castx.case.reading.freezing import with_freezing
 from castx.case.reading.normals import with_normals
 from castx.case.reading.stages import stage_problems
 from castx.case.reading.written_out import written_out
@@ -148,7 +149,7 @@ def _completed(case: Case, path: Path) -> Case:
             "loads": case.loads.model_copy(update={"gravity": gravity}),
             "bodies": tuple(
                 body.model_copy(update={"temperature": body.temperature.relative_to(path)})
-                for body in case.bodies
+                for body in with_freezing(case)
             ),
         }
     )

@@ -80,7 +80,7 @@ def test_a_pair_that_opens_while_a_skin_creeps_does_not_hold_the_iteration_up(co
                                "breakdown_stress": 25e6, "exponent": 5.0,
                                "activation_energy": 150e3}},
         "bodies": [
-            {"name": "casting", "material": "iron", "temperature": 1203.0,
+            {"name": "casting", "material": "iron", "temperature": 1203.0, "freezing": "nodes",
              "law": "thermo-elasto-viscoplastic"},
             {"name": "mould", "material": "steel-carbon", "temperature": 150.0},
         ],

@@ -62,6 +62,9 @@ def test_with_the_nodes_it_is_the_latent_heat_of_the_linear_temperature(comm):
     expected = LATENT * 0.04 * 0.02 * np.trapezoid(liquid, temperatures) / (hot - cold)
     assert found == pytest.approx(expected, rel=2e-3)
     assert LATENT * at_nodes != pytest.approx(expected, rel=5e-3)
+    inside = comm.allreduce(body.solid_inside())
+    assert LATENT * inside == pytest.approx(-stored(comm, body, enthalpy), rel=1e-12)
+    assert slab(comm, inside=False).solid_inside() == 0.0
 
 
 @pytest.mark.serial
