@@ -52,8 +52,9 @@ LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 LARGEST_DIRECT_Q1P0 = 12_000
 """The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
 LARGEST_FLOWING = 200_000
-"""Unknowns of a body that flows up to which it gets factors beside the multigrid of the others,
-once multigrid is slow: shells that freeze and yield cost it iterations by the hundred."""
+"""Unknowns of a body that flows or may be liquid up to which it gets factors beside the multigrid
+of the others, once multigrid is slow: shells that freeze and yield cost it iterations by the
+hundred."""
 
 
 @dataclass(frozen=True)
@@ -208,7 +209,8 @@ def _inner_solvers(
 ) -> list[InnerSolver]:
     """Return the solvers of all bodies: factors, or multigrid.
 
-    With `by_body` follow, for where multigrid is slow, factors for the bodies that flow.
+    With `by_body` follow, for where multigrid is slow, factors for the bodies that flow or may
+    be liquid.
     """
     comm, pairs = bodies.layout.comm, balance.contact.normal
     multipliers = isinstance(pairs, MultiplierContact)
@@ -276,10 +278,11 @@ def _alone(bodies: DeformableBodies) -> list[list[int]]:
 
 
 def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
-    """Return whether a body of a group flows and the group has few unknowns."""
+    """Return whether a body of a group flows or may be liquid, and the group has few unknowns."""
     parts = [bodies.parts[b] for b in group]
     unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))
-    return unknowns <= LARGEST_FLOWING and any(part.material.law.flows_by_rate for part in parts)
+    flows = any(p.material.law.flows_by_rate or not p.is_compressible for p in parts)
+    return unknowns <= LARGEST_FLOWING and flows
 
 
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:

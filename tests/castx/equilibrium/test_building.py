@@ -11,6 +11,7 @@ from castx.contact.methods.registry import names
 from castx.equilibrium import building
 from castx.equilibrium.equilibrium import Equilibrium
 from castx.equilibrium.fallback import FallbackMethods
+from castx.mechanics.body import BodyMechanics
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.q1p0 import Q1P0Formulation
 from castx.solvers.inner.options import FACTORS
@@ -59,10 +60,11 @@ def test_open_pairs_are_taken_apart_where_set_ups_are_rare(comm, monkeypatch):
     assert given[0] is not None and given[1] is None
 
 
-def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm, monkeypatch):
+@pytest.mark.parametrize("kind", ["flows", "may be liquid"])
+def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm, monkeypatch, kind):
     """Where the choice is free, up to a size, and not beside multipliers, which leave it adrift.
 
-    Multigrid of all bodies comes first.
+    Multigrid of all bodies comes first. So it is with a body that may be liquid and is elastic.
     """
     monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
     given = []
@@ -80,8 +82,12 @@ def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm,
 
     by_multigrid = [False, False]
     assert chosen() == [by_multigrid]
-    soft = property(lambda law: law.largest_shear_modulus() < 5e9)
-    monkeypatch.setattr(Law, "flows_by_rate", soft)
+    if kind == "flows":
+        soft = property(lambda law: law.largest_shear_modulus() < 5e9)
+        monkeypatch.setattr(Law, "flows_by_rate", soft)
+    else:
+        solid = property(lambda body: body.name != "upper")
+        monkeypatch.setattr(BodyMechanics, "is_compressible", solid)
     assert chosen() == [by_multigrid, [True, False]]
     assert chosen(linear="iterative") == chosen("multipliers") == [by_multigrid]
     monkeypatch.setattr(building, "LARGEST_FLOWING", 10)
