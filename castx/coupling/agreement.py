@@ -13,9 +13,10 @@ LONE = 100.0
 micrometre its resistance moves by percents, and hardly any heat with it."""
 
 ROUNDED = 1e-8
-"""Change of the resistances that is rounding after a pass that changes no force by more. Forces of
-2e-14 of those in a body move it on springs of 1e-7 of its stiffness, and its gaps with it: those of
-a block in its mould were rounded to 2e-10 of themselves."""
+"""Change of the resistances that is rounding after a pass that changes no force by more, or once
+passes no longer come closer to each other: heat is rounded too, and moves forces. Forces of 2e-14
+of those in a body move it on springs of 1e-7 of its stiffness, and its gaps with it: those of a
+block in its mould were rounded to 2e-10 of themselves."""
 
 
 def disagreement(

@@ -50,6 +50,7 @@ class StepChange:
         mean_solid_fraction: largest change of the mean over a body.
         skin: largest mean change over an interface of the share of metal that bears at its wall.
         errors: of the step; none where nobody asks for them.
+        settled: passes that say how hard it was, see `SETTLED` of `coupling.step`.
     """
 
     passes: int
@@ -58,6 +59,7 @@ class StepChange:
     mean_solid_fraction: float = 0.0
     skin: float = 0.0
     errors: StepErrors = NO_ERRORS
+    settled: int = 1
 
 
 class ThermalChange:

@@ -36,6 +36,9 @@ from castx.transfer.pair_state import PairState
 log = logging.getLogger(__name__)
 INSTANT = 1e-9
 """Step in which nothing flows [s]."""
+SETTLED = 1e-6
+"""Change of a pass from which on further ones say nothing of the size of the next step: with a
+tolerance near rounding it is rounding that chooses how many there are."""
 SMALLEST_STRAIN = 1e-12
 """Thermal strain that counts as none."""
 
@@ -127,18 +130,20 @@ class CoupledProblem:
             )
             of_heat = self._thermal_change.share(step * self._dissipation.update())
             change = max(of_resistances, of_heat)
-            agreed = max(self._tolerance, ROUNDED) if self._at_rest else self._tolerance
+            changes.append(change)
+            round_and_round = goes_round(changes)
+            agreed = max(self._tolerance, ROUNDED if self._at_rest or round_and_round else 0.0)
             if self._scheme != "iterated" or change <= agreed:
                 self._require_finite()
                 return StepChange(
                     passes=number,
+                    settled=1 + sum(before > SETTLED for before in changes[:-1]),
                     temperature=temperature_change,
                     solid_fraction=self._thermal_change.largest_of_solid_fraction(),
                     mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
                     skin=0.0 if self.mechanics is None else self.mechanics.skin_growth(),
                 )
-            changes.append(change)
-            if goes_round(changes):
+            if round_and_round:
                 break
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)

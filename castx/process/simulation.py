@@ -42,7 +42,7 @@ from castx.stateful import (
 from castx.transfer.conductance import ConductionLaw
 
 EASY_PASSES = 10
-"""Passes of a step above which the next one does not grow."""
+"""Passes of a step, until it had settled, above which the next one does not grow."""
 
 CHANGE_PER_SUBSTEP = 0.25
 """Share of the wanted temperature change that one heat sub-step aims at."""
@@ -216,7 +216,7 @@ class Simulation:
             after_failed_try()
         counters = self.problem.counters
         self.problem.commit()
-        easy = change.passes <= EASY_PASSES
+        easy = change.settled <= EASY_PASSES
         self.control.accept(step, change, easy)
         self._substep_rate = self._wanted_substeps(change) / step
         self._errors = {name: getattr(change.errors, ERRORS[name]) for name in self._errors}

@@ -261,19 +261,32 @@ def test_too_many_passes():
             problem.advance(0.0, step, 1)
 
 
-@pytest.mark.parametrize(
-    ("began_balanced", "rounding"), [(True, 2e-9), (False, 2e-9), (True, 2e-7)]
-)
-def test_passes_end_at_the_rounding_of_gaps_once_no_force_moves(began_balanced, rounding):
-    """A gap that is rounded to and fro by 2 nm has settled; one that moves by 0.2 µm has not."""
+@pytest.mark.parametrize(("began_balanced", "most"), [(True, 10), (False, 14)])
+def test_passes_end_at_the_rounding_of_gaps(began_balanced, most):
+    """A gap that is rounded to and fro by 2 nm has settled, at once where no force moves."""
     problem, heat, mechanics = fake_problem()
-    mechanics.rounding, mechanics.began_balanced = rounding, began_balanced
-    if began_balanced and rounding < 1e-8:
+    mechanics.rounding, mechanics.began_balanced = 2e-9, began_balanced
+    problem.advance(0.0, 1.0, 1)
+    assert len(heat.given) < most
+
+
+@pytest.mark.parametrize("began_balanced", [True, False])
+def test_what_goes_round_beyond_rounding_does_not_agree(began_balanced):
+    """A gap that moves by 0.2 µm, a tenth of a millionth of the resistance, has not settled."""
+    problem, _, mechanics = fake_problem()
+    mechanics.rounding, mechanics.began_balanced = 2e-7, began_balanced
+    with pytest.raises(ConvergenceError, match="did not agree"):
         problem.advance(0.0, 1.0, 1)
-        assert len(heat.given) < 10
-    else:
-        with pytest.raises(ConvergenceError, match="did not agree"):
-            problem.advance(0.0, 1.0, 1)
+
+
+def test_passes_near_rounding_do_not_count_for_the_next_step():
+    """A tolerance of 1e-12 takes more passes than one of 1e-6, and the step is as hard."""
+    found = []
+    for tolerance in (1e-6, 1e-12):
+        problem, _, _ = fake_problem(tolerance=tolerance, slope=10.0)
+        found.append(problem.advance(0.0, 1.0, 1))
+    assert found[0].passes < found[1].passes
+    assert found[0].settled == found[0].passes == found[1].settled
 
 
 def test_history_waits_for_commit():
