@@ -23,6 +23,7 @@ def caveats(case: Case) -> Iterator[str]:
         for name in dict.fromkeys(body.material for body in case.bodies if body.law != "rigid"):
             yield from _expansion(find_material(name, case.materials))
         yield from _elastic_melts(case)
+        yield from _without_law(case)
         for body in case.bodies:
             if body.law != "rigid":
                 yield from _stress_free(body, find_material(body.material, case.materials))
@@ -84,6 +85,21 @@ def _elastic_melts(case: Case) -> Iterator[str]:
                 "is elastic: it leaves the wall at once and presses on cores and dies by tens of "
                 "MPa; give the material a liquid (viscosity and coherency), or take an alloy of "
                 "the database with its own"
+            )
+
+
+def _without_law(case: Case) -> Iterator[str]:
+    """Yield the bodies that freeze and are elastic only because nothing says their law."""
+    for body in case.bodies:
+        material = find_material(body.material, case.materials)
+        molten = material.melts and not body.starts_solid(material.description)
+        if molten and "law" not in body.model_fields_set:
+            yield (
+                f"{body.name} has no law and therefore is elastic: it cannot yield, so that the "
+                "report's residual stress, forces on mould and cores, and distortion after "
+                'release are false; give it law = "thermo-elasto-viscoplastic" (castx materials '
+                f'{body.material} shows whether it has the data), or write law = "thermo-elastic" '
+                "if that is meant"
             )
 
 

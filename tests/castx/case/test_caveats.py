@@ -88,6 +88,24 @@ def test_a_melt_that_is_elastic_is_told(material, temperature, scheme, warned):
     assert not warned or "casting starts molten, but mine has no liquid" in found[0]
 
 
+@pytest.mark.parametrize(
+    ("law", "temperature", "scheme", "warned"),
+    [
+        ("", 700, "iterated", True),
+        ("", 700, "thermal", False),
+        ("", 500, "iterated", False),
+        (', law = "thermo-elastic"', 700, "iterated", False),
+        (', law = "thermo-elasto-viscoplastic"', 700, "iterated", False),
+    ],
+)
+def test_a_casting_that_is_elastic_for_want_of_a_law_is_told(law, temperature, scheme, warned):
+    body = f'{{ name = "casting", material = "AlSi7Mg", temperature = {temperature}{law} }}'
+    case = load_case(CYLINDER, [f"bodies.0={body}", f'coupling.scheme="{scheme}"'])
+    found = [text for text in caveats(case) if "has no law" in text]
+    assert len(found) == warned
+    assert not warned or ("casting has" in found[0] and "residual stress" in found[0])
+
+
 def test_a_stress_free_temperature_that_does_not_suit_the_start_is_warned_of():
     def warned(word: str, body: int, stress_free: str) -> bool:
         mine = f'materials.mine={{ extends = "AlSi7Mg"{stress_free} }}'
