@@ -334,8 +334,9 @@ print(f"iterations of multipliers and condensed: {list(flat.values())}")
 # Multipliers give the temperatures of the condensed method to the last digits, the others do so as
 # closely as they keep the bodies apart. A penalty of 10¹¹ Pa/m is less than the stiffness of the
 # casting: it sinks into the floor, the hot wall into the melt, and the temperatures are wrong by
-# some kelvins. Nine of ten gaps are wrong by as much as it sinks, and single ones, which open a
-# step earlier or later, by more. The block-iterative method is left out: it creeps towards the
+# some kelvins. Nine of ten gaps are wrong by no more than it sinks, and single ones, which open a
+# step earlier or later, by more. A wall that pulls stretches its pairs too, by as much as the same
+# pressure sinks them. The block-iterative method is left out: it creeps towards the
 # balance of the penalty, to the same numbers in fifty times as many iterations.
 
 # %%

@@ -237,7 +237,8 @@ def test_the_notebook_compares_the_contact_methods():
     assert casting["multipliers"][3] == 0.0
     for name in set(casting) - {"penalty, 1e11 Pa/m"}:
         kelvin, micron, _, penetration = casting[name]
-        assert kelvin < 0.1 and penetration < 0.06 and micron < 2.0 * penetration + 1e-3
+        assert penetration < 0.08 and micron < 3.0 * penetration + 1e-3
+        assert kelvin < 2.5 * penetration + 1e-2, "methods without penetration agree"
     kelvin, micron, of_nine, penetration = casting["penalty, 1e11 Pa/m"]
-    assert kelvin > 0.2 and penetration < of_nine < 2.0 * penetration < micron
+    assert kelvin > 2.0 and 0.5 * penetration < of_nine < penetration < micron
     assert pictures == 4

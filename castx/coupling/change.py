@@ -41,7 +41,7 @@ NO_ERRORS = StepErrors()
 
 @dataclass(frozen=True)
 class StepChange:
-    """Change of the state over a step that has converged.
+    """Change of the state over a step.
 
     Attributes:
         passes: passes between heat and mechanics that it took.
@@ -50,7 +50,8 @@ class StepChange:
         mean_solid_fraction: largest change of the mean over a body.
         skin: largest mean change over an interface of the share of metal that bears at its wall.
         errors: of the step; none where nobody asks for them.
-        settled: passes that say how hard it was, see `SETTLED` of `coupling.step`.
+        settled: passes that say how hard it was, see `SETTLED` of `coupling.passes`.
+        agreed: whether heat and mechanics agree; else the step was given up.
     """
 
     passes: int
@@ -60,6 +61,7 @@ class StepChange:
     skin: float = 0.0
     errors: StepErrors = NO_ERRORS
     settled: int = 1
+    agreed: bool = True
 
 
 class ThermalChange:

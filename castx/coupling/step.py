@@ -11,18 +11,19 @@ radiation takes no part, since neither gap nor pressure change it.
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.coupling.agreement import ROUNDED, disagreement
+from castx.coupling.agreement import disagreement
 from castx.coupling.change import StepChange, StepErrors, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
-from castx.coupling.relaxation import Relaxation, goes_round, scaling
+from castx.coupling.passes import Passes
+from castx.coupling.relaxation import Relaxation, scaling
 from castx.coupling.temperatures import Temperatures
 from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
@@ -36,9 +37,6 @@ from castx.transfer.pair_state import PairState
 log = logging.getLogger(__name__)
 INSTANT = 1e-9
 """Step in which nothing flows [s]."""
-SETTLED = 1e-6
-"""Change of a pass from which on further ones say nothing of the size of the next step: with a
-tolerance near rounding it is rounding that chooses how many there are."""
 SMALLEST_STRAIN = 1e-12
 """Thermal strain that counts as none."""
 
@@ -102,13 +100,20 @@ class CoupledProblem:
         with np.errstate(divide="ignore"):
             return [np.asarray(scale / h) for scale, h in zip(scales, found, strict=True)]
 
-    def advance(self, time: float, step: float, substeps: int) -> StepChange:
+    def advance(
+        self,
+        time: float,
+        step: float,
+        substeps: int,
+        too_much: Callable[[StepChange], bool] = lambda change: False,
+    ) -> StepChange:
         """Find the trial state at the end of a step that starts from the committed state.
 
         Args:
             time: start of the step [s].
             step: its size [s].
             substeps: steps of the heat problem inside it.
+            too_much: tells of a change whether the step will be taken again, the same on all ranks.
 
         Raises:
             ConvergenceError: a problem or the passes did not converge; `rewind` then.
@@ -118,38 +123,30 @@ class CoupledProblem:
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
         self.counters.begin_try()
-        changes: list[float] = []
-        for number in range(1, self._most_passes + 1):
-            temperature_change = self._pass(time, step, substeps, guess, factors)
+        passes = Passes(self._tolerance, too_much)
+        for _ in range(self._most_passes):
+            temperature = self._pass(time, step, substeps, guess, factors)
             thermal = self.interfaces.thermal()
             found = self._resistances(thermal)
             self.interfaces.resistances = found
             tried = _concatenated(self._resistances(guess, factors))
-            of_resistances = disagreement(
-                self.comm, _concatenated(found), tried, self.interfaces.areas
-            )
+            apart = disagreement(self.comm, _concatenated(found), tried, self.interfaces.areas)
             of_heat = self._thermal_change.share(step * self._dissipation.update())
-            change = max(of_resistances, of_heat)
-            changes.append(change)
-            round_and_round = goes_round(changes)
-            agreed = max(self._tolerance, ROUNDED if self._at_rest or round_and_round else 0.0)
-            if self._scheme != "iterated" or change <= agreed:
+            passes.add(max(apart, of_heat), self._at_rest)
+            skin = 0.0 if self.mechanics is None else self.mechanics.skin_growth()
+            change = passes.changed(temperature, self._thermal_change, skin)
+            if self._scheme != "iterated" or passes.agree:
                 self._require_finite()
-                return StepChange(
-                    passes=number,
-                    settled=1 + sum(before > SETTLED for before in changes[:-1]),
-                    temperature=temperature_change,
-                    solid_fraction=self._thermal_change.largest_of_solid_fraction(),
-                    mean_solid_fraction=self._thermal_change.largest_of_mean_solid_fraction(),
-                    skin=0.0 if self.mechanics is None else self.mechanics.skin_growth(),
-                )
-            if round_and_round:
+                return change
+            if passes.go_round:
                 break
+            if (given_up := passes.given_up(change)) is not None:
+                return given_up
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
         raise ConvergenceError(
-            f"the interfaces did not agree in {number} passes (coupling.passes): their resistances "
-            f"still change by {change:.2g} of their values",
+            f"the interfaces did not agree in {len(passes.changes)} passes (coupling.passes): "
+            f"their resistances still change by {passes.changes[-1]:.2g} of their values",
             COUPLING,
         )
 

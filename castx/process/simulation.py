@@ -7,6 +7,7 @@ import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import ceil, inf
 from typing import Any, Self
 
@@ -227,8 +228,9 @@ class Simulation:
 
     def _try(self, time: float, step: float) -> StepChange:
         """Try a step from a time of the cycle, and estimate its errors if they are asked for."""
-        change = self.problem.advance(time, step, self._heat_substeps(step))
-        if not self._errors:
+        too_much = partial(self.control.is_too_much, step)
+        change = self.problem.advance(time, step, self._heat_substeps(step), too_much)
+        if not self._errors or not change.agreed:
             return change
         return replace(change, errors=self.problem.step_errors())
 

@@ -143,6 +143,15 @@ class StepControl:
         number = bisect_right(stops, time + self._tolerance)
         return stops[number] if number < len(stops) else self._settings.end
 
+    def is_too_much(self, step: float, change: StepChange) -> bool:
+        """Return whether a step will be taken again for its changes, whatever its errors.
+
+        Args:
+            step: its size [s].
+            change: of the state, so far.
+        """
+        return self._settings.fixed is None and self._smaller_by_change(step, change) < step
+
     def exceeds(self, step: float, change: StepChange) -> bool:
         """Return whether a step changed so much that it is rejected, and cut it then.
 

@@ -180,6 +180,20 @@ def test_counters_add_up_over_tries_but_for_those_of_the_accepted_one():
     assert problem.counters.unbalanced == passes
 
 
+def test_a_step_that_will_be_taken_again_is_given_up_after_three_passes():
+    """It takes six to agree. Passes in which it does not change too much begin the count anew."""
+    problem, heat, _ = fake_problem()
+    whole = problem.advance(0.0, 2.0, 1)
+    assert whole.agreed and whole.passes > 5
+    problem.rewind()
+    heat.given.clear()
+    verdicts = iter([True, False, True, True, True])
+    found = problem.advance(0.0, 2.0, 1, lambda change: next(verdicts))
+    assert not found.agreed and found.passes == len(heat.given) == 5
+    problem.rewind()
+    assert problem.advance(0.0, 2.0, 1, lambda change: change.passes > 1).passes == 4
+
+
 def test_first_guess_extrapolates_the_gap():
     problem, heat, _ = fake_problem(law=lambda gap, pressure: np.ones(1), passes=1)
     problem.advance(0.0, 1.0, 1)

@@ -37,7 +37,7 @@ class FakeProblem:
         self.committed: list[float] = []
         self.rewinds, self.counters, self.frozen = 0, StepCounters(), 0.0
 
-    def advance(self, time: float, step: float, substeps: int) -> StepChange:
+    def advance(self, time: float, step: float, substeps: int, too_much: object) -> StepChange:
         self.tried.append((time, step, substeps))
         self.counters.passes += 3
         self.counters.heat_iterations += 7
@@ -317,6 +317,6 @@ def test_last_accepted_state_survives_the_end(comm):
 class Failing(CoupledProblem):
     """Solves the step and then says that it failed."""
 
-    def advance(self, time, step, substeps):
-        super().advance(time, step, substeps)
+    def advance(self, time, step, substeps, too_much):
+        super().advance(time, step, substeps, too_much)
         raise ConvergenceError("on purpose")

@@ -93,6 +93,10 @@ def test_a_step_that_changes_far_too_much_is_cut(excess):
     wanted = {"solid_fraction_change": 0.05, "reject_above": 2.0, "skin_change": 0.25}
     steps = control(first=0.5, **wanted)
     assert not steps.exceeds(4.0, changed(39.0, 0.099, 0.499)) and steps.propose(0.0) == 0.5
+    assert steps.is_too_much(4.0, changed(*excess)) and steps.propose(0.0) == 0.5
+    assert not steps.is_too_much(4.0, changed(39.0))
+    assert not steps.is_too_much(0.5, changed(*excess))
+    assert not control(fixed=4.0, **wanted).is_too_much(4.0, changed(*excess))
     assert steps.exceeds(4.0, changed(*excess)) and steps.propose(0.0) == pytest.approx(CUT * 4.0)
     steps.accept(2.0, changed(1.0), easy=True)
     assert steps.propose(2.0) == pytest.approx(2.0), "it does not grow at once"
