@@ -55,6 +55,10 @@ FULL_SHARE = 1e-3
 """Compressibility 1/κ of full trapped liquid beside the solid's, far below that of any shell: a
 mould filled with nothing else has a pressure by it."""
 
+LARGEST_PRESS = 2e8
+"""Pressure of trapped liquid that nothing bears [Pa]: twice that by which die casting machines feed
+what shrinks."""
+
 
 class Pockets:
     """Pressure and pores of the trapped liquid of one body.
@@ -99,7 +103,7 @@ class Pockets:
         self._block_size, self._midsides = block_size, midsides
         each = block_size if midsides is None else 1
         self.stiffness = PocketStiffness(body.mesh.comm, each)
-        self.mean_pressure = 0.0
+        self.mean_pressure, self._said = 0.0, False
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
         self._stiffness: FloatArray = np.zeros(0)
@@ -212,10 +216,22 @@ class Pockets:
                     logger.info("%s: %.3g m³ %s", self._body.name, volumes[pockets].sum(), what)
             acting = self._pressures.of_cells(self.pressure.x.array)
             self.mean_pressure = float(self.content.mean(acting) @ volumes / volumes.sum())
+            self._warn_of_walls()
         self.content.commit(dilatation, self._pores.open)
         self._pressures.commit(pressure())
         self._pores.commit()
         self._accepted = [f.x.array.copy() for f in self._functions]
+
+    def _warn_of_walls(self) -> None:
+        if self.mean_pressure < -LARGEST_PRESS and not self._said:
+            self._said = True
+            logger.warning(
+                "%s: its trapped liquid presses by %.0f MPa, which no mould bears: metal that "
+                "swells as it freezes is closed in by walls that do not yield, and what follows "
+                'from its stress is false; give the mould a law other than "rigid", or the '
+                "casting a free surface (castx new --top open)",
+                self._body.name, -1e-6 * self.mean_pressure,
+            )  # fmt: skip
 
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""

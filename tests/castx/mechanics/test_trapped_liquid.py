@@ -15,7 +15,13 @@ import pytest
 from castx.case.geometry import Geometry
 from castx.domain.mesh import BodyMesh, build_mesh
 from castx.mechanics.constitutive.law import Law
-from castx.mechanics.trapped_liquid import FULL_SHARE, NODAL_SHARE, NoPockets, Pockets
+from castx.mechanics.trapped_liquid import (
+    FULL_SHARE,
+    LARGEST_PRESS,
+    NODAL_SHARE,
+    NoPockets,
+    Pockets,
+)
 from tests.castx.mechanics.lone_bodies import (
     LENGTH,
     MELTING,
@@ -263,6 +269,16 @@ def test_a_pocket_that_is_drawn_apart_opens_and_one_pressed_together_closes(comm
         part.commit()
     assert "pores have closed" in caplog.text
     assert part.liquid_totals()["unfed_volume"] == 0.0
+
+
+def test_trapped_liquid_that_presses_beyond_any_mould_is_said_once(comm, caplog):
+    part = shut_slab(comm, MELTING, starts_liquid=True)
+    for pressure, times in ((0.9, 0), (1.1, 1), (1.5, 1)):
+        begin(part, 640.0, 0.0)
+        move(part, -pressure * LARGEST_PRESS / STIFFNESS * UNIFORM)
+        part.residual()
+        part.commit()
+        assert caplog.text.count("which no mould bears") == times
 
 
 @pytest.mark.parametrize("opened", [False, True], ids=["full", "porous"])
