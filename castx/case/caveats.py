@@ -78,7 +78,7 @@ def _elastic_melts(case: Case) -> Iterator[str]:
     """Yield the bodies that start molten and have the law of a solid."""
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        molten = material.melts and not body.starts_solid(material.description)
+        molten = not body.starts_solid(material.description)
         if body.law != "rigid" and molten and material.liquid is None:
             yield (
                 f"{body.name} starts molten, but {body.material} has no liquid, so that its melt "
@@ -92,7 +92,7 @@ def _without_law(case: Case) -> Iterator[str]:
     """Yield the bodies that freeze and are elastic only because nothing says their law."""
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        molten = material.melts and not body.starts_solid(material.description)
+        molten = not body.starts_solid(material.description)
         if molten and "law" not in body.model_fields_set:
             yield (
                 f"{body.name} has no law and therefore is elastic: it cannot yield, so that the "

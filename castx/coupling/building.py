@@ -10,7 +10,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.case.bodies import IN_CELLS, Body
+from castx.case.bodies import DARCY, IN_CELLS, Body
 from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.case.interfaces import Interface
@@ -314,7 +314,7 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
     }
     lines = [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
     for body in case.bodies:
-        if body.feeding == "darcy":
+        if body.feeding == DARCY:
             given = find_material(body.material, case.materials)
             metal = mush_metal(case, body, given, formulation_of(mesh, body))
             lines += [] if metal is None else [words_of(body.name, metal)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from castx.case.bodies import Body
+from castx.case.bodies import DARCY, Body
 from castx.case.case import Case
 from castx.errors import CaseError
 from castx.foundry.alloy import Alloy
@@ -23,7 +23,7 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
         CaseError: the elements of the body have no pressure at the nodes, the material lacks a
             number, or it freezes at one temperature and has no mush.
     """
-    if body.feeding != "darcy":
+    if body.feeding != DARCY:
         return None
     if formulation != "mixed":
         raise CaseError(

@@ -118,21 +118,21 @@ class CoupledProblem:
         Raises:
             ConvergenceError: a problem or the passes did not converge; `rewind` then.
         """
-        self._step, self._at_rest = step, False
+        self._step = step
         guess = self.interfaces.first_guess(step)
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
         relaxation = Relaxation(self.comm)
         self.counters.begin_try()
         passes = Passes(self._tolerance, too_much)
         for _ in range(self._most_passes):
-            temperature = self._pass(time, step, substeps, guess, factors)
+            temperature, at_rest = self._pass(time, step, substeps, guess, factors)
             thermal = self.interfaces.thermal()
             found = self._resistances(thermal)
             self.interfaces.resistances = found
             tried = _concatenated(self._resistances(guess, factors))
             apart = disagreement(self.comm, _concatenated(found), tried, self.interfaces.areas)
             of_heat = self._thermal_change.share(step * self._dissipation.update())
-            passes.add(max(apart, of_heat), self._at_rest)
+            passes.add(max(apart, of_heat), at_rest)
             skin = 0.0 if self.mechanics is None else self.mechanics.skin_growth()
             change = passes.changed(temperature, self._thermal_change, skin)
             if self._scheme != "iterated" or passes.agree:
@@ -210,9 +210,10 @@ class CoupledProblem:
         substeps: int,
         guess: Sequence[PairState],
         factors: Sequence[FloatArray],
-    ) -> float:
-        """Solve heat and mechanics once; return the largest change of a temperature [K]."""
+    ) -> tuple[float, bool]:
+        """Return the largest change of a temperature [K] in one pass, and whether forces rest."""
         self.counters.passes += 1
+        at_rest = False
         both = list(zip(self.interfaces.thermal_at_start(), guess, strict=True))
         self._heated_by = both, factors
         report = self.heat.advance(time, step, both, substeps, self._dissipation.powers, factors)
@@ -220,14 +221,14 @@ class CoupledProblem:
             self._update_bodies(step, passed=True)
             equilibrium = self.mechanics.equilibrium
             solved = equilibrium.solve(time + step)
-            self._at_rest = solved.began_balanced
+            at_rest = solved.began_balanced
             if not solved.balanced:
                 self.counters.unbalanced += 1
                 equilibrium.finish(time + step)
             self.interfaces.update(self.mechanics.contact_states())
             self.counters.frozen_pairs = equilibrium.present.active.frozen_pairs()
             self.counters.fallbacks = equilibrium.fallbacks
-        return report.largest_temperature_change
+        return report.largest_temperature_change, at_rest
 
     @booked_as(RunPart.ASSEMBLY)
     def _update_bodies(self, step: float, *, passed: bool = False) -> None:

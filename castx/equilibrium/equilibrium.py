@@ -147,7 +147,8 @@ class Equilibrium:
 
         It is zero as long as nothing is solved; collective.
         """
-        return self.active.largest_pull(self.balance.felt_forces(), with_frozen=True)
+        felt = self.balance.felt(self.balance.trial_forces)
+        return self.active.largest_pull(felt, with_frozen=True)
 
     def supports(self) -> dict[str, Resultant]:
         """Return the support forces on each body, by its name; collective."""

@@ -158,12 +158,13 @@ class MomentumBalance:
         carried = self._forces_of_pairs(iterate, self.trial_forces)
         self.convergence.update(iterate.x, self._diagonal, carried)
 
-    def felt_forces(self) -> FloatArray:
-        """Return the trial forces, those of closed pairs that liquid holds as it feels them [N].
+    def felt(self, forces: FloatArray) -> FloatArray:
+        """Return contact forces, those of pairs that liquid holds as it feels them; collective.
 
-        Shape (rows,); collective.
+        Args:
+            forces: of the rows [N], shape (rows,).
         """
-        return self.skin.felt(self.trial_forces, self.active.closed & self.active.held)
+        return self.skin.felt(forces, self.active.closed & self.active.held)
 
     def _find_springs(self, constrained: BoolArray) -> None:
         motions = self.supports.motions

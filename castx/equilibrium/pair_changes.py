@@ -107,7 +107,7 @@ class PairChanges:
             active.restart_cycle_detection()
         else:
             linear = balance.is_linear and not improved
-            felt, before = balance.felt_forces(), active.closed
+            felt, before = balance.felt(balance.trial_forces), active.closed
             pull = 0.0 if linear else active.largest_pull(felt)
             settled = linear or self._is_settled(f, pull, slides)
             forces = felt if settled else self._unsettled(felt)
@@ -183,7 +183,8 @@ class PairChanges:
     def violates(self) -> bool:
         """Return whether a pair pulls or penetrates by more than the balance of forces allows."""
         balance = self._balance
-        return balance.active.violates(balance.felt_forces(), balance.convergence.smallest)
+        felt = balance.felt(balance.trial_forces)
+        return balance.active.violates(felt, balance.convergence.smallest)
 
     def shorten_to_contact(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End the rigid motion of a body on springs, in a step to x − y, where it touches.

@@ -131,7 +131,7 @@ class MechanicalProblem:
         gaps, forces = self.pair_values()
         closed, friction = present.active.closed, present.balance.along_surface(present.x)
         column = present.liquid_pressures()
-        felt = present.balance.skin.felt(forces, closed & present.active.held)
+        felt = present.balance.felt(forces)
         return [
             contact_state(
                 interface, gaps[part], forces[part], closed[part],
@@ -183,8 +183,8 @@ def _interface_pairs(
     tied = is_tied(contact.method)
     found = quadratic_pairs(mesh, pairs, contact.pairing, tied, midsides)
     if tied or liquid.isdisjoint((contact.secondary, contact.primary)):
-        return found
-    facets = facet_pairs(mesh, pairs, contact.pairing.angle_of_patches)
+        return found._replace(facets=None)
+    facets = found.facets or facet_pairs(mesh, pairs, contact.pairing.angle_of_patches)
     return found._replace(facets=facets)
 
 

@@ -169,9 +169,8 @@ class ThermalBody:
         """Return the solid inside the cells beside that of the owned nodes [m³]; collective."""
         if self._inside is None:
             return 0.0
-        material = self.description.material
         stored = self.latent_heat_inside(self.enthalpy.x.array[: self.owned])
-        return float(-stored.sum() / (material.density * material.latent_heat))
+        return float(-stored.sum() / self._inside.latent)
 
     def latent_heat_slope(self, slope: FloatArray) -> FloatArray | None:
         """Return its derivatives at the trial state, entry by entry of `conduction.data`.

@@ -26,6 +26,9 @@ from castx.materials.enthalpy import EnthalpyCurve
 class LatentHeat:
     """Latent heat inside the cells of a body, beside that of its nodes.
 
+    Attributes:
+        latent: ρL [J/m³].
+
     Args:
         body: mesh of the body.
         model: geometric model.
@@ -37,7 +40,7 @@ class LatentHeat:
     def __init__(
         self, body: BodyMesh, model: str, curve: EnthalpyCurve, latent: float, matrix: MatrixCSR
     ) -> None:
-        self._body, self._curve, self._latent, self._matrix = body, curve, latent, matrix
+        self._body, self._curve, self.latent, self._matrix = body, curve, latent, matrix
         rule = sample_rule(body.kind)
         self._shapes = rule.shapes
         owned = body.mesh.topology.index_map(body.mesh.topology.dim).size_local
@@ -79,7 +82,7 @@ class LatentHeat:
         fraction = np.interp(inside, self._curve.temperatures, self._curve.fractions)
         more = (fraction - solid_fraction[corners] @ self._shapes.T) * self._volumes[cells]
         sums = np.zeros(len(temperature))
-        np.add.at(sums, corners, -self._latent * (more @ self._shapes))
+        np.add.at(sums, corners, -self.latent * (more @ self._shapes))
         return np.asarray(nodal_sum(self._body, sums)[: self._owned])
 
     def slopes(
@@ -98,7 +101,7 @@ class LatentHeat:
         by_temperature = self._assembled(cells, steep)
         by_fraction = self._assembled(cells, self._volumes[cells])
         columns = self._matrix.indices[: len(by_temperature)]
-        return -self._latent * (
+        return -self.latent * (
             by_temperature * temperature_slope[columns] - by_fraction * fraction_slope[columns]
         )
 

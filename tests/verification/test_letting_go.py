@@ -35,7 +35,7 @@ def pulls_until_it_opens(comm, size: float) -> list[float]:
     for state in simulation(comm, case(size)):
         if state.paired("casting/mould", "gap").max() > 1e-8:
             break
-        force = state.now.problem.interfaces.states[0].force[:, 0]
+        force = state.problem.interfaces.states[0].force[:, 0]
         pull = -float(force.sum() / state.pairs["casting/mould"].areas.sum())
         wall = np.isclose(places(state, "casting")[:, 0], 0.03)
         solid = nodal(state, "casting", "solid_fraction")[wall].mean()

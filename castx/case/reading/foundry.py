@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from castx.case.bodies import Body
+from castx.case.bodies import DARCY, Body
 from castx.case.case import Case
 from castx.errors import CaseError
 from castx.foundry.alloy import FEEDING, NEEDED, OF_THE_MUSH, missing
@@ -31,7 +31,7 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
             'coupling.scheme = "mechanical" does not have; use another scheme, or leave it out',
         )
     if "suction_margin" in case.output.fields and not any(
-        body.feeding == "darcy" for body in case.bodies
+        body.feeding == DARCY for body in case.bodies
     ):
         yield Problem(
             ("output", "fields", case.output.fields.index("suction_margin")),
@@ -103,7 +103,7 @@ def _feeder_problems(case: Case, freezing: list[str]) -> Iterator[Problem]:
 def _melt_flow_problems(case: Case) -> Iterator[Problem]:
     """Yield bodies whose melt cannot flow through the mush."""
     for index, body in enumerate(case.bodies):
-        if body.feeding != "darcy":
+        if body.feeding != DARCY:
             continue
         place = ("bodies", index, "feeding")
         if body.law == "rigid" or case.coupling.scheme == "thermal":

@@ -30,6 +30,6 @@ def _freezes_in_cells(case: Case, body: Body) -> bool:
     metal = find_material(body.material, case.materials)
     if case.coupling.scheme == "thermal" or body.law == "rigid" or metal.liquid is None:
         return False
-    if not metal.melts or metal.freezes_at_a_plateau or body.feeding == DARCY:
+    if metal.freezes_at_a_plateau or body.feeding == DARCY:
         return False
     return not body.starts_solid(metal.description)

@@ -35,7 +35,7 @@ class FacetMeans:
     def __init__(self, comm: MPI.Intracomm, gaps: Gaps) -> None:
         count = len(gaps.local)
         self._areas = gaps.areas
-        first = comm.scan(count) - count
+        first, _ = gaps.matrix.getOwnershipRange()
         found = [
             _own_facets(comm, interface.facets, first + part.start, part.stop - part.start)
             for part, interface in zip(gaps.slices, gaps.interfaces, strict=True)

@@ -22,7 +22,7 @@ from castx.arrays import FloatArray, IntArray, LongArray
 from castx.case.contact import Pairing
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.edge_shares import edge_shares
-from castx.domain.pairs.facet_pairs import FacetPairs
+from castx.domain.pairs.facet_pairs import FacetPairs, facet_pairs
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.mechanics.midsides.midsides import Midsides
 
@@ -67,7 +67,7 @@ class QuadraticPairs(NamedTuple):
         shares: of mid-sides in these pairs.
         tied: pairs of the mid-sides themselves, with nothing where those of one body stay between
             the ends of their edges; None: there are none.
-        facets: round the pairs of nodes; None: nothing asks for them.
+        facets: round the pairs of nodes; None: nothing has asked for them.
     """
 
     nodes: NodePairs
@@ -100,7 +100,8 @@ def quadratic_pairs(
         return QuadraticPairs(pairs)
     if tied:
         return QuadraticPairs(pairs, tied=_tied_midsides(mesh, pairs, quadratic, midsides))
-    shares = edge_shares(mesh, pairs, rule.angle_of_patches)
+    facets = facet_pairs(mesh, pairs, rule.angle_of_patches)
+    shares = edge_shares(facets, pairs, mesh.model)
     found = []
     for name in quadratic:
         own = name == pairs.secondary
@@ -108,7 +109,7 @@ def quadratic_pairs(
         numbers = midsides[name].at_edges(_surface_of(name, pairs), ends)
         sign = 1.0 if own else -1.0
         found.append(MidsideShares(name, sign, shares.pair, numbers, shares.areas, shares.normals))
-    return QuadraticPairs(pairs, tuple(found))
+    return QuadraticPairs(pairs, tuple(found), facets=facets)
 
 
 def _tied_midsides(

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray, LongArray
-from castx.domain.mesh import CastingMesh
-from castx.domain.pairs.facet_pairs import facet_pairs, sums_by_number
+from castx.domain.pairs.facet_pairs import FacetPairs, sums_by_number
 from castx.domain.pairs.node_pairs import NodePairs
 from castx.domain.surface_facets import SurfaceFacets
 
@@ -49,18 +48,16 @@ class EdgeShares:
     normals: FloatArray
 
 
-def edge_shares(mesh: CastingMesh, pairs: NodePairs, sharp_angle: float | None) -> EdgeShares:
-    """Return the shares of pairs in the edges of their interface; collective.
+def edge_shares(found: FacetPairs, pairs: NodePairs, model: str) -> EdgeShares:
+    """Return the shares of pairs in the edges of their interface.
 
     Args:
-        mesh: mesh of the bodies.
-        pairs: of the interface, whose facets are lines or triangles.
-        sharp_angle: between the facets of different patches, each of which has a pair [rad]; None:
-            each node has one pair.
+        found: facets of the interface, lines or triangles, with its pairs.
+        pairs: of the interface.
+        model: geometric model.
     """
-    found = facet_pairs(mesh, pairs, sharp_angle)
     facets, labels = found.facets, found.labels
-    edges = _edges(facets, labels, mesh.model)
+    edges = _edges(facets, labels, model)
     # Behind the last label nothing is, so that -1 has no pair.
     pair_at = np.append(found.pairs, -1)[edges.labels]
     edge, node = np.nonzero(pair_at >= 0)

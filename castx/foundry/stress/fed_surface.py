@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from castx.arrays import IntArray
+from castx.case.bodies import DARCY
 from castx.case.case import Case
 from castx.foundry.pools.feeding_surfaces import FeedingSurfaces, feeding_surfaces, open_facets
 from castx.materials.lookup import find_material
@@ -46,6 +47,6 @@ def fed_surfaces(case: Case) -> dict[str, FeedingSurfaces]:
             continue
         free = feeding_surfaces(case, body, named=False)
         if free.facing:
-            flows = body.feeding == "darcy"
+            flows = body.feeding == DARCY
             found[body.name] = feeding_surfaces(case, body) if flows else free
     return found

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.bodies import DARCY
 from castx.case.case import Case
 from castx.foundry.alloy import Alloy
 from castx.foundry.suction import TEARING_DEPRESSION
@@ -155,7 +156,7 @@ def suction_margins_of(case: Case, mesh: CastingMesh) -> SuctionMargins:
     melts = {}
     if SUCTION_MARGIN in case.output.fields:
         for body in case.bodies:
-            if body.feeding == "darcy":
+            if body.feeding == DARCY:
                 alloy = Alloy(find_material(body.material, case.materials))
                 depression = alloy.melt(TEARING_DEPRESSION).cavitation
                 melts[body.name] = TearingMelt(depression, alloy.cut_off)

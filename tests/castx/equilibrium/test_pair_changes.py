@@ -137,7 +137,7 @@ def test_noise_is_a_tenth_of_what_balances_and_a_hundred_residuals(residual, rou
         ),
         supports=SimpleNamespace(change=lambda closed, all_quiet: False), is_linear=True,
         is_evaluated_at=lambda x: True, present=lambda x: x, trial_forces=np.zeros(2),
-        felt_forces=lambda: np.zeros(2),
+        felt=lambda forces: forces,
     )  # fmt: skip
     f: Any = SimpleNamespace(norm=lambda: residual)
     x: Any = None
@@ -184,7 +184,7 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
         supports=SimpleNamespace(change=lambda closed, all_quiet: True), is_linear=False,
         is_evaluated_at=lambda x: True, iterate=SimpleIterate(0.0),
         present=lambda x: SimpleIterate(0.0), trial_forces=trial, sum_up_again=lambda x, f: None,
-        felt_forces=lambda: np.array([-1.5, -2.0]),
+        felt=lambda forces: np.array([-1.5, -2.0]),
     )  # fmt: skip
     x: Any = vector()
     changes = PairChanges(balance)

@@ -9,6 +9,7 @@ import pytest
 
 from castx.case.contact import Pairing
 from castx.domain.pairs.edge_shares import edge_shares
+from castx.domain.pairs.facet_pairs import facet_pairs
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.pairing import Facing, pairs_of
 from castx.domain.pairs.patches import pairs_by_patch
@@ -28,7 +29,8 @@ SIMPLICES = ("box", "box in space", "cup", "cup in space")
 def rule_of(mesh, patches: bool):
     """Return the pairs of a mesh, one or several at an edge, and their shares."""
     pairs = pairs_by_patch(mesh, *NAMES, SHARP) if patches else node_pairs(mesh, *NAMES)
-    return pairs, edge_shares(mesh, pairs, SHARP if patches else None)
+    facets = facet_pairs(mesh, pairs, SHARP if patches else None)
+    return pairs, edge_shares(facets, pairs, mesh.model)
 
 
 @pytest.mark.parametrize("patches", [False, True])
@@ -119,7 +121,8 @@ def test_a_node_that_faces_two_bodies_has_a_part_of_its_edges_in_each(comm, shar
     rule = Pairing(kind="node-to-face", surfaces=("skin", "top"))
     total, alone = 0.0, 0
     for pairs in pairs_of(mesh, [Facing("upper", name, rule) for name in names[1:]]):
-        total += comm.allreduce(float(edge_shares(mesh, pairs, None).areas.sum()))
+        shares = edge_shares(facet_pairs(mesh, pairs, None), pairs, mesh.model)
+        total += comm.allreduce(float(shares.areas.sum()))
         alone += comm.allreduce(len(pairs.areas))
     assert alone > len(x)
     assert total == pytest.approx(2 / 3 * 4.0)
