@@ -22,6 +22,11 @@ ALIKE = 1e-3
 """Difference of violations, relative, below which pairs change together: which of two that mirror
 each other is the worst one rounding decides, and the other one would follow by itself."""
 
+PROVISIONAL = 4
+"""Passes of a step, or tries of them, in which pairs that let go are held anew by the next one: its
+heat is another, and metal that had just frozen at a wall may be liquid in it. Further ones only go
+round."""
+
 MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
 
@@ -161,6 +166,7 @@ class ActiveSet:
         self._committed = self.closed.copy()
         self._pulls: FloatArray = np.zeros(len(free))
         self._let_go: BoolArray = np.zeros(len(free), dtype=bool)
+        self._holds = 0
         self._released: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
 
@@ -190,12 +196,19 @@ class ActiveSet:
         return np.asarray(self._pulls > 0.0)
 
     def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
-        """Let closed pairs be pulled until the next call; a pair lets go once in a step.
+        """Let closed pairs be pulled until the next call.
+
+        What lets go in the first passes of a step is held anew by the next one; later, a pair lets
+        go once.
 
         Args:
             pulls: largest pulls of the pairs [N], shape (pairs,).
             closing: pairs that close whatever their gap, shape (pairs,).
         """
+        self._holds += 1
+        if self._holds <= PROVISIONAL:
+            self.closed = self.closed | (self._committed & self._let_go)
+            self._let_go[:] = False
         may = (self._committed | closing) & ~self._let_go
         self._pulls = np.where(may, pulls, 0.0)
         self.closed = self.closed | (closing & ~self._let_go)
@@ -300,6 +313,7 @@ class ActiveSet:
         self.frozen[:] = False
         self._released[:] = False
         self._let_go[:] = False
+        self._holds = 0
 
     def restore(self, closed: BoolArray) -> None:
         """Restore the active set of the last accepted step."""

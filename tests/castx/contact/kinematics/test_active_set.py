@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.contact.kinematics.active_set import ActiveSet, Pivoting
+from castx.contact.kinematics.active_set import PROVISIONAL, ActiveSet, Pivoting
 from tests.elastic_bodies import everywhere
 
 
@@ -270,6 +270,8 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
     keys, free = np.array([0.2, 0.3, 0.5, 0.7])[here], np.ones(4, dtype=bool)[here]
     active = ActiveSet(comm, np.zeros(4)[here], free, keys)
     limits, none = np.array([4.0, 0.0, 4.0, 4.0])[here], np.zeros(4, dtype=bool)[here]
+    for _ in range(PROVISIONAL - 1):
+        active.hold(limits, none)
     pull = np.array([-3.9, -3.0, -9.0, 2.0])[here]
     active.hold(limits, none)
     np.testing.assert_array_equal(active.held, np.array([True, False, True, True])[here])
@@ -288,6 +290,23 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
     active.commit()
     active.hold(limits, none)
     np.testing.assert_array_equal(active.held, np.array([True, False, False, True])[here])
+
+
+@pytest.mark.ranks
+def test_what_lets_go_in_the_first_passes_of_a_step_is_held_anew(comm):
+    """One pair of each rank; a pair without a pull that opens is no matter of being held."""
+    active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
+    limits, none = np.array([4.0]), np.zeros(1, dtype=bool)
+    for step in range(2):
+        for count in range(PROVISIONAL + 2):
+            active.hold(limits, none)
+            active.begin()
+            assert active.closed.all() == (count < PROVISIONAL)
+            active.update(np.where(active.closed, -9.0, -1.0))
+            assert not active.closed.any()
+        active.rewind() if step == 0 else active.commit()
+    active.hold(limits, none)
+    assert not active.closed.any(), "open when the step began"
 
 
 def test_a_pair_closes_where_its_metal_is_liquid(comm):
