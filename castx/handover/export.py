@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from castx.case.fields.feeding import EMPTIED
 from castx.errors import CaseError
 from castx.handover.body_state import BodyState
 from castx.handover.calculix import write_calculix
 from castx.handover.surfaces import (
     compensated_mould,
     distorted,
+    sunk,
     write_mould_mesh,
     write_surface,
 )
@@ -145,10 +147,25 @@ def _front(state: BodyState) -> str:
 
 
 def _stl(state: BodyState, request: Request) -> Iterator[str]:
-    closed = write_surface(request.output, distorted(state, request.fit), state.cells)
+    places, cells = sunk(state, distorted(state, request.fit))
+    closed = write_surface(request.output, places, cells)
     yield f"written: {request.output}, in mm"
+    yield from _pipe(state)
     if not closed:
         yield "warning: the surface is not closed"
+
+
+def _pipe(state: BodyState) -> Iterator[str]:
+    """Yield the sentence on the pipe of a body, which is cut out if it was written."""
+    about = state.results.record.get("feeding", {}).get(state.name, {})
+    volume = about.get("pipe_volume", 0.0)
+    if not volume > 0.0:
+        return
+    text = f"the pipe of {1e6 * volume:.4g} cm³ at the end of the run"
+    if EMPTIED in state.grid.point_data:
+        yield f"{text} is cut out as far as it had sunk"
+    else:
+        yield f"{text} is not cut out: it needs the field {EMPTIED} in output.fields"
 
 
 def _mould(state: BodyState, request: Request) -> Iterator[str]:

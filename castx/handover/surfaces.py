@@ -15,8 +15,12 @@ from castx.errors import CaseError
 from castx.foundry.distortion import best_fit, compensated
 from castx.handover.body_state import BodyState
 from castx.handover.following import FACES, followed
+from castx.results.reading import cells_of
+from castx.results.sunk_shape import simplices, without_pipe
 
 MILLIMETRE = 1e-3
+PLACE = "place"
+"""Array of where nodes are, along which a cut goes."""
 SAME_PLACE = 1e-6
 """Distance of nodes, beside the extent of the body, below which they are the same."""
 
@@ -60,6 +64,22 @@ def distorted(state: BodyState, fit: bool = False) -> FloatArray:
         CaseError: the displacement was not written.
     """
     return _fitted(state, state.points, fit)
+
+
+def sunk(state: BodyState, places: FloatArray) -> tuple[FloatArray, LongArray]:
+    """Return nodes and cells of a body without its pipe, (nodes, 3) [m] and (cells, corners).
+
+    Args:
+        state: the body at a moment.
+        places: of its nodes, (nodes, 3) [m].
+    """
+    grid = state.grid.copy()
+    grid.point_data[PLACE] = places
+    left = without_pipe(grid, state.model)
+    if left is grid:
+        return places, state.cells
+    cut = simplices(left)
+    return np.asarray(cut[PLACE], dtype=np.float64), cells_of(cut)
 
 
 def compensated_mould(
@@ -130,6 +150,7 @@ def write_mould_mesh(path: Path, state: BodyState, places: FloatArray, mesh: Pat
         CaseError: the nodes of the mesh are others than those of the body.
         MeshError: the mesh cannot be read or written, or cells would be turned over.
     """
+
     def moved(nodes: FloatArray, cells: list[LongArray]) -> FloatArray:
         extent = float(np.ptp(state.points, axis=0).max())
         distance, found = cKDTree(nodes).query(state.points)

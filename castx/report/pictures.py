@@ -15,6 +15,7 @@ import pyvista
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 
 from castx.arrays import FloatArray
+from castx.results.sunk_shape import drawn_body
 
 Image = npt.NDArray[np.uint8]
 PIXELS = 900
@@ -214,7 +215,7 @@ def picture(
     flat = view.direction is None
     edges, fronts = [], []
     for name, grid in grids.items():
-        surface = view.shown(deformed(grid, exaggeration))
+        surface = view.shown(deformed(drawn_body(grid, view.model, field), exaggeration))
         scale = scale_of.get(name)
         if scale is None or field not in grid.array_names:
             style: dict[str, object] = {"color": NEUTRAL}

@@ -9,6 +9,7 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from castx.case.fields.feeding import EMPTIED
 from castx.errors import CaseError
 from castx.foundry.followed.foundry_fields import (
     FoundryFields,
@@ -18,6 +19,7 @@ from castx.foundry.followed.foundry_fields import (
     written_names,
 )
 from castx.foundry.followed.histories import histories_of
+from castx.foundry.pools.feeders import piped_metals
 from castx.foundry.pools.hot_spots import HotSpots
 from castx.foundry.pools.pooled_metal import pooled_metals
 from castx.foundry.stress.cracks import cracks_of
@@ -296,12 +298,16 @@ def lost_rows(folder: Path, notes: Mapping[str, Any]) -> dict[str, int]:
 
 
 def wanted_fields(case: Case) -> list[str]:
-    """Return the fields to write: those of the case, or those of the default that the run has."""
+    """Return the fields to write: those of the case, or those of the default that the run has.
+
+    The pipe is a part of the shape, and so of the default where castings have one.
+    """
     asked = "fields" in case.output.model_fields_set
     lacking = set() if asked else NOT_BY_DEFAULT.get(case.coupling.scheme, set())
+    piped = (EMPTIED,) if not asked and piped_metals(case) else ()
     return [
         name
-        for entry in case.output.fields
+        for entry in (*case.output.fields, *piped)
         if (case.coupling.scheme != "thermal" or entry not in MECHANICAL) and entry not in lacking
         for name in written_names(entry, case)
     ]

@@ -14,6 +14,7 @@ from castx.report.packing import packed
 from castx.report.pictures import outer_faces
 from castx.report.topics import TOPICS, Topic, topics_of
 from castx.results.reading import Results
+from castx.results.sunk_shape import drawn_body
 
 Answer = dict[str, Any]
 FIRST = "temperature"
@@ -36,7 +37,10 @@ def moment_scene(folder: Path, field: str) -> Answer:
     names = {name for grid in grids.values() for name in scalars(grid)}
     topics = {topic.field: topic for topic in topics_of(names) if not topic.final}
     topic = topics.get(field) or topics.get(FIRST) or next(iter(topics.values()))
-    drawn = {name: surface_values(grid, topic) for name, grid in grids.items()}
+    drawn = {
+        name: surface_values(drawn_body(grid, run.model, topic.field), topic)
+        for name, grid in grids.items()
+    }
     counts = [len(triangles) for triangles, _ in drawn.values()]
     return {
         "time": time,

@@ -8,6 +8,9 @@ from castx.arrays import FloatArray
 from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField, StateView
 from castx.input.units import PURE_NUMBER, STRESS
 
+EMPTIED = "emptied"
+"""Name of the field of what has flowed out of each node."""
+
 
 def melt_suction(state: StateView) -> FloatArray:
     """Return the mean stress where some melt is left, not below zero [Pa], shape (nodes,)."""
@@ -60,7 +63,7 @@ FIELDS = (
         ),
     ),
     OutputField(
-        name="emptied",
+        name=EMPTIED,
         title="Emptied by feeding",
         unit="1",
         place=FieldPlace.NODE,

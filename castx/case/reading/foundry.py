@@ -49,6 +49,10 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
     if "life" in case.output.fields:
         yield from _fatigue_problems(case)
     yield from _feeder_problems(case, [body.name for body, _ in poured])
+    flowing = bool(poured) and all(body.feeding == DARCY for body, _ in poured)
+    if flowing and case.foundry.mass_feeding_limit is not None:
+        text = 'has no effect with feeding = "darcy": feeders sink by what they give; leave it out'
+        yield Problem(("foundry", "mass_feeding_limit"), text)
     yield from _melt_flow_problems(case)
 
 

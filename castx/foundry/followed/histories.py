@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
+from castx.case.fields.feeding import EMPTIED
 from castx.discretisation.flux_errors import FLUX_ERROR, flux_errors_of
 from castx.foundry.followed.last_liquid import last_liquid_of
-from castx.foundry.pools.feeders import EMPTIED, feeders_of
+from castx.foundry.pools.feeders import feeders_of
 from castx.foundry.pools.feeding_path import FEEDING_PATH, Pores, feeding_reach_of
 from castx.foundry.stress.die_surfaces import LIFE, STRAIN_RANGE, die_surfaces_of
 from castx.foundry.stress.ejection_force import ejection_forces_of

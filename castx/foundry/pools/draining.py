@@ -37,14 +37,15 @@ def drained(liquid: FloatArray, freezing: FloatArray, below: float, contraction:
         liquid: G_0, volume of liquid in each place when the step begins, the highest place first,
             (places,) [m³].
         freezing: ΔF, how much of it freezes in the step if none flows out, (places,) [m³].
-        below: what freezes in the step in the rest of the pool [m³].
+        below: what freezes in the step in the rest of the pool [m³]; negative where less flows than
+            the places lack.
         contraction: β = (ρ_s - ρ_l)/ρ_l.
     """
     left, mean = np.ones(len(liquid)), np.ones(len(liquid))
     rests = below + freezing.sum() - np.cumsum(freezing)
     start = 0.0
     for place, (volume, own, rest) in enumerate(
-        zip(liquid, freezing, np.maximum(rests, 0.0), strict=True)
+        zip(liquid, freezing, np.maximum(rests, min(below, 0.0)), strict=True)
     ):
         found = _one(float(volume), float(own), float(rest), contraction, start)
         left[place], mean[place], start = found
@@ -65,9 +66,9 @@ def _one(
     if now <= 0.0:
         return 1.0, 1.0, start
     demand = rest + freezing
+    if demand <= 0.0:
+        return 1.0, 1.0, 1.0
     if freezing <= 0.0:
-        if demand <= 0.0:
-            return 1.0, 1.0, 1.0
         emptied = start + now / (contraction * demand)
         if emptied < 1.0:
             return 0.0, start + 0.5 * (emptied - start), emptied

@@ -9,6 +9,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
+from castx.case.fields.feeding import EMPTIED
 from castx.foundry.pools.feeding_surfaces import FeedingNodes
 from castx.foundry.pools.pipe import BodyPipe, PipedMetal
 from castx.foundry.pools.pooled_metal import pooled_metals
@@ -18,9 +19,6 @@ from castx.stateful import Arrays, Saved, part_of, saved_parts
 if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
 
-EMPTIED = "emptied"
-"""Name of the field of what has flowed out of each node."""
-
 
 class FreezingState(Protocol):
     """The part of a state after an accepted step that is needed here."""
@@ -28,6 +26,10 @@ class FreezingState(Protocol):
     @property
     def process(self) -> Any:
         """Bodies that are new."""
+
+    @property
+    def totals(self) -> Mapping[str, float]:
+        """Totals by the name of their column in history.csv."""
 
     @property
     def mesh(self) -> CastingMesh:
@@ -66,7 +68,9 @@ class Feeders:
             if name in state.process.renewed:
                 pipe.begin()
             feeders = self._feeding[name].by_feeder(list(state.pairs))
-            pipe.update(state.nodal(name, "solid_fraction"), feeders)
+            supplied = {feeder: state.totals[f"{name}.fed_volume.{feeder}"] for feeder in feeders
+                        if pipe.flows}  # fmt: skip
+            pipe.update(state.nodal(name, "solid_fraction"), feeders, supplied)
 
     def field(self, body: str, name: str) -> FloatArray | None:
         """Return the share of each node that has flowed out, (nodes,); None: not known here."""
@@ -108,20 +112,36 @@ class Feeders:
                 pipe.restore(part)
 
 
-def feeders_of(case: Case, mesh: CastingMesh) -> Feeders:
-    """Return the feeders of a case: of metal that shrinks as it freezes, under gravity."""
+def piped_metals(case: Case) -> dict[str, PipedMetal]:
+    """Return the bodies whose feeders sink: of metal that shrinks as it freezes, under gravity.
+
+    Args:
+        case: that has them.
+    """
     gravity = np.array(case.loads.gravity)
     metals = {}
     for name, metal in pooled_metals(case).items():
         if metal.shrinkage is None or metal.shrinkage <= 0.0 or not gravity.any():
             continue
         up = -gravity / np.linalg.norm(gravity)
-        limit = case.foundry.mass_feeding_limit
-        piped = PipedMetal(
+        limit = 1.0 if metal.flows else case.foundry.mass_feeding_limit
+        metals[name] = PipedMetal(
             float(melt_contraction(np.asarray(metal.shrinkage))),
             metal.limit if limit is None else limit,
             tuple(up.tolist()),
             metal.surfaces.feeders,
+            metal.flows,
         )
-        metals[name] = piped, FeedingNodes(mesh.bodies[name], mesh.model, metal.surfaces)
-    return Feeders(mesh, metals)
+    return metals
+
+
+def feeders_of(case: Case, mesh: CastingMesh) -> Feeders:
+    """Return the feeders of a case."""
+    pooled = pooled_metals(case)
+    return Feeders(
+        mesh,
+        {
+            name: (metal, FeedingNodes(mesh.bodies[name], mesh.model, pooled[name].surfaces))
+            for name, metal in piped_metals(case).items()
+        },
+    )

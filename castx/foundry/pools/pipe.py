@@ -1,7 +1,10 @@
 """The pipe of a body: liquid that its highest places lose to feed the freezing below.
 
 A step of a pool that is open to a feeder lacks Σ V_i β Δf_i of its nodes below the limit of mass
-feeding; that empties its highest nodes along gravity, the last ones in part. Nodes of one height
+feeding; that empties its highest nodes along gravity, the last ones in part.
+Where melt flows through the mush the mechanics says what feeders supply (`castx.mechanics.mush`),
+in place of that sum, and what is empty freezes and lacks β there too, which is taken off: so in the
+end the pipe of a sound casting has s of its volume either way. Nodes of one height
 fall together. What is empty lacks nothing and is no liquid that joins others; liquid beside it is
 open to the feeders to which it was. The metal of the heat equation stays where it is.
 """
@@ -10,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mpi4py import MPI
@@ -18,13 +22,17 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import nodal_sum, nodal_volumes
-from castx.foundry.pools.draining import drained
+from castx.foundry.pools.draining import Draining, drained
 from castx.foundry.pools.heights import Heights, Places
 from castx.foundry.pools.joined_nodes import NodeRegions
+from castx.foundry.pools.supplied import SuppliedMelt
 from castx.stateful import Arrays, Saved
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh
+
+
+NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -36,12 +44,14 @@ class PipedMetal:
         limit: solid fraction below which metal flows in mass.
         up: direction against gravity, of length 1.
         feeders: their names.
+        flows: whether the mechanics says what they supply.
     """
 
     contraction: float
     limit: float
     up: tuple[float, ...]
     feeders: tuple[str, ...]
+    flows: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +94,14 @@ class BodyPipe:
         self._levels: FloatArray = np.full(feeders, np.nan)
         self._above: FloatArray = np.full(nodes, np.nan)
         self._unfed = 0.0
+        self._supplied = SuppliedMelt(self._metal.feeders) if self._metal.flows else None
 
-    def update(self, fraction: FloatArray, feeders: Mapping[str, BoolArray]) -> None:
+    def update(
+        self,
+        fraction: FloatArray,
+        feeders: Mapping[str, BoolArray],
+        supplied: Mapping[str, float] = NOTHING,
+    ) -> None:
         """Follow the pipe to the end of a step; collective.
 
         What melts and freezes again lacks nothing the second time.
@@ -93,6 +109,8 @@ class BodyPipe:
         Args:
             fraction: solid fraction of the nodes, ghosts included, (nodes,).
             feeders: whether the nodes lie on each of them, by name.
+            supplied: what each of them has supplied so far [m³ of liquid], by name, of metal that
+                flows.
         """
         known = [feeders[name] for name in self._metal.feeders]
         surfaces = np.array(known, dtype=bool).reshape(len(known), len(fraction)).T
@@ -101,7 +119,11 @@ class BodyPipe:
             self._fraction = fraction.copy()
             return
         reached = np.maximum(fraction, self._fraction)
-        if not self._comm.allreduce(bool((reached > self._fraction).any()), MPI.LOR):
+        goes_on = bool((reached > self._fraction).any())
+        if self._supplied is not None:
+            self._supplied.take_over(supplied, self._lacking_where_empty(reached))
+            goes_on |= bool((self._supplied.owed > 0.0).any())
+        if not self._comm.allreduce(goes_on, MPI.LOR):
             return
         pools = self._pools(surfaces)
         self._feed(pools, reached, surfaces)
@@ -140,17 +162,21 @@ class BodyPipe:
         metal = self._volumes * self._filled[own]
         liquid, freezing = metal * (1.0 - start), metal * (end - start)
         share, mean = np.ones(len(metal)), np.ones(len(metal))
-        totals: FloatArray = np.zeros(count)
-        np.add.at(totals, pool[pool >= 0], freezing[pool >= 0])
-        self._comm.Allreduce(MPI.IN_PLACE, totals, op=MPI.SUM)
+        totals, held = self._sums_of_pools(pool, count, freezing, liquid)
         levels = np.full((count, len(self._metal.feeders)), np.nan)
         beta, keys = self._metal.contraction, self._heights.keys[own]
-        columns = self._heights.highest(pool, liquid, freezing, beta * totals)
+        lacks = beta * totals
+        if self._supplied is not None:
+            lacks = self._supplied.ask(pools.open_to, totals, held)
+        columns = self._heights.highest(pool, liquid, freezing, lacks)
         tops = self._tops(pools, surfaces)
         for number in range(count):
             feeders, places = pools.open_to[number], Places.of(columns, number)
-            rest = max(float(totals[number] - places.freezing.sum()), 0.0)
+            rest = float(lacks[number] / beta - places.freezing.sum())
+            rest = rest if self.flows else max(rest, 0.0)
             found = drained(places.liquid, places.freezing, rest, beta)
+            if self._supplied is not None:
+                self._supplied.pay(number, self._given(places, found))
             levels[number, feeders] = level = places.level(found.left, tops[number])
             self._above[pools.of_node == number] = level
             here = np.flatnonzero(pool == number)
@@ -160,6 +186,30 @@ class BodyPipe:
         self._mark(pools, surfaces, share < 1.0)
         if count:
             self._levels = np.fmin(self._levels, _highest_of(levels))
+
+    def _sums_of_pools(self, pool: IntArray, count: int, *values: FloatArray) -> FloatArray:
+        """Return sums over the nodes of each pool, (values, pools); collective."""
+        inside = pool >= 0
+        sums = np.array([np.bincount(pool[inside], own[inside], count) for own in values])
+        return np.asarray(self._comm.allreduce(sums, op=MPI.SUM))
+
+    def _given(self, places: Places, found: Draining) -> float:
+        """Return the volume that flows out of places, and the lack of what is empty [m³]."""
+        frozen = places.freezing @ found.mean
+        lost = places.liquid.sum() - found.left @ (places.liquid - places.freezing) - frozen
+        return float(lost + self._metal.contraction * (places.freezing.sum() - frozen))
+
+    def _lacking_where_empty(self, reached: FloatArray) -> FloatArray:
+        """Return the lack of emptied metal that freezes, by feeder [m³], (feeders,); collective.
+
+        Args:
+            reached: solid fraction of the local nodes at the end of the step, (nodes,).
+        """
+        empty = ((1.0 - self._filled) * (reached - self._fraction))[self._owned]
+        marks = self._beside[self._owned].astype(np.float64)
+        marks /= np.maximum(marks.sum(axis=1, keepdims=True), 1.0)
+        lacking = self._metal.contraction * (self._volumes * empty) @ marks
+        return np.asarray(self._comm.allreduce(lacking, op=MPI.SUM))
 
     def _tops(self, pools: Pooled, surfaces: BoolArray) -> list[float]:
         """Return the height up to which each open pool is full [m]; collective.
@@ -191,7 +241,12 @@ class BodyPipe:
         emptied[self._owned] += np.where(share < 1.0, lost, 0.0) / self._volumes
         filled[self._owned] *= share
         self.emptied, self._filled = self._everywhere(emptied), self._everywhere(filled)
-        unfed = self._metal.contraction * float(metal @ (share * (reached - end)))
+        lacking = share * (reached - end)
+        if self.flows:
+            lacking = lacking + mean * (end - start)
+        unfed = self._metal.contraction * float(metal @ lacking)
+        if self.flows:
+            unfed -= float(lost[share < 1.0].sum())
         self._unfed += self._comm.allreduce(unfed, op=MPI.SUM)
 
     def _mark(self, pools: Pooled, surfaces: BoolArray, fallen: BoolArray) -> None:
@@ -215,6 +270,11 @@ class BodyPipe:
         return float(self._comm.allreduce(own, op=MPI.SUM))
 
     @property
+    def flows(self) -> bool:
+        """Whether the mechanics says what the feeders supply."""
+        return self._metal.flows
+
+    @property
     def unfed(self) -> float:
         """Volume of feeding demand that no feeder has supplied [m³]."""
         return self._unfed
@@ -234,6 +294,8 @@ class BodyPipe:
         }  # fmt: skip
         found = {name: Saved(values, numbering) for name, values in nodal.items()}
         whole = {"levels": self._levels, "unfed": np.array(self._unfed)}
+        if self._supplied is not None:
+            whole |= self._supplied.saved()
         bodies = (self._body.name,)
         return found | {name: Saved(values, bodies=bodies) for name, values in whole.items()}
 
@@ -248,6 +310,8 @@ class BodyPipe:
         self.emptied, self._beside = arrays["emptied"].copy(), arrays["beside"] > 0.5
         self._levels, self._unfed = np.array(arrays["levels"]), float(arrays["unfed"])
         self._above = arrays["above"].copy()
+        if self._supplied is not None:
+            self._supplied.restore(arrays)
 
 
 def _highest_of(levels: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from castx.case.bodies import DARCY
 from castx.case.case import Case
 from castx.foundry.alloy import missing
 from castx.foundry.pools.feeding_surfaces import FeedingSurfaces, feeding_surfaces
@@ -24,11 +25,13 @@ class PooledMetal:
         limit: solid fraction below which a node belongs to a pool.
         shrinkage: s = (ρ_s - ρ_l)/ρ_s; None: the material does not say.
         surfaces: that feed.
+        flows: whether the mechanics lets its melt flow through the mush.
     """
 
     limit: float
     shrinkage: float | None = None
     surfaces: FeedingSurfaces = ALL_FREE
+    flows: bool = False
 
 
 def pooled_metals(case: Case) -> dict[str, PooledMetal]:
@@ -44,5 +47,7 @@ def pooled_metals(case: Case) -> dict[str, PooledMetal]:
         key = "solidification_shrinkage"
         known = not missing(material.description, (key,))
         shrinkage = material.description.solidification_shrinkage if known else None
-        found[body.name] = PooledMetal(limit, shrinkage, feeding_surfaces(case, body))
+        flows = body.feeding == DARCY and case.coupling.scheme != "thermal"
+        surfaces = feeding_surfaces(case, body)
+        found[body.name] = PooledMetal(limit, shrinkage, surfaces, flows)
     return found

@@ -1,7 +1,10 @@
 """What castx export writes and says, on a body made by hand and on one that was run."""
 
+import json
+
 import numpy as np
 import pytest
+import pyvista
 
 from castx.command.run import run
 from castx.errors import CaseError
@@ -50,9 +53,7 @@ fields = ["temperature", "displacement", "stress", "point_stress", "plastic_stra
 
 def folder_of(tmp_path, model="3d", cells="simplices", law="thermo-elasto-viscoplastic"):
     depth = 'depth = "10 mm"' if model == "3d" else ""
-    (tmp_path / "bar.toml").write_text(
-        CASE.format(model=model, cells=cells, depth=depth, law=law)
-    )
+    (tmp_path / "bar.toml").write_text(CASE.format(model=model, cells=cells, depth=depth, law=law))
     return run(tmp_path / "bar.toml", output=tmp_path / "out")
 
 
@@ -61,9 +62,7 @@ def folder_of(tmp_path, model="3d", cells="simplices", law="thermo-elasto-viscop
     ("model", "cells"),
     [("3d", "simplices"), ("3d", "quadrilaterals"), ("plane-strain", "simplices")],
 )
-def test_a_body_that_is_free_is_in_equilibrium_in_the_elements_of_calculix(
-    tmp_path, model, cells
-):
+def test_a_body_that_is_free_is_in_equilibrium_in_the_elements_of_calculix(tmp_path, model, cells):
     folder = folder_of(tmp_path, model, cells)
     state = BodyState(Results(folder), "casting")
     forces, sizes = elements_of(state).forces()
@@ -89,6 +88,25 @@ def test_all_kinds_are_written_of_a_run(tmp_path):
     exported(Request(folder, Target("stl"), tmp_path / "part.stl", fit=True))
     lines = exported(Request(folder, Target("mould"), tmp_path / "mould.stl"))
     assert "moves by at most" in lines[-1]
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_the_surface_says_whether_the_pipe_is_cut_out(tmp_path, written):
+    points, cells = box(4)
+    fields = {"displacement": np.tile([0.0, 0.0, 1e-3], (len(points), 1))}
+    if written:
+        fields["emptied"] = points[:, 2] / 0.01
+    made(tmp_path / "out", "3d", points, cells, fields)
+    record = tmp_path / "out" / "run.json"
+    about = {**json.loads(record.read_text()), "feeding": {"casting": {"pipe_volume": 3e-6}}}
+    record.write_text(json.dumps(about))
+    *_, said = exported(Request(tmp_path / "out", Target("stl"), tmp_path / "part.stl"))
+    cut = "is cut out" if written else "is not cut out: it needs the field emptied"
+    assert said.startswith("the pipe of 3 cm³") and cut in said
+    surface = pyvista.read(tmp_path / "part.stl")
+    assert surface.is_manifold
+    assert surface.volume == pytest.approx(3000.0 if written else 6000.0, rel=1e-5)
+    assert surface.bounds[4:] == pytest.approx((1.0, 6.0 if written else 11.0), rel=1e-5)
 
 
 @pytest.mark.parametrize(

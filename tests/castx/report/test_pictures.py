@@ -163,3 +163,20 @@ def test_a_smooth_picture_has_shades_between_its_colours():
             for smooth in (False, True)
         ]  # fmt: skip
     assert counts[0] < counts[1] / 2
+
+
+@pytest.mark.parametrize(("field", "part"), [("temperature", 0.6), ("emptied", 1.0)])
+def test_the_pipe_is_no_part_of_what_is_drawn_but_of_its_own_field(field, part):
+    """The upper two fifths of a rectangle of 40 by 50 mm have flowed out."""
+    grid = pyvista.ImageData(dimensions=(9, 11, 1), spacing=(0.005, 0.005, 1.0))
+    body = grid.cast_to_unstructured_grid().triangulate()
+    high = np.asarray(body.points)[:, 1]
+    body.point_data["emptied"] = np.clip((high - 0.0275) / 0.005, 0.0, 1.0)
+    body.point_data["temperature"] = 300.0 + high
+    grids = {"casting": body}
+    view = View.of("plane-strain", grids.values())
+    with display():
+        image = picture(view, grids, field, (1e3, 2e3), colours="gray", coloured=["casting"])
+    dark = (image < 128).all(axis=2)[:, image.shape[1] // 2]
+    metres = (view.high - view.low)[1] / len(dark)
+    assert metres * dark.sum() == pytest.approx(part * 0.05, abs=3e-4)

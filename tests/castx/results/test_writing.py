@@ -143,6 +143,8 @@ def test_a_thermal_run_writes_what_it_has_and_refuses_what_it_has_not(comm, shar
     output = {"folder": str(shared_tmp_path)}
     case = read_case({**thermal, "output": output}, Path("case.toml"))
     assert wanted_fields(case) == ["temperature", "solid_fraction", "solidification_time"]
+    heavy = {**thermal, "loads": {"gravity": [0, -9.81]}, "output": output}
+    assert wanted_fields(read_case(heavy, Path("case.toml")))[-1] == "emptied"
     asked = {**output, "fields": ["temperature", "gap"]}
     assert wanted_fields(read_case({**thermal, "output": asked}, Path("case.toml")))[1:] == ["gap"]
     mechanical = {**CONTENT, "coupling": {"scheme": "mechanical"}, "output": output}

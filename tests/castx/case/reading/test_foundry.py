@@ -53,6 +53,15 @@ def test_accepted(changes):
             {**ALLOY, "output__fields": ["suction_margin"]},
             r"output.fields\[0\].*no body has feeding = \"darcy\"; give it to a casting",
         ),
+        (
+            {
+                **ALLOY,
+                "bodies__0__feeding": "darcy",
+                "bodies__0__law": "thermo-elasto-viscoplastic",
+                "foundry": {"mass_feeding_limit": 0.8},
+            },
+            "mass_feeding_limit.*has no effect with feeding = .darcy.: feeders sink by what",
+        ),
         ({**IRON, "output__fields": ["tearing_margin"]}, "has no melt_viscosity, arm_spacing"),
         ({"output__fields": ["brittle_strain"]}, "has no mush, and so no brittle_strain"),
         (

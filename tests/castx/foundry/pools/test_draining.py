@@ -76,3 +76,15 @@ def test_the_equation_holds_by_small_parts():
 def test_without_liquid_or_freezing_nothing_sinks():
     for liquid, freezing in ((np.zeros(2), np.zeros(2)), (np.ones(2), np.zeros(2))):
         np.testing.assert_array_equal(drained(liquid, freezing, 0.0, BETA).left, 1.0)
+
+
+def test_places_that_lack_more_than_flows_sink_by_what_flows():
+    """Of ΔF = 1 in one place 0.4 β flows: dλ/ds = -β (0.4 - (1 - λ))/G, by small steps."""
+    left, mean, count = 1.0, 0.0, 20000
+    for step in (np.arange(count) + 0.5) / count:
+        mean += left / count
+        left -= BETA * max(0.4 - (1.0 - left), 0.0) / (2.0 - step) / count
+    found = drained(np.array([2.0]), np.array([1.0]), 0.4 - 1.0, BETA)
+    np.testing.assert_allclose((found.left[0], found.mean[0]), (left, mean), rtol=1e-5)
+    still = drained(np.array([2.0, 3.0]), np.array([1.0, 1.0]), -2.0, BETA)
+    assert (still.left == 1.0).all() and (still.mean == 1.0).all()

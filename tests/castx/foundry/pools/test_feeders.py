@@ -9,11 +9,12 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.case.fields.feeding import EMPTIED
 from castx.case.reading.read import read_case
 from castx.command.run import run
 from castx.domain.mesh import build_mesh
 from castx.errors import CaseError
-from castx.foundry.pools.feeders import EMPTIED, feeders_of
+from castx.foundry.pools.feeders import feeders_of
 from castx.input.toml_text import parse_toml
 from castx.results.reading import Results
 from castx.results.states.snapshot import ProcessState

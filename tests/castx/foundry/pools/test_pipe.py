@@ -263,3 +263,61 @@ def test_a_restored_pipe_goes_on(comm):
         second.update(front(body.points[:, 0], left, 2e-3), {"top": on_top(body)})
     np.testing.assert_array_equal(second.emptied, whole.emptied)
     assert second.levels == whole.levels and second.unfed == whole.unfed
+
+
+def flowing(beta=BETA):
+    return PipedMetal(beta, 1.0, (0.0, 1.0), ("top",), True)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("steps", [3, 20])
+def test_what_the_mechanics_supplies_sinks_like_what_freezes(comm, steps):
+    """The mechanics asks β of all that freezes, where the pipe is too: it is s in the end."""
+    mesh = cylinder_mesh(comm, size=2.5e-3)
+    body = mesh.bodies["casting"]
+    thermal, pipe = BodyPipe(body, mesh.model, metal()), BodyPipe(body, mesh.model, flowing())
+    whole = comm.allreduce(pipe._volumes.sum())
+    owned, fed = slice(len(pipe._volumes)), 0.0
+    before = np.zeros(len(body.points))
+    for time in np.linspace(0.0, 1.0, steps + 1):
+        fraction = np.clip(1.5 * time - 10 * body.points[:, 0], 0.0, 1.0)
+        fed += BETA * comm.allreduce(pipe._volumes @ (fraction - before)[owned])
+        thermal.update(fraction, {"top": on_top(body)})
+        pipe.update(fraction, {"top": on_top(body)}, {"top": fed})
+        np.testing.assert_allclose(pipe.emptied, thermal.emptied, atol=1e-9)
+        before = fraction
+    assert fed == pytest.approx(BETA * whole)
+    assert pipe.volume() == pytest.approx(BETA / (1 + BETA) * whole, rel=1e-9)
+    assert pipe.unfed == pytest.approx(0.0, abs=1e-9 * whole)
+
+
+@pytest.mark.ranks
+def test_a_supply_without_freezing_sinks_too_and_what_comes_back_waits(comm):
+    mesh = cylinder_mesh(comm, size=2.5e-3)
+    body = mesh.bodies["casting"]
+    pipe, top = BodyPipe(body, mesh.model, flowing()), {"top": on_top(body)}
+    whole = comm.allreduce(pipe._volumes.sum())
+    half = np.full(len(body.points), 0.5)
+    given = [0.0, 0.01, 0.008, 0.009, 0.012]
+    for supplied, lost in zip(given, [0.0, 0.01, 0.01, 0.01, 0.012], strict=True):
+        pipe.update(half, top, {"top": supplied * whole})
+        assert pipe.volume() == pytest.approx(lost * whole, rel=1e-9)
+    assert pipe.unfed == pytest.approx(-0.012 * whole, rel=1e-9)
+    pipe.update(half, top, {"top": whole})
+    assert pipe.volume() == pytest.approx(0.5 * whole)  # all its melt
+
+
+@pytest.mark.ranks
+def test_a_restored_pipe_that_flows_goes_on(comm):
+    mesh = cylinder_mesh(comm, size=2.5e-3)
+    body = mesh.bodies["casting"]
+    whole, second = (BodyPipe(body, mesh.model, flowing()) for _ in range(2))
+    for number in range(8):
+        pipes = (whole, second) if number >= 4 else (whole,)
+        for pipe in pipes:
+            fraction = np.full(len(body.points), 0.1 * number)
+            pipe.update(fraction, {"top": on_top(body)}, {"top": 1e-7 * number})
+        if number == 3:
+            second.restore({name: saved.values for name, saved in whole.saved().items()})
+    np.testing.assert_array_equal(second.emptied, whole.emptied)
+    assert second.volume() > 0.0 and second.unfed == whole.unfed
