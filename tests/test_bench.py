@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from argparse import Namespace
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -57,6 +58,15 @@ def test_the_casting_whose_cost_is_measured_may_be_a_solid():
     case = load_case(scaling.CASE, scaling.SOLID)
     assert case.bodies[0].material == "solid"
     assert case.materials["solid"].liquid is None
+
+
+@pytest.mark.parametrize("place", ["nodes", "cells"])
+def test_a_casting_of_an_alloy_freezes_at_nodes_or_inside_cells(place):
+    freezing = script("freezing")
+    asked = Namespace(tetrahedra=3000, law="thermo-elastic", end=2.0)
+    case = freezing.cylinder(place, asked)
+    assert (case.bodies[0].material, case.bodies[0].freezing) == ("AlSi7Mg", place)
+    assert (case.bodies[0].law, case.time.end) == ("thermo-elastic", 2.0)
 
 
 @pytest.mark.parametrize("law", ["elastic", "flowing"])

@@ -136,8 +136,7 @@ class HeatBalance:
         """Evaluate the balance of every node without heat of groups and prescribed temperatures."""
         unknowns = self.unknowns
         self._set(x)
-        stored = unknowns.stored(np.array(unknowns.enthalpy.array_r))
-        storage = (stored - self._stored_before) / self.step
+        storage = (unknowns.stored_at_present() - self._stored_before) / self.step
         balance = self._balance.array
         balance[:] = storage
         through = 0.0

@@ -165,6 +165,15 @@ class ThermalBody:
             return np.zeros(self.owned)
         return self._inside.stored(*self.state(enthalpy))
 
+    def present_latent_heat_inside(self) -> FloatArray:
+        """Return the latent heat inside the cells in a trial state just set [J]; collective.
+
+        Owned nodes, shape (owned,).
+        """
+        if self._inside is None:
+            return np.zeros(self.owned)
+        return self._inside.found(self.temperature.x.array, self.solid_fraction.x.array)
+
     def solid_inside(self) -> float:
         """Return the solid inside the cells beside that of the owned nodes [m³]; collective."""
         if self._inside is None:

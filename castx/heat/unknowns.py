@@ -110,6 +110,11 @@ class HeatUnknowns:
         inside = [body.latent_heat_inside(enthalpies[part]) for body, part in parts]
         return np.asarray(self.volumes * enthalpies + np.concatenate(inside))
 
+    def stored_at_present(self) -> FloatArray:
+        """Return the heat that nodes store in a state just set [J], shape (owned,); collective."""
+        inside = [body.present_latent_heat_inside() for body in self.bodies]
+        return np.asarray(self.volumes * self.enthalpy.array_r + np.concatenate(inside))
+
     def set_enthalpies(self, enthalpies: FloatArray) -> None:
         """Set the state of all bodies from the enthalpies of the owned nodes [J/m³]."""
         for body, part in zip(self.bodies, self.parts, strict=True):
