@@ -20,9 +20,7 @@ from castx.forms import kinematics
 from castx.forms.nodal import nodal_area_vector, nodal_measure
 
 
-def cell_measure(
-    body: BodyMesh, model: str, degree: int | None
-) -> kinematics.WeightedMeasure:
+def cell_measure(body: BodyMesh, model: str, degree: int | None) -> kinematics.WeightedMeasure:
     """Return the weighted measure of the cells of a body, exact for a polynomial degree.
 
     Args:
@@ -36,9 +34,7 @@ def cell_measure(
     return kinematics.WeightedMeasure(weight, measure)
 
 
-def surface_measure(
-    body: BodyMesh, model: str, degree: int | None
-) -> kinematics.WeightedMeasure:
+def surface_measure(body: BodyMesh, model: str, degree: int | None) -> kinematics.WeightedMeasure:
     """Return the weighted measure of the surfaces of a body, exact for a polynomial degree.
 
     Args:
@@ -69,9 +65,7 @@ def nodal_volumes(body: BodyMesh, model: str, degree: int | None = 2) -> FloatAr
     return volumes[: body.nodes.dofmap.index_map.size_local]
 
 
-def nodal_areas(
-    body: BodyMesh, model: str, surface: str, degree: int | None = None
-) -> FloatArray:
+def nodal_areas(body: BodyMesh, model: str, surface: str, degree: int | None = None) -> FloatArray:
     """Return the areas ∫ φ dS of the local nodes of a body on a surface [m²], shape (nodes,).
 
     Args:
@@ -205,6 +199,24 @@ def nodal_mean(body: BodyMesh, values: FloatArray) -> FloatArray:
         for weights in (at_corners, np.ones(len(nodes)))
     )
     return np.asarray(total / count)
+
+
+def cell_means(body: BodyMesh, model: str, values: FloatArray) -> FloatArray:
+    """Return the means of a linear nodal field over triangles or tetrahedra, shape (cells,).
+
+    Times the volumes of the cells they add up to the values times `nodal_volumes`.
+
+    Args:
+        body: its mesh.
+        model: geometric model; in an axisymmetric one outer corners count for more.
+        values: at the local nodes, shape (nodes,).
+    """
+    corners = body.nodes.dofmap.list
+    if model != "axisymmetric":
+        return np.asarray(values[corners].mean(axis=1))
+    radii = body.points[corners, 0]
+    total = radii.sum(axis=1, keepdims=True)
+    return np.asarray(((total + radii) / (4.0 * total) * values[corners]).sum(axis=1))
 
 
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:

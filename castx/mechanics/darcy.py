@@ -25,7 +25,7 @@ import ufl
 from dolfinx import fem
 
 from castx.arrays import BoolArray, FloatArray
-from castx.domain.measures import nodal_volumes
+from castx.domain.measures import cell_means, nodal_volumes
 from castx.forms import momentum
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.fixed_directions import FixedDirections
@@ -262,8 +262,8 @@ class DarcyFormulation(PressureFormulation):
         }
 
     def pores(self) -> FloatArray:
-        """Return means of the pores at the corners of the cells, as shares, shape (cells,)."""
-        return np.asarray(self._content.start.pores[self._corner].mean(axis=1))
+        """Return means of the pores over the cells, as shares, shape (cells,)."""
+        return cell_means(self._unknowns.mesh, self._unknowns.model, self._content.start.pores)
 
     def commit(self) -> bool:
         """Accept the trial state as the start of the next step; collective.

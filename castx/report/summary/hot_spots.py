@@ -38,7 +38,8 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
         "the solid fraction `foundry.pool_limit`, by default the coherency; the liquid that is "
         "left between its grains freezes later. What a pool lacks is the volume "
         "of its cavity if nothing follows from outside; with mechanics `unfed_volume` of "
-        "history.csv is what the shell has left of it, and the number to take."
+        "history.csv is what the shell has left of it, and the number to take. With flow through "
+        "the mush that counts pores too that suction opens in melt which is still connected."
     )
     if len(spots) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(spots)}; all are in hot_spots.csv."

@@ -4,10 +4,12 @@ from math import pi
 
 import numpy as np
 import pytest
+import ufl
 from dolfinx import fem
 
 from castx.domain.measures import (
     bounding_box,
+    cell_means,
     cell_measure,
     extent,
     facet_areas,
@@ -156,3 +158,17 @@ def test_boxes_enclose_the_points_of_all_ranks(comm):
 def test_the_extent_is_the_longest_edge(model, comm):
     body, _ = casting(comm, model)
     assert extent(body.mesh) == pytest.approx(max(R, H))
+
+
+@models
+def test_means_over_cells_add_up_to_what_the_nodes_have(model, comm):
+    body, _ = casting(comm, model)
+    values = 1.0 + 40.0 * body.points[:, 0] + np.sin(300.0 * body.points[:, 1])
+    cells = fem.functionspace(body.mesh, ("DG", 0))
+    volumes = fem.assemble_vector(fem.form(ufl.TestFunction(cells) * cell_measure(body, model, 1)))
+    owned = int(cells.dofmap.index_map.size_local)
+    found = volumes.array[:owned] @ cell_means(body, model, values)[:owned]
+    nodal = nodal_volumes(body, model)
+    assert comm.allreduce(found) == pytest.approx(comm.allreduce(nodal @ values[: len(nodal)]))
+    even = cell_means(body, model, np.full(len(values), 0.3))
+    np.testing.assert_allclose(even, 0.3, rtol=1e-12)
