@@ -122,6 +122,8 @@ class Checkpoints:
         path = str(self._checkpoint.path)
         try:
             self._take_up(header, path)
+        except CaseError:
+            raise
         except (AttributeError, IndexError, KeyError, TypeError, ValueError) as fault:
             kind = type(fault).__name__
             raise CaseError(

@@ -130,9 +130,13 @@ class BodyState:
         """
         path = self.results.folder / CASE
         try:
-            content = json.loads(path.read_text())
-        except (OSError, ValueError) as error:
-            raise CaseError(f"the case of the run cannot be read from {path}: {error}") from error
+            content = json.loads(path.read_text(encoding="utf-8"))
+            if not isinstance(content, dict):
+                raise CaseError("a table of keys is needed")
+        except (OSError, ValueError, RecursionError) as error:
+            raise CaseError(
+                f"the case of the run cannot be read from {path}: {error}; put a whole copy there"
+            ) from error
         return load_case(content)
 
     def has(self, name: str) -> bool:

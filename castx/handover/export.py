@@ -84,7 +84,8 @@ def exported(request: Request) -> list[str]:
     results = Results(request.folder)
     state = BodyState.chosen(results, request.body, time, request.stage)
     first = f"{state.name} at {state.moment:g} s of {request.folder}"
-    return [first, *WRITERS[request.to](state, request)]
+    doubts = [f"warning: {doubt}" for doubt in results.doubts]
+    return [first, *WRITERS[request.to](state, request), *doubts]
 
 
 def _value(option: str, text: str, dimension: Dimension) -> float:

@@ -60,6 +60,9 @@ class Refusal(CaseError):
         self.problems = tuple(problems)
         super().__init__("; ".join(_line(problem, None) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[type[Refusal], tuple[Sequence[Problem]]]:
+        return Refusal, (self.problems,)  # other ranks raise it too
+
     def inside(self, *path: str | int) -> Refusal:
         """Return the problems with paths from outside the value at `path`."""
         return Refusal(Problem(path + problem.path, problem.text) for problem in self.problems)
@@ -81,7 +84,11 @@ class RefusedFile(CaseError):
 
     def __init__(self, source: str, problems: Sequence[Problem], data: Any) -> None:
         self.problems = tuple(problems)
-        super().__init__(summary(source, self.problems, data))
+        self._given = source, self.problems, data
+        super().__init__(summary(*self._given))
+
+    def __reduce__(self) -> tuple[type[RefusedFile], tuple[str, Sequence[Problem], Any]]:
+        return RefusedFile, self._given
 
 
 def dotted(path: KeyPath) -> str:

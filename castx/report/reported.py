@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from castx.results.files.vtu import VTK_TENSOR
 from castx.results.reading import Results, cells_of
 from castx.results.states.quantities import PRINCIPAL
 
+log = logging.getLogger(__name__)
 State = dict[str, pyvista.UnstructuredGrid]
 ON_SURFACES = ("deviation", "first_opening")
 """Fields of nodes that are not a number inside."""
@@ -34,6 +36,8 @@ class ReportedRun(Results):
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
+        for doubt in self.doubts:
+            log.warning(doubt)
         self._states: dict[float, State] = {}
 
     def grids(self, time: float | None = None) -> State:

@@ -175,6 +175,11 @@ class ResultsWriter:
         self._rows, self._resumed = notes["rows"], notes
 
     def __enter__(self) -> Self:
+        if self._resumed is not None:  # refuses damaged files before it writes anything
+            with self._disk.writing():
+                (self._folder / FIELDS).mkdir(exist_ok=True)
+                self._fields.resume(self._resumed["outputs"])
+            self._disk.raise_failures()
         if self._comm.rank == 0:
             with self._disk.writing():
                 if self._resumed is None:
@@ -188,10 +193,6 @@ class ResultsWriter:
                 if self._resumed is not None:
                     self._history.resume(kept[1])
         self._disk.raise_failures()
-        if self._resumed is not None:
-            with self._disk.writing():
-                self._fields.resume(self._resumed["outputs"])
-            self._disk.raise_failures()
         return self
 
     @booked_as(RunPart.OUTPUT)

@@ -14,7 +14,7 @@ from castx.arrays import FloatArray
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.input.toml_written import toml_text
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.optimise import EVOLUTION, LEAST, Optimise
 from castx.studies.optimised_page import optimised_page
@@ -146,13 +146,13 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
     )
     case_file = runner.case_file.with_suffix(".optimised.toml")
     found = Optimised(table, best, trials.costs[best] < FORBIDDEN, case_file)
-    write_whole(runner.folder / TABLE, table.text())
+    store_text(runner.folder / TABLE, table.text())
     content = changed_content(runner.case_file, runner.overrides, values[best])
-    write_whole(case_file, HEAD + toml_text(content))
-    write_whole(runner.folder / RESULT, json.dumps(_json(found, study), indent=2) + "\n")
+    store_text(case_file, HEAD + toml_text(content))
+    store_text(runner.folder / RESULT, json.dumps(_json(found, study), indent=2) + "\n")
     within = np.array(trials.costs) < FORBIDDEN
     name = runner.case_file.stem
-    write_whole(runner.folder / PAGE, optimised_page(name, study, table, within, best))
+    store_text(runner.folder / PAGE, optimised_page(name, study, table, within, best))
     return found
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.reading.read import case_data, load_case
 from castx.errors import CaseError
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 from castx.results.files.run_tables import RunTables
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.inputs import VariedInput
@@ -130,10 +130,10 @@ def vary(runner: Runner, study: Vary) -> VariedCase:
     )
     bands = curve_bands([RunTables(runner.results(run)) for run in finished])
     found = VariedCase(table, importance(table, points, study.method), bands)
-    write_whole(runner.folder / TABLE, table.text())
+    store_text(runner.folder / TABLE, table.text())
     text = json.dumps(as_json(found, study), indent=2, ensure_ascii=False, allow_nan=False)
-    write_whole(runner.folder / STUDY, text + "\n")
-    write_whole(
+    store_text(runner.folder / STUDY, text + "\n")
+    store_text(
         runner.folder / PAGE,
         vary_page(runner.case_file.stem, study, table, found.importance, bands),
     )

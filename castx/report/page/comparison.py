@@ -16,7 +16,7 @@ from castx.report.reported import ReportedRun
 from castx.report.summary.finding import Finding
 from castx.report.summary.registry import findings
 from castx.report.summary.rows import Rows, further_rows, numeric_rows
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 
 COMPARISON = "comparison.html"
 MARK = '<meta name="generator" content="castx">'
@@ -78,6 +78,7 @@ def write_comparison(folders: Sequence[Path], target: Path) -> Path:
     Raises:
         CaseError: a folder holds no results or is named twice, the runs share neither findings nor
             curves, or the target is a file of somebody else.
+        StorageError: the page cannot be written.
     """
     runs = compared(folders)
     refuse_strangers(runs)
@@ -95,7 +96,7 @@ def write_comparison(folders: Sequence[Path], target: Path) -> Path:
         ],
         curves=merged({run.label: run.sections for run in runs}),
     )
-    write_whole(target, content)
+    store_text(target, content)
     return target
 
 

@@ -14,7 +14,7 @@ from castx.report.summary.finding import Finding
 from castx.report.summary.hot_spots import hot_spot_table
 from castx.report.summary.registry import findings, leading
 from castx.report.summary.rows import further_rows, numeric_rows
-from castx.results.files.folder import REPORT, write_whole
+from castx.results.files.folder import REPORT, store_text
 
 
 def write_report(folder: Path) -> Path:
@@ -22,6 +22,7 @@ def write_report(folder: Path) -> Path:
 
     Raises:
         CaseError: the folder holds no results or no fields, or pictures cannot be drawn.
+        StorageError: the page cannot be written.
     """
     run = ReportedRun(folder)
     found = findings(run)
@@ -47,7 +48,7 @@ def write_report(folder: Path) -> Path:
         scene=scene(run),
     )
     target = folder / REPORT
-    write_whole(target, content)
+    store_text(target, content)
     return target
 
 

@@ -14,9 +14,10 @@ Rows = list[tuple[str, str]]
 
 
 def further_rows(run: Results) -> Rows:
-    """Return rows with the simulated time of a run and the stages of its process."""
+    """Return rows with the simulated time of a run, doubts, and the stages of its process."""
     record = run.record
     rows = [("simulated", f"{record['time_reached']:g} of {record['end']:g} s")]
+    rows += [("in doubt", doubt) for doubt in run.doubts]
     return rows + list(process_rows(record.get("process", [])))
 
 

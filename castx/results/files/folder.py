@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from mpi4py import MPI
 
-from castx.errors import CaseError
+from castx.errors import CaseError, StorageError
 from castx.results.files.run_json import read_record
 
 if TYPE_CHECKING:
@@ -254,6 +254,21 @@ def write_whole(path: Path, text: str) -> None:
         new.replace(path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def store_text(path: Path, text: str) -> None:
+    """Write a text file as `write_whole` does; on one rank, of no run that others take part in.
+
+    Raises:
+        StorageError: it cannot be written; with the file and the reason.
+    """
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise StorageError(
+            f"cannot write {path}: {reason_of(error)}; make room or give permission there, or copy "
+            "the folder to a place with both"
+        ) from error
 
 
 class FolderLock:

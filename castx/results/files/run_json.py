@@ -20,6 +20,7 @@ class _Strict(BaseModel):
     model_config = ConfigDict(strict=True, defer_build=True)
 
 
+_Time = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 _Model = Literal["plane-stress", "plane-strain", "generalised-plane-strain", "axisymmetric", "3d"]
 
 
@@ -44,7 +45,7 @@ class _Case(_Strict):
 
 
 class _Plane(_Strict):
-    normal: list[float] = []
+    normal: Annotated[list[float], Field(min_length=2, max_length=3)]
     offset: float = 0.0
 
 
@@ -97,7 +98,7 @@ class _Exit(_Strict):
 
 
 class _Event(_Strict):
-    time: float = 0.0
+    time: _Time = 0.0
     cycle: int = 1
     stage: int = 0
     bodies: list[str] = []
@@ -155,7 +156,7 @@ class _SolidBody(_Strict):
 class _StageEnd(_Strict):
     stage: int = 0
     cycle: int = 1
-    time: float = 0.0
+    time: _Time = 0.0
     bodies: dict[str, _SolidBody] = {}
 
 
@@ -173,7 +174,7 @@ class _Opening(_Strict):
 class _Ejection(_Strict):
     stage: int = 0
     cycle: int = 1
-    time: float = 0.0
+    time: _Time = 0.0
     forces: dict[str, float] = {}
 
 
@@ -183,13 +184,13 @@ class _Record(_Strict):
     case: _Case = _Case()
     model: _Model | None = None
     scheme: str = ""
-    end: float = 0.0
+    end: _Time = 0.0
     bodies: dict[str, _Body] = {}
     interfaces: dict[str, _Interface] = {}
     ranks: int = 1
     started: str = ""
     written: str = ""
-    time_reached: float = 0.0
+    time_reached: _Time = 0.0
     totals: _Totals = _Totals()
     process: list[_Event] = []
     hot_spots: list[_HotSpot] = []
@@ -216,7 +217,7 @@ def read_record(path: Path) -> dict[str, Any]:
         if path.stat().st_size > LARGEST:
             raise CaseError(f"{path}: larger than {LARGEST / 1024**2:g} MiB")
         record = json.loads(path.read_text(encoding="utf-8"))
-        _Record.model_validate(record)
+        _refuse_strangers(path, _Record.model_validate(record))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = dotted(tuple(first["loc"])) or "its content"
@@ -229,6 +230,32 @@ def read_record(path: Path) -> dict[str, Any]:
         raise CaseError(f"{path} is no record of a run: {error}") from None
     found: dict[str, Any] = record
     return found
+
+
+def _refuse_strangers(path: Path, record: _Record) -> None:
+    """Refuse bodies that a record speaks of and does not list.
+
+    Raises:
+        CaseError: with the body, its place and the bodies that are listed.
+    """
+    named = [
+        (f"interfaces.{pair!r}", body) for pair in record.interfaces for body in pair.split("/")
+    ]
+    named += [
+        (f"stage_ends[{number}].bodies", body)
+        for number, end in enumerate(record.stage_ends)
+        for body in end.bodies
+    ]
+    named += [
+        (f"hot_spots[{number}].body", spot.body) for number, spot in enumerate(record.hot_spots)
+    ]
+    named += [("feeding", body) for body in record.feeding]
+    for place, body in named if record.bodies else ():
+        if body not in record.bodies:
+            raise CaseError(
+                f"{path} is no record of a run: {place}: {body!r} is no body of it "
+                f"({', '.join(record.bodies)}); put a whole copy in its place"
+            )
 
 
 def completed(record: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,21 @@ from castx.results.files.folder import HISTORY, PROBES, RECORD
 from castx.results.files.measurements import Deviation, deviation, read_measured
 from castx.results.files.run_json import completed, read_record
 from castx.results.files.series import read_series
+from castx.version import __version__
 
 TIME = "time"
+
+ROUNDING = 1e-9
+"""Share of a time by which texts of it may differ."""
+
+
+def is_newer(version: str) -> bool:
+    """Return whether a version, as "0.2.0", is later than this castx."""
+    return _numbers(version) > _numbers(__version__)
+
+
+def _numbers(version: str) -> list[int]:
+    return [int(number) for number in re.findall(r"[0-9]{1,9}", version)[:3]]
 
 
 class Columns(dict[str, FloatArray]):
@@ -59,6 +73,25 @@ class RunTables:
             raise CaseError(f"{self.folder / RECORD} is damaged: it lacks the model")
         self.record: Mapping[str, Any] = record
         self.history, self.probes = Columns(history), Columns(probes)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Sentences on what the folder does not hold as its run has left it, none as a rule."""
+        found = []
+        written = self.record["castx"]
+        if is_newer(written):
+            found.append(
+                f"{self.folder / RECORD} was written by castx {written}, this is {__version__}: "
+                "what is new there is not understood; read it with that version"
+            )
+        last, reached = self.history[TIME][-1], self.record["time_reached"]
+        if last < reached * (1.0 - ROUNDING):
+            found.append(
+                f"{self.folder / HISTORY} ends at t = {last:g} s, but the run reached "
+                f"{reached:g} s: its last lines are lost; put a whole copy in its place, or run "
+                "the case again"
+            )
+        return found
 
     @property
     def deviations(self) -> dict[str, Deviation]:

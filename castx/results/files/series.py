@@ -138,9 +138,9 @@ def damage_of(path: Path, rows: int, time: float) -> str | None:
     if len(kept) < rows:
         return f"it has {len(kept)} lines, and {rows} were written before the checkpoint"
     times = kept[:, 0]
-    back = np.flatnonzero(~(np.diff(times) > 0.0))
-    if back.size:
-        return f"line {back[0] + 3} does not come after the one before it in time"
+    back = not_later(times)
+    if back is not None:
+        return f"line {back} does not come after the one before it in time"
     if rows and times[-1] != time:
         return f"its line {rows + 1} is of t = {times[-1]:g} s, the checkpoint of {time:g} s"
     return None
@@ -180,7 +180,7 @@ def read_series(path: Path) -> dict[str, FloatArray]:
     """Return the columns of a series by name; a last line that was cut short is left out.
 
     Raises:
-        OSError, ValueError: it cannot be read, or is no table of numbers.
+        OSError, ValueError: it cannot be read, is no table of numbers, or does not go on in time.
     """
     try:
         with _opened(path) as file:
@@ -189,6 +189,24 @@ def read_series(path: Path) -> dict[str, FloatArray]:
         raise ValueError(f"{path.name}: {error}") from None
     if not header or len(set(header)) < len(header):
         raise ValueError(f"{path.name}: a line with the names of the columns, each once, is needed")
+    for number, row in enumerate(rows[:-1], 2):
+        if len(row) != len(header):
+            raise ValueError(
+                f"{path.name}: line {number} has {len(row)} entries for {len(header)} columns"
+            )
     values = np.array([row for row in rows if len(row) == len(header)], dtype=np.float64)
-    columns = values.reshape(-1, len(header)).T
-    return dict(zip(header, columns, strict=True))
+    columns = dict(zip(header, values.reshape(-1, len(header)).T, strict=True))
+    back = not_later(columns["time"]) if "time" in columns else None
+    if back is not None:
+        raise ValueError(f"{path.name}: line {back} does not come after the one before it in time")
+    return columns
+
+
+def not_later(times: FloatArray) -> int | None:
+    """Return the number of the first line whose time is not after that of the one before it.
+
+    Args:
+        times: of the lines behind the header, which is line 1 [s].
+    """
+    back = np.flatnonzero(~(np.diff(times) > 0.0) | ~np.isfinite(times[1:]))
+    return int(back[0]) + 3 if back.size else None

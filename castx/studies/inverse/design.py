@@ -16,7 +16,7 @@ from castx.foundry.identification.covariance import deviations
 from castx.foundry.identification.fit import Unknown
 from castx.foundry.identification.sensors import Candidate, a_optimal, d_optimal
 from castx.input.problems import among
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 from castx.results.files.series import read_series
 from castx.studies.asked.candidates import CandidateSensor
 from castx.studies.asked.identify import Identify
@@ -91,7 +91,7 @@ def design(runner: Runner, study: Identify) -> SensorDesign:
     told = told + sum((one.information() for one in there), np.zeros_like(told))
     prior = np.asarray(np.linalg.inv(told))
     found = _ordered(candidates, prior, unknowns, study)
-    write_whole(runner.folder / RESULT, json.dumps(_json(found), indent=2) + "\n")
+    store_text(runner.folder / RESULT, json.dumps(_json(found), indent=2) + "\n")
     return found
 
 

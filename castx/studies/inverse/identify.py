@@ -13,7 +13,7 @@ import numpy as np
 from castx.errors import CaseError, ConvergenceError
 from castx.foundry.identification.ensemble import assimilate
 from castx.foundry.identification.fit import Fit, fit
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 from castx.studies.asked.identify import ENSEMBLE, Identify
 from castx.studies.inverse.estimates import Estimates, estimates, prior_covariance
 from castx.studies.inverse.identified_case import identified_case
@@ -129,14 +129,14 @@ def write(result: Identified) -> None:
     """Write a result into the folder of its study, and the new case file."""
     folder, model = result.model.runner.folder, result.model
     text = json.dumps(as_json(result), indent=2, ensure_ascii=False, allow_nan=False)
-    write_whole(folder / RESULT, text + "\n")
-    write_whole(
+    store_text(folder / RESULT, text + "\n")
+    store_text(
         folder / PAGE,
         identified_page(
             model.runner.case_file.stem, result.found, model.sensors, result.tables, result.curves
         ),
     )
-    write_whole(result.case_file, identified_case(model, result.found.fit.values))
+    store_text(result.case_file, identified_case(model, result.found.fit.values))
 
 
 def as_json(result: Identified) -> dict[str, Any]:

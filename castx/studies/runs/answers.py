@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from castx.report.summary.freezing import STILL_LIQUID
 from castx.report.summary.registry import findings
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 from castx.results.reading import Results
 
 ANSWERS = "answers.json"
+Row = tuple[str, float, str, float]
+_ROWS: TypeAdapter[list[Row]] = TypeAdapter(list[Row])
 
 
 @dataclass(frozen=True)
@@ -46,12 +49,20 @@ def answers(results: Path) -> dict[str, RunAnswer]:
         results: the results folder.
     """
     kept = results.parent / ANSWERS
-    if not kept.is_file():
-        found = [
+    rows = _kept_rows(kept)
+    if rows is None:
+        rows = [
             (finding.name, finding.value, finding.unit, finding.factor)
             for finding in findings(Results(results))
             if finding.topic != STILL_LIQUID
         ]
-        write_whole(kept, json.dumps(found, ensure_ascii=False) + "\n")
-    rows: Sequence[tuple[str, float, str, float]] = json.loads(kept.read_text(encoding="utf-8"))
+        store_text(kept, json.dumps(rows, ensure_ascii=False) + "\n")
     return {row[0]: RunAnswer(*row) for row in rows}
+
+
+def _kept_rows(kept: Path) -> list[Row] | None:
+    """Return the rows of a file of answers; None where there is none, or it is damaged."""
+    try:
+        return _ROWS.validate_json(kept.read_bytes(), strict=True)
+    except (OSError, ValueError):
+        return None

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from castx.errors import CaseError
-from castx.results.files.folder import write_whole
+from castx.results.files.folder import store_text
 
 KEPT = "kept.json"
 RESULTS = "results"
@@ -69,4 +69,4 @@ def read_kept(folder: Path) -> KeptRun | None:
 def write_kept(folder: Path, run: KeptRun) -> None:
     """Write the file of a run that has ended."""
     text = json.dumps(run.model_dump(mode="json"), indent=2, ensure_ascii=False)
-    write_whole(folder / KEPT, text + "\n")
+    store_text(folder / KEPT, text + "\n")

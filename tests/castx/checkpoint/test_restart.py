@@ -305,8 +305,6 @@ def test_checkpoints_come_as_often_as_asked(case_file, tmp_path, comm, monkeypat
     assert written == [*np.round(times, 9), 0.5]
 
 
-
-
 @pytest.fixture
 def halfway(comm, case_file, shared_tmp_path):
     """Return the arguments that go on with a run stopped behind its first steps, and its folder."""
@@ -352,7 +350,22 @@ def test_a_table_that_is_not_as_it_was_is_refused(
     text = said(comm, capsys)
     assert f"{folder / name} is not as the run has left it: " in text
     assert message in text and "or remove it to go on without" in text
+    assert "checkpoint" not in text.replace("before the checkpoint", "")
     assert content(folder) == before
+
+
+def test_damaged_fields_are_refused_before_anything_is_written(comm, halfway, capsys):
+    arguments, folder = halfway
+    fields = folder / "fields" / "casting.hdf"
+    spoil(comm, fields, lambda text: text[: len(text) // 2])
+    before = content(folder)
+    assert execute(arguments, comm) == 1
+    text = said(comm, capsys)
+    assert f"cannot write {fields}: it is damaged (" in text
+    assert "move it away, and the restart begins a new one" in text
+    assert content(folder) == before
+    spoil(comm, fields, lambda _: None)
+    assert execute(arguments, comm) == 0
 
 
 def test_a_table_that_was_removed_goes_on_behind_its_loss(comm, halfway, capsys):

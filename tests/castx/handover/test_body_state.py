@@ -22,9 +22,7 @@ def test_mesh_and_fields_are_those_of_the_files(state):
     np.testing.assert_allclose(state.points, points, atol=1e-15)
     np.testing.assert_array_equal(state.cells, cells)
     np.testing.assert_allclose(state.displacement, 1e-3 * points)
-    np.testing.assert_allclose(
-        state.in_cells("temperature"), 100.0 * points[cells, 0].mean(axis=1)
-    )
+    np.testing.assert_allclose(state.in_cells("temperature"), 100.0 * points[cells, 0].mean(axis=1))
     np.testing.assert_array_equal(state.in_cells("stress"), np.ones((len(cells), 6)))
     assert state.moment == 5.0
 
@@ -58,7 +56,8 @@ def test_a_missing_field_is_named_with_the_line_of_the_case(state):
     assert text.endswith('"passing_times", "arm_spacing"]')
 
 
-def test_a_damaged_case_is_named(state):
-    (state.results.folder / "case.json").write_text("{")
-    with pytest.raises(CaseError, match=r"case\.json"):
+@pytest.mark.parametrize("content", ["{", "[]", "[" * 100_000])
+def test_a_damaged_case_is_named(state, content):
+    (state.results.folder / "case.json").write_text(content)
+    with pytest.raises(CaseError, match=r"case\.json: .*; put a whole copy there"):
         _ = state.case

@@ -88,6 +88,10 @@ def test_all_kinds_are_written_of_a_run(tmp_path):
     exported(Request(folder, Target("stl"), tmp_path / "part.stl", fit=True))
     lines = exported(Request(folder, Target("mould"), tmp_path / "mould.stl"))
     assert "moves by at most" in lines[-1]
+    record = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps({**record, "castx": "99"}))
+    lines = exported(Request(folder, Target("csv"), tmp_path / "nodes.csv"))
+    assert lines[-1].startswith(f"warning: {folder / 'run.json'} was written by castx 99, this is")
 
 
 @pytest.mark.parametrize("written", [True, False])

@@ -1,10 +1,21 @@
 """Problems with their key path, and the message that shows them."""
 
+import pickle
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from castx.input.problems import Problem, Refusal, among, dotted, refuse, show, summary
+from castx.input.problems import (
+    Problem,
+    Refusal,
+    RefusedFile,
+    among,
+    dotted,
+    refuse,
+    show,
+    summary,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -89,3 +100,16 @@ def test_of_many_problems_the_first_are_shown():
     lines = summary("case.toml", [Problem(("a", i), "wrong") for i in range(100)], {}).splitlines()
     assert lines[0] == "case.toml: 100 problems" and lines[-1] == "  ... and 70 more"
     assert len(lines) == 32 and lines[30] == "  a[29]: wrong"
+
+
+@pytest.mark.parametrize(
+    "refusal",
+    [
+        refuse("is too hot", "bodies", 0),
+        RefusedFile("a.toml", [Problem(("end",), "is too late")], {"end": 5}),
+    ],
+)
+def test_a_refusal_is_the_same_on_the_rank_that_it_is_sent_to(refusal):
+    sent = pickle.loads(pickle.dumps(refusal))
+    assert type(sent) is type(refusal) and sent.problems == refusal.problems
+    assert str(sent) == str(refusal)

@@ -26,7 +26,7 @@ def test_the_largest_principal_stress_follows_from_the_stress_in_the_order_of_vt
     assert grid.cell_data["largest_principal_stress"][0] == 7.0
 
 
-def test_fields_are_read_once(monkeypatch):
+def test_fields_are_read_once_and_doubts_are_said(monkeypatch, caplog):
     read = []
 
     def grids(self, time=None):
@@ -36,9 +36,11 @@ def test_fields_are_read_once(monkeypatch):
 
     monkeypatch.setattr(Results, "grids", grids)
     monkeypatch.setattr(Results, "__init__", lambda self, folder: None)
+    monkeypatch.setattr(Results, "doubts", ["its last lines are lost"])
     monkeypatch.setattr(Results, "times", [0.0, 1.0, 2.0])
     monkeypatch.setattr(Results, "bodies_at", lambda self, t: ["a"] if t < 2.0 else ["b"])
     run = ReportedRun("folder")
+    assert caplog.messages == ["its last lines are lost"]
     assert run.grids(1.0) is run.grids(1.0) and read == [1.0]
     assert run.nearest(None) == 2.0 and run.nearest(0.6) == 1.0
     assert run.nearest(None, "a") == 1.0

@@ -40,7 +40,7 @@ def run(**changes: Any) -> SimpleNamespace:
     }  # fmt: skip
     parts = {
         "folder": Path("/nowhere"), "record": record, "history": Columns(history),
-        "model": "plane-strain", "deviations": {},
+        "model": "plane-strain", "deviations": {}, "doubts": [],
         "freezing": ["casting"], "interfaces": ("casting/mould",), "times": list(TIME),
         "grids": lambda time=3.0: {"casting": grid(time), "mould": grid(time, 0.04)},
         "interface": lambda name, time: SimpleNamespace(

@@ -32,3 +32,5 @@ def test_errors_and_effort_are_told():
     assert rows["wall clock time"] == "0:01:01 on 2 ranks"
     assert rows["peak memory"] == "1 MiB, all ranks"
     assert dict(further_rows(found)) == {"simulated": "3 of 4 s"}
+    found.doubts.append("its last lines are lost")
+    assert further_rows(found)[1] == ("in doubt", "its last lines are lost")

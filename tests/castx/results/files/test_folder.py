@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from castx.case.reading.read import read_case
-from castx.errors import CaseError
+from castx.errors import CaseError, StorageError
 from castx.results.files.folder import (
     LOCK,
     FolderLock,
@@ -18,6 +18,7 @@ from castx.results.files.folder import (
     clear_results,
     keep_results,
     own_identity,
+    store_text,
 )
 from tests.castx.case_data import cylinder
 
@@ -260,3 +261,14 @@ def test_a_second_run_waits_until_the_first_has_said_who_it_is(tmp_path, monkeyp
 def test_a_name_that_no_disk_takes_is_refused(comm):
     with pytest.raises(CaseError, match="cannot be written: File name too long; choose another"):
         claimed(comm, Path("/tmp") / ("a" * 300)).__enter__()
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("name", ["report.html", "nowhere/report.html"])
+def test_a_text_that_cannot_be_stored_names_file_reason_and_cure(tmp_path, name):
+    store_text(tmp_path / "page.html", "x")
+    assert (tmp_path / "page.html").read_text() == "x"
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(StorageError, match=f"cannot write .*{name}: .*make room or give permi"):
+        store_text(tmp_path / name, "x")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["page.html", "report.html"]

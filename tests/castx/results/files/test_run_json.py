@@ -15,7 +15,7 @@ GOOD = {
     "model": "axisymmetric",
     "scheme": "iterated",
     "end": 5.0,
-    "bodies": {"casting": {"nodes": 7, "freezes": [577.0, 615]}},
+    "bodies": {"casting": {"nodes": 7, "freezes": [577.0, 615]}, "mould": {}},
     "interfaces": {"casting/mould": {"pairs": 5, "heat": None}},
     "time_reached": 1,
     "totals": {"steps": 3},
@@ -54,6 +54,21 @@ def test_what_is_left_out_has_its_usual_value():
         ("bodies", {"casting": {"freezes": [577.0]}}, "bodies.casting.freezes"),
         ("versions", ["1.0"], "versions: Input should be a valid dictionary"),
         ("castx", 5, "castx: Input should be a valid string"),
+        ("end", float("nan"), "end: Input should be a finite number"),
+        ("time_reached", -5.0, "time_reached: Input should be greater than or equal to 0"),
+        (
+            "bodies",
+            {"casting": {"symmetry": [{"plane": 3}]}},
+            r"symmetry\[0\].normal: Field required",
+        ),
+        (
+            "bodies",
+            {"guss": {}, "mould": {}},
+            "interfaces.'casting/mould': 'casting' is no body of it",
+        ),
+        ("stage_ends", [{"bodies": {"wheel": {}}}], r"stage_ends\[0\].bodies: 'wheel' is no body"),
+        ("hot_spots", [{"x": 1}], r"hot_spots\[0\].body: '' is no body of it \(casting, mould\)"),
+        ("feeding", {"wheel": {}}, "feeding: 'wheel' is no body of it"),
     ],
 )
 def test_wrong_types_are_refused_with_their_place(tmp_path, key, value, place):

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from castx.errors import CaseError
-from castx.results.files.run_tables import Columns, RunTables
+from castx.results.files.run_tables import Columns, RunTables, is_newer
+from castx.version import __version__
 
 pytestmark = pytest.mark.serial
 
@@ -51,3 +52,20 @@ def test_columns_name_what_exists(tables):
 def test_other_folders_are_refused(tmp_path):
     with pytest.raises(CaseError, match="is not a results folder of castx"):
         RunTables(tmp_path)
+
+
+def test_what_is_not_as_the_run_has_left_it_is_in_doubt(tables):
+    assert tables.doubts == []
+    tables.record |= {"castx": "99.1"}
+    assert "was written by castx 99.1, this is" in tables.doubts[0]
+    tables.record |= {"castx": "0", "time_reached": 4.0}
+    (doubt,) = tables.doubts
+    assert "history.csv ends at t = 1 s, but the run reached 4 s: its last lines are lost" in doubt
+
+
+@pytest.mark.parametrize(
+    ("version", "newer"),
+    [(__version__, False), ("0.1.9", False), ("", False), ("x", False), ("1000", True)],
+)
+def test_versions_are_compared_by_their_numbers(version, newer):
+    assert is_newer(version) is newer

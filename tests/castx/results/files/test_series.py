@@ -136,3 +136,18 @@ def test_what_is_no_series_is_not_read(tmp_path, content):
     (tmp_path / "s.csv").write_bytes(content)
     with pytest.raises(ValueError):
         read_series(tmp_path / "s.csv")
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"time,a\n0,1\n1\n2,3\n", "line 3 has 1 entries for 2 columns"),
+        (b"time,a\n0,1\n2,1\n1,3\n", "line 4 does not come after the one before it in time"),
+        (b"time,a\n0,1\nnan,1\n", "line 3 does not come after"),
+        (b"time,a\n0,1\ninf,1\n", "line 3 does not come after"),
+    ],
+)
+def test_lines_that_were_lost_or_moved_are_named(tmp_path, content, why):
+    (tmp_path / "s.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=why):
+        read_series(tmp_path / "s.csv")

@@ -23,4 +23,8 @@ def test_they_are_the_findings_and_read_once(monkeypatch, tmp_path):
         assert (found.name, found.value, found.unit) == ("Largest gap: a/b", 3e-5, "µm")
         assert found.shown == pytest.approx(30.0)
     assert asked == [tmp_path / "results"]
+    for damage in ("[[1, 2]]", "", "{}", '[["a", "b", "c", 1]]'):
+        (tmp_path / ANSWERS).write_text(damage)
+        assert list(answers(tmp_path / "results")) == ["Largest gap: a/b"]
+    assert len(asked) == 5
     assert json.loads((tmp_path / ANSWERS).read_text()) == [["Largest gap: a/b", 3e-5, "µm", 1e6]]
