@@ -184,7 +184,7 @@ def header_to_restart_from(case: Case, checkpoint: Checkpoint) -> dict[str, Any]
     if record is not None and record.get("time_reached", 0.0) > 0.0:
         raise CaseError(
             f"{folder} holds results, but no checkpoint to go on from ({checkpoint.path} is "
-            "missing); put it back, or run the case anew without --restart, which replaces them"
+            "missing); put it back, or run the case anew without --restart, which keeps these aside"
         )
     log.info("there is no checkpoint in %s yet: starting from the beginning", folder)
     return None

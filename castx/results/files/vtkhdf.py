@@ -140,11 +140,22 @@ class BodyFile:
             return
         with damage_named(self.path), opened(self.path, "r+") as file:
             need_whole(file)
+            self._need_own(file[ROOT])
             steps = file[ROOT][STEPS]
             kept = int(np.searchsorted(steps[TIMES][: counted_steps(steps)], times[-1], "right"))
             steps[TIMES].resize(kept, axis=0)
             file.flush()
             steps.attrs.modify(COUNT, kept)
+
+    def _need_own(self, root: h5py.Group) -> None:
+        """Refuse the file of another body or mesh, to which fields of this one do not belong."""
+        name, points = root.attrs.get("name"), len(root.get("Points", ()))
+        if (name, points) != (self.name, len(self.whole.points)):
+            raise OSError(
+                errno.EIO,
+                f"it holds {points} points of {name!r}, not the {len(self.whole.points)} of "
+                f"{self.name!r}",
+            )
 
     def _create(self) -> None:
         """Write the file without a step, as a whole."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import signal
 import subprocess
 import sys
@@ -237,3 +238,13 @@ def test_another_file_in_its_place_is_refused_at_a_restart(tmp_path):
     file.path.write_bytes(b"no HDF5")
     with pytest.raises(OSError, match=r"damaged \(.*signature.*\); move it away"):
         file.keep([0.0])
+
+
+@pytest.mark.parametrize(("name", "points"), [("mould", SQUARE.points), ("casting", np.eye(3))])
+def test_the_file_of_another_body_is_refused_at_a_restart(tmp_path, name, points):
+    piece = dataclasses.replace(SQUARE, points=points)
+    BodyFile(tmp_path / "casting.hdf", name, 7, piece, UNITS).append(0.0, {}, {})
+    before = (tmp_path / "casting.hdf").read_bytes()
+    with pytest.raises(OSError, match=f"it holds {len(points)} points of '{name}', not the 4 of"):
+        body_file(tmp_path).keep([0.0])
+    assert (tmp_path / "casting.hdf").read_bytes() == before
