@@ -38,8 +38,8 @@ PART = 2**24
 """Bytes that are read at once to be verified."""
 
 _DAMAGES = (
-    zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, EOFError, SyntaxError,
-    NotImplementedError, tokenize.TokenError,
+    zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, TypeError, EOFError,
+    SyntaxError, NotImplementedError, tokenize.TokenError,
 )  # fmt: skip
 
 

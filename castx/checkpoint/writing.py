@@ -154,8 +154,18 @@ class Checkpoints:
         arrays = self._checkpoint.read(header, wanted)
         self._refuse_no_numbers(arrays, path)
         self._simulation.restore(part_of(arrays, "simulation"))
+        self._refuse_another_moment(header, path)
         state = self._simulation.state()
         self._results.resume(part_of(arrays, "results"), header["results"], state)
+
+    def _refuse_another_moment(self, header: Mapping[str, Any], path: str) -> None:
+        simulation = self._simulation
+        if (simulation.time, simulation.step) != (header["time"], header["step"]):
+            raise CaseError(
+                f"the checkpoint {path} is damaged: its state is of t = {simulation.time:g} s, step "
+                f"{simulation.step}, its header of t = {header['time']:g} s, step "
+                f"{header['step']}; {CURE}"
+            )
 
     def _refuse_no_numbers(self, arrays: Mapping[str, Array], path: str) -> None:
         refusal = None

@@ -170,6 +170,14 @@ def test_another_arrangement_of_files_is_refused(tmp_path):
 
 
 @pytest.mark.serial
+@pytest.mark.parametrize("arrays", [None, -1, [None], {"a": 1}])
+def test_a_header_without_a_list_of_arrays_is_refused(comm, tmp_path, arrays):
+    with_header(tmp_path / "state.npz", {"format": FORMAT, "arrays": arrays})
+    with pytest.raises(ValueError):
+        read_verified(tmp_path / "state.npz", comm)
+
+
+@pytest.mark.serial
 def test_compressed_arrays_are_refused(tmp_path):
     with_header(tmp_path / "state.npz", {"format": FORMAT, "arrays": ["a"]}, a=np.zeros(9))
     assert fault_of(tmp_path / "state.npz") == "a.npy is not stored as castx does"

@@ -23,7 +23,8 @@ class FakeSimulation:
         self.prepared: dict = {}
 
     def saved(self) -> dict[str, Saved]:
-        return {"value": Saved(np.array(self.value))}
+        numbers = {"value": self.value, "time": self.time, "step": self.step}
+        return {name: Saved(np.array(float(number))) for name, number in numbers.items()}
 
     def notes(self) -> dict:
         return {"phase": 3}
@@ -32,7 +33,8 @@ class FakeSimulation:
         self.prepared = notes
 
     def restore(self, arrays) -> None:
-        self.value = float(arrays["value"])
+        self.value, self.time = float(arrays["value"]), float(arrays["time"])
+        self.step = int(arrays["step"])
 
     def state(self) -> SimpleNamespace:
         return SimpleNamespace(value=self.value)
@@ -145,6 +147,26 @@ def test_an_array_of_the_simulation_that_is_missing_is_refused(comm, shared_tmp_
     simulation.saved = lambda: {"new": Saved(np.array(1.0))}
     with pytest.raises(CaseError, match=r"was written by castx .* and lacks simulation/new"):
         later.restore(file.read_header())
+
+
+@pytest.mark.parametrize("moment", [(float("nan"), 3), (1.5, -7), (-3.0, 3)])
+def test_a_state_of_another_moment_than_its_header_is_refused(
+    comm, shared_tmp_path, monkeypatch, moment
+):
+    writing, simulation, _, _ = checkpoints(comm, shared_tmp_path)
+    simulation.time, simulation.step = 1.5, 3
+    writing.write()
+    later, again, results, file = checkpoints(comm, shared_tmp_path)
+
+    def restore(arrays):
+        again.time, again.step = moment
+
+    monkeypatch.setattr(again, "restore", restore)
+    with pytest.raises(
+        CaseError, match=r"is damaged: its state is of t = .*, its header of t = 1.5"
+    ):
+        later.restore(file.read_header())
+    assert results.resumed is None
 
 
 def test_without_checkpoint_and_results_a_run_starts_from_the_beginning(comm, shared_tmp_path):
