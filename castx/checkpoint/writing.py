@@ -162,8 +162,8 @@ class Checkpoints:
         simulation = self._simulation
         if (simulation.time, simulation.step) != (header["time"], header["step"]):
             raise CaseError(
-                f"the checkpoint {path} is damaged: its state is of t = {simulation.time:g} s, step "
-                f"{simulation.step}, its header of t = {header['time']:g} s, step "
+                f"the checkpoint {path} is damaged: its state is of t = {simulation.time:g} s, "
+                f"step {simulation.step}, its header of t = {header['time']:g} s, step "
                 f"{header['step']}; {CURE}"
             )
 

@@ -74,9 +74,16 @@ class SavedBody:
                 self.times: FloatArray = root[STEPS][TIMES][: counted_steps(root[STEPS])]
                 self._points = np.asarray(root["Points"], dtype=np.float64)
                 self._cells = cells_of(root, len(self._points))
-                self._kind = int(root["Types"][0])
+                self._kind = pyvista.CellType(int(root["Types"][0]))
+            self._refuse_another_body()
         except _DAMAGES as error:
             raise _damaged(path, error) from None
+
+    def _refuse_another_body(self) -> None:
+        if self.name != self._path.stem:
+            raise ValueError(f"it holds fields of {self.name!r}, not of {self._path.stem!r}")
+        if not np.all(np.diff(self.times) > 0.0):
+            raise ValueError("its times do not ascend")
 
     def grid(self, time: float) -> pyvista.UnstructuredGrid:
         """Return the body with its fields at one of its times.
@@ -84,9 +91,9 @@ class SavedBody:
         Raises:
             CaseError: the file is damaged.
         """
-        grid = pyvista.UnstructuredGrid({self._kind: self._cells}, self._points)
         step = int(np.searchsorted(self.times, time))
         try:
+            grid = pyvista.UnstructuredGrid({self._kind: self._cells}, self._points)
             with opened(self._path, "r") as file:
                 root = file[ROOT]
                 grid.point_data.update(fields_of(root, "Point", step, len(self._points)))
@@ -112,9 +119,7 @@ def cells_of(root: h5py.Group, points: int) -> LongArray:
     return cells
 
 
-def fields_of(
-    root: h5py.Group, kind: str, step: int, rows: int
-) -> dict[str, npt.NDArray[Any]]:
+def fields_of(root: h5py.Group, kind: str, step: int, rows: int) -> dict[str, npt.NDArray[Any]]:
     """Return the fields of a step by name, without those that it lacks.
 
     Args:

@@ -12,7 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from castx.errors import CaseError
 from castx.results.files.body_series import BodySeries
-from castx.results.files.folder import COLLECTION, ENDING, FIELDS
+from castx.results.files.folder import COLLECTION, ENDING, FIELDS, reason_of
 
 
 class WrittenFields(Protocol):
@@ -46,7 +46,10 @@ class FieldSeries:
 
     def __init__(self, folder: Path) -> None:
         fields = folder / FIELDS
-        pieces = (fields / COLLECTION).is_file()
+        try:
+            pieces = (fields / COLLECTION).is_file()
+        except OSError as error:
+            raise CaseError(f"{fields} cannot be read: {reason_of(error)}") from None
         self._written: WrittenFields = PieceSeries(fields) if pieces else BodySeries(fields)
         self.times = self._written.times
         if not self.times:

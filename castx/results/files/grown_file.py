@@ -140,6 +140,8 @@ def opened(path: Path, mode: str) -> Iterator[h5py.File]:
         OSError: it cannot be read or written, with its path.
     """
     try:
+        if path.exists() and not path.is_file():  # nobody may ever write into a pipe
+            raise OSError(errno.EIO, "it is no regular file")
         with h5py.File(path, mode, locking=False) as file:
             yield file
     except (OSError, RuntimeError) as error:  # h5py raises both

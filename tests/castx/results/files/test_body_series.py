@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import h5py
 import numpy as np
 import pytest
@@ -82,6 +84,11 @@ def replaced(name, values):
     return edited(edit)
 
 
+def as_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -96,6 +103,9 @@ def replaced(name, values):
         replaced("Connectivity", np.array([0, 1, 2, -1])),
         replaced("PointData/temperature", np.array([1.0, 2.0])),
         replaced("Steps/PointDataOffsets/temperature", np.array([3])),
+        replaced("Types", np.array([255])),
+        edited(lambda root: root.attrs.__setitem__("name", "a mould")),
+        as_pipe,
     ],
 )
 def test_damaged_files_are_refused_with_their_name(folder, capfd, spoil):
@@ -103,3 +113,9 @@ def test_damaged_files_are_refused_with_their_name(folder, capfd, spoil):
     with pytest.raises(CaseError, match=r"casting.hdf is missing or damaged: \S"):
         BodySeries(folder).read(1.5)
     assert capfd.readouterr().err == ""
+
+
+def test_times_that_do_not_ascend_are_refused(folder):
+    replaced("Steps/Values", np.array([1.5, 0.0]))(folder / "a mould.hdf")
+    with pytest.raises(CaseError, match="mould.hdf is missing or damaged: its times do not ascend"):
+        BodySeries(folder)

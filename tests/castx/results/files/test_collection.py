@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import pyvista
@@ -54,6 +56,15 @@ def test_a_body_that_is_gone_is_left_out(folder):
 
 def test_missing_fields_are_refused(tmp_path):
     with pytest.raises(CaseError, match="there are no fields"):
+        FieldSeries(tmp_path)
+
+
+def test_a_folder_that_may_not_be_looked_into_is_named(tmp_path, monkeypatch):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "is_file", refuse)
+    with pytest.raises(CaseError, match="fields cannot be read: Permission denied"):
         FieldSeries(tmp_path)
 
 
