@@ -91,12 +91,20 @@ class PieceSeries:
         try:
             for entry in ElementTree.parse(collection).iter("DataSet"):
                 time, body, file = (entry.attrib[key] for key in ("timestep", "group", "file"))
-                self._pieces.setdefault(float(time), []).append((body, file))
+                self._add(float(time), body, file)
         except (ElementTree.ParseError, KeyError, ValueError) as error:
             raise CaseError(f"{collection} is damaged: {error}") from None
         if not self._pieces:
             raise CaseError(f"{collection} is damaged: it names no fields")
         self.times: list[float] = sorted(self._pieces)
+
+    def _add(self, time: float, body: str, file: str) -> None:
+        pieces = self._pieces.setdefault(time, [])
+        if Path(file).name != file:
+            raise ValueError(f"{file} is not the name of a file beside it")
+        if (body, file) in pieces:
+            raise ValueError(f"{file} is there twice")
+        pieces.append((body, file))
 
     def bodies(self, time: float) -> list[str]:
         """Return the names of the bodies at one of the times."""
@@ -120,6 +128,8 @@ def read_piece(path: Path) -> pyvista.UnstructuredGrid:
     Raises:
         CaseError: it is missing or damaged.
     """
+    if not path.is_file():  # VTK would wait for what is written into a pipe
+        raise CaseError(f"{path} is missing or damaged: it is no regular file")
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))
     shown = vtkObject.GetGlobalWarningDisplay()

@@ -117,5 +117,5 @@ def test_damaged_files_are_refused_with_their_name(folder, capfd, spoil):
 
 def test_times_that_do_not_ascend_are_refused(folder):
     replaced("Steps/Values", np.array([1.5, 0.0]))(folder / "a mould.hdf")
-    with pytest.raises(CaseError, match="mould.hdf is missing or damaged: its times do not ascend"):
+    with pytest.raises(CaseError, match=r"mould\.hdf is .*its times do not ascend"):
         BodySeries(folder)

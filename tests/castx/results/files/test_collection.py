@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,21 @@ def test_a_collection_that_is_cut_short_is_refused(folder, left):
 
 
 @pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ("/etc/a_1.vtu", r"/etc/a_1\.vtu is not the name"),
+        ("../a_1.vtu", r"\.\./a_1\.vtu is not the name"),
+        ("a_0.vtu", r"a_0\.vtu is there twice"),
+    ],
+)
+def test_a_collection_of_other_files_is_refused(folder, changed, why):
+    path = folder / "fields" / "castx.pvd"
+    path.write_text(path.read_text().replace('"a_1.vtu"', f'"{changed}"'))
+    with pytest.raises(CaseError, match=rf"castx\.pvd is damaged: {why}"):
+        FieldSeries(folder)
+
+
+@pytest.mark.parametrize(
     "spoil",
     [
         lambda path: path.unlink(),
@@ -84,6 +100,7 @@ def test_a_collection_that_is_cut_short_is_refused(folder, left):
         lambda path: path.write_bytes(path.read_bytes()[:-400]),
         lambda path: path.write_bytes(path.read_bytes().replace(b"NumberOfPoints=", b"Points=")),
         lambda path: path.write_bytes(path.read_bytes().replace(b"Float64", b"Float65")),
+        lambda path: (path.unlink(), os.mkfifo(path)),
     ],
 )
 def test_damaged_fields_are_refused_with_their_file(folder, capfd, spoil):
