@@ -25,7 +25,8 @@ SMALLEST_EXTENT, LARGEST_EXTENT = 1e-9, 1e6
 USUAL_EXTENT = 100.0
 """Extent beyond which a casting with its mould is probably in a mistaken unit [m]."""
 STRAY = 0.02
-"""Share of the cells of a body up to which a part of it that lies in other bodies may be stray."""
+"""Share of the cells of a body up to which a part of it that hangs together with no other may be
+stray; a single cell may be so in a body of eight and more."""
 
 
 def refuse_far_away(mesh: NamedMesh, source: str) -> None:
@@ -142,7 +143,7 @@ def _doubled(mesh: NamedMesh, body: str, nodes: LongArray) -> Iterator[str]:
 
 
 def _stray(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> Iterator[str]:
-    """Yield small parts of bodies that touch other bodies only."""
+    """Yield small parts of bodies that share no face with the others of their body."""
     cell, face = np.nonzero(across != NO_NEIGHBOUR)
     beside = across[cell, face]
     inside = mesh.bodies[cell] == mesh.bodies[beside]
@@ -152,16 +153,28 @@ def _stray(mesh: NamedMesh, body_names: tuple[str, ...], across: LongArray) -> I
     sizes = np.bincount(part)[part]
     enclosed = np.isin(part, part[cell[~inside]])
     of_body = np.bincount(mesh.bodies, minlength=len(body_names))[mesh.bodies]
-    stray = enclosed & (sizes <= STRAY * of_body)
+    stray = sizes <= np.maximum(STRAY * of_body, of_body >= 8)
+    kinds = {
+        "in another body": (
+            enclosed,
+            "do they belong to that body? correct their physical group, unless inclusions are "
+            "meant",
+        ),
+        "and touch no body": (
+            ~enclosed,
+            "are they a remnant? neither heat nor force passes between; remove them, or make them "
+            "a body of their own",
+        ),
+    }
     for index, name in enumerate(body_names):
-        found = np.flatnonzero(stray & (mesh.bodies == index))
-        if found.size:
-            centre = mesh.points[mesh.cells[found[0]]].mean(axis=0)
-            yield (
-                f"{name} has {found.size} elements that lie apart from its others in another "
-                f"body, the first at ({_place(centre)}) m: do they belong to that body? correct "
-                "their physical group, unless inclusions are meant"
-            )
+        for where, (chosen, cure) in kinds.items():
+            found = np.flatnonzero(stray & chosen & (mesh.bodies == index))
+            if found.size:
+                centre = mesh.points[mesh.cells[found[0]]].mean(axis=0)
+                yield (
+                    f"{name} has {found.size} elements that lie apart from its others {where}, "
+                    f"the first at ({_place(centre)}) m: {cure}"
+                )
 
 
 def _holes(mesh: NamedMesh, faces: LongArray, cells: LongArray) -> Iterator[str]:

@@ -152,6 +152,22 @@ def nearest(mesh: NamedMesh, place: float) -> int:
 
 
 @pytest.mark.parametrize("kind", ALL)
+def test_a_cell_that_touches_no_other_is_told_with_its_place(kind):
+    mesh = block(kind)
+    lost = mesh.cells[nearest(mesh, 0.3)]
+    away = mesh.points[lost] + 5.0
+    cells = np.vstack([mesh.cells, len(mesh.points) + np.arange(len(lost))])
+    bodies = np.append(mesh.bodies, 0)
+    points = np.concatenate([mesh.points, away])
+    (text,) = found(replace(mesh, cells=cells, bodies=bodies, points=points))
+    assert text.startswith("a has 1 elements that lie apart from its others and touch no body, ")
+    said = [float(x) for x in text.split("(")[1].split(")")[0].split(",")]
+    np.testing.assert_allclose(said, away.mean(axis=0), atol=1e-5)
+    halves = np.repeat(np.arange(2), [len(mesh.cells), 1])
+    assert found(replace(mesh, cells=cells, bodies=halves, points=points)) == []
+
+
+@pytest.mark.parametrize("kind", ALL)
 def test_a_missing_cell_is_told_with_its_place(kind):
     mesh = block(kind)
     gone = nearest(mesh, 0.5)
