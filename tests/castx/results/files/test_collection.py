@@ -92,6 +92,11 @@ def test_a_collection_of_other_files_is_refused(folder, changed, why):
         FieldSeries(folder)
 
 
+def as_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -100,7 +105,7 @@ def test_a_collection_of_other_files_is_refused(folder, changed, why):
         lambda path: path.write_bytes(path.read_bytes()[:-400]),
         lambda path: path.write_bytes(path.read_bytes().replace(b"NumberOfPoints=", b"Points=")),
         lambda path: path.write_bytes(path.read_bytes().replace(b"Float64", b"Float65")),
-        lambda path: (path.unlink(), os.mkfifo(path)),
+        as_pipe,
     ],
 )
 def test_damaged_fields_are_refused_with_their_file(folder, capfd, spoil):
