@@ -20,6 +20,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.case.skin import skins
+from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import outside_used_range, ranges_text
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
@@ -89,7 +90,7 @@ def check_case(
     areas = area_warnings(case.interfaces, pairs, comm)
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     thin = [walls.text for walls in thin_walls(case, mesh)]
-    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *thin)
+    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *unusual(case), *thin)
     for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
@@ -131,9 +132,7 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         console.print(f"written: {picture}", markup=False)
 
 
-def _formulations(
-    case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]
-) -> list[str]:
+def _formulations(case: Case, mesh: CastingMesh, pairs: Mapping[str, NodePairs]) -> list[str]:
     """Return the formulations of the bodies, and refuse unsuitable cells; collective."""
     columns = [
         column

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from mpi4py import MPI
 
 from castx.case.case import Case
 from castx.case.reading.read import load_case
+from castx.case.unusual import unusual
 from castx.checkpoint.file import Checkpoint
 from castx.checkpoint.writing import Checkpoints, header_to_restart_from
 from castx.command.progress import Progress
@@ -18,10 +20,13 @@ from castx.command.watches.deformations import DeformationWatch
 from castx.command.watches.forces import ForceWatch
 from castx.command.watches.interruption import Interruption
 from castx.command.watches.ranges import RangeWatch
+from castx.command.watches.temperatures import TemperatureWatch
 from castx.process.simulation import Simulation
 from castx.profiling import Profile
 from castx.results.files.folder import claimed_folder
 from castx.results.writing import ResultsWriter
+
+_log = logging.getLogger(__name__)
 
 
 def run(
@@ -114,6 +119,8 @@ def run_case(
         checkpoint = Checkpoint(folder, comm)
         header = header_to_restart_from(case, checkpoint) if restart else None
         simulation = Simulation.from_case(case, comm)
+        for doubt in unusual(case) if comm.rank == 0 else ():
+            _log.warning(doubt)
         results = ResultsWriter(case, simulation.mesh, simulation.pairs)
         checkpoints = Checkpoints(checkpoint, case, simulation, results)
         if header is not None:
@@ -135,13 +142,14 @@ def _solve(
 ) -> None:
     comm = simulation.mesh.comm
     ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
-    deformation = DeformationWatch(case, comm)
+    deformation, temperatures = DeformationWatch(case, comm), TemperatureWatch(case, comm)
     progress = Progress(simulation.end, comm, largest=case.time.largest_step)
     with results, checkpoints, forces, progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()
             progress.show(snapshot)
+            temperatures.check(snapshot)
             ranges.check(snapshot)
             deformation.check(snapshot)
             forces.check(snapshot)

@@ -1,5 +1,5 @@
-"""What a run watches as it goes on: ranges left, missing forces, absurd displacements, signals.
+"""What a run watches as it goes on: ranges left, missing forces, absurd values, signals.
 
 Public: `ranges.RangeWatch`, `deformations.DeformationWatch`, `forces.ForceWatch`,
-`interruption.Interruption`.
+`temperatures.TemperatureWatch`, `interruption.Interruption`.
 """

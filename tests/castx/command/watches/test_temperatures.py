@@ -1,0 +1,61 @@
+"""Temperatures that nothing has end a run, and a heat balance that does not close is told once."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from castx.command.cli import execute
+from castx.command.watches.temperatures import TemperatureWatch
+from castx.errors import ConvergenceError
+
+CASE = SimpleNamespace(bodies=[SimpleNamespace(name="casting"), SimpleNamespace(name="mould")])
+
+
+def state(**totals):
+    named = {name.replace("__", "."): value for name, value in totals.items()}
+    return SimpleNamespace(time=2.0, totals=named)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("totals", "text"),
+    [
+        ({"mould__min_temperature": -273.2}, "mould is at -273.2 °C, below absolute zero, -273.15"),
+        ({"casting__max_temperature": 10_001.0}, "casting is at 10001 °C, above 10000 °C, where"),
+        ({"casting__min_temperature": -273.155, "mould__max_temperature": 9_999.0}, ""),
+        ({}, ""),
+    ],
+)
+def test_a_body_that_is_colder_or_hotter_than_can_be_ends_the_run(comm, totals, text):
+    watch = TemperatureWatch(CASE, comm)
+    if not text:
+        return watch.check(state(**totals))
+    with pytest.raises(ConvergenceError, match=f"^at t = 2 s {text}"):
+        watch.check(state(**totals))
+
+
+@pytest.mark.serial
+def test_a_heat_balance_that_does_not_close_is_told_once(comm, caplog):
+    watch = TemperatureWatch(CASE, comm)
+    watch.check(state(energy_error=0.049))
+    assert caplog.messages == []
+    for error in (-0.051, 0.5):
+        watch.check(state(energy_error=error))
+    (text,) = caplog.messages
+    assert "off by 5.1 % of the heat that has moved" in text and "mistaken unit" in text
+
+
+def test_a_flux_that_draws_more_than_there_is_ends_the_run(comm, shared_tmp_path, capsys):
+    change = 'boundaries=[{ on = "mould/outside", heat = { type = "flux", value = -1e8 } }]'
+    given = [
+        change,
+        'output.fields=["temperature"]',
+        'coupling.scheme="thermal"',
+        "geometry.size=1e-2",
+        "probes=[]",
+    ]
+    arguments = ["run", "demos/cylinder.toml", "--output", str(shared_tmp_path / "out")]
+    assert execute([*arguments, *(f"--set={one}" for one in given)], comm) == 3
+    if comm.rank == 0:
+        said = " ".join(capsys.readouterr().err.split())
+        assert "mould is at -" in said and "look at fluxes, heat sources" in said
