@@ -12,6 +12,7 @@ import pytest
 from castx.case.case import Case
 from castx.case.fields.registry import output_fields
 from castx.case.geometry import GENERATORS
+from castx.case.reading.read import load_case
 from castx.contact.methods.registry import METHODS
 from castx.input.entries import Description
 from castx.materials.inelastic import FLOW_RULES, HARDENING_RULES
@@ -152,6 +153,12 @@ def test_the_manual_has_every_key_of_the_case_file():
     keys = case_file_keys(Case) - {"arguments", "cad"}
     assert len(keys) > 90
     assert not sorted(key for key in keys if not re.search(rf"\b{key}\b", text))
+
+
+def test_the_case_of_the_readme_can_be_run(tmp_path):
+    (case,) = re.findall(r"```toml\n(.*?)```", (PROJECT / "README.md").read_text(), re.DOTALL)
+    (tmp_path / "case.toml").write_text(case)
+    assert [body.name for body in load_case(tmp_path / "case.toml").bodies] == ["casting", "mould"]
 
 
 def test_the_readme_is_short():
