@@ -120,6 +120,16 @@ def test_the_arms_of_aluminium_copper_after_ronto_and_roosz() -> None:
     assert found == pytest.approx(expected, rel=0.13)
 
 
+def test_sand_softens_and_bakes_hard_after_thole_and_beckermann() -> None:
+    """Read in their abstract, with a rise that is almost linear from 350 to 500 °C."""
+    measured = {20: 3.9e9, 125: 6e8, 280: 1.2e9, 325: 9e8, 500: 2.4e9}
+    sand = find_material("sand-silica", {}).young_modulus
+    assert sand is not None
+    assert sand(list(measured)).tolist() == list(measured.values())
+    rise = sand(np.linspace(350.0, 500.0, 4))
+    np.testing.assert_allclose(np.diff(rise, 2), 0.0, atol=1.0)
+
+
 @pytest.mark.parametrize("name", ["sand-silica", "sand-chromite"])
 def test_sand_dilates_by_its_friction_beyond_thirty_degrees(name) -> None:
     friction = database_value(name, ["granular", "friction_angle"])
