@@ -235,11 +235,11 @@ def check(
     with kept():
         from castx.case.reading.read import load_case
         from castx.command.check import check_case
-        from castx.studies.asked.reading import refuse_wrong_studies
+        from castx.studies.checking import refuse_useless_studies
 
     comm, console = output_of(context)
     with naming(case_file):
-        on_first_rank(comm, lambda: refuse_wrong_studies(case_file, overrides or ()))
+        on_first_rank(comm, lambda: refuse_useless_studies(case_file, overrides or ()))
         check_case(load_case(case_file, overrides or ()), comm, console, picture)
     console.refuse_loss()
 

@@ -1,0 +1,47 @@
+"""Studies that cannot begin are refused by a check of their case."""
+
+import pytest
+
+from castx.command.cli import execute
+from castx.errors import CaseError
+from castx.studies.checking import refuse_useless_studies
+from tests.castx.many_runs import CASE
+
+pytestmark = pytest.mark.serial
+
+VARY = """
+[vary]
+draws = 4
+[[vary.inputs]]
+of = "bodies.0.temperature"
+low = 600
+high = 700
+"""
+
+
+def file(tmp_path, text):
+    path = tmp_path / "case.toml"
+    path.write_text(CASE + text)
+    return path
+
+
+def test_studies_that_can_begin_are_named(tmp_path):
+    assert refuse_useless_studies(file(tmp_path, VARY)) == ["vary"]
+    assert refuse_useless_studies(file(tmp_path, "")) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ("bodies.0.temperature", "automatic", "automatic = .*: unknown key; known keys: name"),
+        ("bodies.0.temperature", "bodies.7.temperature", "bodies"),
+        ("low = 600", "low = -900", "below absolute zero"),
+        ("draws = 4", "draws = -1", r"vary\.draws = -1"),
+    ],
+)
+def test_a_check_refuses_what_no_run_could_begin_with(comm, tmp_path, capsys, old, new, why):
+    path = file(tmp_path, VARY.replace(old, new))
+    with pytest.raises(CaseError, match=why):
+        refuse_useless_studies(path)
+    assert execute(["check", str(path)], comm) == 2
+    assert "vary" in capsys.readouterr().err
