@@ -62,6 +62,8 @@ def answers(results: Path) -> dict[str, RunAnswer]:
 
 def _kept_rows(kept: Path) -> list[Row] | None:
     """Return the rows of a file of answers; None where there is none, or it is damaged."""
+    if not kept.is_file():  # nobody may ever write into a pipe
+        return None
     try:
         return _ROWS.validate_json(kept.read_bytes(), strict=True)
     except (OSError, ValueError):
