@@ -8,9 +8,15 @@ from dataclasses import dataclass, field
 MILLIMETRES = 1e3
 """Units of the gmsh model in a metre."""
 
+NO_CELLS = 4
+"""Exit code of a mesher after `NoCellsError`."""
 Vector = tuple[float, float, float]
 Box = tuple[Vector, Vector]
 """Lowest and highest corner [m]."""
+
+
+class NoCellsError(ValueError):
+    """Solids that are sound make no mesh of the cells that are wanted; others may make one."""
 
 
 @dataclass(frozen=True)
@@ -159,6 +165,7 @@ class CadPart:
         bodies: names that the solids must get; None: whatever they get.
         names: body of a label, where they differ.
         tolerance: gaps and overlaps of solids up to it are closed [m].
+        narrowest: faces that are narrower are taken out with what they bound [m].
         selectors: of the named surfaces.
         rest: name of the free faces that no selector has.
         curvature: elements round a full circle.
@@ -176,6 +183,7 @@ class CadPart:
     bodies: tuple[str, ...] | None = None
     names: Mapping[str, str] = field(default_factory=dict)
     tolerance: float = 1e-6
+    narrowest: float = 0.0
     selectors: tuple[Selector, ...] = ()
     rest: str = "outside"
     curvature: float = 16.0

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 
 import numpy as np
 
 from castx.meshes.cad.assembly import join, refuse_other_bodies
-from castx.meshes.cad.cells import cell_qualities, quality_of, solid_volumes
-from castx.meshes.cad.description import CadPart
+from castx.meshes.cad.cells import Quality, cell_qualities, quality_of, solid_volumes
+from castx.meshes.cad.description import CadPart, NoCellsError
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
 from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, with_mould
+from castx.meshes.cad.narrow import refuse_narrow_faces, without_narrow_faces
 from castx.meshes.cad.reading import read_solids
 from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
@@ -34,8 +35,10 @@ def mesh_part(part: CadPart, file: str) -> Report:
 
     Raises:
         ValueError: a file, a name, a selector or a solid makes no mesh.
+        NoCellsError: sound solids make none of the sizes that are wanted.
     """
     solids = read_solids(part.files, part.names, f"{file}.brep")
+    solids, left_out = without_narrow_faces(solids, part.narrowest)
     solids, remarks = mend(solids, part.tolerance)
     solids = with_mould(part, solids)
     drawn = solid_volumes({solid.tag: solid.name for solid in solids if solid.rank != CHANNEL})
@@ -45,20 +48,36 @@ def mesh_part(part: CadPart, file: str) -> Report:
     drills = [solid.tag for solid in solids if solid.rank == CHANNEL]
     volumes = join(solids, part.tolerance, drills)
     refuse_other_bodies(part.bodies, volumes, solids)
-    refuse_small(list(volumes), part.tolerance)
     if part.mould is not None:  # what is cut out of a body is not missing
         drawn = solid_volumes(volumes)
     faces = faces_of(volumes)
     named = _named(part, faces, list(dict.fromkeys(volumes.values())))
     add_groups(volumes, named)
-    generate(part, volumes, faces, named, f"{file}.sizes")
-    corners, qualities = cell_qualities(list(volumes))
-    refuse_flat_cells(list(volumes), corners.mean(axis=1), qualities)
-    quality = quality_of(corners, qualities)
-    told = [*remarks, *unusual_size(extent)]
+    try:
+        quality = _meshed(part, volumes, faces, named, f"{file}.sizes")
+    except ValueError as error:
+        raise NoCellsError(str(error)) from None
+    told = [*left_out, *remarks, *unusual_size(extent)]
     report = report_of(volumes, drawn, faces, named, quality, told)
     write(file)
     return replace(report, extent=extent, size=part.size)
+
+
+def _meshed(
+    part: CadPart,
+    volumes: Mapping[int, str],
+    faces: Sequence[Face],
+    named: Mapping[str, Sequence[Face]],
+    scratch: str,
+) -> Quality:
+    """Mesh joined solids, and return the quality of the cells."""
+    tags = list(volumes)
+    refuse_small(tags, part.tolerance)
+    refuse_narrow_faces(part, tags)
+    generate(part, volumes, faces, named, scratch)
+    corners, qualities = cell_qualities(tags)
+    refuse_flat_cells(tags, corners.mean(axis=1), qualities)
+    return quality_of(corners, qualities)
 
 
 def unusual_size(extent: float) -> Iterator[str]:

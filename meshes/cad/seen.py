@@ -15,6 +15,7 @@ from castx.meshes.cad.description import MILLIMETRES, CadPart
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend
 from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, with_mould
+from castx.meshes.cad.narrow import without_narrow_faces
 from castx.meshes.cad.reading import read_solids
 
 FINE = 15
@@ -78,7 +79,9 @@ def see_part(part: CadPart, scratch: str) -> SeenPart:
     Raises:
         ValueError: a file or a solid cannot be read or joined, or a face not be drawn.
     """
-    solids, _ = mend(read_solids(part.files, part.names, f"{scratch}.brep"), part.tolerance)
+    solids = read_solids(part.files, part.names, f"{scratch}.brep")
+    solids, _ = without_narrow_faces(solids, part.narrowest)
+    solids, _ = mend(solids, part.tolerance)
     solids = with_mould(part, solids)
     size = float(np.ptp(extents([solid.tag for solid in solids]), axis=0).max()) / FINE
     drills = [solid.tag for solid in solids if solid.rank == CHANNEL]

@@ -85,6 +85,8 @@ class CadGeometry(Description):
         unit: of the numbers of BREP files [m]; STEP and IGES files carry their own.
         names: body of a label of the CAD file, or of `solid-1`, … in their order.
         tolerance: gaps and overlaps of solids up to it are closed [m].
+        narrowest: faces that are narrower are taken out with what they bound: grooves, threads,
+            letters, roundings; the faces round them grow together [m].
         size: largest element size [m].
         curvature: elements round a full circle.
         across: cells across a wall; 0: as many as the other sizes make.
@@ -106,6 +108,7 @@ class CadGeometry(Description):
     unit: Annotated[float, PlainValidator(_unit)] = 1e-3
     names: dict[StrictStr, EntryName] = Field({}, max_length=_MOST_SURFACES)
     tolerance: Annotated[float, Quantity(LENGTH, least=0.0)] = 1e-6
+    narrowest: Annotated[float, Quantity(LENGTH, least=0.0)] = 0.0
     size: Annotated[float, Quantity(LENGTH, above=0.0)]
     curvature: Annotated[float, Quantity(PURE_NUMBER, least=3.0, most=1000.0)] = 16.0
     across: Annotated[int, Whole(0, 20)] = 2

@@ -36,6 +36,7 @@ class NewCase:
         across: cells across walls with which it could be meshed.
         interface_size: of the cells on faces that bodies share [m]; None: as elsewhere.
         tolerance: up to which faces are removed and gaps closed [m]; None: as usual.
+        narrowest: width of the narrowest faces that are left in [m]; None: all are.
         boxes: lowest and highest corner of each solid [m].
     """
 
@@ -49,6 +50,7 @@ class NewCase:
     interface_size: float | None = None
     mould: str | None = None
     tolerance: float | None = None
+    narrowest: float | None = None
     boxes: Mapping[str, Box] = field(default_factory=dict)
 
     @property
@@ -137,6 +139,11 @@ def geometry_text(case: NewCase) -> str:
         text += (
             f'tolerance = "{1e3 * case.tolerance:g} mm"           # CHOOSE: narrower faces are '
             "removed, gaps between solids closed\n"
+        )
+    if case.narrowest is not None:
+        text += (
+            f'narrowest = "{1e3 * case.narrowest:g} mm"             # CHOOSE: grooves, threads and '
+            "roundings of narrower faces are left out\n"
         )
     if case.mould is not None:
         text += case.mould

@@ -2,7 +2,8 @@
 
 It gets in its arguments the file of the request, the file of the mesh to write, the file of the
 answer, the exit code of a refusal, and perhaps the word `faces`. It ends with 0 after writing mesh
-and report (JSON), or the faces, or with the code of a refusal after writing its reason.
+and report (JSON), or the faces, or after writing its reason with the code of a refusal, and with
+`NO_CELLS` where solids are sound and only their mesh is refused.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 
 import gmsh
 
+from castx.meshes.cad.description import NO_CELLS, NoCellsError
 from castx.meshes.cad.part import mesh_part
 from castx.meshes.cad.seen import see_part
 
@@ -37,7 +39,7 @@ def main() -> None:
         Path(answer).write_text(json.dumps(report.as_data()))
     except ValueError as error:
         Path(answer).write_text(str(error))
-        code = int(refused)
+        code = NO_CELLS if isinstance(error, NoCellsError) else int(refused)
     sys.stdout.flush()
     sys.stderr.flush()
     ctypes.CDLL(None).fflush(None)  # what gmsh has printed

@@ -34,6 +34,7 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         bodies=None if body_names is None else tuple(body_names),
         names=dict(cad.names),
         tolerance=cad.tolerance,
+        narrowest=cad.narrowest,
         selectors=tuple(selector_of(name, s, cad.tolerance) for name, s in cad.surfaces.items()),
         curvature=cad.curvature * finer,
         across=cad.across * finer,

@@ -11,7 +11,7 @@ from typing import Any
 
 from castx.errors import MeshError
 from castx.input.child_process import REFUSED, end_of, run_apart
-from castx.meshes.cad.description import CadPart
+from castx.meshes.cad.description import NO_CELLS, CadPart
 from castx.meshes.cad.report import Report
 from castx.meshes.cad.seen import SeenPart
 
@@ -23,6 +23,10 @@ CROSSING = re.compile(r"intersect at point \(([-+.\de]+),([-+.\de]+),([-+.\de]+)
 """What gmsh prints of faces that cross each other."""
 
 
+class SizesError(MeshError):
+    """Sound solids make no mesh of these sizes; others may make one."""
+
+
 def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Report:
     """Mesh CAD files and write the mesh; call it on one rank only.
 
@@ -32,7 +36,8 @@ def meshed_apart(part: CadPart, mesh: Path, patience: float | None = None) -> Re
         patience: time that it may take [s]; None: `PATIENCE`.
 
     Raises:
-        MeshError: the mesher refuses the files, dies, or takes too long.
+        MeshError: the mesher refuses the files or dies.
+        SizesError: it refuses the sizes of cells, or takes too long.
     """
     return Report.of_data(_answered(part, mesh, patience))
 
@@ -64,13 +69,15 @@ def _answered(part: CadPart, mesh: Path, patience: float | None, *wanted: str) -
             ["-m", "castx.domain.cad.child", *files, str(REFUSED), *wanted], patience, errors=STDOUT
         )
     except TimeoutExpired:
-        raise MeshError(
-            f"{source} cannot be meshed: it took more than {patience:.0f} s; choose larger sizes"
+        raise SizesError(
+            f"{source} cannot be meshed: it took more than {patience:.0f} s; choose larger "
+            "sizes, or leave out what is narrow, geometry.narrowest"
         ) from None
-    if ended.returncode == REFUSED:
+    if ended.returncode in (REFUSED, NO_CELLS):
         text = answer.read_text(errors="replace")[:LONGEST]
         text += place_in(ended.stdout.decode(errors="replace"))
-        raise MeshError(text if source in text else f"{source}: {text}")
+        kind = SizesError if ended.returncode == NO_CELLS else MeshError
+        raise kind(text if source in text else f"{source}: {text}")
     if ended.returncode != 0 or not answer.is_file():
         raise MeshError(
             f"{source} cannot be meshed: {end_of('mesher', ended.returncode, ended.stdout)}; the "

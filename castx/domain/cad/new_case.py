@@ -20,7 +20,7 @@ from castx.case.processes.plan import plan_of
 from castx.case.processes.process import casting_process
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH, skins
-from castx.domain.cad.guarded import meshed_apart
+from castx.domain.cad.guarded import SizesError, meshed_apart
 from castx.errors import CaseError, MeshError
 from castx.input.entries import Quantity
 from castx.input.toml_text import parse_toml
@@ -44,13 +44,20 @@ GUESSED = "AlSi7Mg"
 """Alloy of a case of no process."""
 TOLERANCE = 1e-4
 """Width up to which faces are removed where small ones ask for too many cells [m]."""
-NEXT = ("walls as they come", f"without faces narrower than {1e3 * TOLERANCE:g} mm")
+NARROWEST = (1e-3, 3e-3)
+"""Widths of the narrowest faces that are left in where the others ask for too many cells [m]."""
+NEXT = (
+    "walls as they come",
+    f"without faces narrower than {1e3 * TOLERANCE:g} mm",
+    *(f"without grooves, threads and roundings of less than {1e3 * x:g} mm" for x in NARROWEST),
+)
 """What is tried after a mesh that is refused."""
 CURE = (
-    "A lower tolerance makes no first mesh either: suppress roundings and slivers below "
-    f"{1e3 * TOLERANCE:g} mm in CAD, and export the part again"
+    f"It is refused without what is narrower than {1e3 * NARROWEST[-1]:g} mm too, as far as that "
+    "can be left out: suppress grooves, threads, roundings and slivers that are not cast in CAD, "
+    "and export the part again"
 )
-"""What helps where small faces cannot be mended, and ask for too many cells if they stay."""
+"""What helps where nothing that is tried makes a mesh."""
 FIRST_CELLS = 1e5
 """Cells of a first mesh, with which a step takes seconds."""
 
@@ -160,7 +167,8 @@ def new_case(
         tuple((measure.name, measure.cad) for measure in report.surfaces),
         1 if attempt == 0 else 0,
         mould=text,
-        tolerance=TOLERANCE if attempt == len(NEXT) else None,
+        tolerance=TOLERANCE if attempt == 2 else None,
+        narrowest=NARROWEST[attempt - 3] if attempt > 2 else None,
         boxes=report.boxes,
     )
 
@@ -245,7 +253,8 @@ def _survey(
 ) -> tuple[Report, int]:
     """Return the report of a coarse mesh and which attempt has made it.
 
-    One cell across each wall is tried first, then walls as they come, then without small faces.
+    One cell across each wall is tried first, then walls as they come, then without small faces,
+    then without all that narrow faces bound.
 
     Args:
         cad_file: with solids.
@@ -255,19 +264,21 @@ def _survey(
     """
     part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
     coarse = replace(part, most_cells=FIRST_CELLS)
-    tries = [replace(coarse, across=1), coarse, replace(part, tolerance=TOLERANCE)]
+    tries = [
+        replace(coarse, across=1), coarse, replace(coarse, tolerance=TOLERANCE),
+        *(replace(coarse, narrowest=width) for width in NARROWEST[:-1]),
+        replace(part, narrowest=NARROWEST[-1]),
+    ]  # fmt: skip
     with TemporaryDirectory() as folder:
         mesh = Path(folder) / "mesh.msh"
         for number in range(attempt, len(tries) - 1):
             try:
                 return meshed_apart(tries[number], mesh, BUDGET), number
-            except MeshError:  # what is damaged is refused again
-                say(f"that asks for too much in a first mesh: {NEXT[number]}")
+            except SizesError:
+                say(f"that makes no first mesh; next: {NEXT[number]}")
         try:
             return meshed_apart(tries[-1], mesh, LAST_BUDGET), len(tries) - 1
-        except MeshError as error:
-            if "cannot be mended" not in str(error):
-                raise
+        except SizesError as error:
             raise MeshError(f"{error}. {CURE}") from None
 
 

@@ -47,6 +47,17 @@ def test_steps_grow_no_larger_than_the_largest():
     assert left[-1] == 2.0 * np.ceil((200.0 - sum(sizes)) / 4.0)
 
 
+def test_steps_that_a_stage_has_made_small_grow_again():
+    sizes = [10.0, 12.0, 14.0, 0.1, 0.15, 0.225]
+    rest, steps, size = 100.0, 0, sizes[-1]
+    while rest > 0.0:
+        size, steps = min(1.5 * size, 14.0), steps + 1
+        rest -= size
+    left = follow(sum(sizes) + 100.0, sizes, [1.0] * 6, largest=14.0)
+    assert left[-1] == pytest.approx(2.0 * steps)
+    assert left[-2] < 2.0 * left[-1]
+
+
 def test_cycles_take_as_long_as_those_before():
     left = follow(100.0, [1.0, 4.0, 5.0], [0.5, 1.0, 0.1], cycle=2)
     assert left[-1] == pytest.approx(6.0 / 10.0 * 90.0)

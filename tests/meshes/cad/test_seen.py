@@ -46,3 +46,13 @@ def test_the_finest_roundings_ask_for_no_more_triangles_than_coarse_ones(tmp_pat
         for face, triangles in zip(seen.faces, seen.triangles, strict=True):
             assert area(triangles) == pytest.approx(face.area, rel=0.2)
     assert counts[1] < 4 * counts[0]
+
+
+def test_what_is_left_out_of_the_mesh_is_not_seen_either(tmp_path):
+    path = write_cad(tmp_path / "a.step", rounded_block)
+    counts = []
+    for narrowest in (0.0, 0.005):
+        part = CadPart((CadFile(str(path)),), 1.0, narrowest=narrowest)
+        with gmsh_session():
+            counts.append(len(see_part(part, str(tmp_path / "x")).faces))
+    assert counts == [10, 6]

@@ -15,10 +15,17 @@ from tests.cad_files import two_blocks, write_cad
 pytestmark = pytest.mark.serial
 
 
-@pytest.mark.parametrize("name, code", [("two.step", 0), ("lost.step", 7)])
-def test_answer_and_exit_code(tmp_path, name, code):
+@pytest.mark.parametrize(
+    "name, code, most, said",
+    [
+        ("two.step", 0, 2e6, ""),
+        ("lost.step", 7, 2e6, "cannot read the CAD file"),
+        ("two.step", 4, 2.0, "geometry.most_cells allows 2.0e+00"),
+    ],
+)
+def test_answer_and_exit_code(tmp_path, name, code, most, said):
     write_cad(tmp_path / "two.step", two_blocks)
-    part = CadPart((CadFile(str(tmp_path / name)),), 0.02)
+    part = CadPart((CadFile(str(tmp_path / name)),), 0.02, most_cells=most)
     request, mesh, answer = (tmp_path / end for end in ("request", "mesh.msh", "answer"))
     request.write_bytes(pickle.dumps(part))
     command = [sys.executable, "-P", "-m", "castx.domain.cad.child"]
@@ -26,7 +33,7 @@ def test_answer_and_exit_code(tmp_path, name, code):
     ended = subprocess.run([*command, *given], capture_output=True, check=False, cwd="/")
     assert ended.returncode == code, ended.stderr
     if code:
-        assert "cannot read the CAD file" in answer.read_text()
+        assert said in answer.read_text()
     else:
         assert [body["name"] for body in json.loads(answer.read_text())["bodies"]] == [
             "solid-1",

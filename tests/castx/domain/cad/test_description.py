@@ -49,7 +49,8 @@ def test_every_key_reaches_the_mesher():
         "radius": 2, "largest": 4,
     }  # fmt: skip
     cad = CadGeometry.read(
-        {"parts": {"a": "a.brep"}, "unit": "cm", "size": 3, "tolerance": 0.5, "names": {"L": "b"},
+        {"parts": {"a": "a.brep"}, "unit": "cm", "size": 3, "tolerance": 0.5, "narrowest": 0.2,
+         "names": {"L": "b"},
          "curvature": 20, "across": 3, "interface_size": 2, "growth": 0.7, "most_cells": 5e4,
          "sizes": [{"size": 1, "body": "a"}, {"size": 2, "surface": "s"},
                    {"size": 1, "within": [[0, 0, 0], [1, 1, 1]]}],
@@ -59,6 +60,7 @@ def test_every_key_reaches_the_mesher():
     assert part.files == (CadFile("a.brep", "a", pytest.approx(0.01)),)
     assert (part.bodies, part.names) == (("a", "b"), {"L": "b"})
     assert (part.size, part.tolerance, part.curvature) == (3.0, 0.5, 20.0)
+    assert part.narrowest == 0.2
     assert part.selectors == (
         Selector("s", "a", (1.0, 0.0, 0.0), radians(5), ((0, 0, 0), (1, 1, 1)), "b", 2.0, 4, 0.5),
     )

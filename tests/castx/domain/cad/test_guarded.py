@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from castx.domain.cad import guarded
-from castx.domain.cad.guarded import meshed_apart, place_in
+from castx.domain.cad.guarded import SizesError, meshed_apart, place_in
 from castx.errors import MeshError
 from castx.meshes.cad.description import CadFile, CadPart
 from tests.cad_files import two_blocks, write_cad
@@ -31,6 +31,16 @@ def test_a_refusal_names_the_file(tmp_path):
         meshed_apart(part, tmp_path / "mesh.msh")
 
 
+def test_a_refusal_of_the_mesh_alone_is_told_from_that_of_the_file(tmp_path):
+    path = write_cad(tmp_path / "two.step", two_blocks)
+    part = CadPart((CadFile(str(path)),), 0.01, most_cells=2.0)
+    with pytest.raises(SizesError, match=r"two\.step: about .* cells, and geometry.most_cells"):
+        meshed_apart(part, tmp_path / "mesh.msh")
+    with pytest.raises(MeshError) as told:
+        meshed_apart(CadPart((CadFile("lost.step"),), 0.01), tmp_path / "mesh.msh")
+    assert not isinstance(told.value, SizesError)
+
+
 def test_a_mesher_that_dies_or_waits(tmp_path, monkeypatch):
     part = CadPart((CadFile("a.step"),), 0.01)
     script = tmp_path / "dies"
@@ -41,7 +51,7 @@ def test_a_mesher_that_dies_or_waits(tmp_path, monkeypatch):
         meshed_apart(part, tmp_path / "mesh.msh")
     script.write_text("#!/bin/sh\nexec sleep 20\n")
     monkeypatch.setattr(guarded, "PATIENCE", 0.2)
-    with pytest.raises(MeshError, match="it took more than 0 s; choose larger sizes"):
+    with pytest.raises(SizesError, match=r"more than 0 s; choose larger sizes, .* geometry\.narr"):
         meshed_apart(part, tmp_path / "mesh.msh")
 
 

@@ -11,7 +11,7 @@ from castx.case.cad.template import case_text
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
 from castx.domain.cad import new_case as new_case_module
-from castx.domain.cad.guarded import meshed_apart
+from castx.domain.cad.guarded import SizesError, meshed_apart
 from castx.domain.cad.new_case import Wanted, new_case, with_interface_size, write_new_case
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
@@ -187,27 +187,60 @@ def test_tiny_fillets_are_refused_at_once_with_a_cure_that_works(tmp_path, monke
     with pytest.raises(MeshError, match=r"a radius of 1e-05 m .* geometry.tolerance = 4e-05"):
         meshed_apart(part, tmp_path / "a.msh", 60.0)
     assert meshed_apart(replace(part, tolerance=4e-5), tmp_path / "a.msh", 60.0).quality.cells > 100
-    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 10.0)
+    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 7e3)
     said = []
     case = new_case(path, tmp_path / "a.toml", say=said.append)
     assert 'tolerance = "0.1 mm"' in case_text(case) and case.across == 0
     assert said == [
         "meshing crank.step, coarsely, to see its bodies and faces",
-        "that asks for too much in a first mesh: walls as they come",
-        "that asks for too much in a first mesh: without faces narrower than 0.1 mm",
+        "that makes no first mesh; next: walls as they come",
+        "that makes no first mesh; next: without faces narrower than 0.1 mm",
         "meshing it again, in its mould",
     ]
 
 
-def test_roundings_that_cannot_be_mended_are_to_be_taken_out_in_cad(tmp_path, monkeypatch):
+def test_what_makes_no_mesh_is_tried_without_narrow_faces_and_then_refused(tmp_path, monkeypatch):
+    asked = []
+
     def meshed(part, *_):
-        kept = part.tolerance < new_case_module.TOLERANCE
-        raise MeshError("too many cells" if kept else "a face is 3e-06 m wide and cannot be mended")
+        asked.append((part.across, part.tolerance, part.narrowest))
+        raise SizesError("the cells are flat")
 
     monkeypatch.setattr(new_case_module, "meshed_apart", meshed)
-    path = write_cad(tmp_path / "crank.step", filleted)
-    with pytest.raises(MeshError, match=r"mended. A lower tolerance .* below 0.1 mm in CAD"):
-        new_case(path, tmp_path / "a.toml")
+    path, said = write_cad(tmp_path / "crank.step", filleted), []
+    with pytest.raises(MeshError, match=r"flat\. It is refused without .* 3 mm too.* in CAD, and"):
+        new_case(path, tmp_path / "a.toml", say=said.append)
+    assert asked == [(1, 1e-6, 0), (0, 1e-6, 0), (0, 1e-4, 0), (0, 1e-6, 1e-3), (0, 1e-6, 3e-3)]
+    assert said[-1].endswith("next: without grooves, threads and roundings of less than 3 mm")
+
+
+def grooved(occ):
+    """A shaft of 30 mm with 12 grooves of 0.2 x 0.2 mm."""
+    shaft = occ.addCylinder(0, 0, 0, 0, 0, 30, 10)
+    rings = []
+    for number in range(12):
+        whole, core = (occ.addCylinder(0, 0, 2 + 2 * number, 0, 0, 0.2, r) for r in (11, 9.8))
+        rings += occ.cut([(3, whole)], [(3, core)])[0]
+    ((_, part),), _ = occ.cut([(3, shaft)], rings)
+    return [part]
+
+
+def test_a_grooved_shaft_gets_a_case_without_its_grooves(tmp_path, monkeypatch):
+    monkeypatch.setattr(new_case_module, "FIRST_CELLS", 1e4)
+    path, said = write_cad(tmp_path / "shaft.step", grooved), []
+    write_new_case(path, tmp_path / "a.toml", Wanted("gravity-die"), said.append)
+    text = (tmp_path / "a.toml").read_text()
+    assert 'narrowest = "1 mm"' in text and "tolerance" not in text
+    assert load_case(tmp_path / "a.toml").geometry.cad.narrowest == 1e-3
+    assert said[-1].startswith("shaft: 20 × 20 × 30 mm, 9.425 cm³")  # π r² h: no groove
+
+
+def test_a_damaged_file_is_read_once(tmp_path):
+    path, said = tmp_path / "part.step", []
+    path.write_bytes(b"")
+    with pytest.raises(MeshError, match=r"is empty; export it again$"):
+        new_case(path, tmp_path / "a.toml", say=said.append)
+    assert said == ["meshing part.step, coarsely, to see its bodies and faces"]
 
 
 def test_refused(tmp_path):
