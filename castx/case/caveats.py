@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 
@@ -89,17 +90,53 @@ def _elastic_melts(case: Case) -> Iterator[str]:
 
 
 def _without_law(case: Case) -> Iterator[str]:
-    """Yield the bodies that freeze and are elastic only because nothing says their law."""
+    """Yield bodies that freeze or are of sand, and elastic only because nothing says their law."""
     for body in case.bodies:
+        if "law" in body.model_fields_set:
+            continue
         material = find_material(body.material, case.materials)
-        molten = not body.starts_solid(material.description)
-        if molten and "law" not in body.model_fields_set:
+        if material.description.granular is not None:
+            yield (
+                f"{body.name} of {body.material} has no law and therefore is elastic: it neither "
+                "crushes nor lets go of a casting that contracts, whose stress is too large; give "
+                f'it law = "{GRANULAR}" (yields, and takes ten times as long) or "rigid" (holds '
+                'the casting until it is taken out), or write law = "thermo-elastic" if that is '
+                "meant"
+            )
+        elif not body.starts_solid(material.description):
             yield (
                 f"{body.name} has no law and therefore is elastic: it cannot yield, so that the "
                 "report's residual stress, forces on mould and cores, and distortion after "
                 'release are false; give it law = "thermo-elasto-viscoplastic" (castx materials '
                 f'{body.material} shows whether it has the data), or write law = "thermo-elastic" '
                 "if that is meant"
+            )
+
+
+def shut_in(case: Case, free: Mapping[str, float]) -> Iterator[str]:
+    """Yield bodies that swell as they freeze, within rigid walls on all sides.
+
+    Args:
+        case: the case.
+        free: area of the faces of each body that no other body shares [m²].
+    """
+    rigid = set(case.rigid_bodies)
+    around: dict[str, list[str]] = {}
+    for interface in case.interfaces:
+        first, second = interface.bodies
+        around.setdefault(first, []).append(second)
+        around.setdefault(second, []).append(first)
+    for body in case.bodies if case.coupling.scheme != "thermal" else ():
+        material = find_material(body.material, case.materials)
+        swells = (material.description.solidification_shrinkage or 0.0) < 0.0
+        molten = body.law != "rigid" and not body.starts_solid(material.description)
+        held = body.name in around and rigid.issuperset(around[body.name])
+        if swells and molten and held and not free.get(body.name):
+            yield (
+                f"{body.name} of {body.material} swells as it freezes, and rigid bodies hold it on "
+                "all sides: its pressure has no bound, and strain and stress that follow are "
+                "false; leave it a free surface, such as that of a feeder (castx new --top open), "
+                f'or give the mould a law that yields (sand: "{GRANULAR}")'
             )
 
 

@@ -14,7 +14,7 @@ from rich.table import Table
 
 from castx.case.boundaries import Boundary, ClampCondition
 from castx.case.case import Case
-from castx.case.caveats import caveats
+from castx.case.caveats import caveats, shut_in
 from castx.case.coherency import coherencies, sensitivity_command
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
@@ -90,7 +90,8 @@ def check_case(
     areas = area_warnings(case.interfaces, pairs, comm)
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     thin = [walls.text for walls in thin_walls(case, mesh)]
-    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *unusual(case), *thin)
+    shut = (*shut_in(case, free_areas(case, summary)), *thin)
+    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *unusual(case), *shut)
     for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)
@@ -123,6 +124,8 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         mesh = build_mesh(case.geometry, [b.name for b in case.bodies], comm)
         for remark in () if mesh.report is None else mesh.report.remarks:
             console.print(remark, markup=False, style="yellow")
+        for text in shut_in(case, free_areas(case, mesh_summary(mesh))):
+            console.print(text, markup=False, style="yellow")
         for walls in thin_walls(case, mesh):
             console.print(walls.text, markup=False, style="yellow")
         draw_case(case, mesh, picture)
@@ -205,21 +208,36 @@ def body_table(case: Case, summary: MeshSummary, formulations: Sequence[str]) ->
         summary: of its mesh.
         formulations: of the bodies, in words.
     """
-    table = Table(box=SIMPLE_HEAD)
+    table = Table(box=SIMPLE_HEAD, collapse_padding=True)
     for heading in ("body", "material", "initially", "law", "nodes", "cells", "volume, cm³"):
-        table.add_column(heading, overflow="fold")  # a name that is cut short names nothing
+        whole = heading in ("material", "law")  # a word that is cut says nothing
+        table.add_column(heading, overflow="fold", no_wrap=whole)
     rows = zip(case.bodies, summary.bodies, formulations, strict=True)
     for body, sizes, formulation in rows:
         table.add_row(
             body.name,
             body.material,
             body.temperature.text,
-            f"{body.law}\n{formulation}",
+            f"{body.law}\n{formulation}".replace("-", "-\n"),
             str(sizes.nodes),
             str(sizes.cells),
             plain_text(1e6 * sizes.volume),
         )
     return table
+
+
+def free_areas(case: Case, summary: MeshSummary) -> dict[str, float]:
+    """Return the area of the faces of each body that no other body shares [m²]."""
+    names = [body.name for body in case.bodies]
+    return {
+        body.name: body.unnamed
+        + sum(
+            area
+            for name, area in body.surfaces.items()
+            if name not in names and not name.startswith(SYMMETRY)
+        )
+        for body in summary.bodies
+    }
 
 
 def size_text(model: str) -> str:

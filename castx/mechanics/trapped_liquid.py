@@ -213,7 +213,8 @@ class Pockets:
         if self.exist:
             for pockets, what in self._pores.news():
                 if pockets.any():
-                    logger.info("%s: %.3g m³ %s", self._body.name, volumes[pockets].sum(), what)
+                    found = 1e6 * volumes[pockets].sum()
+                    logger.info("%s: %.3g cm³ %s", self._body.name, found, what)
             acting = self._pressures.of_cells(self.pressure.x.array)
             self.mean_pressure = float(self.content.mean(acting) @ volumes / volumes.sum())
             self._warn_of_walls()
@@ -267,9 +268,7 @@ class Pockets:
     def restore(self, arrays: Arrays) -> None:
         """Restore a committed state."""
         self._pores.restore(arrays)
-        self._accepted = [
-            arrays[name].astype(np.float64) for name in ("trapped", "given_pressure")
-        ]
+        self._accepted = [arrays[name].astype(np.float64) for name in ("trapped", "given_pressure")]
         self._pressures.restore(arrays)
         self.mean_pressure = float(arrays["mean_pressure"])
         self.rewind()

@@ -215,4 +215,4 @@ def centre_of(dim: int, tag: int) -> FloatArray:
 
 def place_text(point: FloatArray) -> str:
     """Return a point [m] as text."""
-    return f"({', '.join(f'{x:.4g}' for x in point)}) m"
+    return f"({', '.join(f'{round(float(x), 9) + 0.0:.4g}' for x in point)}) m"

@@ -14,7 +14,7 @@ castx.hideMoulds = (names, hidden) => {
 
 castx.meshes = (() => {
   const { at, make, server, editor } = castx;
-  const SIZES = ["size", "interface_size", "across", "curvature", "growth", "refinement", "most_cells"];
+  const SIZES = ["size", "interface_size", "across", "curvature", "growth", "refinement", "narrowest", "most_cells"];
   const state = { path: "", faces: [], picked: null, bodies: [] };
   let view = null;
 

@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 
 Box = tuple[Sequence[float], Sequence[float]]
 CASTING, CHILL, MOULD, SAND = range(4)
+_TOLD = {CASTING: "cast", CHILL: "a chill", MOULD: "of the mould", SAND: "a core"}
+BARE = 0.5
+"""Share of the surface of a casting beyond which nothing seems to surround it."""
 _WORDS = {
     CHILL: ("chill", "cooler"),
     SAND: ("core", "sand"),
@@ -58,6 +61,23 @@ class NewCase:
         """Names of the bodies that are cast."""
         role = roles([name for name, _ in self.bodies])
         return tuple(name for name, _ in self.bodies if role[name] == CASTING)
+
+    def taken_for(self) -> Iterator[str]:
+        """Yield what the solids of an assembly are taken for, and castings that lie bare."""
+        if self.margin is not None:
+            return
+        role = roles([name for name, _ in self.bodies])
+        told = (f"{name}: {_TOLD[role[name]]}" for name, _ in self.bodies)
+        yield f"by their labels, {', '.join(told)}; change that under [[bodies]] if it is wrong"
+        for name in self.castings:
+            free = sum(area for on, area in self.surfaces if on.partition("/")[0] == name)
+            share = free * self.modulus(name) / dict(self.bodies)[name]
+            if share > BARE:
+                yield (
+                    f"{100.0 * share:.0f} % of the surface of {name} is bare: the file has no "
+                    "mould round it; give castx new the casting alone, which gets a block, or add "
+                    'mould = { box = "30 mm" } to [geometry] with its body and interfaces'
+                )
 
     def dimensions(self, density: float) -> Iterator[str]:
         """Yield extents, volume, mass, modulus and mean wall of each casting in words.
@@ -155,7 +175,7 @@ def geometry_text(case: NewCase) -> str:
 def _body(name: str, volume: float, role: int) -> str:
     material, temperature, law = _MATERIAL[role]
     return (
-        f'[[bodies]]                      # {volume:.4g} m³\nname = "{name}"\n'
+        f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
         f'material = "{material}"          # CHOOSE: castx materials\n'
         f"temperature = {temperature}               # CHOOSE: at the start\n"
         f'law = "{law}"\n'
@@ -170,7 +190,7 @@ def _interface(first: str, second: str, area: float, role: dict[str, int]) -> st
         method = "none" if SAND in (role[first], role[second]) else "tied"
         contact = f'contact = {{ method = "{method}" }}      # CHOOSE: parts of one clamped tool\n'
     return (
-        f"[[interfaces]]                  # {area:.4g} m²\n"
+        f"[[interfaces]]                  # {1e4 * area:.4g} cm²\n"
         f'bodies = ["{first}", "{second}"]\n{contact}'
         'heat = { law = "limited", closed = 2000, gas_conductivity = 0.05 }     # CHOOSE\n'
     )
@@ -178,6 +198,6 @@ def _interface(first: str, second: str, area: float, role: dict[str, int]) -> st
 
 def _boundary(on: str, area: float) -> str:
     return (
-        f'[[boundaries]]                  # {area:.4g} m²\non = "{on}"\n'
+        f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
         'heat = { type = "convection", coefficient = 10, ambient = 20 }         # CHOOSE\n'
     )

@@ -27,9 +27,10 @@ from castx.results.states.snapshot import Snapshot
 
 _log = logging.getLogger(__name__)
 
-NEAR = 0.5
-"""By what temperatures may lie outside a range without a word [K]: a step that chills a coarse mesh
-lets nodes beside it fall short by a part of a kelvin, and no table knows its ends as well."""
+NEAR, SHARE = 0.5, 3e-3
+"""By what temperatures may lie outside a range without a word [K], and as a share of what the
+body spans: a step that chills a coarse mesh lets nodes beside it fall short by as much, and no
+table knows its ends as well."""
 _HEAT = {"heat_capacity", "conductivity"}
 _ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 _HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
@@ -57,7 +58,8 @@ class RangeWatch:
         for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
             if body.material in self._warned or body.name not in snapshot.mesh.bodies:
                 continue
-            within = low + NEAR, max(high - NEAR, low + NEAR)
+            near = max(NEAR, SHARE * (high - low))
+            within = low + near, max(high - near, low + near)
             found = outside_used_range(self._case, body, self._materials[body.material], *within)
             if found:
                 self._warned.add(body.material)

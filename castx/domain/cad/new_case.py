@@ -121,6 +121,8 @@ def write_new_case(
         plan = plan_of(process, wanted.alloy, wanted.mould, modulus)
         text = process_text(case, plan, database_entry(plan.alloy).material_class)
         alloy = plan.alloy
+    for line in case.taken_for():
+        say(line)
     for line in case.dimensions(find_material(alloy, {}).density):
         say(line)
     try:

@@ -39,7 +39,7 @@ class Pores:
         """Return the changes of an accepted step: flags of the pockets, and a text; collective."""
         before = self._content.largest(self._committed)
         return [
-            (before == UNKNOWN, "of liquid cannot be fed any more, and resist compression"),
+            (before == UNKNOWN, "of liquid that nothing feeds, and that resists compression"),
             (self.open & (before != POROUS), "of trapped liquid: pores open"),
             (~self.open & (before == POROUS), "of trapped liquid: its pores have closed"),
         ]

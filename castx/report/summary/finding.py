@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from castx.input.units import seconds_text
+from castx.input.units import plain_text, seconds_text
 from castx.results.states.quantities import parts
 
 
@@ -66,7 +66,7 @@ class Finding:
     @property
     def number(self) -> str:
         """The value with its unit."""
-        return f"{self.factor * self.value:.4g} {self.unit}".strip()
+        return f"{plain_text(self.factor * self.value)} {self.unit}".strip()
 
     def where(self, model: str) -> str:
         """Return place and time as a text.

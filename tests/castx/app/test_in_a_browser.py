@@ -78,6 +78,9 @@ def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
     browser.wait_for(f"{field} !== null")
     browser.value(f"{field}.value = '12 mm', {field}.dispatchEvent(new Event('change'))")
     browser.wait_for("castx.at('text').value.includes('size = \"12 mm\"')")
+    narrow = "document.querySelector('[data-size=narrowest]')"
+    browser.value(f"{narrow}.value = '0.5 mm', {narrow}.dispatchEvent(new Event('change'))")
+    browser.wait_for("castx.at('text').value.includes('narrowest = \"0.5 mm\"')")
     browser.value("castx.at('do-mesh').click()")
     browser.wait_for("castx.at('mesh-state').textContent.startsWith('made in')")
     told = browser.value("castx.at('mesh-cells').textContent")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from castx.case.caveats import caveats
+from castx.case.caveats import caveats, shut_in
 from castx.case.reading.read import load_case
 
 pytestmark = pytest.mark.serial
@@ -104,6 +104,45 @@ def test_a_casting_that_is_elastic_for_want_of_a_law_is_told(law, temperature, s
     found = [text for text in caveats(case) if "has no law" in text]
     assert len(found) == warned
     assert not warned or ("casting has" in found[0] and "residual stress" in found[0])
+
+
+@pytest.mark.parametrize(
+    ("material", "law", "scheme", "warned"),
+    [
+        ("sand-silica", "", "iterated", True),
+        ("sand-silica", "", "thermal", False),
+        ("sand-silica", ', law = "thermo-elastic"', "iterated", False),
+        ("sand-silica", ', law = "rigid"', "iterated", False),
+        ("steel-H13", "", "iterated", False),
+    ],
+)
+def test_sand_that_is_elastic_for_want_of_a_law_is_told(material, law, scheme, warned):
+    body = f'{{ name = "mould", material = "{material}", temperature = 20{law} }}'
+    case = load_case(CYLINDER, [f"bodies.1={body}", f'coupling.scheme="{scheme}"'])
+    found = [text for text in caveats(case) if "mould of sand" in text and "no law" in text]
+    assert len(found) == warned
+    assert not warned or 'law = "drucker-prager"' in found[0]
+
+
+@pytest.mark.parametrize(
+    ("alloy", "law", "free", "scheme", "warned"),
+    [
+        ("GJL-250", "rigid", {}, "iterated", True),
+        ("GJL-250", "rigid", {"casting": 0.0, "mould": 1.0}, "iterated", True),
+        ("GJL-250", "rigid", {"casting": 1e-4}, "iterated", False),
+        ("GJL-250", "rigid", {}, "thermal", False),
+        ("GJL-250", "drucker-prager", {}, "iterated", False),
+        ("AlSi7Mg", "rigid", {}, "iterated", False),
+    ],
+)
+def test_iron_that_swells_within_rigid_walls_is_told(alloy, law, free, scheme, warned):
+    given = [
+        f"bodies.0.material={alloy}", "bodies.0.temperature=1300", "bodies.1.material=sand-silica",
+        "bodies.1.temperature=20", f"bodies.1.law={law}", f'coupling.scheme="{scheme}"',
+    ]  # fmt: skip
+    found = list(shut_in(load_case(CYLINDER, given), free))
+    assert len(found) == warned
+    assert not warned or ("casting of GJL-250 swells" in found[0] and "--top open" in found[0])
 
 
 def test_a_stress_free_temperature_that_does_not_suit_the_start_is_warned_of():

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from castx.case.boundaries import Boundary
 from castx.case.contact import Pairing
@@ -14,9 +15,11 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.command.check import (
+    body_table,
     conditions_text,
     corner_text,
     faces_text,
+    free_areas,
     free_text,
     heat_text,
     interface_text,
@@ -24,6 +27,7 @@ from castx.command.check import (
     temperature_range,
 )
 from castx.command.cli import execute
+from castx.domain.summary import BodySummary, MeshSummary
 from tests.castx.domain.interface_meshes import pairs_by
 from tests.elastic_bodies import blocks
 from tests.partitions import PARTITION, on_the_last
@@ -149,6 +153,32 @@ def test_bodies_that_touch_without_an_interface_are_named():
     )
     unknown = SimpleNamespace(bodies=("core", "die"), **sizes)
     assert "no interface between core and die (9 nodes," in interface_text(case, unknown, pairs)
+
+
+def test_no_word_of_the_table_of_bodies_is_cut():
+    case = load_case("demos/cylinder.toml", ["bodies.1.material=sand-silica"])
+    sizes = [BodySummary(body.name, 1495, 495, 1e-4, {}, 0.0, {}) for body in case.bodies]
+    summary = MeshSummary((0.0, 0.0), (1.0, 1.0), tuple(sizes), ())
+    console = Console(width=80, record=True)
+    console.print(body_table(case, summary, ["mixed", "mixed"]))
+    words = console.export_text().split()
+    assert {"sand-silica", "elasto-", "viscoplastic", "mould", "1495", "100"} <= set(words)
+
+
+def test_faces_that_no_body_shares_are_those_not_named_like_one():
+    case = load_case("demos/cylinder.toml")
+    surfaces = {"top": 3e-4, "mould": 5e-4, "symmetry-x": 7e-4}
+    bodies = [BodySummary(b.name, 1, 1, 1.0, surfaces, 1e-4, {}) for b in case.bodies]
+    found = free_areas(case, MeshSummary((0.0, 0.0), (1.0, 1.0), tuple(bodies), ()))
+    assert found == pytest.approx({"casting": 4e-4, "mould": 4e-4})
+
+
+@pytest.mark.ranks
+def test_check_warns_of_iron_that_rigid_walls_hold_on_all_sides(comm, case_file, said):
+    iron = ["bodies.0.material=GJL-250", "bodies.0.temperature=1300", "bodies.1.law=rigid"]
+    given = ["check", str(case_file), *(part for over in iron for part in ("--set", over))]
+    assert execute(given, comm) == 0
+    assert "swells as it freezes" not in said()  # its top is free
 
 
 def test_sizes_and_surfaces_are_told_for_each_model():

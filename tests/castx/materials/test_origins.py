@@ -15,7 +15,7 @@ pytestmark = pytest.mark.serial
 # NIST-JANAF: J/mol/K of the liquid (carbon: graphite of 1500 K) over kg/mol.
 ELEMENTS = {
     "Al": 31.75104 / 26.9815e-3, "Si": 27.19604 / 28.0855e-3, "Cu": 32.84450 / 63.546e-3,
-    "Fe": 46.02400 / 55.845e-3, "C": 23.25 / 12.011e-3,
+    "Mg": 34.30901 / 24.305e-3, "Fe": 46.02400 / 55.845e-3, "C": 23.25 / 12.011e-3,
 }  # fmt: skip
 
 
@@ -32,6 +32,7 @@ def test_a_number_without_a_source_has_a_range(name) -> None:
         ("AlCu4.5", {"Al": 95.5, "Cu": 4.5}, 0.02),
         ("AlSi7Mg", {"Al": 93.0, "Si": 7.0}, 0.01),
         ("AlSi9Cu3", {"Al": 88.0, "Si": 9.0, "Cu": 3.0}, 0.02),
+        ("AZ91", {"Mg": 90.5, "Al": 9.5}, 0.01),
         ("GJL-250", {"Fe": 94.7, "Si": 2.0, "C": 3.3}, 0.05),
         ("GJS-400", {"Fe": 94.0, "Si": 2.5, "C": 3.5}, 0.05),
     ],
@@ -39,6 +40,27 @@ def test_a_number_without_a_source_has_a_range(name) -> None:
 def test_the_heat_of_melts_is_that_of_their_elements(name, parts, within) -> None:
     mixed = sum(percent / 100.0 * ELEMENTS[element] for element, percent in parts.items())
     assert database_value(name, ["heat_capacity", "liquid"]) == pytest.approx(mixed, rel=within)
+
+
+def test_the_heat_of_solid_magnesium_alloy_is_that_of_its_metals() -> None:
+    """Shomate equations, J/mol/K."""
+    shomate = {
+        24.305e-3: (26.54083, -1.533048, 8.062443, 0.572170, -0.174221),
+        26.9815e-3: (28.08920, -5.414849, 8.560423, 3.427370, -0.277375),
+    }
+    for at, value in database_value("AZ91", ["heat_capacity", "solid"]):
+        t = 1e-3 * (at + 273.15)
+        magnesium, aluminium = (
+            (a + b * t + c * t**2 + d * t**3 + e / t**2) / molar
+            for molar, (a, b, c, d, e) in shomate.items()
+        )
+        assert value == pytest.approx(0.905 * magnesium + 0.095 * aluminium, rel=2e-3), at
+
+
+def test_magnesium_alloy_freezes_after_scheil() -> None:
+    for at, value in database_value("AZ91", ["solid_fraction"])[1:]:
+        liquid = ((650.0 - at) / (650.0 - 598.0)) ** (1.0 / (0.37 - 1.0))
+        assert value == pytest.approx(1.0 - liquid, abs=2e-3), at
 
 
 def test_the_viscosity_of_molten_bronze_after_hirai() -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from math import pi
 
 import gmsh
+import numpy as np
 import pytest
 
 from castx.domain.source import gmsh_session
 from castx.meshes.cad.description import CadFile
-from castx.meshes.cad.reading import clean, numbered, read_solids
+from castx.meshes.cad.reading import clean, numbered, place_text, read_solids
 from tests.cad_files import MILLIMETRE, in_inches, rounded_block, two_blocks, write_cad
 
 pytestmark = pytest.mark.serial
@@ -138,3 +139,7 @@ def test_what_is_no_cad_file_is_refused(tmp_path, name, content, text):
         path.write_bytes(content)
     with pytest.raises(ValueError, match=text):
         volumes(path)
+
+
+def test_a_place_has_no_rest_of_rounding():
+    assert place_text(np.array([-6.466e-16, 0.12345678, 2e-6])) == "(0, 0.1235, 2e-06) m"

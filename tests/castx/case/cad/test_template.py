@@ -27,6 +27,25 @@ def test_roles_by_names(names, expected):
     assert list(roles(names).values()) == expected
 
 
+def assembly(*free: tuple[str, float], margin=None):
+    bodies = (("solid-1", 2e-6), ("core-2", 1e-6), ("chill", 1e-6), ("solid-4", 1e-6))
+    return NewCase("a.step", 5e-3, margin, bodies, (("solid-1", "core-2", 3e-4),), free)
+
+
+def test_what_solids_are_taken_for_is_told():
+    (told,) = assembly(("solid-1/outside", 2e-4)).taken_for()
+    words = "solid-1: cast, core-2: a core, chill: a chill, solid-4: of the mould;"
+    assert told.startswith(f"by their labels, {words} change that")
+    assert list(assembly(margin=0.01).taken_for()) == []  # a lone one, in its block
+
+
+def test_a_casting_without_a_mould_is_told():
+    bare = assembly(("solid-1/outside", 4e-4), ("solid-1/top", 2e-4), ("core-2/outside", 1.0))
+    _, told = bare.taken_for()
+    assert told.startswith("67 % of the surface of solid-1 is bare: the file has no mould")
+    assert 'mould = { box = "30 mm" }' in told
+
+
 def test_the_text_is_a_case():
     case = NewCase(
         "../my part.step",
@@ -51,6 +70,7 @@ def test_the_text_is_a_case():
     assert read.interfaces[2].contact.method == "none"
     assert [b.on for b in read.boundaries] == ["mould/outside"]
     assert text.count("CHOOSE") > 10
+    assert "# 2 cm³" in text and "# 3 cm²" in text
 
 
 def test_the_parts_of_a_tool_are_tied_to_each_other_unless_they_are_sand():

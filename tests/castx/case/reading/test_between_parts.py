@@ -64,7 +64,7 @@ def test_accepted(changes):
     [
         (
             {"bodies__1__material": "stel"},
-            "bodies[1].material = \"stel\": unknown material 'stel'; known: Al-pure, AlCu4.5, ",
+            "bodies[1].material = \"stel\": unknown material 'stel'; known: AZ91, Al-pure, ",
         ),
         ({"bodies__1__material": "stel"}, '(did you mean "steel"?)'),
         (

@@ -64,7 +64,8 @@ def test_a_material_is_named_once_when_it_leaves_its_range(comm, heard):
 @pytest.mark.parametrize(
     ("ends", "warned"),
     [((19.6, 200), 0), ((19.4, 200), 1), ((19.6, 19.6), 0), ((19.4, 19.4), 1), ((200, 600.4), 0),
-     ((200, 600.6), 1), ((700, 700), 1)],
+     ((18.9, 420), 0), ((18.7, 420), 1),
+     ((200, 601.4), 1), ((700, 700), 1)],
 )  # fmt: skip
 def test_a_part_of_a_kelvin_outside_is_none(comm, heard, ends, warned):
     watch = RangeWatch(case_of(), comm)

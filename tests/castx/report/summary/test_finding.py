@@ -15,6 +15,10 @@ def test_a_number_is_shown_in_its_unit_with_place_and_time():
     assert found.where("axisymmetric") == "r 12.0, z -40.0 mm, t = 9.5 s"
 
 
+def test_a_large_number_has_no_power_of_ten():
+    assert Finding("Largest suction", "a/b", 4.814e7, "kPa", "", factor=1e-3).number == "48140 kPa"
+
+
 def test_what_is_unknown_is_left_out():
     found = Finding("Hot tearing", "a", 0.5, "", "ratio")
     assert found.number == "0.5" and found.where("3d") == ""
