@@ -90,7 +90,7 @@ def _elastic_melts(case: Case) -> Iterator[str]:
 
 
 def _without_law(case: Case) -> Iterator[str]:
-    """Yield bodies that freeze or are of sand, and elastic only because nothing says their law."""
+    """Yield bodies that freeze or are of sand, and elastic since nothing says their law."""
     for body in case.bodies:
         if "law" in body.model_fields_set:
             continue

@@ -63,7 +63,7 @@ class NewCase:
         return tuple(name for name, _ in self.bodies if role[name] == CASTING)
 
     def taken_for(self) -> Iterator[str]:
-        """Yield what the solids of an assembly are taken for, and castings that lie bare."""
+        """Yield the role of each solid of an assembly in words, and castings that lie bare."""
         if self.margin is not None:
             return
         role = roles([name for name, _ in self.bodies])

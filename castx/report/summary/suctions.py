@@ -15,7 +15,7 @@ TOLD = 1e3
 
 
 def suctions(run: Results) -> Iterator[Finding]:
-    """Yield the largest suction in the melt of each casting, and at each interface."""
+    """Yield the largest suction in the melt of each casting, and at each of its interfaces."""
     for body in run.freezing:
         yield from _suction(
             run, f"{body}.melt_suction", "Largest suction of the melt", body, "melt_suction",
@@ -23,6 +23,8 @@ def suctions(run: Results) -> Iterator[Finding]:
             "default.",
         )  # fmt: skip
     for name in run.interfaces:
+        if not set(name.split("/")) & set(run.freezing):  # what pulls between tools is no melt
+            continue
         yield from _suction(
             run, f"{name}.suction", "Largest suction at the wall", name, "wall_suction",
             "By this a wall pulls metal that is not solid yet, and cannot leave it; it is no "

@@ -29,6 +29,13 @@ def test_more_than_a_vacuum_is_said():
     assert "more than a vacuum" in wall.sentence
 
 
+def test_halves_of_a_mould_that_pull_each_other_are_no_suction_of_metal():
+    columns = {"time": TIME, "die-low/die-high.suction": np.array([0.0, 1e6, 0.0, 0.0])}
+    changed = {"interfaces": ("die-low/die-high",), "history": Columns(columns)}
+    assert list(suctions(run(**changed))) == []
+    assert len(list(suctions(run(**changed | {"freezing": ["die-high"]})))) == 1
+
+
 def test_small_suctions_are_left_out():
     assert not suction([0.0, 0.99 * TOLD, 0.0, 0.0], [0.0, 0.0, 0.99 * TOLD, 0.0])
     assert not list(suctions(run()))
