@@ -152,8 +152,9 @@ def nearest(mesh: NamedMesh, place: float) -> int:
 
 
 @pytest.mark.parametrize("kind", ALL)
-def test_a_cell_that_touches_no_other_is_told_with_its_place(kind):
-    mesh = block(kind)
+@pytest.mark.parametrize("count", [3, 5])  # cells in a row: one is more than 2 % of 3 x 3
+def test_a_cell_that_touches_no_other_is_told_with_its_place(kind, count):
+    mesh = block(kind, count)
     lost = mesh.cells[nearest(mesh, 0.3)]
     away = mesh.points[lost] + 5.0
     cells = np.vstack([mesh.cells, len(mesh.points) + np.arange(len(lost))])
@@ -165,6 +166,18 @@ def test_a_cell_that_touches_no_other_is_told_with_its_place(kind):
     np.testing.assert_allclose(said, away.mean(axis=0), atol=1e-5)
     halves = np.repeat(np.arange(2), [len(mesh.cells), 1])
     assert found(replace(mesh, cells=cells, bodies=halves, points=points)) == []
+
+
+@pytest.mark.parametrize(("count", "told"), [(7, False), (8, True)])
+def test_one_of_few_cells_may_be_meant(count, told):
+    mesh = block("quadrilateral", 3)
+    apart = [*range(count - 1), 8] if count < 8 else range(8)
+    lone = replace(mesh, cells=mesh.cells.copy())
+    lone.cells[8] = len(mesh.points) + np.arange(4)
+    points = np.concatenate([mesh.points, mesh.points[mesh.cells[8]] + 5.0])
+    kept = sorted({*apart, 8})[-count:]
+    few = replace(lone, cells=lone.cells[kept], bodies=mesh.bodies[kept], points=points)
+    assert any("touch no body" in text for text in found(few)) == told
 
 
 @pytest.mark.parametrize("kind", ALL)
