@@ -99,7 +99,7 @@ def _without_law(case: Case) -> Iterator[str]:
             yield (
                 f"{body.name} of {body.material} has no law and therefore is elastic: it neither "
                 "crushes nor lets go of a casting that contracts, whose stress is too large; give "
-                f'it law = "{GRANULAR}" (yields, and takes ten times as long) or "rigid" (holds '
+                f'it law = "{GRANULAR}" (yields, and takes some times as long) or "rigid" (holds '
                 'the casting until it is taken out), or write law = "thermo-elastic" if that is '
                 "meant"
             )

@@ -51,6 +51,9 @@ LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 LARGEST_DIRECT_Q1P0 = 12_000
 """The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
+LARGEST_DIRECT_GRAINS = 40_000
+"""The same in space with a body of grains: multigrid beside sand that yields ends at its most
+iterations, and steps are cut for it by the dozen."""
 LARGEST_FLOWING = 200_000
 """Unknowns of a body that flows or may be liquid up to which it gets factors beside the multigrid
 of the others, once multigrid is slow: shells that freeze and yield cost it iterations by the
@@ -181,6 +184,8 @@ def _build_equilibrium(
 def largest_direct(bodies: DeformableBodies) -> int:
     """Return the number of unknowns up to which "automatic" solves directly."""
     dimension = bodies.parts[0].mesh.mesh.topology.dim
+    if dimension == 3 and any(part.material.law.is_granular for part in bodies.parts):
+        return LARGEST_DIRECT_GRAINS
     q1p0 = any(isinstance(part.formulation, Q1P0Formulation) for part in bodies.parts)
     return LARGEST_DIRECT_Q1P0 if q1p0 and dimension == 3 else LARGEST_DIRECT[dimension]
 

@@ -11,6 +11,7 @@ from castx.contact.methods.registry import names
 from castx.equilibrium import building
 from castx.equilibrium.equilibrium import Equilibrium
 from castx.equilibrium.fallback import FallbackMethods
+from castx.materials.lookup import find_material
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.q1p0 import Q1P0Formulation
@@ -94,15 +95,25 @@ def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm,
     assert chosen() == [by_multigrid]
 
 
-def test_in_space_factors_pay_for_small_problems_and_for_q1p0():
-    def largest(dimension, *formulations):
+def test_in_space_factors_pay_for_small_problems_for_q1p0_and_for_sand():
+    def largest(dimension, *formulations, law="thermo-elastic"):
         mesh = SimpleNamespace(mesh=SimpleNamespace(topology=SimpleNamespace(dim=dimension)))
-        parts = [SimpleNamespace(mesh=mesh, formulation=made) for made in formulations]
+        laws = [law, *["thermo-elastic"] * len(formulations[1:])]
+        parts = [
+            SimpleNamespace(
+                mesh=mesh, formulation=made,
+                material=SimpleNamespace(law=Law(find_material("sand-silica"), 20.0, name)),
+            )
+            for made, name in zip(formulations, laws, strict=True)
+        ]  # fmt: skip
         return building.largest_direct(SimpleNamespace(parts=parts))
 
     q1p0 = object.__new__(Q1P0Formulation)
     assert largest(3, None, None) < largest(3, None, q1p0) < largest(2, None, None)
     assert largest(2, None, q1p0) == largest(2, None, None)
+    sand = "drucker-prager"
+    assert largest(3, None, None, law=sand) == largest(3, None, q1p0, law=sand) == 40_000
+    assert largest(2, None, None, law=sand) == largest(2, None, None)
 
 
 @pytest.mark.parametrize("method", BY_BLOCKS)
