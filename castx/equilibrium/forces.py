@@ -126,8 +126,13 @@ class MomentumBalance:
         gaps = self.contact.normal.gaps(x, self.assembly.unknowns)
         return PairIterate(x, rows, gaps, self.active.closed, self.stiffness)
 
-    def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> None:
+    def residual(self, x: PETSc.Vec, f: PETSc.Vec, *, judged: bool = True) -> None:
         """Fill the residual for the present set of closed pairs.
+
+        Args:
+            x: the unknowns.
+            f: the residual.
+            judged: whether `convergence` will be asked of it, whose forces cost as much again.
 
         Raises:
             ConvergenceError: a law has no answer there.
@@ -135,10 +140,10 @@ class MomentumBalance:
         self.set_displacements(x)
         iterate = self._pair_iterate(x)
         self._evaluated = x.array_r.copy()
-        self._sum_up(iterate, f)
+        self._sum_up(iterate, f, judged)
 
     @booked_as(RunPart.CONTACT)
-    def _sum_up(self, iterate: PairIterate, f: PETSc.Vec) -> None:
+    def _sum_up(self, iterate: PairIterate, f: PETSc.Vec, judged: bool) -> None:
         """Fill the residual from the rows of an iterate: pairs, supports, constrained unknowns."""
         x = iterate.x.array_r
         self.iterate, self.trial_forces = iterate, self.contact.normal.trial_forces(iterate)
@@ -155,8 +160,9 @@ class MomentumBalance:
         if forces is not None:
             rows.forces += forces
         f.array[:] = np.where(rows.constrained, self.stiffness * rows.violation, rows.forces)
-        carried = self._forces_of_pairs(iterate, self.trial_forces)
-        self.convergence.update(iterate.x, self._diagonal, carried)
+        if judged:
+            carried = self._forces_of_pairs(iterate, self.trial_forces)
+            self.convergence.update(iterate.x, self._diagonal, carried)
 
     def felt(self, forces: FloatArray) -> FloatArray:
         """Return contact forces, those of pairs that liquid holds as it feels them; collective.
@@ -174,7 +180,7 @@ class MomentumBalance:
 
     def sum_up_again(self, x: PETSc.Vec, f: PETSc.Vec) -> None:
         """Fill the residual at unknowns x, evaluated last, for the present state of the pairs."""
-        self._sum_up(self.present(x), f)
+        self._sum_up(self.present(x), f, judged=True)
 
     def present(self, x: PETSc.Vec) -> PairIterate:
         """Return the iterate at the unknowns x, evaluated last, with the present closed pairs."""

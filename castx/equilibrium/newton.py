@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -198,9 +199,9 @@ class Newton:
         changed = self._changes.update_pairs(x, self._vector)
         return self._vector.norm(), self.balance.convergence.is_met(self._vector) and not changed
 
-    def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
+    def _residual(self, _: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec, *, judged: bool = True) -> None:
         try:
-            self.balance.residual(x, f)
+            self.balance.residual(x, f, judged=judged)
         except ConvergenceError as error:
             # SNES stops at what is not a number; an exception cannot cross it.
             self._failure = str(error)
@@ -227,7 +228,8 @@ class Newton:
         if self.balance.assembly.is_linear and self.balance.contact.normal.is_linear:
             return stopped
         at_once = _at_once(self.balance, self._changes.foretell(x, y) is not None)
-        return shorten_step(self._residual, x, y, snes, at_once) or stopped
+        tried = partial(self._residual, judged=False)
+        return shorten_step(tried, x, y, snes, at_once) or stopped
 
     def _change_pairs_and_judge(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]

@@ -11,6 +11,7 @@ import numpy as np
 
 from castx.arrays import BoolArray
 from castx.profiling import RunPart, booked_as
+from castx.solvers.inner.entries import is_symmetric
 from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block, Blocks
 from castx.solvers.inner.options import FACTORS
 from castx.solvers.inner.stiff_part import StiffPart
@@ -35,6 +36,8 @@ def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
 class BlockSweep:
     """One block Gauss-Seidel sweep, with a solver for each block, after one for stiff nodes.
 
+    Factors L U of a block are L D Lᵀ, which cost half, until its matrix is not symmetric.
+
     Args:
         comm: communicator of the matrix.
         prefix: prefix of its PETSc options, which are read when it is first prepared.
@@ -55,6 +58,7 @@ class BlockSweep:
         self.is_exact = False
         self._stiff = StiffPart(comm, f"{prefix}stiff_", _by_multigrid(blocks))
         self._by_factors = [block.options is FACTORS for block in blocks]
+        self._symmetric = list(self._by_factors)
         self._blocks = Blocks(comm, blocks)
         self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
         self._work: list[PETSc.Vec] = []
@@ -83,9 +87,24 @@ class BlockSweep:
             self._work = [matrix.createVecRight() for _ in range(4)]
             self._blocks.split(self._ksp.pc)
             self._ksp.setFromOptions()
+        if self._blocks.nest is not None:
+            self._ksp.setUp()  # makes the solvers of the blocks
+        self._choose_factors()
         self._ksp.setUp()
         self._ksp.setUpOnBlocks()
         self._stiff.set_up(matrix, constrained)
+
+    def _choose_factors(self) -> None:
+        """Let factors of blocks be symmetric as long as their matrices are; collective."""
+        package = str(FACTORS["pc_factor_mat_solver_type"])
+        for b in np.flatnonzero(self._symmetric):
+            solver = self._solver_of(int(b))
+            self._symmetric[b] = is_symmetric(solver.getOperators()[1])
+            kinds = ("lu", "cholesky") if self._symmetric[b] else ("cholesky", "lu")
+            # Another kind or package is the choice of a case.
+            if solver.pc.getType() == kinds[0] and solver.pc.getFactorSolverType() == package:
+                solver.pc.setType(kinds[1])
+                solver.pc.setFactorSolverType(package)
 
     def _solver_of(self, b: int) -> PETSc.KSP:
         several = self._blocks.nest is not None

@@ -76,6 +76,20 @@ def test_frozen_unknowns_have_no_residual(comm, method):
     assert np.abs(everywhere(comm, f.array_r[1::2].copy())).max() > 1.0
 
 
+def test_a_residual_that_nobody_judges_is_the_same_and_measures_no_forces(comm):
+    made = two_blocks(comm, "condensed")
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    far, f, judged = x.copy(), x.duplicate(), x.duplicate()
+    far.array[:] += 1e-4 * waves(x)
+    balance.residual(x, f)
+    near = balance.convergence.weakest
+    balance.residual(far, f, judged=False)
+    assert balance.convergence.weakest == near
+    balance.residual(far, judged)
+    np.testing.assert_array_equal(f.array_r, judged.array_r)
+    assert balance.convergence.weakest > 2.0 * near
+
+
 @pytest.mark.parametrize("method", AT_ONCE)
 def test_a_rewound_state_has_the_residual_of_the_accepted_one(comm, method):
     made = two_blocks(comm, method)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from castx.solvers.inner.entries import diagonal, largest_factor
+from castx.solvers.inner.entries import diagonal, is_symmetric, largest_factor
 from tests.castx.solvers.distributed import matrix
 from tests.castx.solvers.inner.systems import LOCAL
 
@@ -33,3 +33,16 @@ def test_the_diagonal_is_that_of_the_owned_rows(comm, dense):
     own = slice(*A.getOwnershipRange())
     np.testing.assert_array_equal(diagonal(A), np.diagonal(dense)[own])
     A.destroy()
+
+
+@pytest.mark.ranks
+def test_a_symmetric_matrix_is_told_from_one_that_differs_in_a_soft_entry(comm, dense):
+    stiffness = np.where(np.arange(len(dense)) % 3 == 0, 1e5, 1.0)
+    symmetric = (dense + dense.T) * stiffness * stiffness[:, None]
+    changed = symmetric.copy()
+    changed[1, -1] *= 1.0 + 1e-4
+    rounded = symmetric * (1.0 + 1e-14 * np.random.default_rng(3).uniform(-1, 1, dense.shape))
+    for values, same in ((symmetric, True), (rounded, True), (changed, False), (dense, False)):
+        A = matrix(comm, values, LOCAL)
+        assert is_symmetric(A) is same
+        A.destroy()

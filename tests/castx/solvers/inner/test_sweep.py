@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block
 from castx.solvers.inner.options import FACTORS, MULTIGRID
@@ -28,6 +29,38 @@ def test_a_sweep_over_one_exact_block_solves(comm, dense):
     every = np.ones(len(b), dtype=bool)
     solver = BlockSweep(comm, PREFIX, [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)])
     np.testing.assert_allclose(applied(comm, solver, dense, b), np.linalg.solve(dense, b))
+    solver.destroy()
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_factors_are_symmetric_until_a_matrix_is_not(comm, dense, blocks):
+    """Factors of one triangle know nothing of the other one."""
+    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
+    alone = [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)]
+    solver = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
+    exact = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
+    applied(comm, exact, dense, b)
+    both = dense + dense.T
+    for values, kind in ((both, "cholesky"), (2 * both, "cholesky"), (dense, "lu"), (both, "lu")):
+        found = applied(comm, solver, values, b)
+        kinds = {solver._solver_of(k).pc.getType() for k in range(blocks)}
+        assert kinds == {kind}
+        np.testing.assert_allclose(found, applied(comm, exact, values, b), rtol=1e-12)
+    assert exact._solver_of(0).pc.getType() == "lu"
+    for item in (solver, exact):
+        item.destroy()
+
+
+@pytest.mark.serial
+def test_factors_of_another_package_stay_as_a_case_has_them(comm, dense):
+    """PETSc's own factors, by an option."""
+    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
+    solver = BlockSweep(comm, PREFIX, [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)])
+    solver.defaults = {**solver.defaults, "pc_factor_mat_solver_type": "petsc"}
+    both = dense + dense.T
+    np.testing.assert_allclose(applied(comm, solver, both, b), np.linalg.solve(both, b))
+    assert solver._solver_of(0).pc.getType() == "lu"
     solver.destroy()
 
 
