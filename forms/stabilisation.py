@@ -8,8 +8,8 @@ with Π = -b in GLS (linear elements have ∇·s = 0) and Σ_e τ_e ∫ ω·(∇
 nodes in OSGS. In axisymmetric bodies GLS so drops (s_rr - s_θθ)/r and s_rz/r of ∇·s, an error that
 falls with τ, that is with h²; OSGS, which takes Π from the pressure itself, has nothing to drop.
 That projection is lumped and weighted with τ_e: a plain one lets the pressure
-gradient of the solid leak into the liquid, whose τ_e is far larger. `castx.mechanics.mixed` puts
-the terms together, `castx.mechanics.osgs` applies the projection.
+gradient of the solid leak into the liquid, whose τ_e is far larger. Solid and liquid have one each.
+`castx.mechanics.mixed` puts the terms together, `castx.mechanics.osgs` applies the projection.
 
 Sources: T. J. R. Hughes, L. P. Franca and M. Balestra, Computer Methods in Applied Mechanics and
 Engineering 59 (1986), for GLS; R. Codina, ibid. 190 (2000), for OSGS.

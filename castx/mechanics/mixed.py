@@ -176,9 +176,13 @@ class MixedFormulation(PocketedFormulation):
             fem.form(momentum.pocket_pressure_work(variation, each, state, self._dx_p))
             for each in (0.0, q)
         ]
-        self._projections = []
+        phases: list[Any] = []
         if kind == "osgs":
-            self._projections.append(OrthogonalProjection(unknowns, tau, planes))
+            solid = material.bearing
+            phases = [solid, 1 - solid] if material.law.freezes else [1]
+        self._projections = [
+            OrthogonalProjection(unknowns, phase * tau, planes) for phase in phases
+        ]
 
     def _internal(self, total: Any, pressure: Any, state: momentum.PointState, tau: Any) -> Any:
         """Return ∫ ∇ˢη:s + ∫ p ∇·η + ∫ q (∇·u - p/K - e^θ) - Σ_e τ_e ∫ ∇q·∇p."""
@@ -192,9 +196,7 @@ class MixedFormulation(PocketedFormulation):
     def _jacobian(self, state: momentum.PointState, tau: Any) -> Any:
         """Return the derivative of `_internal` for a change of displacement and pressure."""
         (increment, change), (variation, q) = self._trial(), self._test()
-        work = momentum.mixed_tangent(
-            increment, change, variation, q, state, self._dx, self._dx_p
-        )
+        work = momentum.mixed_tangent(increment, change, variation, q, state, self._dx, self._dx_p)
         work -= stabilisation.pressure_laplacian(change, q, tau, self._dx_p)
         return work
 

@@ -8,6 +8,10 @@ Here the matrix of Π is lumped and weighted with τ_e: a plain projection lets 
 of the solid leak into the liquid, whose τ is far larger. With G = Σ_e τ_e ∫ ω·∇p and the lumped M,
 Π = M⁻¹ G p, and the part of OSGS beyond GLS is Σ_e τ_e ∫ ∇q·Π = Gᵀ M⁻¹ G p.
 
+Metal that freezes has one projection in its solid and one in its liquid. Pressure bends at the
+front, and Π there would be that of the liquid, by its τ: a skin on few cells would be stabilised as
+by GLS, against all of its gradient, and would contract too little.
+
 Source: R. Codina, Computer Methods in Applied Mechanics and Engineering 190 (2000); C. Agelet de
 Saracibar, M. Chiumenti, Q. Valverde and M. Cervera, ibid. 195 (2006).
 """
@@ -16,6 +20,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 import numpy.typing as npt
@@ -31,19 +37,17 @@ from castx.mechanics.formulation import BodyUnknowns
 
 
 class OrthogonalProjection:
-    """The operator Gᵀ M⁻¹ G of one body, applied without its matrix.
+    """The operator Gᵀ M⁻¹ G of one body, or of a part of its cells, applied without its matrix.
 
     On symmetry planes Π has no normal component: that of the mirror image would cancel it.
 
     Args:
         unknowns: of the body, with the pressure.
-        tau: τ_e of the cells [m²/Pa].
+        tau: τ_e of the cells [m²/Pa], zero in those that do not belong to the part.
         planes: symmetry planes of the body.
     """
 
-    def __init__(
-        self, unknowns: BodyUnknowns, tau: Any, planes: Sequence[FixedDirections]
-    ) -> None:
+    def __init__(self, unknowns: BodyUnknowns, tau: Any, planes: Sequence[FixedDirections]) -> None:
         mesh, nodes = unknowns.mesh.mesh, unknowns.mesh.nodes
         self._scale, self._dimension = unknowns.pressure_scale, unknowns.dimension
         self._pressures = slice(unknowns.pressure_component, None, unknowns.block_size)
@@ -55,6 +59,7 @@ class OrthogonalProjection:
             stabilisation.projection_weight(ufl.TestFunction(nodes), tau, dx)
         )
         self._weight = la.vector(nodes.dofmap.index_map)
+        self._comm, self._acts = mesh.comm, False
         self._gradient = create_matrix(self._gradient_form)
         self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
         self._projected = self._gradient.createVecLeft()
@@ -64,12 +69,15 @@ class OrthogonalProjection:
 
     def assemble(self) -> None:
         """Assemble G and M for the present shear moduli; collective."""
-        self._gradient.zeroEntries()
-        assemble_matrix(self._gradient, self._gradient_form)
-        self._gradient.assemble()
         self._weight.array[:] = 0
         fem.assemble_vector(self._weight.array, self._weight_form)
         self._weight.scatter_reverse(la.InsertMode.add)
+        owned = self._weight.array[: self._pressure.getLocalSize()]
+        self._acts = bool(self._comm.allreduce(bool(owned.any()), op=MPI.LOR))
+        if self._acts:
+            self._gradient.zeroEntries()
+            assemble_matrix(self._gradient, self._gradient_form)
+            self._gradient.assemble()
 
     def add_product(self, x: FloatArray, y: FloatArray) -> None:
         """Add Gᵀ M⁻¹ G p to the rows of the pressures, scaled like the unknowns; collective.
@@ -78,7 +86,8 @@ class OrthogonalProjection:
             x: owned unknowns of the body with the pressures p; those of ghosts may follow.
             y: owned rows of the residual, changed in place.
         """
-        y[self._pressures] += self._correction(x[self._pressures])
+        if self._acts:
+            y[self._pressures] += self._correction(x[self._pressures])
 
     def _correction(self, pressure: FloatArray) -> FloatArray:
         owned = self._pressure.getLocalSize()

@@ -126,7 +126,7 @@ class Law:
         return self.name == VISCOPLASTIC
 
     @property
-    def _freezes(self) -> bool:
+    def freezes(self) -> bool:
         """Whether solid grows out of a liquid that has a law of its own."""
         return self.material.melts and self.material.liquid is not None
 
@@ -188,7 +188,7 @@ class Law:
         young, poisson = self._elastic_tables()
         E, nu = young(temperature), poisson(temperature)
         shear_modulus = in_the_solid(points, E / (2 * (1 + nu)), end.share)
-        inside = between if self._freezes else ()
+        inside = between if self.freezes else ()
         passed = [start, *(self.nodes(*state) for state in inside), end]
         places = self._places(points, passed)
         first, *_, last = at_places = [self._at(places, metal) for metal in passed]
@@ -245,7 +245,7 @@ class Law:
         return MetalNodes(*(places.joined(*values) for values in zip(metal, samples, strict=True)))
 
     def _growth(self, places: MetalPlaces, passed: Sequence[MetalNodes]) -> Growth:
-        if not self._freezes:
+        if not self.freezes:
             return growth(places, passed, passed[-1].contraction)
         solid = np.ones_like(passed[-1].share)
         solidus = np.full_like(solid, self.material.solidus)

@@ -47,7 +47,7 @@ class MaterialPoints:
         self.compressibility = points.volume_function(cells)
         self.thermal_strain = points.volume_function(cells)
         self._secant = SecantModulus(points, cells)
-        self.secant_modulus = self._secant.function
+        self.secant_modulus, self.bearing = self._secant.function, self._secant.bearing
         self.thickness = thickness(points, law, cells, starts_liquid)
         self.history = self._start = PointHistory.initial(points)
         nodes = len(points.node_numbering.numbers)

@@ -19,6 +19,7 @@ class SecantModulus:
 
     Attributes:
         function: the modulus [Pa], constant in each cell.
+        bearing: 1 in cells that hold solid, 0 in the others, likewise until the end of a step.
 
     Args:
         points: integration points of the body.
@@ -27,7 +28,7 @@ class SecantModulus:
 
     def __init__(self, points: IntegrationPoints, cells: fem.FunctionSpace) -> None:
         self._points = points
-        self.function = fem.Function(cells)
+        self.function, self.bearing = fem.Function(cells), fem.Function(cells)
         self._none: BoolArray = np.zeros(points.count, dtype=bool)
         self._bears: BoolArray = self._none
         self._accepted: BoolArray = self._none
@@ -40,10 +41,11 @@ class SecantModulus:
             softening: secant modulus over the elastic one, shape (points,).
         """
         values = softening * conditions.shear_modulus
+        self._bears = self._bears | (conditions.shares.end > 0)
         if conditions.liquid_modulus is not None:
-            self._bears = self._bears | (conditions.shares.end > 0)
             values = np.where(self._bears, values, conditions.liquid_modulus)
         self.function.x.array[:] = self._points.cell_means(values)
+        self.bearing.x.array[:] = self._points.cell_means(self._bears.astype(float)) > 0
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 import ufl
@@ -111,6 +113,55 @@ def test_without_weight_nothing_is_projected(comm):
     operator = OrthogonalProjection(unknowns, tau, ())
     operator.assemble()
     assert not product(unknowns, operator, np.sin(np.arange(len(body.points)))).any()
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
+def test_a_pressure_that_bends_between_parts_is_left_alone_by_one_projection_for_each(comm, model):
+    """The plane x = 5 mm stands for the front: one part may lie on one rank alone."""
+    body = slab(comm, model)
+    unknowns, dx = BodyUnknowns(body, model, True, SHEAR), cell_measure(body, model, 2)
+    cells = fem.functionspace(body.mesh, ("DG", 0))
+    left, ones = fem.Function(cells), fem.Function(cells)
+    at = np.median(np.unique(np.round(comm.allreduce(list(body.points[:, 0]), op=MPI.SUM), 9)))
+    left.x.array[:] = body.points[body.nodes.dofmap.list, 0].mean(axis=1) < at
+    ones.x.array[:] = 1.0
+    p, q = fem.Function(body.nodes), ufl.TestFunction(body.nodes)
+    p.x.array[:] = 3e8 * np.minimum(body.points[:, 0] - at, 0.0)
+    tau = 1e-15 + 1e-11 * (1 - left)
+    gls = fem.assemble_vector(fem.form(stabilisation.pressure_laplacian(p, q, tau, dx)))
+    gls.scatter_reverse(la.InsertMode.add)
+    expected = unknowns.pressure_scale * gls.array[: body.nodes.dofmap.index_map.size_local]
+    scale = comm.allreduce(np.abs(expected).max(initial=0.0), op=MPI.MAX)
+    remaining = []
+    for parts in ((ones,), (left, 1 - left)):
+        found = np.zeros_like(expected)
+        for part in parts:
+            operator = OrthogonalProjection(unknowns, part * tau, ())
+            operator.assemble()
+            found += product(unknowns, operator, p.x.array)
+        rest = np.abs(found - expected).max(initial=0.0)
+        remaining.append(comm.allreduce(float(rest), op=MPI.MAX) / scale)
+    assert remaining[0] > 0.1
+    assert remaining[1] < 1e-10
+
+
+@pytest.mark.ranks
+def test_a_part_of_one_cell_on_one_rank_acts_on_all(comm):
+    body = slab(comm)
+    unknowns = BodyUnknowns(body, "plane-strain", True, SHEAR)
+    tau = fem.Function(fem.functionspace(body.mesh, ("DG", 0)))
+    place = body.points[body.nodes.dofmap.list].mean(axis=1) @ np.array([1.0, 0.7])
+    tau.x.array[:] = 1e-15 * (place == comm.allreduce(float(place.max()), op=MPI.MAX))
+    operator = OrthogonalProjection(unknowns, tau, ())
+    operator.assemble()
+    gradient = np.array([3e8, -2e8])
+    pressure = body.points[:, :2] @ gradient
+    found = product(unknowns, operator, pressure)
+    work = comm.allreduce(float(found @ pressure[: len(found)]), op=MPI.SUM)
+    dx = cell_measure(body, "plane-strain", 2)
+    whole = comm.allreduce(fem.assemble_scalar(fem.form(tau * dx)), op=MPI.SUM)
+    assert work == pytest.approx(unknowns.pressure_scale * whole * gradient @ gradient, rel=1e-9)
 
 
 @pytest.mark.serial

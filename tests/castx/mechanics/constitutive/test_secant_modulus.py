@@ -21,12 +21,14 @@ def conditions(points, share, liquid=LIQUID):
 def test_a_point_that_has_held_solid_in_a_step_keeps_its_modulus(points, cells):
     modulus = SecantModulus(points, cells)
     softening = np.full(points.count, 0.5)
-    found = []
+    found, bearing = [], []
     for share in (0.0, 1e-9, 0.0):
         modulus.use(conditions(points, share), softening)
         found.append(modulus.function.x.array.copy())
+        bearing.append(modulus.bearing.x.array.copy())
     np.testing.assert_allclose(found[0], LIQUID)
     np.testing.assert_allclose(found[1:], 0.5 * SOLID)
+    assert not bearing[0].any() and np.all(bearing[1:] == np.ones_like(bearing[0]))
     modulus.commit()
     modulus.use(conditions(points, 0.0), softening)
     np.testing.assert_allclose(modulus.function.x.array, LIQUID)
@@ -34,5 +36,7 @@ def test_a_point_that_has_held_solid_in_a_step_keeps_its_modulus(points, cells):
     np.testing.assert_allclose(modulus.function.x.array, 0.5 * SOLID)
     modulus.use(conditions(points, 0.0), softening)
     np.testing.assert_allclose(modulus.function.x.array, LIQUID)
+    assert not modulus.bearing.x.array.any()
     modulus.use(conditions(points, 0.3, liquid=None), softening)
     np.testing.assert_allclose(modulus.function.x.array, 0.5 * SOLID)
+    assert modulus.bearing.x.array.all()
