@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -14,6 +14,13 @@ from castx.coupling.temperatures import Temperatures
 
 ROUNDING = 1e-12
 """Share of the stored heat below which none moves: at the end of a run the bodies rest."""
+
+
+SHARE_OF_MELT = 0.4
+"""What freezes of the melt of a mush that flows counts by this beside what freezes of its body:
+pores open in the last of it. A step that freezes a tenth of it is like one of 0.04 of all."""
+LAST_MELT = 0.02
+"""Share of a body below which less melt counts like so much."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +78,18 @@ class ThermalChange:
         comm: ranks.
         heat: temperatures of all bodies.
         volumes: of the owned nodes of each body [m³].
+        flowing: names of the bodies whose melt flows through the mush.
     """
 
     def __init__(
-        self, comm: MPI.Intracomm, heat: Temperatures, volumes: Mapping[str, FloatArray]
+        self,
+        comm: MPI.Intracomm,
+        heat: Temperatures,
+        volumes: Mapping[str, FloatArray],
+        flowing: Collection[str] = (),
     ) -> None:
         self._comm, self._heat, self._volumes = comm, heat, volumes
+        self._of_melt = np.array([SHARE_OF_MELT * (name in flowing) for name in volumes])
         self.commit()
 
     def commit(self) -> None:
@@ -103,18 +116,23 @@ class ThermalChange:
         """Return the largest volume of a body that froze or melted, as a share of it; collective.
 
         Unlike the change of a node it does not depend on the size of the elements. Zero where
-        temperatures are prescribed.
+        temperatures are prescribed. Where melt flows `SHARE_OF_MELT` of its share of what was melt
+        counts too.
         """
         if not self._heat.enthalpy:
             return 0.0
-        sums, first = np.zeros((len(self._volumes), 2)), 0
+        sums, first = np.zeros((len(self._volumes), 3)), 0
         change = np.abs(self._present_solid_fraction() - self._solid_fraction)
         for row, (name, function) in enumerate(self._heat.solid_fraction.items()):
             volumes = self._volumes[name]
-            sums[row] = volumes @ change[first : first + len(volumes)], volumes.sum()
+            own = slice(first, first + len(volumes))
+            melt = volumes @ (1.0 - self._solid_fraction[own])
+            sums[row] = volumes @ change[own], volumes.sum(), melt
             first += len(function.x.array)
-        moved, whole = self._comm.allreduce(sums, op=MPI.SUM).T
-        return float(np.max(moved / np.where(whole > 0, whole, 1.0), initial=0.0))
+        moved, whole, melt = self._comm.allreduce(sums, op=MPI.SUM).T
+        whole = np.where(whole > 0.0, whole, 1.0)
+        of_melt = self._of_melt * moved / np.maximum(melt, LAST_MELT * whole)
+        return float(np.maximum(moved / whole, of_melt).max(initial=0.0))
 
     def share(self, heat: float) -> float:
         """Return an amount of heat [J] relative to all heat that has moved; collective."""

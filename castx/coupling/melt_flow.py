@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from castx.case.bodies import DARCY, Body
 from castx.case.case import Case
+from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import CaseError
 from castx.foundry.alloy import Alloy
 from castx.materials.material import Material
@@ -46,6 +47,12 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
         alloy.path.liquidus,
         feeders,
     )
+
+
+def flowing(mechanics: MechanicalProblem | None) -> frozenset[str]:
+    """Return the names of the bodies whose melt flows, none without mechanics."""
+    bodies = {} if mechanics is None else mechanics.bodies
+    return frozenset(n for n, body in bodies.items() if body.formulation.wall_melt is not None)
 
 
 def words_of(body: str, metal: MushMetal) -> str:

@@ -22,6 +22,7 @@ from castx.coupling.agreement import disagreement
 from castx.coupling.change import StepChange, StepErrors, ThermalChange
 from castx.coupling.dissipation import Dissipation
 from castx.coupling.interface import WITH_FEEDBACK, CoupledInterface, Interfaces
+from castx.coupling.melt_flow import flowing
 from castx.coupling.passes import Passes
 from castx.coupling.relaxation import Relaxation, scaling
 from castx.coupling.temperatures import Temperatures
@@ -82,7 +83,7 @@ class CoupledProblem:
         self._dissipation = Dissipation(comm, heated)
         self.interfaces = Interfaces(interfaces, scheme)
         self.interfaces.begin(self._resistances([s.clipped() for s in self.interfaces.states]))
-        self._thermal_change = ThermalChange(comm, heat, self.volumes)
+        self._thermal_change = ThermalChange(comm, heat, self.volumes, flowing(mechanics))
         # Nothing has moved yet, so that any step gives the stress of the initial state.
         self._update_bodies(self.interfaces.committed_step)
 

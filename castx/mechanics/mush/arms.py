@@ -8,6 +8,10 @@ from castx.arrays import FloatArray, IntArray
 from castx.mechanics.mush.metal import MushMetal
 from castx.stateful import Arrays, Numbering, Saved
 
+LEAST_COOLING = 1.0
+"""Cooling below the liquidus [K] over which a rate is taken at least. What a node does in its first
+moments there, just as slow as steps are short, says nothing of its arms, and they would keep it."""
+
 Nodes = tuple[FloatArray, FloatArray, FloatArray]
 """Temperature [°C], time since the liquidus [s] and spacing [m] of the nodes, each (nodes,)."""
 
@@ -15,8 +19,8 @@ Nodes = tuple[FloatArray, FloatArray, FloatArray]
 class RunningArms:
     """Arm spacing λ2 = C_λ ((t − t_L)/(T_L − T))^n of the nodes, t_L the passing of the liquidus.
 
-    The rate is the mean one since the liquidus, in the first step its own. Arms never grow finer,
-    and what melts again loses them.
+    The rate is the mean one since the liquidus, in the first step its own, with T_L − T no less
+    than `LEAST_COOLING`. Arms never grow finer, and what melts again loses them.
 
     Args:
         metal: of the body.
@@ -24,9 +28,7 @@ class RunningArms:
         numbering: of the nodes.
     """
 
-    def __init__(
-        self, metal: MushMetal, corners: IntArray, numbering: Numbering
-    ) -> None:
+    def __init__(self, metal: MushMetal, corners: IntArray, numbering: Numbering) -> None:
         self._metal, self._corners, self._numbering = metal, corners, numbering
         none: FloatArray = np.zeros(len(numbering.numbers))
         self._state: Nodes = (np.full_like(none, np.inf), none, none)
@@ -49,7 +51,7 @@ class RunningArms:
         own = np.divide(step * below, cooled, out=np.zeros_like(below), where=cools)
         since = np.where(elapsed > 0.0, elapsed + step, own)
         since = np.where(mushy, since, 0.0)
-        ratio = np.divide(since, below, out=np.zeros_like(below), where=mushy)
+        ratio = since / np.maximum(below, LEAST_COOLING)
         spacing = np.where(mushy, np.maximum(spacing, metal.spacing * ratio**metal.exponent), 0.0)
         self._trial = temperature.copy(), since, spacing
         known = spacing[self._corners]

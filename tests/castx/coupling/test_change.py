@@ -81,6 +81,23 @@ def test_a_body_freezes_by_volume(comm, size):
 
 
 @pytest.mark.ranks
+@pytest.mark.parametrize(("first", "counted"), [(0.5, 0.4 * 0.1), (0.99, 0.4 * 0.05 / 0.02)])
+def test_the_last_melt_of_a_mush_counts_for_more(comm, first, counted):
+    """A tenth of what was melt, of half of the body, freezes like 0.04 of all of it."""
+    heat, _ = problem(comm)
+    heat.solid_fraction["casting"].x.array[:2] = first
+    volumes = {"casting": np.array([1.0, 2.0]), "mould": np.array([4.0])}
+    change = ThermalChange(comm, heat, volumes, {"casting"})
+    still = ThermalChange(comm, heat, volumes)
+    heat.solid_fraction["casting"].x.array[:2] += 0.05 if first == 0.5 else 0.0
+    if first != 0.5:
+        heat.solid_fraction["casting"].x.array[:2] -= 0.05  # it melts
+    found = change.largest_of_mean_solid_fraction()
+    assert found == pytest.approx(max(counted, 0.05), rel=1e-12)
+    assert still.largest_of_mean_solid_fraction() == pytest.approx(0.05, rel=1e-12)
+
+
+@pytest.mark.ranks
 def test_without_the_heat_equation_nothing_moves(comm):
     heat = SimpleNamespace(enthalpy={}, solid_fraction=fields({"casting": [0.0]}))
     assert ThermalChange(comm, heat, {"casting": np.ones(1)}).share(0.0) == 0.0

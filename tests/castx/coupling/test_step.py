@@ -83,6 +83,7 @@ class FakeMechanics:
     def __init__(self, slope: float) -> None:
         self.slope, self.state = slope, 1.0
         self.bodies = {"casting": self}
+        self.formulation = SimpleNamespace(wall_melt=None)
         self.solution = fake_function(0.0)
         self.equilibrium = self.present = self
         self.commits = self.rewinds = 0

@@ -48,6 +48,14 @@ def test_mush_from_the_start_has_the_rate_of_its_first_step():
     assert found[1] == pytest.approx(4e-5 * 5.0 ** (-1 / 3))
 
 
+def test_rest_just_below_the_liquidus_makes_no_coarse_arms():
+    """Two seconds within 0.1 K, then 10 K/s: the rate over the first kelvin, not 0.05 K/s."""
+    for step in (0.5, 0.125):
+        slow = np.linspace(600.0, 599.9, round(2.0 / step) + 1).tolist()
+        found = followed(arms(), [601.0, *slow], step)
+        assert found[-1] == pytest.approx(4e-5 * (2.0 / 1.0) ** (1 / 3), rel=0.02)
+
+
 def test_constant_spacing():
     metal = MushMetal(0.06, 1e-3, 1e5, 0.98, 4e-5, 0.0, 600.0)
     assert followed(arms(metal), [605.0, 550.0], 1.0) == [4e-5, 4e-5]
