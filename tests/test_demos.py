@@ -39,7 +39,7 @@ def feeder(tmp_path_factory):
 
 
 def run_feeder(folder, name, *overrides):
-    coarse = ["time.temperature_change=80", "time.end=190", *overrides]
+    coarse = ["time.temperature_change=40", "time.end=190", *overrides]
     run(folder / "feeder.toml", coarse, output=folder / name)
     history = read_series(folder / name / "history.csv")
     return history, read_series(folder / name / "probes.csv")
