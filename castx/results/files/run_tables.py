@@ -84,10 +84,13 @@ class RunTables:
                 f"{self.folder / RECORD} was written by castx {written}, this is {__version__}: "
                 "what is new there is not understood; read it with that version"
             )
-        last, reached = self.history[TIME][-1], self.record["time_reached"]
-        if last < reached * (1.0 - ROUNDING):
+        reached = self.record["time_reached"]
+        for name, table in ((HISTORY, self.history), (PROBES, self.probes)):
+            last = float(np.max(table.get(TIME, np.empty(0)), initial=0.0))
+            if last >= reached * (1.0 - ROUNDING):
+                continue
             found.append(
-                f"{self.folder / HISTORY} ends at t = {last:g} s, but the run reached "
+                f"{self.folder / name} ends at t = {last:g} s, but the run reached "
                 f"{reached:g} s: its last lines are lost; put a whole copy in its place, or run "
                 "the case again"
             )
