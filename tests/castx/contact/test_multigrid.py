@@ -122,7 +122,7 @@ def test_a_skin_that_freezes_round_a_melt_needs_few_iterations(comm, size):
     made = melt_in_cup(comm, size, linear="iterative", tolerance=1e-3, options=to_six_digits)
     reports = freeze(made, size)
     assert reports[-1].contact_changes > 20
-    assert max(count for report in reports for count in report.linear_solves) <= 30
+    assert max(count for report in reports for count in report.linear_solves) <= 36
 
 
 @pytest.mark.sampled
