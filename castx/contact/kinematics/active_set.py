@@ -22,10 +22,10 @@ ALIKE = 1e-3
 """Difference of violations, relative, below which pairs change together: which of two that mirror
 each other is the worst one rounding decides, and the other one would follow by itself."""
 
-PROVISIONAL = 4
-"""Passes of a step, or tries of them, in which pairs that let go are held anew by the next one: its
-heat is another, and metal that had just frozen at a wall may be liquid in it. Further ones only go
-round."""
+PROVISIONAL = 2
+"""Pass of a step up to which pairs that let go in an earlier one are held anew: its heat is
+another, and metal that had just frozen at a wall may be liquid in it. Each further such pass costs
+as much as the first, since a skin lets go ring by ring."""
 
 MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
@@ -198,8 +198,8 @@ class ActiveSet:
     def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
         """Let closed pairs be pulled until the next call.
 
-        What lets go in the first passes of a step is held anew by the next one; later, a pair lets
-        go once.
+        What lets go in the first pass of a step is held anew by the second; later, a pair lets go
+        once.
 
         Args:
             pulls: largest pulls of the pairs [N], shape (pairs,).

@@ -34,7 +34,7 @@ def compared(label, *found, curve="centre", factor=1.0):
     }  # fmt: skip
     run = SimpleNamespace(
         record=record, case={"name": "a case"}, model="3d", bodies=("casting",), history={},
-        probes={"time": TIME, f"{curve}.temperature": TIME},
+        probes={"time": TIME, f"{curve}.temperature": TIME}, doubts=(),
     )  # fmt: skip
     lines = {curve: factor * TIME}
     sections = [Section("Cooling curves", "", TIME, [Panel("T [°C]", lines)])]
