@@ -24,7 +24,7 @@ def test_falls_of_prisms(comm):
             "level_drop.a": 5e-3, "level_drop.b": 1e-2, "level_drop.c": 0.0,
             "fed_volume.a": 2e-6, "fed_volume.b": 1e-6, "fed_volume.c": 2e-6,
         },
-        abs=1e-18,
+        rel=1e-12, abs=1e-18,
     )  # fmt: skip
     other = FeederLevels(comm, "casting", "abc", areas, np.array([0, 1, 1, -1, 2]))
     other.restore({name: saved.values for name, saved in levels.saved().items()})
