@@ -50,13 +50,15 @@ def without_pipe(grid: pyvista.UnstructuredGrid, model: str) -> pyvista.Unstruct
         if not len(through):
             return whole - share
         part = simplices(
-            simple.extract_cells(through).clip_scalar(EMPTIED, invert=False, value=level)
+            simple.extract_cells(through).clip_scalar(scalars=EMPTIED, invert=False, value=level)
         )
         corners = np.asarray(part.points, dtype=np.float64)[cells_of(part)]
         return whole + float(measured(corners, model).sum()) - share
 
     level = brentq(beyond, CLOSE, float(emptied.max()), xtol=CLOSE)
-    left: pyvista.UnstructuredGrid = grid.clip_scalar(EMPTIED, invert=True, value=float(level))
+    left: pyvista.UnstructuredGrid = grid.clip_scalar(
+        scalars=EMPTIED, invert=True, value=float(level)
+    )
     return left
 
 
