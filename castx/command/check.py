@@ -89,9 +89,10 @@ def check_case(
         console.print(line, markup=False)
     areas = area_warnings(case.interfaces, pairs, comm)
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
+    shut = shut_in(case, free_areas(case, summary))
     thin = [walls.text for walls in thin_walls(case, mesh)]
-    shut = (*shut_in(case, free_areas(case, summary)), *thin)
-    warnings = (*areas, *hidden, *material_warnings(case), *caveats(case), *unusual(case), *shut)
+    of_case = (*material_warnings(case), *caveats(case), *unusual(case))
+    warnings = (*areas, *hidden, *of_case, *shut, *thin)
     for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)

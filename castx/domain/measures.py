@@ -212,11 +212,22 @@ def cell_means(body: BodyMesh, model: str, values: FloatArray) -> FloatArray:
         values: at the local nodes, shape (nodes,).
     """
     corners = body.nodes.dofmap.list
+    return linear_means(body.points[corners], values[corners], model)
+
+
+def linear_means(places: FloatArray, values: FloatArray, model: str) -> FloatArray:
+    """Return the means of linear fields over triangles or tetrahedra, shape (cells,).
+
+    Args:
+        places: of the corners [m], shape (cells, corners, gdim).
+        values: at the corners, shape (cells, corners).
+        model: geometric model, as for `cell_means`.
+    """
     if model != "axisymmetric":
-        return np.asarray(values[corners].mean(axis=1))
-    radii = body.points[corners, 0]
+        return np.asarray(values.mean(axis=1))
+    radii = places[:, :, 0]
     total = radii.sum(axis=1, keepdims=True)
-    return np.asarray(((total + radii) / (4.0 * total) * values[corners]).sum(axis=1))
+    return np.asarray(((total + radii) / (4.0 * total) * values).sum(axis=1))
 
 
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:

@@ -86,9 +86,8 @@ class Remaining:
     def _cooling_steps(self, rest: float, size: float) -> int:
         """Return the steps over a time if they grow as since all is solid."""
         sizes = [step.size for step in self._steps if step.solid >= 1.0 - 1e-9]
-        sizes = (
-            sizes[sizes.index(min(sizes)) :] if sizes else sizes
-        )  # a stage begins with small ones
+        if sizes:  # a stage begins with small ones
+            sizes = sizes[sizes.index(min(sizes)) :]
         growth = COOLING_GROWTH
         if len(sizes) >= FROZEN:
             growth = (sizes[-1] / sizes[0]) ** (1.0 / (len(sizes) - 1))

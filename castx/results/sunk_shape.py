@@ -15,8 +15,9 @@ import numpy as np
 import pyvista
 from scipy.optimize import brentq
 
-from castx.arrays import FloatArray, LongArray
+from castx.arrays import FloatArray
 from castx.case.fields.feeding import EMPTIED
+from castx.domain.measures import linear_means
 from castx.results.reading import cells_of
 
 LEAST = 1e-9
@@ -38,7 +39,7 @@ def without_pipe(grid: pyvista.UnstructuredGrid, model: str) -> pyvista.Unstruct
     cells, emptied = cells_of(simple), np.asarray(simple[EMPTIED], dtype=np.float64)
     points = np.asarray(simple.points, dtype=np.float64)
     volumes = measured(points[cells], model)
-    share = float(_integral(points, cells, emptied, model))
+    share = float(volumes @ linear_means(points[cells], emptied[cells], model))
     if share <= LEAST * volumes.sum():
         return grid
     ends = emptied[cells].min(axis=1), emptied[cells].max(axis=1)
@@ -96,14 +97,3 @@ def measured(corners: FloatArray, model: str) -> FloatArray:
     if model == "axisymmetric":
         return np.asarray(2.0 * np.pi * corners[:, :, 0].mean(axis=1) * areas)
     return np.asarray(areas)
-
-
-def _integral(points: FloatArray, cells: LongArray, values: FloatArray, model: str) -> float:
-    """Return the integral of a linear field over simplices."""
-    volumes, corners = measured(points[cells], model), values[cells]
-    if model != "axisymmetric":
-        return float(volumes @ corners.mean(axis=1))
-    radii = points[cells, 0]
-    # ∫ r e over a triangle: (3 r̄ 3 ē + Σ r e)/12 of its area.
-    products = radii.sum(axis=1) * corners.sum(axis=1) + (radii * corners).sum(axis=1)
-    return float((volumes / (12.0 * radii.mean(axis=1))) @ products)

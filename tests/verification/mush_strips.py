@@ -56,15 +56,43 @@ def strip(
         "bottom": {"displacement": {"x": 0.0, "y": 0.0} if stretching else {"y": 0.0}},
         "top": {"displacement": {"x": 0.0, "y": stretched} if stretching else {"y": 0.0}},
     }
-    data: dict[str, Any] = {
+    table = [[0.0, root], [length, root + GRADIENT * length]]
+    data = fed_strip(
+        length, size, {"along": "x", "table": table}, cooling, held, step=step, end=end
+    )
+    for change in changes:
+        data = merged(data, change)
+    return data
+
+
+def fed_strip(
+    length: float,
+    size: float,
+    temperature: dict[str, Any],
+    cooling: float,
+    held: dict[str, dict[str, Any]],
+    *,
+    step: float,
+    end: float,
+) -> dict[str, Any]:
+    """Return a strip, one element wide, that cools evenly and is fed at its far end.
+
+    Args:
+        length: of the strip [m].
+        size: of the elements [m].
+        temperature: at the start, as in a case.
+        cooling: its rate [K/s].
+        held: conditions of its sides, by name.
+        step: its size [s].
+        end: of the run [s].
+    """
+    return {
         "geometry": {"generator": "slab", "model": "plane-strain", "length": length,
                      "width": size, "size": size},
         "materials": {"alloy": METAL},
         "bodies": [
             {"name": "casting", "material": "alloy", "feeding": "darcy",
-             "temperature": {"along": "x",
-                             "table": [[0.0, root], [length, root + GRADIENT * length]]},
-             "heat_source": -DENSITY * CAPACITY * cooling},
+             "temperature": temperature, "heat_source": -DENSITY * CAPACITY * cooling},
         ],
         "boundaries": [{"on": f"casting/{name}", **what} for name, what in held.items()],
         "foundry": {"feeders": ["casting/far"]},
@@ -72,14 +100,9 @@ def strip(
         "coupling": {"scheme": "one-way"},
         "solver": {"linear": "direct", "mechanics_tolerance": 1e-9},
     }  # fmt: skip
-    for change in changes:
-        data = merged(data, change)
-    return data
 
 
-def skeleton(
-    *changes: dict[str, Any], elements: int, history: list[list[float]]
-) -> dict[str, Any]:
+def skeleton(*changes: dict[str, Any], elements: int, history: list[list[float]]) -> dict[str, Any]:
     """Return a strip of one temperature, 10 mm long, held at its root and its sides.
 
     Its grains do not give, its skeleton has a shear modulus of 1 MPa.

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from tests.coupled_cases import cylinder, merged, states
-from tests.verification.mush_strips import CAPACITY, CONDUCTIVITY, DENSITY, METAL, RANGE, SOLIDUS
+from tests.verification.mush_strips import CONDUCTIVITY, RANGE, SOLIDUS, fed_strip
 
 pytestmark = [pytest.mark.serial, pytest.mark.slow]
 
@@ -44,22 +44,9 @@ def strip(step: float) -> dict[str, Any]:
         "top": {"displacement": {"x": 0.0, "y": 0.0},
                 "heat": {"type": "flux", "value": -CONDUCTIVITY * gradient}},
     }  # fmt: skip
+    across = {"along": "y", "table": [[0.0, hot], [WIDE, hot - ACROSS]]}
     end = (RANGE + AHEAD) / RATE + 1.0
-    return {
-        "geometry": {"generator": "slab", "model": "plane-strain", "length": HIGH, "width": WIDE,
-                     "size": WIDE},
-        "materials": {"alloy": METAL},
-        "bodies": [
-            {"name": "casting", "material": "alloy", "feeding": "darcy",
-             "temperature": {"along": "y", "table": [[0.0, hot], [WIDE, hot - ACROSS]]},
-             "heat_source": -DENSITY * CAPACITY * RATE},
-        ],
-        "boundaries": [{"on": f"casting/{name}", **what} for name, what in held.items()],
-        "foundry": {"feeders": ["casting/far"]},
-        "time": {"end": end, "first_step": step, "fixed_step": step, "largest_step": step},
-        "coupling": {"scheme": "one-way"},
-        "solver": {"linear": "direct", "mechanics_tolerance": 1e-9},
-    }  # fmt: skip
+    return fed_strip(HIGH, WIDE, across, RATE, held, step=step, end=end)
 
 
 def test_pores_of_given_temperatures(comm):

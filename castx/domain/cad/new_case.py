@@ -158,6 +158,7 @@ def new_case(
             f"--split and --top are of the mould that is made round a lone solid; {cad_file} has "
             f"the bodies {names}"
         )
+    made = _tries(cad_file)[attempt]
     file = os.path.relpath(cad_file.resolve(), target.resolve().parent)
     between = [(measure.name.split("/"), measure.cad) for measure in report.interfaces]
     return NewCase(
@@ -167,10 +168,10 @@ def new_case(
         tuple((measure.name, measure.cad) for measure in report.bodies),
         tuple((bodies[0], bodies[1], area) for bodies, area in between),
         tuple((measure.name, measure.cad) for measure in report.surfaces),
-        1 if attempt == 0 else 0,
+        round(made.across),
         mould=text,
-        tolerance=TOLERANCE if attempt == 2 else None,
-        narrowest=NARROWEST[attempt - 3] if attempt > 2 else None,
+        tolerance=made.tolerance if made.tolerance == TOLERANCE else None,
+        narrowest=made.narrowest or None,
         boxes=report.boxes,
     )
 
@@ -253,10 +254,7 @@ def _finest(case: NewCase) -> float:
 def _survey(
     cad_file: Path, mould: Mould | None, say: Callable[[str], None], attempt: int = 0
 ) -> tuple[Report, int]:
-    """Return the report of a coarse mesh and which attempt has made it.
-
-    One cell across each wall is tried first, then walls as they come, then without small faces,
-    then without all that narrow faces bound.
+    """Return the report of a coarse mesh and which of `_tries` has made it.
 
     Args:
         cad_file: with solids.
@@ -264,13 +262,7 @@ def _survey(
         say: gets lines about what goes on.
         attempt: to begin with.
     """
-    part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
-    coarse = replace(part, most_cells=FIRST_CELLS)
-    tries = [
-        replace(coarse, across=1), coarse, replace(coarse, tolerance=TOLERANCE),
-        *(replace(coarse, narrowest=width) for width in NARROWEST[:-1]),
-        replace(part, narrowest=NARROWEST[-1]),
-    ]  # fmt: skip
+    tries = _tries(cad_file, mould)
     with TemporaryDirectory() as folder:
         mesh = Path(folder) / "mesh.msh"
         for number in range(attempt, len(tries) - 1):
@@ -282,6 +274,21 @@ def _survey(
             return meshed_apart(tries[-1], mesh, LAST_BUDGET), len(tries) - 1
         except SizesError as error:
             raise MeshError(f"{error}. {CURE}") from None
+
+
+def _tries(cad_file: Path, mould: Mould | None = None) -> list[CadPart]:
+    """Return the parts that are meshed, coarsely, until one makes a mesh.
+
+    One cell across each wall is tried first, then walls as they come, then without small faces,
+    then without all that narrow faces bound.
+    """
+    part = CadPart((CadFile(str(cad_file)),), math.inf, across=0, curvature=8.0, mould=mould)
+    coarse = replace(part, most_cells=FIRST_CELLS)
+    return [
+        replace(coarse, across=1), coarse, replace(coarse, tolerance=TOLERANCE),
+        *(replace(coarse, narrowest=width) for width in NARROWEST[:-1]),
+        replace(part, narrowest=NARROWEST[-1]),
+    ]  # fmt: skip
 
 
 def _rounded(length: float) -> float:

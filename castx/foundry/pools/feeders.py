@@ -10,7 +10,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.fields.feeding import EMPTIED
-from castx.foundry.pools.feeding_surfaces import FeedingNodes
+from castx.foundry.pools.feeding_surfaces import FeedingNodes, FeedingSurfaces
 from castx.foundry.pools.pipe import BodyPipe, PipedMetal
 from castx.foundry.pools.pooled_metal import pooled_metals
 from castx.foundry.porosity import melt_contraction
@@ -112,11 +112,14 @@ class Feeders:
                 pipe.restore(part)
 
 
-def piped_metals(case: Case) -> dict[str, PipedMetal]:
+def piped_metals(case: Case) -> dict[str, tuple[PipedMetal, FeedingSurfaces]]:
     """Return the bodies whose feeders sink: of metal that shrinks as it freezes, under gravity.
 
     Args:
         case: that has them.
+
+    Returns:
+        The metal of each, and the surfaces that feed it.
     """
     gravity = np.array(case.loads.gravity)
     metals = {}
@@ -125,23 +128,21 @@ def piped_metals(case: Case) -> dict[str, PipedMetal]:
             continue
         up = -gravity / np.linalg.norm(gravity)
         limit = 1.0 if metal.flows else case.foundry.mass_feeding_limit
-        metals[name] = PipedMetal(
+        piped = PipedMetal(
             float(melt_contraction(np.asarray(metal.shrinkage))),
             metal.limit if limit is None else limit,
             tuple(up.tolist()),
             metal.surfaces.feeders,
             metal.flows,
         )
+        metals[name] = piped, metal.surfaces
     return metals
 
 
 def feeders_of(case: Case, mesh: CastingMesh) -> Feeders:
     """Return the feeders of a case."""
-    pooled = pooled_metals(case)
-    return Feeders(
-        mesh,
-        {
-            name: (metal, FeedingNodes(mesh.bodies[name], mesh.model, pooled[name].surfaces))
-            for name, metal in piped_metals(case).items()
-        },
-    )
+    metals = {
+        name: (metal, FeedingNodes(mesh.bodies[name], mesh.model, surfaces))
+        for name, (metal, surfaces) in piped_metals(case).items()
+    }
+    return Feeders(mesh, metals)
