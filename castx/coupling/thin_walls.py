@@ -11,6 +11,7 @@ from castx.coupling.building import formulation_of
 from castx.domain.mesh import CastingMesh
 from castx.domain.walls import Walls
 from castx.foundry.bending import ENOUGH, ThinWalls, bending_error
+from castx.materials.granular import GRANULAR
 
 SEEN = 0.05
 """Part of a surface from which thin walls are named: edges and fillets have some by chance."""
@@ -19,7 +20,7 @@ SMALL_ERROR = 0.03
 
 
 def thin_walls(case: Case, mesh: CastingMesh) -> Iterator[ThinWalls]:
-    """Yield the thin walls of each body that has some and moves, with few cells across.
+    """Yield the thin walls of each body of metal that has some and moves, with few cells across.
 
     Raises:
         CaseError: cells or model do not have the formulation of a body.
@@ -27,7 +28,8 @@ def thin_walls(case: Case, mesh: CastingMesh) -> Iterator[ThinWalls]:
     if case.coupling.scheme == "thermal":
         return
     for body in case.bodies:
-        if body.law == "rigid":
+        # Of sand, nobody asks how it bends.
+        if body.law in ("rigid", GRANULAR):
             continue
         kind = mesh.bodies[body.name].kind
         free = mesh.walls[body.name].free_of(_held(case, body.name))
@@ -57,9 +59,7 @@ def thin_wall_records(case: Case, mesh: CastingMesh) -> dict[str, dict[str, Any]
     return {found.body: asdict(found) for found in thin_walls(case, mesh)}
 
 
-def _of_body(
-    walls: Walls, body: str, formulation: str, kind: tuple[str, str]
-) -> ThinWalls | None:
+def _of_body(walls: Walls, body: str, formulation: str, kind: tuple[str, str]) -> ThinWalls | None:
     """Return the thin walls of a body; None: none, or its cells bend well.
 
     Args:

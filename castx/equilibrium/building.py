@@ -283,10 +283,13 @@ def _alone(bodies: DeformableBodies) -> list[list[int]]:
 
 
 def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
-    """Return whether a body of a group flows or may be liquid, and the group has few unknowns."""
+    """Return whether a body of a group flows, yields as grains or may be liquid, and is small."""
     parts = [bodies.parts[b] for b in group]
     unknowns = bodies.layout.comm.allreduce(sum(part.unknowns.owned for part in parts))
-    flows = any(p.material.law.flows_by_rate or not p.is_compressible for p in parts)
+    flows = any(
+        p.material.law.flows_by_rate or p.material.law.is_granular or not p.is_compressible
+        for p in parts
+    )
     return unknowns <= LARGEST_FLOWING and flows
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text, roles
 from castx.case.processes.plan import Plan
+from castx.materials.granular import GRANULAR
 from castx.transfer.database import interface_entry
 
 CORES = {
@@ -77,19 +78,27 @@ def _body(name: str, volume: float, role: int, plan: Plan, of_class: str) -> str
     material, temperature, law = {
         CASTING: (plan.alloy, f"{plan.pouring:g}", "thermo-elasto-viscoplastic"),
         CHILL: (chill, "20", "thermo-elastic"),
-        MOULD: (plan.mould, warm, process.mould_law),
-        SAND: ("sand-silica", "20", "rigid"),
+        MOULD: (plan.mould, warm, plan.mould_law),
+        SAND: ("sand-silica", "20", GRANULAR),
     }[role]
     return (
         f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
-        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"\n'
+        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"{_told(law)}\n'
     )
+
+
+def _told(law: str) -> str:
+    """Return the comment beside a law: what sand does, and what takes less time."""
+    if law != GRANULAR:
+        return ""
+    return '         # sand that yields; "rigid" holds the casting, in a quarter of the time'
 
 
 def _interface(
     pair: tuple[str, str, float], role: Mapping[str, int], plan: Plan, of_class: str
 ) -> str:
-    first, second = sorted(pair[:2], key=lambda name: role[name])
+    # A mould stands second, where it may be rigid.
+    first, second = sorted(pair[:2], key=lambda name: (role[name] == MOULD, role[name]))
     area = f"# {1e4 * pair[2]:.4g} cm²"
     head = f'[[interfaces]]                  {area}\nbodies = ["{first}", "{second}"]\n'
     if role[first] == CASTING and role[second] == CASTING:
@@ -101,8 +110,11 @@ def _interface(
             CHILL: CHILLS.get(of_class, ("", plan.interface))[1],
         }[role[second]]
         return head + f'heat = {{ from = "{entry}" }}     # castx interfaces {entry}\n'
-    soft = plan.process.mould_law == "rigid" or SAND in (role[first], role[second])
-    contact = 'contact = { method = "none" }\n' if soft else 'contact = { method = "tied" }\n'
+    kinds = role[first], role[second]
+    # Rigid moulds cannot be tied; other halves are clamped, and prints hold a core.
+    loose = plan.mould_law == "rigid" and MOULD in kinds
+    contact = 'contact = { method = "none" }\n' if loose else 'contact = { method = "tied" }\n'
+    soft = plan.mould_law in ("rigid", GRANULAR) or SAND in kinds
     return head + contact + (BETWEEN_SAND if soft else DIE_PARTS)
 
 
@@ -118,7 +130,7 @@ def _boundary(on: str, area: float, role: Mapping[str, int], plan: Plan) -> str:
         )
     return head + (
         f'heat = {{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
-        f'ambient = {numbers["ambient"]:g} }}\n'
+        f"ambient = {numbers['ambient']:g} }}\n"
     )
 
 

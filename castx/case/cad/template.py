@@ -6,6 +6,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from castx.materials.granular import GRANULAR
+
 Box = tuple[Sequence[float], Sequence[float]]
 CASTING, CHILL, MOULD, SAND = range(4)
 _TOLD = {CASTING: "cast", CHILL: "a chill", MOULD: "of the mould", SAND: "a core"}
@@ -20,7 +22,7 @@ _MATERIAL = {
     CASTING: ("AlSi7Mg", 700, "thermo-elasto-viscoplastic"),
     CHILL: ("Cu-pure", 20, "thermo-elastic"),
     MOULD: ("steel-H13", 200, "thermo-elastic"),
-    SAND: ("sand-silica", 20, "rigid"),
+    SAND: ("sand-silica", 20, GRANULAR),
 }
 
 
@@ -187,8 +189,7 @@ def _interface(first: str, second: str, area: float, role: dict[str, int]) -> st
     contact = ""
     if CASTING not in (role[first], role[second]):
         # Where parts of a tool slide freely on each other, nothing holds some of them.
-        method = "none" if SAND in (role[first], role[second]) else "tied"
-        contact = f'contact = {{ method = "{method}" }}      # CHOOSE: parts of one clamped tool\n'
+        contact = 'contact = { method = "tied" }      # CHOOSE: parts of one clamped tool\n'
     return (
         f"[[interfaces]]                  # {1e4 * area:.4g} cm²\n"
         f'bodies = ["{first}", "{second}"]\n{contact}'

@@ -23,6 +23,7 @@ from castx.errors import CaseError
 from castx.input.problems import among
 from castx.materials.database import database_entry, database_names
 from castx.materials.description import MaterialDescription
+from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.transfer.database import interface_entry
@@ -43,6 +44,8 @@ class Plan:
         process: the process.
         alloy: of the casting.
         mould: material of the mould.
+        mould_law: constitutive law of the mould: that of the process, but rigid where it would
+            yield as grains and the material has no numbers for that.
         interface: entry of the database of interfaces.
         pouring: temperature of the melt [°C].
         freezing: time until all is solid [s].
@@ -53,6 +56,7 @@ class Plan:
     process: CastingProcess
     alloy: str
     mould: str
+    mould_law: str
     interface: str
     pouring: float
     freezing: float
@@ -60,9 +64,7 @@ class Plan:
     end: float
 
 
-def plan_of(
-    process: CastingProcess, alloy: str | None, mould: str | None, modulus: float
-) -> Plan:
+def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modulus: float) -> Plan:
     """Return the numbers of a first case.
 
     Args:
@@ -103,7 +105,9 @@ def plan_of(
         release = cooling.time_to(hot)
     end = release + cooling.time_in_air(hot)
     times = (float(f"{time:.2g}") for time in (freezing, release, end))
-    return Plan(process, alloy, mould, interface, pouring, *times)
+    yields = process.mould_law != GRANULAR or around.description.granular is not None
+    law = process.mould_law if yields else "rigid"
+    return Plan(process, alloy, mould, law, interface, pouring, *times)
 
 
 def _known(name: str, option: str) -> Material:

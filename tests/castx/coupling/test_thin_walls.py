@@ -135,8 +135,15 @@ def test_walls_are_told_with_their_error_and_the_cure(comm):
     [
         {"coupling": {"scheme": "thermal"}},
         {"boundaries": [{"on": "upper/top", "displacement": {"normal": 0.0}}]},
-        {"interfaces": [{"bodies": ["upper", "base"], "contact": {"method": "tied"},
-                         "heat": {"law": "perfect"}}]},
+        {
+            "interfaces": [
+                {
+                    "bodies": ["upper", "base"],
+                    "contact": {"method": "tied"},
+                    "heat": {"law": "perfect"},
+                }
+            ]
+        },
     ],
     ids=["nothing moves", "held flat", "tied"],
 )
@@ -144,6 +151,15 @@ def test_nothing_is_said_of_walls_that_cannot_bend(comm, changes):
     case = read_case(slabs(**changes), Path("case.toml"))
     mesh = build_mesh(case.geometry, ["upper", "base"], comm)
     assert list(thin_walls(case, mesh)) == []
+
+
+@pytest.mark.serial
+def test_nothing_is_said_of_sand(comm):
+    data = slabs()
+    data["bodies"][0] |= {"material": "sand-silica", "law": "drucker-prager"}
+    del data["bodies"][0]["formulation"]
+    case = read_case(data, Path("case.toml"))
+    assert list(thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))) == []
 
 
 @pytest.mark.serial

@@ -61,7 +61,7 @@ def test_open_pairs_are_taken_apart_where_set_ups_are_rare(comm, monkeypatch):
     assert given[0] is not None and given[1] is None
 
 
-@pytest.mark.parametrize("kind", ["flows", "may be liquid"])
+@pytest.mark.parametrize("kind", ["flows", "yields as grains", "may be liquid"])
 def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm, monkeypatch, kind):
     """Where the choice is free, up to a size, and not beside multipliers, which leave it adrift.
 
@@ -83,9 +83,18 @@ def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm,
 
     by_multigrid = [False, False]
     assert chosen() == [by_multigrid]
+    soft = property(lambda law: law.largest_shear_modulus() < 5e9)
     if kind == "flows":
-        soft = property(lambda law: law.largest_shear_modulus() < 5e9)
         monkeypatch.setattr(Law, "flows_by_rate", soft)
+    elif kind == "yields as grains":
+        inner = building._inner_solvers
+
+        def of_grains(*parts):
+            with monkeypatch.context() as made:
+                made.setattr(Law, "is_granular", soft)
+                return inner(*parts)
+
+        monkeypatch.setattr(building, "_inner_solvers", of_grains)
     else:
         solid = property(lambda body: body.name != "upper")
         monkeypatch.setattr(BodyMechanics, "is_compressible", solid)

@@ -46,7 +46,7 @@ def test_halves_of_a_mould_let_go_and_the_casting_cools(name):
     casting, low, high = case.bodies
     assert (casting.material, casting.law) == (plan.alloy, "thermo-elasto-viscoplastic")
     assert casting.temperature.bounds == (plan.pouring, plan.pouring)
-    assert low.law == high.law == plan.process.mould_law
+    assert low.law == high.law == plan.mould_law
     assert [i.heat.entry for i in case.interfaces[:2]] == [plan.interface] * 2
     removed = [name for stage in case.stages for name in stage.remove]
     assert sorted(removed) == ["mould-high", "mould-low"]
@@ -61,10 +61,26 @@ def test_cores_and_chills_have_interfaces_of_their_own():
     assert entries["casting/core"] == "aluminium-core-sand"
     assert entries["casting/chill"] == "aluminium-chill-copper"
     methods = {i.name: i.contact.method for i in case.interfaces}
-    assert methods["die/core"] == "none" and methods["chill/die"] == "tied"
+    assert methods["core/die"] == methods["chill/die"] == "tied"
     assert set(case.stages[0].remove) == {"core", "chill", "die"}
     _, iron = case_of(CORED, "sand", "GJS-400")
     assert {b.name: b.material for b in iron.bodies}["chill"] == "steel-carbon"
+
+
+def test_sand_yields_and_its_halves_hold_together():
+    _, case = case_of(HALVES, "sand")
+    assert [body.law for body in case.bodies[1:]] == ["drucker-prager"] * 2
+    assert case.interfaces[2].contact.method == "tied"
+    assert case.interfaces[2].heat.closed.table.values[0] == 500.0
+    _, cored = case_of(CORED, "sand")
+    assert {b.name: b.law for b in cored.bodies}["core"] == "drucker-prager"
+
+
+def test_nothing_is_tied_to_a_rigid_shell_and_it_stands_second():
+    _, case = case_of(CORED, "investment")
+    methods = {i.name: i.contact.method for i in case.interfaces}
+    assert methods["core/die"] == methods["chill/die"] == "none"
+    assert case.bodies[3].law == "rigid"
 
 
 def test_dimensions_are_those_of_the_part():

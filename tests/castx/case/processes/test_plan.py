@@ -62,6 +62,20 @@ def test_a_shell_resists_by_its_thickness_and_its_outside():
 
 
 @pytest.mark.parametrize(
+    "process, mould, law",
+    [
+        ("sand", None, "drucker-prager"),
+        ("sand", "sand-chromite", "drucker-prager"),
+        ("sand", "insulation-fibre", "rigid"),
+        ("investment", None, "rigid"),
+        ("gravity-die", None, "thermo-elastic"),
+    ],
+)
+def test_moulds_of_sand_yield_where_their_material_has_the_numbers(process, mould, law):
+    assert plan_of(casting_process(process), None, mould, MODULUS).mould_law == law
+
+
+@pytest.mark.parametrize(
     "process, alloy, mould, text",
     [
         ("sand", "AlSi8", None, "--alloy: no material 'AlSi8'"),
