@@ -354,7 +354,7 @@ def material_warnings(case: Case) -> Iterator[str]:
             yield (
                 f"{body.material} ({body.name}) has data for less than the temperatures of the "
                 f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
-                "used"
+                "used, and a run says whether the body gets there"
             )
 
 

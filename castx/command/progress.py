@@ -109,7 +109,8 @@ def describe(snapshot: Snapshot, freezing: str | None, remaining: float | None) 
     if snapshot.step > 0:
         parts[-1] += f" ({seconds_text(counters.step, 3)})"
     if freezing is not None:
-        parts.append(f"solid {100.0 * snapshot.totals[freezing]:.1f} %")
+        # Rounding may leave less than nothing, which would be shown as -0.0.
+        parts.append(f"solid {max(100.0 * snapshot.totals[freezing], 0.0):.1f} %")
     if snapshot.step > 0:
         parts.append(f"iterations {counters.heat_iterations}+{counters.mechanics_iterations}")
         parts.append(f"passes {counters.passes}")

@@ -10,6 +10,8 @@ from castx.materials.granular import GRANULAR
 
 Box = tuple[Sequence[float], Sequence[float]]
 CASTING, CHILL, MOULD, SAND = range(4)
+MADE = ("mould", "mould-low", "mould-high")
+"""Names of a mould that is made, or of its halves."""
 _TOLD = {CASTING: "cast", CHILL: "a chill", MOULD: "of the mould", SAND: "a core"}
 BARE = 0.5
 """Share of the surface of a casting beyond which nothing seems to surround it."""
@@ -59,6 +61,12 @@ class NewCase:
     boxes: Mapping[str, Box] = field(default_factory=dict)
 
     @property
+    def drawn(self) -> tuple[str, ...]:
+        """Names of the solids of the file: the bodies without the halves of a mould made here."""
+        made = () if self.margin is None else MADE
+        return tuple(name for name, _ in self.bodies if name not in made)
+
+    @property
     def castings(self) -> tuple[str, ...]:
         """Names of the bodies that are cast."""
         role = roles([name for name, _ in self.bodies])
@@ -66,20 +74,31 @@ class NewCase:
 
     def taken_for(self) -> Iterator[str]:
         """Yield the role of each solid of an assembly in words, and castings that lie bare."""
-        if self.margin is not None:
+        if len(self.drawn) == 1 and self.margin is not None:
             return
         role = roles([name for name, _ in self.bodies])
-        told = (f"{name}: {_TOLD[role[name]]}" for name, _ in self.bodies)
+        told = (f"{name}: {_TOLD[role[name]]}" for name in self.drawn)
         yield f"by their labels, {', '.join(told)}; change that under [[bodies]] if it is wrong"
-        for name in self.castings:
-            free = sum(area for on, area in self.surfaces if on.partition("/")[0] == name)
-            share = free * self.modulus(name) / dict(self.bodies)[name]
-            if share > BARE:
-                yield (
-                    f"{100.0 * share:.0f} % of the surface of {name} is bare: the file has no "
-                    "mould round it; give castx new the casting alone, which gets a block, or add "
-                    'mould = { box = "30 mm" } to [geometry] with its body and interfaces'
-                )
+        for name in self.bare() if self.margin is None else ():
+            yield (
+                f"{100.0 * self._bare(name):.0f} % of the surface of {name} is bare: the mould of "
+                "the file is not round it; give castx new the casting without it, which gets a "
+                "block, or draw the mould whole"
+            )
+
+    def bare(self) -> tuple[str, ...]:
+        """Return the castings that nothing surrounds."""
+        return tuple(name for name in self.castings if self._bare(name) > BARE)
+
+    def _bare(self, name: str) -> float:
+        """Return the share of the surface of a body that is free."""
+        free = sum(area for on, area in self.surfaces if on.partition("/")[0] == name)
+        return free * self.modulus(name) / dict(self.bodies)[name]
+
+    @property
+    def has_mould(self) -> bool:
+        """Whether a label says that a solid is part of a mould."""
+        return any(w in name.lower() for name, _ in self.bodies for w in _WORDS[MOULD])
 
     def dimensions(self, density: float) -> Iterator[str]:
         """Yield extents, volume, mass, modulus and mean wall of each casting in words.

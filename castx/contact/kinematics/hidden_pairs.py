@@ -107,7 +107,7 @@ class _Met:
 
 def _text(interface: Interface, places: FloatArray, total: int) -> str:
     order = np.lexsort(np.round(places, 9).T)
-    place = ", ".join(f"{x:g}" for x in places[order[0]])
+    place = ", ".join(f"{x:g}" for x in np.round(places[order[0]], 9) + 0.0)
     return (
         f"interface {interface.name}: {len(places)} of {total} pairs carry no force, the first at "
         f"({place}) m: "

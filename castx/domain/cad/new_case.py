@@ -146,20 +146,47 @@ def new_case(
         CaseError: a mould is wanted of a part that has one, or a plane is none.
     """
     say(f"meshing {cad_file.name}, coarsely, to see its bodies and faces")
-    (report, attempt), margin, text = _survey(cad_file, None, say), None, None
-    if len(report.bodies) == 1:
-        margin = _margin(report.extent, wanted)
-        mould, text = _mould(next(iter(report.boxes.values())), margin, wanted)
-        say("meshing it again, in its mould")
-        report, attempt = _survey(cad_file, mould, say, attempt)
-    elif wanted.split is not None or wanted.open_top:
-        names = ", ".join(measure.name for measure in report.bodies)
-        raise CaseError(
-            f"--split and --top are of the mould that is made round a lone solid; {cad_file} has "
-            f"the bodies {names}"
-        )
-    made = _tries(cad_file)[attempt]
+    report, attempt = _survey(cad_file, None, say)
     file = os.path.relpath(cad_file.resolve(), target.resolve().parent)
+    drawn = _as_case(report, file, _tries(cad_file)[attempt], None, None)
+    lone = len(drawn.bodies) == 1
+    if lone or (not drawn.has_mould and drawn.bare()):
+        margin = _margin(report.extent, wanted)
+        mould, text = _mould(_around(drawn, wanted), margin, wanted)
+        say(f"meshing it again, in {'its' if lone else 'a'} mould")
+        report, attempt = _survey(cad_file, mould, say, attempt)
+        return _as_case(report, file, _tries(cad_file)[attempt], margin, text)
+    if wanted.split is not None or wanted.open_top:
+        names = ", ".join(name for name, _ in drawn.bodies)
+        raise CaseError(
+            "--split and --top are of the mould that is made round solids that have none; "
+            f"{cad_file} has the bodies {names}"
+        )
+    return drawn
+
+
+def _around(case: NewCase, wanted: Wanted) -> Box:
+    """Return the box round all solids; an open top is that of the castings."""
+    lows, highs = zip(*case.boxes.values(), strict=True)
+    low = [min(values) for values in zip(*lows, strict=True)]
+    high = [max(values) for values in zip(*highs, strict=True)]
+    if wanted.open_top:
+        high[2] = max(case.boxes[name][1][2] for name in case.castings)
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
+def _as_case(
+    report: Report, file: str, made: CadPart, margin: float | None, text: str | None
+) -> NewCase:
+    """Return what a coarse mesh tells of a part.
+
+    Args:
+        report: of the mesh.
+        file: as the case names it.
+        made: of which the mesh is.
+        margin: of a mould that is made [m].
+        text: of such a mould.
+    """
     between = [(measure.name.split("/"), measure.cad) for measure in report.interfaces]
     return NewCase(
         file,

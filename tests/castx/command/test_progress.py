@@ -24,7 +24,8 @@ def show(comm, terminal):
                 cutbacks=step // 2,
                 repeats=3 * (step // 2),
             )
-            totals = {"mould.solid_fraction": 1.0 - 1e-16, "casting.solid_fraction": 0.25 * step}
+            solid = 0.25 * step - 1e-9  # rounding may leave less than nothing
+            totals = {"mould.solid_fraction": 1.0 - 1e-16, "casting.solid_fraction": solid}
             progress.show(FakeSnapshot(0.5 * step, step, None, totals=totals, counters=counters))
     return stream.getvalue()
 

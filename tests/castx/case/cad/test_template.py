@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 
 import pytest
 
@@ -36,14 +37,18 @@ def test_what_solids_are_taken_for_is_told():
     (told,) = assembly(("solid-1/outside", 2e-4)).taken_for()
     words = "solid-1: cast, core-2: a core, chill: a chill, solid-4: of the mould;"
     assert told.startswith(f"by their labels, {words} change that")
-    assert list(assembly(margin=0.01).taken_for()) == []  # a lone one, in its block
+    (made,) = assembly(margin=0.01).taken_for()  # in a block that is made round it
+    assert made == told
+    lone = NewCase("a.step", 5e-3, 0.01, (("solid-1", 2e-6), ("mould", 1e-6)), (), ())
+    assert lone.drawn == ("solid-1",) and list(lone.taken_for()) == []
 
 
 def test_a_casting_without_a_mould_is_told():
     bare = assembly(("solid-1/outside", 4e-4), ("solid-1/top", 2e-4), ("core-2/outside", 1.0))
     _, told = bare.taken_for()
-    assert told.startswith("67 % of the surface of solid-1 is bare: the file has no mould")
-    assert 'mould = { box = "30 mm" }' in told
+    assert told.startswith("67 % of the surface of solid-1 is bare: the mould of the file is not")
+    assert bare.bare() == ("solid-1",) and not bare.has_mould
+    assert replace(bare, bodies=(*bare.bodies, ("Die left", 1e-6))).has_mould
 
 
 def test_the_text_is_a_case():

@@ -159,6 +159,32 @@ def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
     assert 'split = "z = 12 mm"' in placed.mould
 
 
+def cored(occ):
+    """A block with a core that stands out of its two ends."""
+    core = (3, occ.addBox(-5, 3, 3, 50, 4, 4))
+    occ.fragment([(3, occ.addBox(0, 0, 0, 40, 10, 10))], [core])
+    occ.synchronize()
+    inside = [tag for _, tag in gmsh.model.getEntities(3) if 5 < occ.getMass(3, tag) < 900]
+    ((_, whole),), _ = occ.fuse([(3, inside[0])], [(3, tag) for tag in inside[1:]])
+    return [*(tag for _, tag in gmsh.model.getEntities(3) if tag != whole and tag not in inside),
+            whole]  # fmt: skip
+
+
+def test_a_casting_with_its_core_gets_a_mould_round_both(tmp_path):
+    path, said = write_cad(tmp_path / "pipe.step", cored, ["pipe", "core"]), []
+    wanted = Wanted("sand", "AlSi7Mg", split="z", open_top=True)
+    write_new_case(path, tmp_path / "pipe.toml", wanted, said.append)
+    case = load_case(tmp_path / "pipe.toml")
+    names = ["pipe", "core", "mould-low", "mould-high"]
+    assert [body.name for body in case.bodies] == names
+    low, high = case.geometry.cad.mould.box
+    assert low == pytest.approx((-0.017, -0.012, -0.012))  # a quarter of 50 mm, rounded
+    assert high == pytest.approx((0.057, 0.022, 0.01))
+    assert {"pipe/core", "core/mould-low", "pipe/mould-high"} < {i.name for i in case.interfaces}
+    assert said[1] == "meshing it again, in a mould"
+    assert said[2].startswith("by their labels, pipe: cast, core: a core; change that")
+
+
 @pytest.mark.parametrize(
     "wanted, text",
     [
