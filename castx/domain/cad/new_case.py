@@ -178,7 +178,7 @@ def _around(case: NewCase, wanted: Wanted) -> Box:
 def _as_case(
     report: Report, file: str, made: CadPart, margin: float | None, text: str | None
 ) -> NewCase:
-    """Return what a coarse mesh tells of a part.
+    """Return the data of a new case by the report of its coarse mesh.
 
     Args:
         report: of the mesh.

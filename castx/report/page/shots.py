@@ -13,6 +13,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from castx.arrays import FloatArray
+from castx.foundry.stress.stage_ends import DEVIATION
 from castx.input.units import seconds_text
 from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments
@@ -67,6 +68,10 @@ class Shot:
     time: float
 
 
+DISTANCE = Topic(
+    "distance", "Displacement", "How far each point has moved.", "mm", "viridis", 1e3, melting=True
+)
+"""Size of the displacement, which stands in for the deviation from the nominal surface."""
 Limits = tuple[float, float]
 """Values at the ends of colours."""
 
@@ -105,21 +110,36 @@ def finding_limits(run: ReportedRun, finding: Finding) -> dict[str, Limits]:
 
 
 def seen(state: State, shown: Shown) -> State:
-    """Return the bodies that a picture has."""
-    if not shown.outside:
+    """Return the bodies that a picture has, with the distances that it shows."""
+    if shown.outside:
+        state = {name: grid for name, grid in state.items() if name in shown.bodies}
+    if shown.field != DISTANCE.field:
         return state
-    return {name: grid for name, grid in state.items() if name in shown.bodies}
+    return {name: _with_distances(grid) for name, grid in state.items()}
+
+
+def _with_distances(grid: pyvista.UnstructuredGrid) -> pyvista.UnstructuredGrid:
+    """Return a body with the size of its displacement."""
+    found = grid.copy(deep=False)
+    if "displacement" in found.point_data:
+        moved = np.linalg.norm(found.point_data["displacement"], axis=1)
+        found.point_data[DISTANCE.field] = moved
+    return found
 
 
 def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
     """Replace a field that was not written by von Mises stress or temperature; None if neither was.
 
-    Stress may have been written as von Mises alone, distortion as displacement alone.
+    Stress may have been written as von Mises alone, distortion as displacement alone, whose size
+    then stands in for it.
     """
     time = run.nearest(shown.time, shown.bodies[0])
     state = run.grids(time)
     written = {n for name in shown.bodies if name in state for n in state[name].array_names}
-    for field in (shown.field, "von_mises", "temperature"):
+    if "displacement" in written:
+        written.add(DISTANCE.field)
+    distances = (DISTANCE.field,) if shown.field == DEVIATION else ()
+    for field in (shown.field, *distances, "von_mises", "temperature"):
         if field in written:
             return replace(shown, field=field)
     return None
@@ -127,7 +147,7 @@ def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
 
 def topic_of(field: str) -> Topic:
     """Return the topic of a field."""
-    return next(topics_of([field]))
+    return DISTANCE if field == DISTANCE.field else next(topics_of([field]))
 
 
 def stills(run: ReportedRun) -> list[Shot]:

@@ -12,6 +12,7 @@ from castx.report.display import display
 from castx.report.page.shots import (
     RING,
     drawable,
+    finding_limits,
     finding_shot,
     moved_place,
     ringed,
@@ -87,9 +88,30 @@ def test_the_place_moves_with_its_node():
 
 def test_another_field_stands_in_for_one_that_was_not_written():
     run = results()
-    assert drawable(run, Shown("deviation", ("casting",))).field == "von_mises"
-    assert drawable(run, Shown("deviation", ("mould",))).field == "temperature"
+    assert drawable(run, Shown("deviation", ("casting",))).field == "distance"
+    assert drawable(run, Shown("life", ("casting",))).field == "von_mises"
+    assert drawable(run, Shown("life", ("mould",))).field == "temperature"
     assert drawable(run, Shown("temperature", ("gone",))) is None
+
+
+def test_distortion_is_drawn_by_displacements_where_no_deviation_was_written():
+    shown = Shown("deviation", ("casting",), 2.0, moved=True)
+    finding = Finding("Distortion", "casting", 4e-3, "mm", "", shown=shown)
+
+    def stretched(time=2.0):
+        found = grids(time)
+        for grid in found.values():
+            grid["displacement"][:, 0] *= grid.points[:, 0]
+        return found
+
+    run = results()
+    run.grids = stretched
+    assert finding_limits(run, finding) == {"distance viridis": pytest.approx((0.0, 3e-3))}
+    with display():
+        shot = finding_shot(run, finding)
+    assert shot.title.startswith("Displacement, displacements ")
+    assert [bar.label for bar in shot.bars] == ["Displacement [mm], casting"]
+    assert shot.bars[0].high == "3"
 
 
 def test_castings_have_colours_of_their_own():
