@@ -22,15 +22,18 @@ from castx.report.pictures import (
     Image,
     Scale,
     View,
+    box,
     chosen_times,
     deformed,
     exaggeration,
     limits_of,
+    merged,
     picture,
 )
 from castx.report.reported import ReportedRun, State
 from castx.report.summary.finding import Finding, Shown
 from castx.report.topics import Topic, topics_of
+from castx.results.states.quantities import PRINCIPAL
 
 PIXELS = 480
 """Largest side of a picture."""
@@ -72,6 +75,15 @@ DISTANCE = Topic(
     "distance", "Displacement", "How far each point has moved.", "mm", "viridis", 1e3, melting=True
 )
 """Size of the displacement, which stands in for the deviation from the nominal surface."""
+STAND_INS = {
+    PRINCIPAL[0]: "von_mises", "stress_error": "von_mises", DEVIATION: DISTANCE.field,
+    "solid_fraction": "temperature",
+}  # fmt: skip
+"""Fields that are shown where others were not written."""
+LEAST_SHOWN = 1e-3
+"""Part of the range of colours below which the number at an end is none."""
+INNER = 0.35
+"""Part of the extent of a body, either way from its middle, within which a cut runs."""
 Limits = tuple[float, float]
 """Values at the ends of colours."""
 
@@ -128,21 +140,15 @@ def _with_distances(grid: pyvista.UnstructuredGrid) -> pyvista.UnstructuredGrid:
 
 
 def drawable(run: ReportedRun, shown: Shown) -> Shown | None:
-    """Replace a field that was not written by von Mises stress or temperature; None if neither was.
-
-    Stress may have been written as von Mises alone, distortion as displacement alone, whose size
-    then stands in for it.
-    """
+    """Replace a field that was not written by one that tells of the same; None if there is none."""
     time = run.nearest(shown.time, shown.bodies[0])
     state = run.grids(time)
     written = {n for name in shown.bodies if name in state for n in state[name].array_names}
     if "displacement" in written:
         written.add(DISTANCE.field)
-    distances = (DISTANCE.field,) if shown.field == DEVIATION else ()
-    for field in (shown.field, *distances, "von_mises", "temperature"):
-        if field in written:
-            return replace(shown, field=field)
-    return None
+    found = (field for field in (shown.field, STAND_INS.get(shown.field)) if field in written)
+    field = next(found, None)
+    return None if field is None else replace(shown, field=field)
 
 
 def topic_of(field: str) -> Topic:
@@ -192,7 +198,7 @@ def shot(
     ]
     if not scales:
         return None
-    view, factor = view_and_factor(run, state, shown)
+    view, factor = view_and_factor(run, state, shown, place)
     image = picture(
         view, state, topic.field, scales[0].limits, colours=scales[0].colours,
         coloured=scales[0].bodies, front=topic.front, exaggeration=factor,
@@ -220,15 +226,36 @@ def scales_of(state: State, topic: Topic, bodies: Sequence[str]) -> Iterator[Sca
         yield Scale(limits or (found[0], found[0] + 1.0 / topic.factor), colours, there)
 
 
-def view_and_factor(run: ReportedRun, state: State, shown: Shown) -> tuple[View, float]:
-    """Return the view of a picture, and the factor on the displacements."""
-    castings = [state[name] for name in shown.bodies if name in state]
+def view_and_factor(
+    run: ReportedRun, state: State, shown: Shown, place: Sequence[float] | None = None
+) -> tuple[View, float]:
+    """Return the view of a picture, and the factor on the displacements.
+
+    Args:
+        run: the results.
+        state: what is in the picture.
+        shown: how.
+        place: through which a cut goes, if that leaves enough of the bodies; None: the middle.
+    """
+    # A mould that lies at the side of the whole is cut with its casting, not seen from there.
+    inner = [name for name in run.freezing if name in state] or shown.bodies
+    castings = [state[name] for name in inner if name in state]
     view = View.of(run.model, state.values(), shown.outside, castings)
     factor = exaggeration(view, state) if shown.moved else 0.0
     if factor:
         both = [*state.values(), *(deformed(grid, factor) for grid in state.values())]
         view = View.of(run.model, both, castings=castings)
+    coloured = [state[name] for name in shown.bodies if name in state]
+    if view.cut is not None and place is not None and coloured:
+        view = replace(view, cut=_through(place[1], coloured))
     return replace(view, pixels=PIXELS), factor
+
+
+def _through(y: float, coloured: Sequence[pyvista.UnstructuredGrid]) -> float:
+    """Return the y of a cut through a place, or the nearest that shows enough of the bodies."""
+    low, high = (corner[1] for corner in merged([box(grid) for grid in coloured]))
+    middle, half = 0.5 * (low + high), INNER * (high - low)
+    return float(np.clip(y, middle - half, middle + half))
 
 
 def moved_place(
@@ -287,7 +314,9 @@ def bar(topic: Topic, scale: Scale) -> Bar:
     """Return the colour bar of a picture."""
     steps = colormaps[scale.colours](np.linspace(0.0, 1.0, 17))[:, :3]
     colours = ", ".join("#" + "".join(f"{round(255 * x):02x}" for x in step) for step in steps)
-    low, high = (f"{topic.factor * limit:.4g}" for limit in scale.limits)
+    least = LEAST_SHOWN * (scale.limits[1] - scale.limits[0])
+    ends = (0.0 if abs(limit) < least else topic.factor * limit for limit in scale.limits)
+    low, high = (f"{end:.4g}" for end in ends)
     return Bar(f"{topic.label}, {', '.join(scale.bodies)}", low, high, colours)
 
 

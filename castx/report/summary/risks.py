@@ -84,14 +84,17 @@ def hot_spots(run: Results) -> Iterator[Finding]:
         lacks = spot["deficit"]
         what = (
             "what its freezing lacks, of which the shell takes a part back where mechanics has it "
-            "(unfed_volume)" if lacks is not None else "liquid that is cut off"
+            "(unfed_volume)"
+            if lacks is not None
+            else "liquid that is cut off"
         )
-        isolated = float(spot["isolated"])
+        isolated, ended = float(spot["isolated"]), spot.get("ended")
+        last = run.times[-1] if ended is None else earlier(run.times, float(ended))
         yield Finding(
             "Worst hot spot", body, spot["volume"] if lacks is None else lacks, unit,
             f"Nothing feeds this pool from {seconds_text(isolated)} on; the number is {what}.",
             factor=factor, place=spot["place"], time=isolated,
-            shown=Shown("solid_fraction", (body,), earlier(run.times, isolated)),
+            shown=Shown("solid_fraction", (body,), last),
         )  # fmt: skip
 
 

@@ -83,10 +83,12 @@ castx.charts = (() => {
     return index;
   };
 
-  // Loggers begin early and end late: the run decides.
+  // Loggers begin early and end late: the run decides, as long as it has a value; gaps end with their interface.
   const span = (panel) => {
-    const times = panel.tables.filter((table) => !table.measured).flatMap((table) => [table.time[0], table.time.at(-1)]);
-    return [Math.min(...times), Math.max(...times)];
+    const computed = panel.tables.filter((table) => !table.measured);
+    const known = computed.flatMap((table) => table.time.filter((_, at) => table.lines.some((line) => line.values[at] !== null)));
+    const times = known.length ? known : computed.flatMap((table) => table.time);
+    return times.reduce(([first, last], time) => [Math.min(first, time), Math.max(last, time)], [times[0], times[0]]);
   };
 
   const options = (panel, width) => {

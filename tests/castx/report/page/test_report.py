@@ -101,6 +101,36 @@ def test_a_phone_shows_the_whole_width(folder, text, tmp_path, width):
         assert browser.value("document.documentElement.scrollWidth") <= width
 
 
+DRAWN = """void (() => {
+  const root = document.createElement("div");
+  root.innerHTML = '<div data-curves="Gaps"></div>';
+  document.body.append(root);
+  const lines = [{ name: "a", curve: "a", run: "", values: %s }];
+  const table = { time: [0, 1, 2, 3, 4], measured: false, lines };
+  const measured = [{ name: "b", curve: "b", run: "", values: [1, 1] }];
+  const tables = [table, { time: [3, 9], measured: true, lines: measured }];
+  const panel = { label: "gap", levels: {}, logarithmic: false, steps: false, least: 1, tables };
+  const [{ plot }] = castx.charts.draw(root, [{ title: "Gaps", panels: [panel] }]);
+  window.along = plot.scales.x;
+})()"""
+
+
+@pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine")
+@pytest.mark.parametrize(
+    "values, ends",
+    [("[0, 1, 2, null, null]", [0, 2]), ("[null, 1, 2, null, 3]", [1, 4]),
+     ("[null, null, null, null, null]", [0, 4])],
+)  # fmt: skip
+def test_the_axis_of_a_curve_ends_with_its_values(folder, text, tmp_path, values, ends):
+    """The gap of an interface that is gone has none; a logger that ends late does not count."""
+    with Browser(found_browser(), tmp_path / "profile") as browser:
+        browser.open(f"file://{folder / 'report.html'}")
+        browser.wait_for("document.readyState === 'complete' && castx.charts")
+        browser.value(DRAWN % values)
+        found = browser.wait_for("typeof along.max === 'number' && [along.min, along.max]")
+    assert found == ends
+
+
 def test_hostile_names_are_text(page):
     assert "".join(page.texts["h1"]) == HOSTILE
     assert sum(tag == "script" for tag, _ in page.attributes) == 3

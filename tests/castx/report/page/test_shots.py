@@ -11,6 +11,7 @@ import pyvista
 from castx.report.display import display
 from castx.report.page.shots import (
     RING,
+    bar,
     drawable,
     finding_limits,
     finding_shot,
@@ -20,8 +21,9 @@ from castx.report.page.shots import (
     stills,
     topic_of,
     trimmed,
+    view_and_factor,
 )
-from castx.report.pictures import View
+from castx.report.pictures import Scale, View
 from castx.report.summary.finding import Finding, Shown
 from castx.results.files.run_tables import Columns
 
@@ -89,9 +91,54 @@ def test_the_place_moves_with_its_node():
 def test_another_field_stands_in_for_one_that_was_not_written():
     run = results()
     assert drawable(run, Shown("deviation", ("casting",))).field == "distance"
-    assert drawable(run, Shown("life", ("casting",))).field == "von_mises"
-    assert drawable(run, Shown("life", ("mould",))).field == "temperature"
+    assert drawable(run, Shown("largest_principal_stress", ("casting",))).field == "von_mises"
+    assert drawable(run, Shown("stress_error", ("casting",))).field == "von_mises"
+    assert drawable(run, Shown("solid_fraction", ("casting",))).field == "temperature"
     assert drawable(run, Shown("temperature", ("gone",))) is None
+
+
+@pytest.mark.parametrize("field", ["wall_suction", "gap", "life", "heat_flux_error"])
+def test_no_field_stands_in_for_one_of_which_it_does_not_tell(field):
+    assert drawable(results(), Shown(field, ("casting",))) is None
+    assert drawable(results(), Shown("stress_error", ("mould",))) is None
+
+
+def blocks(time=2.0):
+    """Return a casting of 1 x 2 x 1 m between the halves of a mould of 3 x 4 x 3 m."""
+    found = {}
+    for name, low, sides in (
+        ("casting", (1, 1, 1), (1, 2, 1)),
+        ("low", (0, 0, 0), (3, 4, 1)),
+        ("high", (0, 0, 2), (3, 4, 1)),
+    ):
+        image = pyvista.ImageData(
+            dimensions=(4, 9, 4), origin=low, spacing=np.array(sides) / (3, 8, 3)
+        )
+        found[name] = image.cast_to_unstructured_grid()
+        found[name]["von_mises"] = 1e8 * found[name].points[:, 0]
+        found[name]["displacement"] = np.zeros((found[name].n_points, 3))
+    return found
+
+
+@pytest.mark.parametrize(
+    "body, y, cut",
+    [
+        ("casting", 2.5, 2.5), ("casting", 1.0, 1.3), ("casting", None, 2.0), ("low", 1.0, 1.0),
+        ("low", 0.0, 0.6), ("low", 4.0, 3.4), ("high", None, 2.0),
+    ],
+)  # fmt: skip
+def test_a_cut_goes_through_the_place_and_through_the_casting(body, y, cut):
+    run = results()
+    run.model, run.grids = "3d", blocks
+    place = None if y is None else [1.0, y, 1.0]
+    view, _ = view_and_factor(run, blocks(), Shown("von_mises", (body,)), place)
+    assert view.cut == pytest.approx(cut)
+
+
+def test_an_end_of_colours_is_zero_where_it_is_next_to_none():
+    topic = topic_of("von_mises")
+    ends = [(bar(topic, Scale((low, 2e7), "viridis", ("part",)))) for low in (19.0, -19.0, 4e4)]
+    assert [(end.low, end.high) for end in ends] == [("0", "20"), ("0", "20"), ("0.04", "20")]
 
 
 def test_distortion_is_drawn_by_displacements_where_no_deviation_was_written():

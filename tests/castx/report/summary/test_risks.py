@@ -17,7 +17,15 @@ def test_the_worst_hot_spot_of_each_casting_counts():
     found.record["hot_spots"] = [SPOT, {**SPOT, "deficit": 1e-7}, {**SPOT, "body": "other"}]
     first, second = hot_spots(found)
     assert first.number == "0.2 cm³" and first.time == 1.5 and second.of == "other"
-    assert first.shown.time == 1.0
+    assert first.shown.time == 3.0  # it is there at the end
+
+
+@pytest.mark.parametrize("ended, shown", [(0.5, 0.0), (1.0, 0.0), (2.5, 2.0), (None, 3.0)])
+def test_a_hot_spot_is_shown_while_it_is_there_for_the_last_time(ended, shown):
+    found = run(model="3d")
+    found.record["hot_spots"] = [{**SPOT, "isolated": 0.0, "ended": ended}]
+    (spot,) = hot_spots(found)
+    assert spot.time == 0.0 and spot.shown.time == shown
 
 
 def test_without_a_shrinkage_the_liquid_counts_and_in_the_plane_its_section():
