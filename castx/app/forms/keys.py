@@ -78,12 +78,17 @@ def form_key(name: str, entry: Schema, needed: bool) -> FormKey:
         name,
         ", ".join(dict.fromkeys(_said(entry) + _said(one))),
         _words(one),
-        "" if default in (None, "", [], {}) else toml_value(default),
+        "" if default in (None, "", [], {}) else toml_value(_whole(default)),
         needed,
         one.get("type") == "string",
         _referred(one),
         _referred(one.get("items", {})),
     )
+
+
+def _whole(value: Any) -> Any:
+    """Return a whole number without its fraction, as people write it."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _said(entry: Schema) -> list[str]:

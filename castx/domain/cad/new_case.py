@@ -241,7 +241,11 @@ def _plane(wanted: str, box: Box) -> tuple[int, float]:
         raise CaseError(f'--split: a plane across x, y or z is needed: z or "z=12mm", got {wanted}')
     number = AXES.index(axis)
     if not sign:
-        return number, float(f"{0.5 * (box[0][number] + box[1][number]):.4g}")
+        low, high = box[0][number], box[1][number]
+        # The box is that of a mesh, which cuts round corners: a plane that misses the seam of a
+        # cylinder by hundredths of a millimetre leaves slivers.
+        step = 10.0 ** math.floor(math.log10(high - low) - 2.0)
+        return number, round(0.5 * (low + high) / step) * step
     return number, Quantity(LENGTH).read(place)
 
 

@@ -21,6 +21,13 @@ def test_a_number_has_its_unit_and_its_range_also_where_it_may_be_left_out():
     assert first.meaning.endswith("a time [s], positive") and first.default == ""
 
 
+@pytest.mark.parametrize(
+    "default, shown", [(2e6, "2000000"), (0.4, "0.4"), (0.0, "0"), (7, "7"), (1e-9, "1e-09")]
+)
+def test_a_default_is_shown_as_people_write_it(default, shown):
+    assert form_key("most", {"type": "number", "default": default}, False).default == shown
+
+
 def test_tables_inside_and_lists_of_tables_are_known():
     keys = {key.name: key for key in keys_of(None)}
     assert keys["time"].table == "Time" and keys["bodies"].entries == "Body"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import gmsh
 import pytest
@@ -183,6 +184,22 @@ def test_a_casting_with_its_core_gets_a_mould_round_both(tmp_path):
     assert {"pipe/core", "core/mould-low", "pipe/mould-high"} < {i.name for i in case.interfaces}
     assert said[1] == "meshing it again, in a mould"
     assert said[2].startswith("by their labels, pipe: cast, core: a core; change that")
+
+
+@pytest.mark.parametrize(
+    "low, high, place",
+    [(-0.038, 0.06001, 0.011), (-0.01199, 0.012, 0.0), (0.003, 0.0131, 0.008), (-1.0, 1.3, 0.15)],
+)
+def test_a_mould_parts_at_a_round_number(tmp_path, monkeypatch, low, high, place):
+    """Meshes of round parts have boxes that are off by the height of a chord."""
+    report = SimpleNamespace(
+        bodies=[SimpleNamespace(name="part", cad=1e-5)], interfaces=[], size=0.01, extent=0.1,
+        surfaces=[SimpleNamespace(name="part/outside", cad=1e-2)],
+        boxes={"part": ((0.0, 0.0, low), (0.1, 0.1, high))},
+    )  # fmt: skip
+    monkeypatch.setattr(new_case_module, "_survey", lambda *_: (report, 0))
+    case = new_case(tmp_path / "a.step", tmp_path / "a.toml", Wanted("sand", split="z"))
+    assert f'split = "z = {1e3 * place:.5g} mm"' in case.mould
 
 
 @pytest.mark.parametrize(
