@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
+from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.coupling.building import formulation_of
 from castx.domain.mesh import CastingMesh
 from castx.domain.walls import Walls
-from castx.foundry.bending import ENOUGH, ThinWalls, bending_error
+from castx.foundry.bending import ENOUGH, ThinWalls, bending_error, left_error
 from castx.materials.granular import GRANULAR
+from castx.materials.lookup import find_material
 
 SEEN = 0.05
 """Part of a surface from which thin walls are named: edges and fillets have some by chance."""
@@ -33,7 +35,8 @@ def thin_walls(case: Case, mesh: CastingMesh) -> Iterator[ThinWalls]:
             continue
         kind = mesh.bodies[body.name].kind
         free = mesh.walls[body.name].free_of(_held(case, body.name))
-        found = _of_body(free, body.name, formulation_of(mesh, body), (kind.name, kind.plural))
+        formulation, cells = formulation_of(mesh, body), (kind.name, kind.plural)
+        found = _of_body(free, body.name, formulation, cells, freezes=_freezes(case, body))
         if found is not None:
             yield found
 
@@ -59,23 +62,39 @@ def thin_wall_records(case: Case, mesh: CastingMesh) -> dict[str, dict[str, Any]
     return {found.body: asdict(found) for found in thin_walls(case, mesh)}
 
 
-def _of_body(walls: Walls, body: str, formulation: str, kind: tuple[str, str]) -> ThinWalls | None:
-    """Return the thin walls of a body; None: none, or its cells bend well.
+def _freezes(case: Case, body: Body) -> bool:
+    """Return whether a body is poured, so that freezing leaves stress in it."""
+    material = find_material(body.material, case.materials)
+    return material.liquid is not None and not body.starts_solid(material.description)
+
+
+def _of_body(
+    walls: Walls, body: str, formulation: str, kind: tuple[str, str], *, freezes: bool
+) -> ThinWalls | None:
+    """Return the thin walls of a body; None: none, or its cells do well.
 
     Args:
         walls: of the body.
         body: its name.
         formulation: of its mechanics.
         kind: of its cells, and its plural.
+        freezes: whether it is poured.
     """
     few = ENOUGH - 0.5
     one, two, all_few = (walls.share(limit) for limit in (1.5, 2.5, few))
     if all_few < SEEN:
         return None
     across = walls.quantile(walls.cells, 0.5, few)
-    error = bending_error(formulation, kind[0], across)
-    fine = bending_error(formulation, kind[0], ENOUGH)
-    if error is None or fine is None or abs(error) <= SMALL_ERROR:
+    error, fine = (bending_error(formulation, kind[0], count) for count in (across, ENOUGH))
+    if error is None or abs(error) <= SMALL_ERROR:
+        error = fine = None
+    left, left_if_fine = (
+        left_error(formulation, count) if freezes else None for count in (across, ENOUGH)
+    )
+    if error is None and left is None:
         return None
     low, high = (walls.quantile(walls.thickness, share, few) for share in (0.1, 0.9))
-    return ThinWalls(body, kind[1], formulation, one, two, all_few, low, high, across, error, fine)
+    return ThinWalls(
+        body, kind[1], formulation, one, two, all_few, low, high, across, error, fine, left,
+        left_if_fine,
+    )  # fmt: skip

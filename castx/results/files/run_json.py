@@ -69,8 +69,10 @@ class _ThinWalls(_Strict):
     thinnest: float = 0.0
     thickest: float = 0.0
     across: float = 0.0
-    error: float = 0.0
-    error_if_fine: float = 0.0
+    error: float | None = None
+    error_if_fine: float | None = None
+    left: list[float] | None = None
+    left_if_fine: list[float] | None = None
 
 
 class _Body(_Strict):

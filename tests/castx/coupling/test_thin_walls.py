@@ -167,3 +167,40 @@ def test_nothing_is_said_of_cells_that_bend_well(comm):
     geometry = slabs()["geometry"] | {"size": 5e-4}
     case = read_case(slabs(geometry=geometry), Path("case.toml"))
     assert list(thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))) == []
+
+
+def poured(formulation: str, **changes) -> dict:
+    """Return the slabs with the upper one poured of an alloy."""
+    case = slabs(**changes)
+    upper, base = case["bodies"]
+    alloy = {"material": "AlSi7Mg", "temperature": 650.0, "law": "thermo-elasto-viscoplastic"}
+    case["bodies"] = [upper | alloy | {"formulation": formulation}, base]
+    heat = {"law": "limited", "closed": 5000.0, "gas_conductivity": 0.05}
+    return {"interfaces": [{"bodies": ["upper", "base"], "heat": heat}]} | case
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("formulation", "error", "left"),
+    [("taylor-hood", None, (0.5, 0.2)), ("mixed", -0.31, (0.7, 0.15))],
+)
+def test_walls_that_freeze_are_told_what_freezing_leaves(comm, formulation, error, left):
+    case = read_case(poured(formulation), Path("case.toml"))
+    (found,) = thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))
+    assert found.left == pytest.approx(left, abs=0.01)
+    assert found.error == (None if error is None else pytest.approx(error, abs=0.01))
+    assert ("bend there" in found.text) == (error is not None)
+    assert f"about {100 * left[0]:.0f} % of its root mean square off" in found.text
+
+
+@pytest.mark.serial
+def test_nothing_is_said_of_quadratic_cells_without_freezing(comm):
+    case = read_case(slabs("taylor-hood"), Path("case.toml"))
+    assert list(thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))) == []
+
+
+@pytest.mark.serial
+def test_nothing_is_said_where_freezing_has_enough_cells(comm):
+    fine = slabs()["geometry"] | {"size": 5e-4}
+    case = read_case(poured("taylor-hood", geometry=fine), Path("case.toml"))
+    assert list(thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))) == []

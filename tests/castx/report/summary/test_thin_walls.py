@@ -1,6 +1,6 @@
 """What a report says about walls with few cells across them."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -32,6 +32,19 @@ def test_the_error_of_bending_stands_among_the_findings():
         "little, and distortion and stress of bending are off by as much; cells of 0.5 mm there, 4 "
         "across, make 10 % of it."
     )
+
+
+def test_what_freezing_leaves_is_a_finding_of_its_own():
+    box = replace(LID, error=None, error_if_fine=None, left=(0.5, 0.2), left_if_fine=(0.2, 0.05))
+    (found,) = thin_walls(
+        run(record=run().record | {"bodies": {"lid": {"thin_walls": asdict(box)}}})
+    )
+    assert (found.name, found.number) == ("Residual stress of thin walls: lid", "50 %")
+    assert "a distortion that comes from that up to 20 %" in found.sentence
+    both = replace(box, error=-0.31, error_if_fine=-0.10)
+    record = run().record | {"bodies": {"lid": {"thin_walls": asdict(both)}}}
+    bending, freezing = thin_walls(run(record=record))
+    assert "residual stress" not in bending.sentence and "31 %" not in freezing.sentence
 
 
 def test_a_coarser_mesh_says_nothing_of_its_error():
