@@ -53,6 +53,7 @@ ANSWER_KINDS = (
     AnswerKind("Beside its measurement", "curve"),
     AnswerKind("Coherency", "casting"),
     AnswerKind("Bending of thin walls", "body", mechanical=True),
+    AnswerKind("Residual stress of thin walls", "casting", mechanical=True),
     AnswerKind("Error of the stress by the mesh", "body", mechanical=True),
     AnswerKind("Error of the heat flux by the mesh", "body"),
 )  # fmt: skip
