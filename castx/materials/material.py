@@ -17,10 +17,11 @@ from castx.materials.phased import Phased
 from castx.materials.solid_fraction import (
     LeverLaw,
     LinearLaw,
+    Plateau,
     ScheilLaw,
     SolidFractionLaw,
     fraction_at,
-    has_plateau,
+    plateaus,
 )
 from castx.materials.sources import (
     OutsideRange,
@@ -131,12 +132,16 @@ class Material:
     def fed_until(self) -> float:
         """Solid fraction up to which liquid feeds what shrinks; zero without a liquid.
 
-        That is coherency in an alloy. At the front of a metal that freezes at one temperature
-        liquid feeds all of it.
+        That is coherency in an alloy. At a front without a mush that bears liquid feeds all of it:
+        in a metal that freezes at one temperature, and on a plateau with coherency, to its end.
         """
         if self.liquid is None:
             return 0.0
-        return 1.0 if self.is_isothermal else self.liquid.coherency
+        if self.is_isothermal:
+            return 1.0
+        coherency = self.liquid.coherency
+        ends = [plateau.end for plateau in self.plateaus if plateau.begin <= coherency]
+        return max([coherency, *ends])
 
     def bearing_share(self, solid_fraction: FloatArray) -> FloatArray:
         """Return the share w of metal that bears stress at solid fractions of its nodes.
@@ -155,10 +160,15 @@ class Material:
     @property
     def freezes_at_a_plateau(self) -> bool:
         """Whether some of the metal, or all of it, freezes at one temperature."""
+        return bool(self.plateaus)
+
+    @cached_property
+    def plateaus(self) -> tuple[Plateau, ...]:
+        """Plateaus of the metal, parts that freeze at one temperature, the coldest first."""
         law = self.solid_fraction
         if law is None or self.solidus is None or self.liquidus is None:
-            return False
-        return has_plateau(law, self.solidus, self.liquidus)
+            return ()
+        return plateaus(law, self.solidus, self.liquidus)
 
     @property
     def cavitation(self) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -46,12 +46,31 @@ def fraction_at(
     return fraction
 
 
-def has_plateau(law: SolidFractionLaw, solidus: float, liquidus: float) -> bool:
-    """Return whether some of the metal freezes at one temperature."""
+class Plateau(NamedTuple):
+    """Part of a metal that freezes at one temperature.
+
+    Attributes:
+        temperature: [°C].
+        begin: solid fraction of the liquid side.
+        end: solid fraction of the solid side.
+    """
+
+    temperature: float
+    begin: float
+    end: float
+
+
+def plateaus(law: SolidFractionLaw, solidus: float, liquidus: float) -> tuple[Plateau, ...]:
+    """Return the plateaus of a law, parts that freeze at one temperature, the coldest first."""
     pieces = law.pieces(solidus, liquidus)
     below = [1.0, *(float(piece.fraction(np.array([piece.end]))[0]) for piece in pieces)]
     above = [*(float(piece.fraction(np.array([piece.start]))[0]) for piece in pieces), 0.0]
-    return any(cold - hot > SMALLEST_JUMP for cold, hot in zip(below, above, strict=True))
+    places = [*(piece.start for piece in pieces), liquidus]
+    return tuple(
+        Plateau(place, hot, cold)
+        for place, cold, hot in zip(places, below, above, strict=True)
+        if cold - hot > SMALLEST_JUMP
+    )
 
 
 def linear_piece(start: float, end: float, first: float, last: float) -> FractionPiece:

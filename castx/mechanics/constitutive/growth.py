@@ -26,6 +26,10 @@ grows,
     w_m = ∫ w |dε| / ∫ |dε|,   dε = ∫ w dc dV / ∫ w dV.
 
 What melts takes its stress away with it.
+
+A plateau of an alloy, freezing at one temperature, passes through a node as a front: the share
+rises there from w_a ahead of it to w_b behind it in no length, while the mean w of the node creeps
+from one to the other. What its solidification contracts does so at (w_a + w_b)/2 throughout.
 """
 
 from __future__ import annotations
@@ -152,6 +156,7 @@ def growth(
     frozen: FloatArray,
     *,
     isothermal: bool = False,
+    fronts: Sequence[PlateauFront] = (),
 ) -> Growth:
     """Return growth and contraction of the solid between the states of a step; collective.
 
@@ -169,13 +174,14 @@ def growth(
             times.
         frozen: c of the nodes as they become solid, shape (nodes,).
         isothermal: whether the metal freezes at one temperature.
+        fronts: what of an alloy freezes at one temperature and contracts the skeleton by that.
     """
     phases = [
         phase
         for before, after in pairwise(passed)
-        for phase in _phases(before, after, frozen, isothermal=isothermal)
+        for phase in _phases(before, after, frozen, fronts, isothermal=isothermal)
     ]
-    amounts = [phase.contracting * phase.change for phase in phases]
+    amounts = [phase.amount for phase in phases]
     part, whole = places.integrals(
         [*(np.abs(amount) for amount in amounts), *(phase.strained for phase in phases)]
     ).reshape(2, -1)
@@ -186,22 +192,52 @@ def growth(
     return Growth(np.asarray(strained / strains.sum()), np.asarray(sum(amounts)))
 
 
+class PlateauFront(NamedTuple):
+    """Metal of an alloy that freezes at one temperature, without a length.
+
+    It contracts while it passes from w_a to w_b, so that ∫ w dc = Δc (w_a + w_b)/2.
+
+    Attributes:
+        begin: w_a, ahead of it.
+        end: w_b, behind it.
+        contraction: dc/dw of what freezes.
+    """
+
+    begin: float
+    end: float
+    contraction: float
+
+    def beside_means(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """Return ∫ w dc of the front beside that by the mean share of the nodes, shape (nodes,).
+
+        Args:
+            before: w of the nodes, shape (nodes,).
+            after: later, likewise.
+        """
+        first, last = (np.clip(share, self.begin, self.end) for share in (before, after))
+        there = 0.5 * (self.begin + self.end) - 0.5 * (first + last)
+        return np.asarray(self.contraction * (last - first) * there)
+
+
 class _Phase(NamedTuple):
     """Contraction of one kind of metal between two states, each of shape (nodes,).
 
     Attributes:
-        change: dc.
-        contracting: share that does so.
+        amount: ∫ w dc, of what does so.
         strained: w of the nodes meanwhile.
     """
 
-    change: FloatArray
-    contracting: FloatArray
+    amount: FloatArray
     strained: FloatArray
 
 
 def _phases(
-    before: MetalNodes, after: MetalNodes, frozen: FloatArray, *, isothermal: bool
+    before: MetalNodes,
+    after: MetalNodes,
+    frozen: FloatArray,
+    fronts: Sequence[PlateauFront],
+    *,
+    isothermal: bool,
 ) -> tuple[_Phase, _Phase, _Phase]:
     """Return the phases of solid that stays, of mush, and of new solid behind its birth."""
     mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
@@ -211,10 +247,13 @@ def _phases(
     cooled = after.contraction - ended - (before.contraction - begun)
     solid = (before.share == 1) & (after.share == 1)
     behind = _share_behind_a_front(before.share, after.share) if isothermal else mean
+    mush = mean * (ended - begun)
+    for front in fronts:
+        mush += front.beside_means(before.share, after.share)
     return (
-        _Phase(np.where(solid, cooled, 0.0), most, behind),
-        _Phase(ended - begun, mean, mean),
-        _Phase(np.where(solid, 0.0, cooled), most, most),
+        _Phase(most * np.where(solid, cooled, 0.0), behind),
+        _Phase(mush, mean),
+        _Phase(most * np.where(solid, 0.0, cooled), most),
     )
 
 

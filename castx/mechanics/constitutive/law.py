@@ -31,10 +31,11 @@ from castx.materials.enthalpy import HeatState
 from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, solid_flow
 from castx.materials.granular import GRANULAR
 from castx.materials.material import Material
-from castx.materials.thermal_strain import StressFreeState
+from castx.materials.thermal_strain import StressFreeState, shrinkage_strain
 from castx.mechanics.constitutive.growth import (
     Growth,
     MetalNodes,
+    PlateauFront,
     Shares,
     growth,
     in_the_solid,
@@ -251,7 +252,21 @@ class Law:
         solidus = np.full_like(solid, self.material.solidus)
         unstressed = self.stress_free_state.at(places.from_nodes)
         frozen = self._metal(unstressed, solidus, solid).contraction
-        return growth(places, passed, frozen, isothermal=self.material.is_isothermal)
+        isothermal = self.material.is_isothermal
+        return growth(places, passed, frozen, isothermal=isothermal, fronts=self.fronts())
+
+    def fronts(self) -> list[PlateauFront]:
+        """Return the plateaus of the alloy on which the skeleton bears and shrinks."""
+        metal, found = self.material, []
+        for plateau in metal.plateaus:
+            ends = np.array([plateau.begin, plateau.end])
+            ahead, behind = metal.bearing_share(ends)
+            contracted = float(np.diff(shrinkage_strain(metal, ends))[0])
+            if contracted:
+                found.append(
+                    PlateauFront(float(ahead), float(behind), contracted / (behind - ahead))
+                )
+        return found
 
     def _liquid(
         self, shear_modulus: FloatArray, temperature: FloatArray, step: float

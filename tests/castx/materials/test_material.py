@@ -81,6 +81,20 @@ def test_an_alloy_bears_beyond_coherency_and_a_pure_metal_behind_its_front(liqui
     assert metal.without_liquid().fed_until == 0.0
 
 
+def test_a_front_on_a_plateau_with_coherency_is_fed_to_its_end() -> None:
+    """Beyond a plateau from 0.3 to 0.7 the mush bears; below it coherency is where feeding ends."""
+    rows = [[540.0, 1.0], [560.0, 0.7], [560.0, 0.3], [610.0, 0.0]]
+    for coherency, fed in ((0.2, 0.2), (0.3, 0.7), (0.6, 0.7), (0.7, 0.7), (0.8, 0.8), (1.0, 1.0)):
+        metal = alloy(
+            solid_fraction=rows,
+            solidus=None,
+            liquidus=None,
+            liquid={**LIQUID, "coherency": coherency},
+        )
+        assert metal.fed_until == pytest.approx(fed), coherency
+        assert metal.freezes_at_a_plateau
+
+
 def test_coherency_of_one_bears_where_all_is_solid() -> None:
     metal = alloy(liquid={**LIQUID, "coherency": 1.0})
     np.testing.assert_array_equal(metal.bearing_share(np.array([0.5, 0.999, 1.0])), [0, 0, 1])

@@ -12,10 +12,12 @@ from castx.materials.lookup import find_material
 from castx.materials.solid_fraction import (
     LeverLaw,
     LinearLaw,
+    Plateau,
     ScheilLaw,
     SolidFractionLaw,
     TabulatedLaw,
     fraction_at,
+    plateaus,
 )
 
 pytestmark = pytest.mark.serial
@@ -52,6 +54,19 @@ def test_values_by_hand() -> None:
     np.testing.assert_allclose(at(LAWS["linear"], 557.5), 0.75)
     # A table with a plateau: straight lines beside it, at its temperature the liquid side.
     np.testing.assert_allclose(at(TABLE, 558.5, 577.0, 593.5), [0.85, 0.4, 0.2], rtol=1e-12)
+
+
+def test_plateaus_are_the_jumps_of_a_law_the_coldest_first() -> None:
+    assert plateaus(LAWS["linear"], SOLIDUS, LIQUIDUS) == ()
+    assert plateaus(LinearLaw(), 600.0, 600.0) == (Plateau(600.0, 0.0, 1.0),)
+    (eutectic,) = plateaus(LAWS["scheil"], SOLIDUS, LIQUIDUS)
+    assert (eutectic.temperature, eutectic.end) == (SOLIDUS, 1.0)
+    assert eutectic.begin == pytest.approx(at(LAWS["scheil"], SOLIDUS + 1e-9)[0])
+    rows = ((540.0, 1.0), (540.0, 0.9), (577.0, 0.7), (577.0, 0.4), (610.0, 0.1), (610.0, 0.0))
+    found = plateaus(TabulatedLaw(rows), 540.0, 610.0)
+    assert [plateau.temperature for plateau in found] == [540.0, 577.0, 610.0]
+    ends = [value for plateau in found for value in (plateau.begin, plateau.end)]
+    np.testing.assert_allclose(ends, [0.9, 1.0, 0.4, 0.7, 0.0, 0.1], atol=1e-15)
 
 
 def test_solute_is_balanced_in_equilibrium() -> None:

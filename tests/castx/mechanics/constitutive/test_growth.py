@@ -9,6 +9,7 @@ from castx.arrays import FloatArray
 from castx.mechanics.constitutive.growth import (
     CellVolume,
     MetalNodes,
+    PlateauFront,
     Shares,
     growth,
     in_the_solid,
@@ -149,6 +150,29 @@ def test_solid_behind_a_front_is_strained_as_it_was_at_the_start(points):
     passed[0].share[skin < 1] = 0.0
     found = growth(points, passed, np.full(nodes, FROZEN), isothermal=True)
     np.testing.assert_allclose(np.delete(found.strained, first), 0.15, rtol=1e-12)
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_a_front_of_an_alloy_contracts_at_its_middle_share(points, melts):
+    """A plateau from w = 0.2 to the solid: (0.2 + 1)/2 of what each share of it contracts.
+
+    Before that the mean share of the mush counts.
+    """
+    nodes = points.cell_nodes.max() + 1
+    slope, front = -1e-3, PlateauFront(0.2, 1.0, -1e-3)
+    for share, later, amount in (
+        (0.3, 0.5, 0.2 * 0.6), (0.0, 0.2, 0.2 * 0.1), (0.1, 0.4, 0.1 * 0.15 + 0.2 * 0.6),
+    ):  # fmt: skip
+        passed = [of(np.full(nodes, w), np.full(nodes, slope * w)) for w in (share, later)]
+        if melts:
+            passed, amount = passed[::-1], -amount
+        found = growth(points, passed, np.full(nodes, slope), fronts=[front])
+        np.testing.assert_allclose(found.contracted, slope * amount, rtol=1e-12)
+        np.testing.assert_allclose(found.strained, 0.5 * (share + later), rtol=1e-12)
+    # From the plateau into the cold: what is solid contracts wholly below the solidus.
+    last = [of(np.full(nodes, w), np.full(nodes, slope * c)) for w, c in ((0.5, 0.5), (1.0, 1.5))]
+    found = growth(points, last, np.full(nodes, slope), fronts=[front])
+    np.testing.assert_allclose(found.contracted, slope * (0.5 * 0.6 + 0.5), rtol=1e-12)
 
 
 def test_values_of_the_solid_are_means_over_it(points):

@@ -85,3 +85,22 @@ def test_elastic_properties_are_needed():
     bare = Material("bare", MaterialDescription.read({"density": 1.0}))
     with pytest.raises(CaseError, match="material 'bare' needs young_modulus and poisson_ratio"):
         Law(bare, 20.0).largest_shear_modulus()
+
+
+@pytest.mark.serial
+def test_fronts_are_plateaus_on_which_the_skeleton_bears_and_shrinks():
+    """f_s from 0.8 to 1 at 560 °C; s = 5 %, of which coherency leaves s (f_s − f_c)."""
+
+    def fronts(coherency: float, shrinkage: float = 0.05, *, begin: float = 0.8):
+        given = {
+            "solid_fraction": [[560.0, 1.0], [560.0, begin], [600.0, 0.0]],
+            "solidification_shrinkage": shrinkage, "latent_heat": 4e5,
+            "liquid": {"viscosity": 1e5, "coherency": coherency},
+        }  # fmt: skip
+        return Law(Material("alloy", MaterialDescription.model_validate(given)), 560.0).fronts()
+
+    (front,) = fronts(0.6)
+    assert front.begin == pytest.approx(0.5) and front.end == 1.0
+    assert front.contraction == pytest.approx(-0.05 * 0.2 / 0.5)
+    assert not fronts(0.8) and not fronts(0.9) and not fronts(0.6, 0.0)
+    assert not fronts(0.6, begin=1.0)
