@@ -28,6 +28,7 @@ from castx.report.pictures import (
     exaggeration,
     limits_of,
     merged,
+    outer_faces,
     picture,
 )
 from castx.report.reported import ReportedRun, State
@@ -84,6 +85,10 @@ LEAST_SHOWN = 1e-3
 """Part of the range of colours below which the number at an end is none."""
 INNER = 0.35
 """Part of the extent of a body, either way from its middle, within which a cut runs."""
+BEFORE = 2e-3
+"""Part of the extent of a body by which a cut runs before the place that it shows."""
+SIDEWAYS = 0.3
+"""Part of a normal along an axis from which a face looks to that side."""
 Limits = tuple[float, float]
 """Values at the ends of colours."""
 
@@ -104,8 +109,7 @@ def finding_shot(
     if shown is None:
         return None
     time = run.nearest(shown.time, shown.bodies[0])
-    place = None if shown.outside else finding.place
-    return shot(run, topic_of(shown.field), time, shown, place, limits or {})
+    return shot(run, topic_of(shown.field), time, shown, finding.place, limits or {})
 
 
 def finding_limits(run: ReportedRun, finding: Finding) -> dict[str, Limits]:
@@ -188,7 +192,7 @@ def shot(
         topic: the field.
         time: one of those with fields [s].
         shown: how.
-        place: that gets a ring (gdim,) [m].
+        place: that gets a ring, unless it is seen from outside (gdim,) [m].
         limits: values at the ends of colours in place of its own, as `finding_limits` has them.
     """
     state = seen(run.grids(time), shown)
@@ -204,7 +208,7 @@ def shot(
         coloured=scales[0].bodies, front=topic.front, exaggeration=factor,
         beside=scales[1] if len(scales) > 1 else None,
     )  # fmt: skip
-    if place is not None:
+    if place is not None and not shown.outside:
         image = ringed(image, view, moved_place(state, shown.bodies, place, factor))
     title = topic.title + (f", displacements {factor:g} times" if factor else "")
     bars = tuple(bar(topic, scale) for scale in scales)
@@ -235,7 +239,8 @@ def view_and_factor(
         run: the results.
         state: what is in the picture.
         shown: how.
-        place: through which a cut goes, if that leaves enough of the bodies; None: the middle.
+        place: through which a cut goes, if that leaves enough of the bodies, or to whose side one
+            looks from outside; None: the middle, and one and the same side.
     """
     # A mould that lies at the side of the whole is cut with its casting, not seen from there.
     inner = [name for name in run.freezing if name in state] or shown.bodies
@@ -248,14 +253,32 @@ def view_and_factor(
     coloured = [state[name] for name in shown.bodies if name in state]
     if view.cut is not None and place is not None and coloured:
         view = replace(view, cut=_through(place[1], coloured))
+    if shown.outside and place is not None and coloured and view.direction is not None:
+        view = replace(view, direction=_facing(view.direction, coloured[0], place))
     return replace(view, pixels=PIXELS), factor
 
 
 def _through(y: float, coloured: Sequence[pyvista.UnstructuredGrid]) -> float:
-    """Return the y of a cut through a place, or the nearest that shows enough of the bodies."""
+    """Return the y of a cut at a place, or the nearest that shows enough of the bodies.
+
+    It runs a little before the place, which may lie on a face along the cut: of that, crumbs of
+    cells would be left.
+    """
     low, high = (corner[1] for corner in merged([box(grid) for grid in coloured]))
     middle, half = 0.5 * (low + high), INNER * (high - low)
-    return float(np.clip(y, middle - half, middle + half))
+    return float(np.clip(y - BEFORE * (high - low), middle - half, middle + half))
+
+
+def _facing(
+    direction: FloatArray, grid: pyvista.UnstructuredGrid, place: Sequence[float]
+) -> FloatArray:
+    """Return the direction to an eye on the side to which a surface looks at a place."""
+    surface = outer_faces(grid).compute_normals(
+        cell_normals=False, split_vertices=False, consistent_normals=False
+    )
+    normal = np.asarray(surface["Normals"])[surface.find_closest_point(list(place))]
+    sides = np.where(np.abs(normal) > SIDEWAYS, np.sign(normal), np.sign(direction))
+    return np.asarray(np.abs(direction) * sides, dtype=np.float64)
 
 
 def moved_place(

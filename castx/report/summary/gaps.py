@@ -12,8 +12,8 @@ from castx.report.summary.finding import Finding, Shown
 from castx.results.field_times import OPEN
 from castx.results.reading import Results
 
-ROUNDING = 1e-15
-"""Round-off: a gap that counts as zero [m]."""
+ROUNDING = 1e-9
+"""A gap that counts as zero [m]: what the equilibrium leaves of it."""
 
 
 def gaps(run: Results) -> Iterator[Finding]:

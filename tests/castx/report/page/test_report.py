@@ -2,8 +2,10 @@
 
 import base64
 import json
+import shutil
 from html.parser import HTMLParser
 from io import BytesIO
+from pathlib import Path
 
 import matplotlib.image
 import numpy as np
@@ -15,6 +17,7 @@ from castx.report.packing import LEVELS, unpacked
 from castx.report.page.charts import cooling
 from castx.report.page.report import write_report
 from castx.report.reported import ReportedRun
+from castx.report.summary.gaps import ROUNDING
 from castx.report.summary.registry import findings
 from castx.results.files.measurements import Measured, write_measured
 from castx.results.reading import Results
@@ -131,6 +134,16 @@ def test_the_axis_of_a_curve_ends_with_its_values(folder, text, tmp_path, values
     assert found == ends
 
 
+def test_a_run_that_was_killed_has_not_said_how_it_ended(folder, text, tmp_path):
+    told = "or killed: it has not said how it ended"
+    assert told not in text
+    copy = Path(shutil.copytree(folder, tmp_path / "out"))
+    record = json.loads((copy / "run.json").read_text())
+    record["exit"] = {"reason": "running", "message": ""}
+    (copy / "run.json").write_text(json.dumps(record))
+    assert told in write_report(copy).read_text()
+
+
 def test_hostile_names_are_text(page):
     assert "".join(page.texts["h1"]) == HOSTILE
     assert sum(tag == "script" for tag, _ in page.attributes) == 3
@@ -153,7 +166,7 @@ def test_each_number_of_the_summary_is_that_of_the_results(page, folder):
     for name, finding in found.items():
         assert "".join(page.texts[name]) == finding.number
     widest = results.history["casting/mould.max_gap"].max()
-    assert shown["Largest gap: casting/mould"] == (widest if widest > 1e-15 else 0.0)
+    assert shown["Largest gap: casting/mould"] == (widest if widest > ROUNDING else 0.0)
     assert shown["Still liquid: casting"] == 1.0 - results.history["casting.solid_fraction"][-1]
     stress = results.record["stage_ends"][-1]["bodies"]["casting"]["stress"]
     assert shown["Stress at the end: casting"] == stress["largest_principal"]["value"]

@@ -13,7 +13,8 @@ MOULD = "casting/mould"
 
 def fake(folder, **changes):
     record = run().record | {
-        "case": {"file": "/a/part.toml"}, "time_reached": 60.0,
+        "case": {"file": "/a/part.toml"},
+        "time_reached": 60.0,
         "bodies": {
             "casting": {"coherency": {"value": 0.9, "source": "representative value"}},
             "mould": {"coherency": None},

@@ -27,6 +27,13 @@ def test_the_widest_interface_comes_first_and_closed_ones_say_so():
     assert wide.of == "a/c" and closed.value == 0.0 and "touch all the time" in closed.sentence
 
 
+@pytest.mark.parametrize("width, value", [(0.9e-9, 0.0), (1.1e-9, 1.1e-9)])
+def test_a_gap_of_less_than_a_nanometre_is_none(width, value):
+    history = Columns({"time": TIME, "a/b.max_gap": width + 0.0 * TIME})
+    (gap,) = gaps(run(history=history, interfaces=("a/b",)))
+    assert gap.value == value
+
+
 def test_the_place_is_unknown_where_a_body_is_gone():
     def gone(name, time):
         raise CaseError("no body")
