@@ -51,9 +51,9 @@ LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 LARGEST_DIRECT_Q1P0 = 12_000
 """The same in space with Q1/P0: a pocket of liquid costs multigrid hundreds of iterations."""
-LARGEST_DIRECT_GRAINS = 40_000
-"""The same in space with a body of grains: multigrid beside sand that yields ends at its most
-iterations, and steps are cut for it by the dozen."""
+LARGEST_DIRECT_GRAINS = 15_000
+"""The same in space with a body of grains: beyond that factors of each body cost less than those of
+all, a fifth at 22,000 unknowns. Multigrid of sand that yields ends at its most iterations."""
 LARGEST_FLOWING = 200_000
 """Unknowns of a body that flows or may be liquid up to which it gets factors beside the multigrid
 of the others, once multigrid is slow: shells that freeze and yield cost it iterations by the

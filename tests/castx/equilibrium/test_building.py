@@ -121,7 +121,7 @@ def test_in_space_factors_pay_for_small_problems_for_q1p0_and_for_sand():
     assert largest(3, None, None) < largest(3, None, q1p0) < largest(2, None, None)
     assert largest(2, None, q1p0) == largest(2, None, None)
     sand = "drucker-prager"
-    assert largest(3, None, None, law=sand) == largest(3, None, q1p0, law=sand) == 40_000
+    assert largest(3, None, None, law=sand) == largest(3, None, q1p0, law=sand) == 15_000
     assert largest(2, None, None, law=sand) == largest(2, None, None)
 
 
