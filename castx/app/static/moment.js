@@ -78,9 +78,9 @@ castx.moments = (() => {
       at("moment").hidden = true;
     }
     const due = Date.now() - state.drawn > EVERY || ended;
-    if (!version || version === state.version || !due || at("run").hidden) return;
-    Object.assign(state, { version, drawn: Date.now() });
-    draw().catch(() => {});
+    if (!version || version === state.version || !due || state.busy || at("run").hidden) return;
+    state.drawn = Date.now();
+    draw().then(() => { if (results === state.results) state.version = version; }, () => {});
   };
 
   at("do-moment").addEventListener("click", () => castx.trying(draw));

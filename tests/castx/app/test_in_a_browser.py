@@ -101,6 +101,19 @@ def test_a_run_shows_its_last_moment_and_curves(opened):
     browser.wait_for("castx.at('command').textContent.includes('ended with exit code 0')")
     browser.wait_for("!castx.at('moment').hidden && castx.moments.state.time === 1")
     assert browser.value("castx.moments.view().values.length") > 0
+    # what is asked for while a picture is drawn, or cannot be read yet, is drawn later
+    state = "castx.moments.state"
+    follow = f"castx.moments.follow({state}.results, 'later', true)"
+    browser.value(f"void ({state}.busy = true, {follow}, {state}.busy = false)")
+    assert browser.value(f"{state}.version") != "later"
+    browser.value(
+        f"void (castx.ask = castx.server.ask, {state}.time = null,"
+        " castx.server.ask = async () => { throw new Error('half written'); }, "
+        f"{follow}, castx.server.ask = castx.ask)"
+    )
+    browser.wait_for(f"!{state}.busy")
+    assert browser.value(f"{state}.version") != "later"
+    browser.wait_for(f"({follow}, {state}.time === 1)")
     assert browser.value("castx.at('curves').querySelectorAll('canvas').length") > 0
     assert "temperature" in browser.value(
         "[...castx.at('moment-field').options].map((o) => o.value)"
