@@ -216,6 +216,8 @@ def picture(
     edges, fronts = [], []
     for name, grid in grids.items():
         surface = view.shown(deformed(drawn_body(grid, view.model, field), exaggeration))
+        if surface.n_cells == 0:  # the cut has taken it away
+            continue
         scale = scale_of.get(name)
         if scale is None or field not in grid.array_names:
             style: dict[str, object] = {"color": NEUTRAL}

@@ -84,9 +84,9 @@ STAND_INS = {
 LEAST_SHOWN = 1e-3
 """Part of the range of colours below which the number at an end is none."""
 INNER = 0.35
-"""Part of the extent of a body, either way from its middle, within which a cut runs."""
+"""Part of the extent of the castings, either way from their middle, within which a cut runs."""
 BEFORE = 2e-3
-"""Part of the extent of a body by which a cut runs before the place that it shows."""
+"""Part of the extent of the castings by which a cut runs before the place that it shows."""
 SIDEWAYS = 0.3
 """Part of a normal along an axis from which a face looks to that side."""
 Limits = tuple[float, float]
@@ -239,8 +239,8 @@ def view_and_factor(
         run: the results.
         state: what is in the picture.
         shown: how.
-        place: through which a cut goes, if that leaves enough of the bodies, or to whose side one
-            looks from outside; None: the middle, and one and the same side.
+        place: through which a cut goes, if that leaves enough of the castings, or to whose side
+            one looks from outside; None: the middle, and one and the same side.
     """
     # A mould that lies at the side of the whole is cut with its casting, not seen from there.
     inner = [name for name in run.freezing if name in state] or shown.bodies
@@ -251,20 +251,20 @@ def view_and_factor(
         both = [*state.values(), *(deformed(grid, factor) for grid in state.values())]
         view = View.of(run.model, both, castings=castings)
     coloured = [state[name] for name in shown.bodies if name in state]
-    if view.cut is not None and place is not None and coloured:
-        view = replace(view, cut=_through(place[1], coloured))
+    if view.cut is not None and place is not None and castings:
+        view = replace(view, cut=_through(place[1], castings))
     if shown.outside and place is not None and coloured and view.direction is not None:
         view = replace(view, direction=_facing(view.direction, coloured[0], place))
     return replace(view, pixels=PIXELS), factor
 
 
-def _through(y: float, coloured: Sequence[pyvista.UnstructuredGrid]) -> float:
-    """Return the y of a cut at a place, or the nearest that shows enough of the bodies.
+def _through(y: float, castings: Sequence[pyvista.UnstructuredGrid]) -> float:
+    """Return the y of a cut at a place, or the nearest that shows enough of the castings.
 
     It runs a little before the place, which may lie on a face along the cut: of that, crumbs of
     cells would be left.
     """
-    low, high = (corner[1] for corner in merged([box(grid) for grid in coloured]))
+    low, high = (corner[1] for corner in merged([box(grid) for grid in castings]))
     middle, half = 0.5 * (low + high), INNER * (high - low)
     return float(np.clip(y - BEFORE * (high - low), middle - half, middle + half))
 

@@ -123,8 +123,8 @@ def blocks(time=2.0):
 @pytest.mark.parametrize(
     "body, y, cut",
     [
-        ("casting", 2.5, 2.496), ("casting", 1.0, 1.3), ("casting", None, 2.0), ("low", 1.0, 0.992),
-        ("low", 0.0, 0.6), ("low", 4.0, 3.4), ("high", None, 2.0),
+        ("casting", 2.5, 2.496), ("casting", 1.0, 1.3), ("casting", None, 2.0), ("low", 2.0, 1.996),
+        ("low", 0.0, 1.3), ("low", 4.0, 2.7), ("high", None, 2.0),
     ],
 )  # fmt: skip
 def test_a_cut_goes_through_the_place_and_through_the_casting(body, y, cut):
@@ -133,6 +133,24 @@ def test_a_cut_goes_through_the_place_and_through_the_casting(body, y, cut):
     place = None if y is None else [1.0, y, 1.0]
     view, _ = view_and_factor(run, blocks(), Shown("von_mises", (body,)), place)
     assert view.cut == pytest.approx(cut)
+
+
+def test_a_body_that_a_cut_takes_away_is_not_drawn():
+    def beside(time=2.0):
+        image = pyvista.ImageData(dimensions=(2, 2, 2), origin=(0, 0, 0), spacing=(1, 0.5, 1))
+        core = image.cast_to_unstructured_grid()
+        core["von_mises"] = 1e8 * core.points[:, 0]
+        return blocks() | {"core": core}
+
+    run = results()
+    run.model, run.grids = "3d", beside
+    finding = Finding(
+        "Stress at the end", "low", 3e8, "MPa", "", place=[1.0, 2.0, 1.0],
+        shown=Shown("von_mises", ("low",), 2.0),
+    )  # fmt: skip
+    with display():
+        shot = finding_shot(run, finding)
+    assert shot is not None and shot.bars[0].high == "300"
 
 
 @pytest.mark.parametrize(
