@@ -39,8 +39,9 @@ MOST_WITH_OLD_FACTORS = 30
 """Linear iterations with factors of another set of pairs: where these do not get there they
 stagnate far above rounding, and new factors are cheaper."""
 LOOSEST = 1e-4
-"""Loosest relative tolerance of the linear solves where bodies flow. With 1e-2, soft bodies take
-displacements from which Newton's method does not recover."""
+"""Loosest tolerance of the linear solves where bodies flow, relative to the residual and to the
+forces in the weakest body, which rows of pairs that close exceed by far. With 1e-2, soft bodies
+take displacements from which Newton's method does not recover."""
 
 CHATTERS = (
     "pairs chatter between open and closed, and one of them pulls or penetrates in the state in "
@@ -223,13 +224,14 @@ class Newton:
         J.assemble()
 
     def _limit_step(self, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES) -> bool:
-        """Shorten a step that swings a body through another, or overshoots; say whether it did."""
+        """Shorten a step that overshoots or moves a body through another; say whether it did."""
         stopped = self._changes.shorten_to_contact(x, y)
         if self.balance.assembly.is_linear and self.balance.contact.normal.is_linear:
             return stopped
         at_once = _at_once(self.balance, self._changes.foretell(x, y) is not None)
         tried = partial(self._residual, judged=False)
-        return shorten_step(tried, x, y, snes, at_once) or stopped
+        shortened = shorten_step(tried, x, y, snes, at_once)
+        return self._changes.shorten_overlap(x, y) or shortened or stopped
 
     def _change_pairs_and_judge(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
@@ -273,7 +275,7 @@ class Newton:
         return reasons.CONVERGED_ITERATING
 
     def _linear_tolerance(self, norm: float) -> float:
-        """Return the relative tolerance of the next linear solve.
+        """Return the relative tolerance of the next linear solve, of a system with this residual.
 
         Where the next system is another one, what is solved beyond the square of the residual is
         lost, and Newton's method stays quadratic (Dembo, Eisenstat and Steihaug 1982).
@@ -281,11 +283,10 @@ class Newton:
         balance, limits = self.balance, self.balance.convergence
         exact = self._preconditioner.chosen.is_exact and balance.is_linear
         wanted = (EXACT_SHARE if exact else LINEAR_SHARE) * limits.smallest
-        share = wanted / norm if norm > 0 else 1e-2
         fills = len(self._residuals) == 1 and balance.assembly.has_pockets  # which are stiff
         if not (balance.is_linear or fills) and limits.weakest > 0:
-            share = max(share, min(norm / limits.weakest, LOOSEST))
-        return float(np.clip(share, 1e-12, 1e-2))
+            wanted = max(wanted, enough_of_linear(norm, limits.weakest))
+        return float(np.clip(wanted / norm if norm > 0 else 1e-2, 1e-12, 1e-2))
 
     def forget(self) -> None:
         """Drop the factors of matrices, which are worth little beside another one."""
@@ -297,6 +298,17 @@ class Newton:
         self._solver.destroy()
         self._matrix.destroy()
         self._vector.destroy()
+
+
+def enough_of_linear(norm: float, weakest: float) -> float:
+    """Return the residual that a linear solve may leave where the next system is another one [N].
+
+    Args:
+        norm: residual of the nonlinear problem [N]. Rows of pairs that have just closed are in it,
+            stiffness times penetration, beside which all forces are small.
+        weakest: internal forces in the weakest body [N].
+    """
+    return min(norm**2 / weakest, LOOSEST * min(norm, weakest))
 
 
 def _at_once(balance: MomentumBalance, closings: bool) -> BoolArray:

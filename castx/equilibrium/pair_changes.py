@@ -8,9 +8,9 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.equilibrium.forces import MomentumBalance
-from castx.equilibrium.supports.first_contact import FirstContact
+from castx.equilibrium.supports.first_contact import OVERLAP, FirstContact
 from castx.profiling import RunPart, booked_as
 
 NOISE_SHARE, NOISE_FACTOR = 0.1, 100.0
@@ -192,15 +192,34 @@ class PairChanges:
         Returns:
             Whether y has changed.
         """
-        balance, active = self._balance, self._balance.active
+        balance = self._balance
         springs = balance.operator.support
         if springs is None:
             return False
-        open_pairs = balance.gaps.free & ~active.closed & ~active.frozen
         limits = balance.convergence
         # Behind what counts as noise at any residual, else the pair would never close.
         force = 2 * max(NOISE_SHARE * limits.smallest, limits.rounding)
-        return self._first_contact.stop(springs, x, y, open_pairs, force, balance.stiffness)
+        return self._first_contact.stop(springs, x, y, self._open_pairs, force, balance.stiffness)
+
+    def shorten_overlap(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
+        """End a step to x − y of metal that flows where open pairs pass through each other.
+
+        Where sets of pairs return it is left as it is: they are judged by solutions.
+
+        Returns:
+            Whether y has changed.
+        """
+        balance, bodies = self._balance, self._balance.assembly
+        if balance.active.cycles or bodies.is_linear or not bodies.flows_by_rate:
+            return False
+        depth = OVERLAP * min(body.length for body in bodies.bodies)
+        return self._first_contact.stop_overlap(x, y, self._open_pairs, depth)
+
+    @property
+    def _open_pairs(self) -> BoolArray:
+        """Pairs that close when they penetrate, shape (pairs,)."""
+        active = self._balance.active
+        return np.asarray(self._balance.gaps.free & ~active.closed & ~active.frozen)
 
     def improve_multipliers(self, x: PETSc.Vec, f: PETSc.Vec, balanced: bool) -> bool:
         """Improve the multipliers of the method, if it has any.

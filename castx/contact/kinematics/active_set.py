@@ -23,9 +23,8 @@ ALIKE = 1e-3
 each other is the worst one rounding decides, and the other one would follow by itself."""
 
 PROVISIONAL = 2
-"""Pass of a step up to which pairs that let go in an earlier one are held anew: its heat is
-another, and metal that had just frozen at a wall may be liquid in it. Each further such pass costs
-as much as the first, since a skin lets go ring by ring."""
+"""Pass of a step up to which pairs that let go in an earlier one may be held anew: its heat is
+another, and metal that had just frozen at a wall may be liquid in it."""
 
 MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
@@ -166,6 +165,7 @@ class ActiveSet:
         self._committed = self.closed.copy()
         self._pulls: FloatArray = np.zeros(len(free))
         self._let_go: BoolArray = np.zeros(len(free), dtype=bool)
+        self._let_go_at: FloatArray = np.zeros(len(free))
         self._holds = 0
         self._released: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
@@ -198,8 +198,9 @@ class ActiveSet:
     def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
         """Let closed pairs be pulled until the next call.
 
-        What lets go in the first pass of a step is held anew by the second; later, a pair lets go
-        once.
+        What lets go in the first pass of a step is held anew by the second one if it bears that
+        pull by then; later, a pair lets go once. To hold all of it anew would let the skin go ring
+        by ring once more.
 
         Args:
             pulls: largest pulls of the pairs [N], shape (pairs,).
@@ -207,8 +208,9 @@ class ActiveSet:
         """
         self._holds += 1
         if self._holds <= PROVISIONAL:
-            self.closed = self.closed | (self._committed & self._let_go)
-            self._let_go[:] = False
+            anew = self._committed & self._let_go & (pulls > self._let_go_at)
+            self.closed = self.closed | anew
+            self._let_go &= ~anew
         may = (self._committed | closing) & ~self._let_go
         self._pulls = np.where(may, pulls, 0.0)
         self.closed = self.closed | (closing & ~self._let_go)
@@ -236,7 +238,9 @@ class ActiveSet:
         else:
             wrong = self._pivoting.at_once(violation)
         changed = self._count(wrong)
-        self._let_go |= wrong & self.closed
+        goes = wrong & self.closed & ~self._let_go
+        self._let_go_at[goes] = -forces[goes]
+        self._let_go |= goes
         self._pulls[self._let_go] = 0.0
         self.closed = self.closed ^ wrong
         self.changes += changed

@@ -1,10 +1,10 @@
-"""Limit of the motion of a body on springs alone in one Newton step: the first contact.
+"""Limit of what moves freely in one Newton step: the first contact.
 
-Weak springs let a body that has lost its contact swing by metres before they balance its weight.
-Everything on its way would then close at once and be pressed together, which a law that flows
-cannot follow. So its rigid motion ends where the first open pair closes, and the next step finds
-what this pair bears: the ratio test of active-set methods (J. Nocedal and S. J. Wright, Numerical
-Optimization, 2nd ed., section 16.5).
+Weak springs let a body that has lost its contact swing by metres before they balance its weight,
+and the end of a casting swings as far about a neck of mush. Everything on the way would then close
+at once and be pressed together, which a law that flows cannot follow. So the motion ends where the
+first open pair closes, and the next step finds what this pair bears: the ratio test of active-set
+methods (J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed., section 16.5).
 """
 
 from __future__ import annotations
@@ -24,9 +24,15 @@ ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 contact, since in front of it it would never close. Pairs with a pair law need no such depth; by it
 they would carry more than the tolerance."""
 
+OVERLAP = 5e-5
+"""Penetration of open pairs in a step of metal that flows, over the length of the smallest body:
+some micrometres, by which a cell of the skin is pressed to its yield stress or less. A shaft of
+140 mm that leaves its die takes 277, 274 and 498 iterations with 1.4e-5, 5e-5 and 2e-4, and 756
+without."""
+
 
 class FirstContact:
-    """Ends rigid motions at the first contact.
+    """Ends motions at the first contact.
 
     Args:
         contact: the contact method.
@@ -61,6 +67,29 @@ class FirstContact:
             y.array[:] -= (1.0 - share) * rigid
         return share < 1.0
 
+    def stop_overlap(self, x: PETSc.Vec, y: PETSc.Vec, open_pairs: BoolArray, depth: float) -> bool:
+        """Shorten a step to x − y that takes open pairs through each other; collective.
+
+        Pairs that overlap where it starts may do so by as much again, so that no step ends at once.
+
+        Args:
+            x: unknowns at which the step starts.
+            y: the step.
+            open_pairs: those that close when they penetrate, shape (pairs,).
+            depth: penetration that is left to it [m].
+
+        Returns:
+            Whether it has changed.
+        """
+        start, end = (self._gaps(x, step) for step in (np.zeros_like(y.array_r), y.array_r))
+        ahead = np.maximum(start, 0.0)
+        comm = x.getComm().tompi4py()
+        depths = np.full(len(start), depth)
+        share = share_until_contact(comm, ahead, ahead + end - start, open_pairs, depths)
+        if share < 1.0:
+            y.scale(share)
+        return share < 1.0
+
     def _gaps(self, x: PETSc.Vec, step: FloatArray) -> FloatArray:
         place, unknowns = x.duplicate(), self._unknowns.duplicate()
         place.array[:] = x.array_r - step
@@ -88,7 +117,7 @@ class FirstContact:
 def share_until_contact(
     comm: MPI.Intracomm, start: FloatArray, end: FloatArray, may_close: BoolArray, depth: FloatArray
 ) -> float:
-    """Return the share of a rigid motion at which the first pair reaches its depth, at most 1.
+    """Return the share of a motion at which the first pair reaches its depth, at most 1.
 
     Args:
         comm: ranks of the pairs.

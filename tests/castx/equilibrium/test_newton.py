@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
+from castx.equilibrium.newton import enough_of_linear
 from castx.errors import ConvergenceError
 from tests.contact_methods import IN_THE_LIMIT
 from tests.coupled_cases import cylinder, states
@@ -66,6 +67,15 @@ def test_a_failure_says_where_the_residual_is_largest(comm):
     made = bars(comm, options={"snes_max_it": 1})
     with pytest.raises(ConvergenceError, match=r"did not converge.*body '(upper|base)'"):
         made.equilibrium.solve(0.0)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("norm", "left"), [(1e-1, 1e-6), (1.0, 1e-4), (1e2, 1e-2), (1e4, 1.0), (1e8, 1.0)]
+)
+def test_linear_solves_see_forces_beside_the_rows_of_pairs_that_close(norm, left):
+    """The square of a small residual; of a large one a part, and of forces of 10 kN no more."""
+    assert enough_of_linear(norm, 1e4) == pytest.approx(left)
 
 
 @pytest.mark.ranks

@@ -12,6 +12,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.contact.methods.registry import METHODS
 from castx.equilibrium.pair_changes import PairChanges
+from castx.equilibrium.supports.first_contact import OVERLAP
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
 from tests.contact_methods import AT_ONCE, EXACT
@@ -103,6 +104,37 @@ def test_friction_and_soft_pairs_open_by_forces_of_their_own(comm, contact):
     made = two_blocks(comm, **contact)
     x = made.equilibrium.x
     assert PairChanges(made.equilibrium.balance).foretell(x, x.copy()) is None
+
+
+@pytest.mark.parametrize("method", EXACT)
+def test_a_step_of_metal_that_flows_ends_where_open_pairs_overlap(comm, method, monkeypatch):
+    """The upper block is pushed down by 1 mm; elastic ones go all the way, as sets that return."""
+    made = two_blocks(comm, method)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    assert {True, False} == set(everywhere(comm, balance.active.closed))
+    down, changes = pushed_down(made, 1e-3), PairChanges(balance)
+    whole = x.copy()
+    whole.axpy(-1.0, down)
+    assert not changes.shorten_overlap(x, whole.copy())
+
+    step, kind = whole.copy(), type(balance.assembly)
+    monkeypatch.setattr(kind, "is_linear", False)
+    monkeypatch.setattr(kind, "flows_by_rate", True)
+    assert changes.shorten_overlap(x, step)
+    end = x.copy()
+    end.axpy(-1.0, step)
+    f, is_open = x.duplicate(), ~balance.active.closed
+    balance.residual(end, f)
+    lowest = min(everywhere(comm, balance.iterate.gaps[is_open]))
+    assert lowest == pytest.approx(
+        -OVERLAP * min(b.length for b in balance.assembly.bodies), rel=1e-6
+    )
+
+    monkeypatch.setattr(kind, "flows_by_rate", False)
+    assert not changes.shorten_overlap(x, whole.copy())
+    monkeypatch.setattr(kind, "flows_by_rate", True)
+    monkeypatch.setattr(type(balance.active), "cycles", True)
+    assert not changes.shorten_overlap(x, whole.copy())
 
 
 @pytest.mark.serial

@@ -293,19 +293,21 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
 
 
 @pytest.mark.ranks
-def test_what_lets_go_in_the_first_passes_of_a_step_is_held_anew(comm):
+@pytest.mark.parametrize("bears", [False, True])
+def test_what_lets_go_is_held_anew_by_the_second_pass_if_it_bears_the_pull_then(comm, bears):
     """One pair of each rank; a pair without a pull that opens is no matter of being held."""
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
     limits, none = np.array([4.0]), np.zeros(1, dtype=bool)
+    later = np.array([9.1 if bears else 8.9])
     for step in range(2):
         for count in range(PROVISIONAL + 2):
-            active.hold(limits, none)
+            active.hold(limits if count == 0 else later, none)
             active.begin()
-            assert active.closed.all() == (count < PROVISIONAL)
-            active.update(np.where(active.closed, -9.0, -1.0))
+            assert active.closed.all() == (count == 0 or (bears and count < PROVISIONAL))
+            active.update(np.where(active.closed, -9.0 - count, -1.0))
             assert not active.closed.any()
         active.rewind() if step == 0 else active.commit()
-    active.hold(limits, none)
+    active.hold(later, none)
     assert not active.closed.any(), "open when the step began"
 
 

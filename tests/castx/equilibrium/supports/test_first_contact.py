@@ -122,3 +122,18 @@ def test_a_pair_ends_behind_the_contact_however_long_the_fall(comm, fall):
         assert -1e-14 * (0.1 + fall) < end < 0.0
         y.destroy()
     x.destroy()
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize(("gap", "share"), [(0.3, 0.35), (0.0, 0.05), (-0.2, 0.05), (2.0, 1.0)])
+def test_a_step_ends_where_open_pairs_overlap_on_all_ranks(comm, gap, share):
+    """Pairs approach by one; the last rank holds the one that is near, others are far apart."""
+    x = PETSc.Vec().createMPI((2, None), comm=comm)
+    last = comm.rank == comm.size - 1
+    x.array[:] = gap if last else 9.0, 7.0
+    y = x.duplicate()
+    y.array[:] = 1.0, 3.0
+    limit, may = FirstContact(OneGap(), x), np.ones(1, dtype=bool)
+    assert limit.stop_overlap(x, y, may, 0.05) == (share < 1.0)
+    np.testing.assert_allclose(y.array_r, [share, 3.0 * share])
+    assert not limit.stop_overlap(x, y, ~may, 0.0)
