@@ -223,6 +223,8 @@ def shown_range(values: FloatArray, topic: Topic) -> tuple[float, float] | None:
     if topic.field == "solid_fraction":
         return 0.0, 1.0
     low, high = float(finite.min()), float(np.quantile(finite, topic.share))
+    if topic.field == "gap" and high > 0.0:
+        low = max(low, 0.0)  # closed pairs penetrate by what the equilibrium leaves
     return (0.0 if abs(low) < ROUND_OFF * abs(high) else low), high
 
 

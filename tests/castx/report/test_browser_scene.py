@@ -11,7 +11,7 @@ import pyvista
 from castx.report import browser_scene as module
 from castx.report.browser_scene import reduced, scene, shown_range, shown_times
 from castx.report.packing import LEVELS, unpacked
-from castx.report.topics import Topic
+from castx.report.topics import Topic, topics_of
 from castx.results.files.run_tables import Columns
 
 pytestmark = pytest.mark.serial
@@ -106,3 +106,10 @@ def test_round_off_has_no_colours():
     assert shown_range(np.array([1e6, np.nan, 3e6]), topic) == (1e6, 3e6)
     assert shown_range(np.array([-1e-130, 3e6]), topic) == (0.0, 3e6)
     assert shown_range(np.array([-1.0, 3e6]), topic) == (-1.0, 3e6)
+
+
+def test_colours_of_gaps_begin_with_closed_ones():
+    (gap,) = topics_of(["gap"])
+    assert shown_range(np.array([-2e-6, 1e-6, 5e-6]), gap) == (0.0, 5e-6)
+    assert shown_range(np.array([1e-6, 5e-6]), gap) == (1e-6, 5e-6)
+    assert shown_range(np.array([-2e-6, -1e-7]), gap) == (-2e-6, -1e-7)
