@@ -9,7 +9,10 @@ the plateau nothing bears ahead of the front, and liquid feeds it.
 from __future__ import annotations
 
 from functools import cache
+from itertools import islice
 from typing import Any
+
+from mpi4py import MPI
 
 import numpy as np
 import pytest
@@ -17,6 +20,8 @@ from scipy.linalg import solve_banded
 
 from castx.arrays import FloatArray
 from castx.proof.verification.solids.freezing_plate import MESHES, free_plate
+from castx.proof.verification.states import nodal
+from tests.coupled_cases import simulation
 from tests.verification.test_freezing_in_cells import (
     CAPACITY,
     CONDUCTIVITY,
@@ -164,3 +169,31 @@ def test_a_front_behind_mush_that_does_not_bear_is_fed(comm, mesh):
     coarse, fine = (off(comm, mesh, cells, 0.95) for cells in (10, 20))
     assert np.all(coarse[1:] < 0.035) and np.all(fine < coarse)
     assert reference(0.9, held=True)[-1] < 1.5 * reference(0.95, held=True)[-1]
+
+
+@pytest.mark.ranks
+def test_a_run_goes_on_behind_the_front_as_if_it_had_not_stopped(comm):
+    """In steps in which a front passes most of a cell, on any number of ranks."""
+    data = case("triangles", 6, 0.9)
+    data["time"] = {"end": 16.0, "fixed_step": 1.0}
+    begun = simulation(comm, data)
+    moved = [lateral(comm, state) for state in islice(begun, 12)]
+    goes_on = simulation(comm, data)
+    goes_on.restore({name: item.values for name, item in begun.saved().items()})
+    rest = [lateral(comm, state) for state in begun]
+    again = [lateral(comm, state) for state in goes_on]
+    assert rest[-1] < 1.3 * moved[-1] < 0.0
+    np.testing.assert_allclose(again[-len(rest) :], rest, rtol=1e-9)
+    assert rest[-1] == pytest.approx(ON_ONE_RANK, rel=1e-6)
+    for each in (begun, goes_on):
+        each.destroy()
+
+
+ON_ONE_RANK = -3.99220477624e-5
+"""Lateral displacement at the end of that run [m]."""
+
+
+def lateral(comm, state) -> float:
+    """Return the most negative lateral displacement of all ranks [m]."""
+    here = float(nodal(state, "casting", "displacement")[:, 1].min(initial=0.0))
+    return float(comm.allreduce(here, op=MPI.MIN))
