@@ -79,7 +79,9 @@ class Remaining:
             each = gained / max(len(recent) - 1, 1)
             if last.solid < BEGUN or each <= 0.0:
                 return None
-            freezing = math.ceil((1.0 - last.solid) / each - 1e-9)
+            # A run may end before all is solid.
+            within = max(self._end - last.end, 0.0) / last.size
+            freezing = max(math.ceil(min((1.0 - last.solid) / each, within) - 1e-9), 0)
             solid_at += freezing * last.size
         return freezing + self._cooling_steps(max(self._end - solid_at, 0.0), last.size)
 

@@ -41,6 +41,11 @@ def test_a_casting_that_freezes_in_equal_shares_and_cools_in_growing_steps():
     assert left[9] < 0.5 * 2.0 * sizes.sum() / pace * 6
 
 
+def test_a_run_that_ends_before_all_is_solid_takes_no_more_steps_than_to_its_end():
+    left = follow(1.0, [0.1] * 10, np.linspace(0.03, 0.3, 10))
+    assert left[1:] == [2.0 * steps for steps in range(8, -1, -1)]
+
+
 def test_steps_grow_no_larger_than_the_largest():
     sizes = [1.0, 1.5, 2.25, 3.375]
     left = follow(200.0, sizes, [1.0] * 4, largest=4.0)
