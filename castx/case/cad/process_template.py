@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text, roles
+from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text
 from castx.case.processes.plan import Plan
 from castx.materials.granular import GRANULAR
 from castx.transfer.database import interface_entry
@@ -31,7 +31,7 @@ def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
         plan: alloy, mould, temperatures and times.
         of_class: of the alloy.
     """
-    role = roles([name for name, _ in case.bodies])
+    role = case.roles
     parts = [_head(plan), geometry_text(case), *_own_material(plan)]
     parts += [_body(name, volume, role[name], plan, of_class) for name, volume in case.bodies]
     parts += [_interface(pair, role, plan, of_class) for pair in case.interfaces]

@@ -67,18 +67,27 @@ class NewCase:
         return tuple(name for name, _ in self.bodies if name not in made)
 
     @property
+    def roles(self) -> dict[str, int]:
+        """Role of each body by its name; in a mould that is made, what is not cast is a core."""
+        rest = MOULD if self.margin is None else SAND
+        return roles([name for name, _ in self.bodies], rest)
+
+    @property
     def castings(self) -> tuple[str, ...]:
         """Names of the bodies that are cast."""
-        role = roles([name for name, _ in self.bodies])
+        role = self.roles
         return tuple(name for name, _ in self.bodies if role[name] == CASTING)
 
     def taken_for(self) -> Iterator[str]:
         """Yield the role of each solid of an assembly in words, and castings that lie bare."""
         if len(self.drawn) == 1 and self.margin is not None:
             return
-        role = roles([name for name, _ in self.bodies])
+        role = self.roles
         told = (f"{name}: {_TOLD[role[name]]}" for name in self.drawn)
-        yield f"by their labels, {', '.join(told)}; change that under [[bodies]] if it is wrong"
+        yield (
+            f"by their labels, {', '.join(told)}; label them in CAD (core, chill, mould), or "
+            "change [[bodies]] and [[interfaces]], if that is wrong"
+        )
         for name in self.bare() if self.margin is None else ():
             yield (
                 f"{100.0 * self._bare(name):.0f} % of the surface of {name} is bare: the mould of "
@@ -127,11 +136,15 @@ class NewCase:
         return dict(self.bodies)[body] / (touching + free)
 
 
-def roles(names: Sequence[str]) -> dict[str, int]:
+def roles(names: Sequence[str], rest: int = MOULD) -> dict[str, int]:
     """Return the role of each body guessed from its name: casting, chill, mould or sand.
 
-    The first body without a telling name is the casting, other ones are parts of the mould, unless
-    the name of one says that it is a casting or part of one.
+    The first body without a telling name is the casting, unless the name of one says that it is a
+    casting or part of one.
+
+    Args:
+        names: of the bodies.
+        rest: role of others without a telling name.
     """
     found = {}
     for name in names:
@@ -142,12 +155,12 @@ def roles(names: Sequence[str]) -> dict[str, int]:
     castings = [n for n in castings if n not in found]
     others = [name for name in names if name not in found]
     castings = castings or others[:1] or [names[0]]
-    return {n: CASTING if n in castings else found.get(n, MOULD) for n in names}
+    return {n: CASTING if n in castings else found.get(n, rest) for n in names}
 
 
 def case_text(case: NewCase) -> str:
     """Return the case file."""
-    role = roles([name for name, _ in case.bodies])
+    role = case.roles
     parts = [HEAD + geometry_text(case), *(_body(name, v, role[name]) for name, v in case.bodies)]
     parts += [_interface(a, b, area, role) for a, b, area in case.interfaces]
     parts += [_boundary(on, area) for on, area in case.surfaces]

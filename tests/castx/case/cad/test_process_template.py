@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 
 import pytest
 
@@ -74,6 +75,22 @@ def test_sand_yields_and_its_halves_hold_together():
     assert case.interfaces[2].heat.closed.table.values[0] == 500.0
     _, cored = case_of(CORED, "sand")
     assert {b.name: b.law for b in cored.bodies}["core"] == "drucker-prager"
+
+
+def test_a_solid_without_a_label_in_a_mould_that_is_made_is_a_core():
+    new = NewCase(
+        "part.step", 0.005, 0.02, (("solid-1", 2e-5), ("solid-2", 1e-5), ("mould", 1e-4)),
+        (("solid-1", "solid-2", 4e-3), ("solid-1", "mould", 2e-3), ("solid-2", "mould", 1e-4)),
+        (("mould/outside", 1e-2),), mould='mould = { box = "20 mm" }\n',
+    )  # fmt: skip
+    _, case = case_of(new, "gravity-die")
+    laws = {body.name: (body.material, body.law) for body in case.bodies}
+    assert laws["solid-2"] == ("sand-silica", "drucker-prager")
+    assert laws["mould"] == ("steel-H13", "thermo-elastic")
+    assert {i.name: i.heat.entry for i in case.interfaces}["solid-1/solid-2"] == (
+        "aluminium-core-sand"
+    )
+    assert case_of(replace(new, margin=None), "gravity-die")[1].bodies[1].material == "steel-H13"
 
 
 def test_nothing_is_tied_to_a_rigid_shell_and_it_stands_second():
