@@ -37,10 +37,12 @@ from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.q1p0 import Q1P0Formulation
 from castx.mechanics.rigid_modes import rigid_modes
+from castx.mechanics.taylor_hood import TaylorHoodFormulation
 from castx.solvers.counters import StepCounters
 from castx.solvers.inner.arrow_schur import ArrowSchur
 from castx.solvers.inner.block_solver import BlockSolver
 from castx.solvers.inner.direct import MOST_CHANGED, DirectSolver
+from castx.solvers.inner.midside_schur import MidsideSchur
 from castx.solvers.inner.nest import Block
 from castx.solvers.inner.options import FACTORS, MULTIGRID, solves_directly
 from castx.solvers.inner.sweep import BlockSweep
@@ -54,6 +56,9 @@ LARGEST_DIRECT_Q1P0 = 12_000
 LARGEST_DIRECT_GRAINS = 15_000
 """The same in space with a body of grains: beyond that factors of each body cost less than those of
 all, a fifth at 22,000 unknowns. Multigrid of sand that yields ends at its most iterations."""
+LARGEST_DIRECT_QUADRATIC = 20_000
+"""The same in space with quadratic displacements of bodies that never melt: of an elastic beam of
+44,500 unknowns factors cost 2.4 times as much as two levels and multigrid."""
 LARGEST_FLOWING = 200_000
 """Unknowns of a body that flows or may be liquid up to which it gets factors beside the multigrid
 of the others, once multigrid is slow: shells that freeze and yield cost it iterations by the
@@ -186,6 +191,10 @@ def largest_direct(bodies: DeformableBodies) -> int:
     dimension = bodies.parts[0].mesh.mesh.topology.dim
     if dimension == 3 and any(part.material.law.is_granular for part in bodies.parts):
         return LARGEST_DIRECT_GRAINS
+    quadratic = any(isinstance(part.formulation, TaylorHoodFormulation) for part in bodies.parts)
+    if dimension == 3 and quadratic:
+        melts = not all(part.is_compressible for part in bodies.parts)
+        return LARGEST_FLOWING if melts else LARGEST_DIRECT_QUADRATIC
     q1p0 = any(isinstance(part.formulation, Q1P0Formulation) for part in bodies.parts)
     return LARGEST_DIRECT_Q1P0 if q1p0 and dimension == 3 else LARGEST_DIRECT[dimension]
 
@@ -197,7 +206,11 @@ def _procedure(
     settings: MechanicsSettings,
 ) -> Procedure:
     direct = solves_directly(settings.linear, bodies.layout.size_global, largest_direct(bodies))
-    direct = direct or bool(bodies.assembly.quadratic)
+    flat = bodies.parts[0].mesh.mesh.topology.dim == 2
+    if bodies.assembly.quadratic and (
+        flat or isinstance(balance.contact.normal, MultiplierContact)
+    ):
+        direct = True
     chosen = next((c for c in contacts if METHODS[c.method].by_blocks), None)
     if chosen is not None:
         return _by_blocks(bodies, chosen, balance, direct, settings.options)
@@ -225,6 +238,8 @@ def _inner_solvers(
     blocks = body_blocks(
         bodies.layout, bodies.parts, groups, balance.transform, [MULTIGRID] * len(groups)
     )
+    if bodies.assembly.quadratic:
+        return _with_midsides(bodies, blocks, by_body)
     if isinstance(pairs, MultiplierContact):
         return [ArrowSchur(comm, BLOCKS_PREFIX, blocks, pairs.schur_weights())]
     # Where preconditioners are often renewed, the coupling costs more than it saves iterations.
@@ -238,6 +253,20 @@ def _inner_solvers(
         ]
         solvers.append(BlockSweep(comm, FACTORS_PREFIX, with_factors, coupling))
     return solvers
+
+
+def _with_midsides(
+    bodies: DeformableBodies, blocks: Sequence[Block], slow_by_factors: bool
+) -> list[InnerSolver]:
+    """Return the solvers of bodies with mid-sides: two levels, and factors where these are slow."""
+    layout = bodies.layout
+    pressures = [np.zeros((part.owned_nodes, part.block_size), dtype=bool) for part in bodies.parts]
+    for part, mask in zip(bodies.parts, pressures, strict=True):
+        if part.unknowns.pressure_component is not None:
+            mask[:, part.unknowns.pressure_component] = True
+    flags = np.concatenate([mask.ravel() for mask in pressures])
+    levels = MidsideSchur(layout.comm, BLOCKS_PREFIX, blocks, flags, layout.first)
+    return [levels, DirectSolver(layout.comm, FACTORS_PREFIX)] if slow_by_factors else [levels]
 
 
 def _by_blocks(
@@ -296,7 +325,7 @@ def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
     """Return groups of bodies that are tied to each other and have unknowns of one kind."""
     number = {name: b for b, name in enumerate(bodies.names)}
-    sizes = bodies.layout.block_sizes
+    sizes = bodies.layout.block_sizes[: len(bodies.parts)]
     ties = [
         (number[c.secondary], number[c.primary])
         for c in contacts

@@ -75,3 +75,27 @@ def test_a_plate_bends_by_its_temperature_without_stress(comm, model):
     assert deflection(comm, made, 0.0) == pytest.approx(exact, rel=1e-6)
     hindered = YOUNG * EXPANSION * DIFFERENCE
     assert np.abs(stresses(comm, made, "casting")[:, :2]).max() < 1e-6 * hindered
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("poisson", [POISSON, 0.4999])
+def test_two_levels_take_as_many_iterations_on_finer_meshes(comm, poisson):
+    """Of beams with one and three cells across, nearly incompressible ones too."""
+    taken = []
+    for size in (0.01, 0.01 / 3):
+        mesh = generated(comm, "3d", "slab", ["casting"], length=0.03, width=0.01, depth=0.01,
+                         size=size)  # fmt: skip
+        found = []
+        for linear in ("iterative", "direct"):
+            described = body(
+                elastic(YOUNG, poisson), formulation="taylor-hood",
+                loads=(pulled("far", 0.0, 1e5, 0.0),),
+            )  # fmt: skip
+            held = {"casting": [fixed("wall", "all")]}
+            made = problem(mesh, {"casting": described}, held, linear=linear, tolerance=1e-6)
+            solves = made.equilibrium.solve(0.0).linear_solves
+            found.append(everywhere(comm, motion(made, "casting"))[:, :3])
+            if linear == "iterative":
+                taken.append(max(solves))
+        assert np.abs(found[0] - found[1]).max() < 1e-6 * np.abs(found[1]).max()
+    assert 5 < taken[1] < 40 and abs(taken[1] - taken[0]) <= 10

@@ -17,7 +17,7 @@ from castx.mechanics.constitutive.law import Law
 from castx.mechanics.q1p0 import Q1P0Formulation
 from castx.solvers.inner.options import FACTORS
 from tests.contact_methods import AT_ONCE
-from tests.elastic_bodies import blocks, body, elastic, fixed, problem, pushed
+from tests.elastic_bodies import blocks, body, elastic, fixed, generated, problem, pushed
 from tests.small_contact import SOFT, STIFF
 
 pytestmark = pytest.mark.serial
@@ -46,6 +46,22 @@ def test_large_problems_are_solved_by_multigrid(comm, monkeypatch):
     monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
     made = pressed(comm, Contact("upper", "base"), linear="automatic")
     assert max(made.equilibrium.solve(0.0).linear_solves) > 1
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_large_quadratic_bodies_in_space_are_solved_on_two_levels(comm, monkeypatch, melts):
+    """Those that may be liquid keep factors, and all have them in the plane."""
+    monkeypatch.setattr(building, "LARGEST_DIRECT_QUADRATIC", 10)
+    monkeypatch.setattr(BodyMechanics, "is_compressible", not melts)
+    iterations = []
+    for model in ("3d", "plane-strain"):
+        mesh = generated(comm, model, "slab", ["casting"], length=0.02, width=0.01, size=0.01,
+                         **({"depth": 0.01} if model == "3d" else {}))  # fmt: skip
+        wall = body(elastic(*SOFT), formulation="taylor-hood", loads=(pushed("far", 1e6),))
+        held = {"casting": [fixed("wall", "all")]}
+        made = problem(mesh, {"casting": wall}, held, linear="automatic", tolerance=1e-6)
+        iterations.append(max(made.equilibrium.solve(0.0).linear_solves))
+    assert (iterations[0] > 1) != melts and iterations[1] == 1
 
 
 def test_open_pairs_are_taken_apart_where_set_ups_are_rare(comm, monkeypatch):
