@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from castx.solvers.inner.midside_schur import MidsideSchur
 from castx.solvers.inner.nest import Block
@@ -15,6 +16,7 @@ LOCAL = NODES + MIDSIDES
 PREFIX = "castx_test_midsides_"
 
 
+@pytest.mark.ranks
 def test_one_application_condenses_the_mid_sides(comm):
     """u_m = D⁻¹ r_m, S u_n = r_n − B u_m, and again u_m = D⁻¹ (r_m − Bᵀ u_n)."""
     size, rng = LOCAL * comm.size, np.random.default_rng(3)
