@@ -189,12 +189,13 @@ def _build_equilibrium(
 def largest_direct(bodies: DeformableBodies) -> int:
     """Return the number of unknowns up to which "automatic" solves directly."""
     dimension = bodies.parts[0].mesh.mesh.topology.dim
-    if dimension == 3 and any(part.material.law.is_granular for part in bodies.parts):
-        return LARGEST_DIRECT_GRAINS
+    grains = any(part.material.law.is_granular for part in bodies.parts)
     quadratic = any(isinstance(part.formulation, TaylorHoodFormulation) for part in bodies.parts)
     if dimension == 3 and quadratic:
         melts = not all(part.is_compressible for part in bodies.parts)
-        return LARGEST_FLOWING if melts else LARGEST_DIRECT_QUADRATIC
+        return LARGEST_FLOWING if melts or grains else LARGEST_DIRECT_QUADRATIC
+    if dimension == 3 and grains:
+        return LARGEST_DIRECT_GRAINS
     q1p0 = any(isinstance(part.formulation, Q1P0Formulation) for part in bodies.parts)
     return LARGEST_DIRECT_Q1P0 if q1p0 and dimension == 3 else LARGEST_DIRECT[dimension]
 
