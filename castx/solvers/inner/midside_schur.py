@@ -103,7 +103,7 @@ class MidsideSchur:
         )
 
     def _condense(self, A: PETSc.Mat, B: PETSc.Mat, Bt: PETSc.Mat, Am: PETSc.Mat) -> None:
-        """Subtract what the mid-sides take of the stiffness of the nodes from A."""
+        """Subtract from A the stiffness that the nodes lose by their mid-sides."""
         inverse, scaled = Am.getDiagonal(), Bt.copy()
         inverse.reciprocal()
         scaled.diagonalScale(inverse, None)
