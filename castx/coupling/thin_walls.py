@@ -11,7 +11,7 @@ from castx.case.case import Case
 from castx.coupling.building import formulation_of
 from castx.domain.mesh import CastingMesh
 from castx.domain.walls import Walls
-from castx.foundry.bending import ENOUGH, ThinWalls, bending_error, left_error
+from castx.foundry.bending import ENOUGH, ThinWalls, bending_error, freezing_error
 from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 
@@ -88,13 +88,13 @@ def _of_body(
     error, fine = (bending_error(formulation, kind[0], count) for count in (across, ENOUGH))
     if error is None or abs(error) <= SMALL_ERROR:
         error = fine = None
-    left, left_if_fine = (
-        left_error(formulation, count) if freezes else None for count in (across, ENOUGH)
+    freezing, freezing_if_fine = (
+        freezing_error(formulation, count) if freezes else None for count in (across, ENOUGH)
     )
-    if error is None and left is None:
+    if error is None and freezing is None:
         return None
     low, high = (walls.quantile(walls.thickness, share, few) for share in (0.1, 0.9))
     return ThinWalls(
-        body, kind[1], formulation, one, two, all_few, low, high, across, error, fine, left,
-        left_if_fine,
+        body, kind[1], formulation, one, two, all_few, low, high, across, error, fine, freezing,
+        freezing_if_fine,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How far off walls with few cells across them are: in bending, and in what freezing leaves there.
+"""How far off walls with few cells across are: in bending, and in stress and shape once frozen.
 
 Cells of low order cannot bend: a wall with one or two across deflects too little, or too much with
 reduced dilatation. `BENDING` has the error of the tip of a cantilever, 20 times as long as thick,
@@ -8,9 +8,10 @@ with the same number of cells across are up to a third better).
 
 A wall that cools from both sides is hotter inside by a parabola, which freezing turns into stress.
 One quadratic cell with a linear pressure holds 4 (tetrahedra) to 11 % (triangles) of this stress in
-an elastic plate, two hold 94 %; one linear temperature has no parabola at all. `LEFT` has the root
-mean square of the error of the residual stress from place to place, over that of the stress, and
-the largest error of a bow or a lean, of plates of 3 and 6 mm and boxes of 3 mm of AlSi7Mg in dies.
+an elastic plate, two hold 94 %; one linear temperature has no parabola at all. `FREEZING` has two
+errors of plates of 3 and 6 mm and boxes of 3 mm, of AlSi7Mg in dies: that of the residual stress
+from place to place, root mean square over root mean square, about the middle of what was measured,
+and the largest one of a bow or a lean.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ BENDING: Mapping[tuple[str, str], tuple[float, float, float, float]] = {
     ("displacement", "hexahedron"): (-0.37, -0.13, -0.04, -0.01),
 }
 """Error of a deflection with these cells, by formulation and kind of cells."""
-LEFT: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+FREEZING: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "mixed": ((1.05, 0.7, 0.45), (0.5, 0.15, 0.1)),
     "taylor-hood": ((0.6, 0.5, 0.2), (0.5, 0.2, 0.05)),
 }
@@ -60,9 +61,9 @@ class ThinWalls:
         across: cells in the middle one of these walls.
         error: of its deflection; None: its cells bend well.
         error_if_fine: with four cells across.
-        left: what freezing leaves in it is off by, residual stress from place to place over its
-            root mean square, and distortion at most; None: it does not freeze, or not measured.
-        left_if_fine: with four cells across.
+        freezing_error: of its residual stress from place to place, over the root mean square, and
+            of its distortion at most; None: it does not freeze, or not measured.
+        freezing_error_if_fine: with four cells across.
     """
 
     body: str
@@ -76,8 +77,8 @@ class ThinWalls:
     across: float
     error: float | None
     error_if_fine: float | None
-    left: tuple[float, float] | None = None
-    left_if_fine: tuple[float, float] | None = None
+    freezing_error: tuple[float, float] | None = None
+    freezing_error_if_fine: tuple[float, float] | None = None
 
     @property
     def size(self) -> float:
@@ -87,27 +88,27 @@ class ThinWalls:
     @property
     def text(self) -> str:
         """Where the walls are, what is off there, and the cure."""
-        off = "; ".join(text for text in (self._bending, self._left) if text)
-        cured = " and ".join(text for text in (self._bending_if_fine, self._left_if_fine) if text)
-        return f"{self._place}: {off}; {self._cure} make {cured} of it"
+        off = "; ".join(text for text in (self._bending, self._freezing) if text)
+        fine = ", ".join(text for text in (self._bending_if_fine, self._freezing_if_fine) if text)
+        return f"{self._place}: {off}; {self._cure} {fine}"
 
     @property
     def bending_text(self) -> str:
         """Where the walls are, how far their deflection is off, and the cure."""
-        return f"{self._place}: {self._bending}; {self._cure} make {self._bending_if_fine} of it"
+        return f"{self._place}: {self._bending}; {self._cure} {self._bending_if_fine}"
 
     @property
-    def left_text(self) -> str:
-        """Where the walls are, how far off what freezing leaves in them is, and the cure."""
-        return f"{self._place}: {self._left}; {self._cure} make {self._left_if_fine} of it"
+    def freezing_text(self) -> str:
+        """Where the walls are, how far off their residual stress and distortion are; the cure."""
+        return f"{self._place}: {self._freezing}; {self._cure} {self._freezing_if_fine}"
 
     @property
     def _bending_if_fine(self) -> str:
         return "" if self.error_if_fine is None else _percent(abs(self.error_if_fine))
 
     @property
-    def _left_if_fine(self) -> str:
-        known = self.left_if_fine
+    def _freezing_if_fine(self) -> str:
+        known = self.freezing_error_if_fine
         return "" if known is None else " and ".join(_percent(error) for error in known)
 
     @property
@@ -135,21 +136,21 @@ class ThinWalls:
         )
 
     @property
-    def _left(self) -> str:
-        """How far off what freezing leaves is; empty: nothing, or not measured."""
-        if self.left is None:
+    def _freezing(self) -> str:
+        """How far residual stress and distortion are off; empty: no freezing, or not measured."""
+        if self.freezing_error is None:
             return ""
-        stress, distortion = map(_percent, self.left)
+        stress, distortion = map(_percent, self.freezing_error)
         what = "they" if self.error is not None else self._kind
         return (
-            f"{what} do not hold the temperature across a wall that freezes: residual stress is "
-            f"about {stress} of its root mean square off from place to place, and a distortion "
-            f"that comes from that up to {distortion} (measured on walls of 3 and 6 mm in dies)"
+            f"{what} do not resolve the temperature across a wall that freezes: residual stress is "
+            f"about {stress} of its root mean square off from place to place, and the distortion "
+            f"by it up to {distortion} (measured on walls of 3 and 6 mm in dies)"
         )
 
     @property
     def _cure(self) -> str:
-        return f"cells of {1e3 * self.size:.2g} mm there, 4 across,"
+        return f"cells of {1e3 * self.size:.2g} mm there, 4 across, reduce this to"
 
 
 def bending_error(formulation: str, cell: str, across: float) -> float | None:
@@ -166,14 +167,14 @@ def bending_error(formulation: str, cell: str, across: float) -> float | None:
     return float(np.interp(np.log2(max(across, 1.0)), np.log2(COUNTED), known))
 
 
-def left_error(formulation: str, across: float) -> tuple[float, float] | None:
+def freezing_error(formulation: str, across: float) -> tuple[float, float] | None:
     """Return the errors of residual stress and distortion of a wall that freezes; None: unknown.
 
     Args:
         formulation: of the body.
         across: how many cells lie across the wall.
     """
-    known = LEFT.get(formulation)
+    known = FREEZING.get(formulation)
     if known is None:
         return None
     counted = np.log2(COUNTED[: len(known[0])])

@@ -24,7 +24,7 @@ from ufl import SpatialCoordinate
 
 from castx.arrays import FloatArray
 from castx.domain.source import gmsh_session
-from castx.foundry.bending import left_error
+from castx.foundry.bending import freezing_error
 from castx.meshes.model import everything_else, fill_model, plane
 from castx.meshes.structured import grid
 from tests.coupled_cases import final_state
@@ -128,6 +128,6 @@ def test_the_error_from_place_to_place_is_what_is_told(comm, shared_tmp_path):
     for formulation, across in (("taylor-hood", 1), ("taylor-hood", 4), ("mixed", 1)):
         places, own, weights = cold_stress(comm, shared_tmp_path, formulation, across)
         near = stress[cKDTree(fine).query(places, k=3)[1]].mean(axis=1)
-        told = left_error(formulation, across)
+        told = freezing_error(formulation, across)
         assert told is not None
         assert root_mean_square(own - near, weights) / size == pytest.approx(told[0], rel=0.3)

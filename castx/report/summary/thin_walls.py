@@ -22,9 +22,9 @@ def thin_walls(run: Results) -> Iterator[Finding]:
                 f"Estimated error of the deflection: {walls.bending_text}.", factor=100.0,
                 of_mesh=True,
             )  # fmt: skip
-        if walls.left is not None:
+        if walls.freezing_error is not None:
             yield Finding(
-                "Residual stress of thin walls", body, walls.left[0], "%",
-                f"Estimated error from place to place: {walls.left_text}.", factor=100.0,
+                "Residual stress of thin walls", body, walls.freezing_error[0], "%",
+                f"Estimated error from place to place: {walls.freezing_text}.", factor=100.0,
                 of_mesh=True,
             )  # fmt: skip

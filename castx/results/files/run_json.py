@@ -71,8 +71,8 @@ class _ThinWalls(_Strict):
     across: float = 0.0
     error: float | None = None
     error_if_fine: float | None = None
-    left: list[float] | None = None
-    left_if_fine: list[float] | None = None
+    freezing_error: list[float] | None = None
+    freezing_error_if_fine: list[float] | None = None
 
 
 class _Body(_Strict):

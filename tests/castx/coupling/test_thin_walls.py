@@ -125,7 +125,7 @@ def test_walls_are_told_with_their_error_and_the_cure(comm):
         found.text
     )
     assert "triangles (mixed) bend there about 31 % too little" in found.text
-    assert "cells of 0.5 mm there, 4 across, make 10 % of it" in found.text
+    assert "cells of 0.5 mm there, 4 across, reduce this to 10 %" in found.text
     assert thin_wall_records(case, mesh)["upper"]["error"] == found.error
 
 
@@ -181,16 +181,16 @@ def poured(formulation: str, **changes) -> dict:
 
 @pytest.mark.serial
 @pytest.mark.parametrize(
-    ("formulation", "error", "left"),
+    ("formulation", "error", "freezing"),
     [("taylor-hood", None, (0.5, 0.2)), ("mixed", -0.31, (0.7, 0.15))],
 )
-def test_walls_that_freeze_are_told_what_freezing_leaves(comm, formulation, error, left):
+def test_walls_that_freeze_are_told_what_freezing_leaves(comm, formulation, error, freezing):
     case = read_case(poured(formulation), Path("case.toml"))
     (found,) = thin_walls(case, build_mesh(case.geometry, ["upper", "base"], comm))
-    assert found.left == pytest.approx(left, abs=0.01)
+    assert found.freezing_error == pytest.approx(freezing, abs=0.01)
     assert found.error == (None if error is None else pytest.approx(error, abs=0.01))
     assert ("bend there" in found.text) == (error is not None)
-    assert f"about {100 * left[0]:.0f} % of its root mean square off" in found.text
+    assert f"about {100 * freezing[0]:.0f} % of its root mean square off" in found.text
 
 
 @pytest.mark.serial

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.foundry.bending import BENDING, LEFT, ThinWalls, bending_error, left_error
+from castx.foundry.bending import BENDING, FREEZING, ThinWalls, bending_error, freezing_error
 
 pytestmark = pytest.mark.serial
 
@@ -16,25 +16,25 @@ def test_between_the_counts_errors_go_by_the_logarithm():
 
 
 def test_what_freezing_leaves_goes_by_the_logarithm_too():
-    stress, distortion = LEFT["taylor-hood"]
-    assert left_error("taylor-hood", 1.0) == (stress[0], distortion[0])
-    assert left_error("taylor-hood", np.sqrt(2.0)) == pytest.approx((0.55, 0.35))
-    assert left_error("taylor-hood", 9.0) == (stress[-1], distortion[-1])
-    assert left_error("q1p0", 1.0) is None
+    stress, distortion = FREEZING["taylor-hood"]
+    assert freezing_error("taylor-hood", 1.0) == (stress[0], distortion[0])
+    assert freezing_error("taylor-hood", np.sqrt(2.0)) == pytest.approx((0.55, 0.35))
+    assert freezing_error("taylor-hood", 9.0) == (stress[-1], distortion[-1])
+    assert freezing_error("q1p0", 1.0) is None
 
 
 def test_cells_that_bend_well_are_told_what_freezing_leaves():
     walls = ThinWalls(
         body="box", cells="triangles", formulation="taylor-hood", one=0.9, two=0.9, few=0.9,
-        thinnest=3e-3, thickest=3e-3, across=1.0, error=None, error_if_fine=None, left=(0.6, 0.5),
-        left_if_fine=(0.2, 0.05),
+        thinnest=3e-3, thickest=3e-3, across=1.0, error=None, error_if_fine=None,
+        freezing_error=(0.6, 0.5), freezing_error_if_fine=(0.2, 0.05),
     )  # fmt: skip
-    assert walls.text == walls.left_text
+    assert walls.text == walls.freezing_text
     for part in (
         "box has walls of 3 mm with few cells across (of its surface 90 % with 1): triangles ",
-        "(taylor-hood) do not hold the temperature across a wall that freezes: residual stress is ",
-        "about 60 % of its root mean square off from place to place, and a distortion that comes ",
-        "from that up to 50 % (measured on walls of 3 and 6 mm in dies); ",
-        "cells of 0.75 mm there, 4 across, make 20 % and 5 % of it",
+        "(taylor-hood) do not resolve the temperature across a wall that freezes: ",
+        "residual stress is about 60 % of its root mean square off from place to place, and the ",
+        "distortion by it up to 50 % (measured on walls of 3 and 6 mm in dies); ",
+        "cells of 0.75 mm there, 4 across, reduce this to 20 % and 5 %",
     ):
         assert part in walls.text

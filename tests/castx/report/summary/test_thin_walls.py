@@ -30,17 +30,23 @@ def test_the_error_of_bending_stands_among_the_findings():
         "Estimated error of the deflection: lid has walls of 2 to 3 mm with few cells across (of "
         "its surface 40 % with 2, 10 % with 3): triangles (mixed) bend there about 31 % too "
         "little, and distortion and stress of bending are off by as much; cells of 0.5 mm there, 4 "
-        "across, make 10 % of it."
+        "across, reduce this to 10 %."
     )
 
 
 def test_what_freezing_leaves_is_a_finding_of_its_own():
-    box = replace(LID, error=None, error_if_fine=None, left=(0.5, 0.2), left_if_fine=(0.2, 0.05))
+    box = replace(
+        LID,
+        error=None,
+        error_if_fine=None,
+        freezing_error=(0.5, 0.2),
+        freezing_error_if_fine=(0.2, 0.05),
+    )
     (found,) = thin_walls(
         run(record=run().record | {"bodies": {"lid": {"thin_walls": asdict(box)}}})
     )
     assert (found.name, found.number) == ("Residual stress of thin walls: lid", "50 %")
-    assert "a distortion that comes from that up to 20 %" in found.sentence
+    assert "the distortion by it up to 20 %" in found.sentence
     both = replace(box, error=-0.31, error_if_fine=-0.10)
     record = run().record | {"bodies": {"lid": {"thin_walls": asdict(both)}}}
     bending, freezing = thin_walls(run(record=record))
