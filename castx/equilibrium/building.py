@@ -60,9 +60,10 @@ LARGEST_DIRECT_QUADRATIC = 20_000
 """The same in space with quadratic displacements of bodies that never melt: of an elastic beam of
 44,500 unknowns factors cost 2.4 times as much as two levels and multigrid."""
 LARGEST_FLOWING = 200_000
-"""Unknowns of a body that flows or may be liquid up to which it gets factors beside the multigrid
-of the others, once multigrid is slow: shells that freeze and yield cost it iterations by the
-hundred."""
+"""Unknowns of a body that flows, yields as grains or may be liquid up to which it gets factors
+beside the multigrid of the others, once multigrid is slow: shells that freeze and yield cost it
+iterations by the hundred. With quadratic bodies, those of all up to which "automatic" solves
+directly where one of them yields as grains or may be liquid."""
 
 
 @dataclass(frozen=True)
@@ -228,8 +229,8 @@ def _inner_solvers(
 ) -> list[InnerSolver]:
     """Return the solvers of all bodies: factors, or multigrid.
 
-    With `by_body` follow, for where multigrid is slow, factors for the bodies that flow or may
-    be liquid.
+    With `by_body` follow, for where multigrid is slow, factors for the bodies that flow, yield as
+    grains or may be liquid; with mid-sides those of all bodies.
     """
     comm, pairs = bodies.layout.comm, balance.contact.normal
     multipliers = isinstance(pairs, MultiplierContact)
@@ -257,9 +258,9 @@ def _inner_solvers(
 
 
 def _with_midsides(
-    bodies: DeformableBodies, blocks: Sequence[Block], slow_by_factors: bool
+    bodies: DeformableBodies, blocks: Sequence[Block], with_factors: bool
 ) -> list[InnerSolver]:
-    """Return the solvers of bodies with mid-sides: two levels, and factors where these are slow."""
+    """Return the solvers of bodies with mid-sides: two levels, then factors if they are slow."""
     layout = bodies.layout
     pressures = [np.zeros((part.owned_nodes, part.block_size), dtype=bool) for part in bodies.parts]
     for part, mask in zip(bodies.parts, pressures, strict=True):
@@ -267,7 +268,7 @@ def _with_midsides(
             mask[:, part.unknowns.pressure_component] = True
     flags = np.concatenate([mask.ravel() for mask in pressures])
     levels = MidsideSchur(layout.comm, BLOCKS_PREFIX, blocks, flags, layout.first)
-    return [levels, DirectSolver(layout.comm, FACTORS_PREFIX)] if slow_by_factors else [levels]
+    return [levels, DirectSolver(layout.comm, FACTORS_PREFIX)] if with_factors else [levels]
 
 
 def _by_blocks(

@@ -2,5 +2,5 @@
 
 Public: `direct.DirectSolver`, `nest.Block`, `nest.Blocks`, `sweep.BlockSweep`,
 `block_solver.BlockSolver`, `stiff_part.StiffPart`, `uncoupled.Uncoupled`, `arrow_schur.ArrowSchur`,
-`options.solves_directly`, `entries.diagonal`.
+`midside_schur.MidsideSchur`, `options.solves_directly`, `entries.diagonal`.
 """

@@ -8,7 +8,8 @@ that two levels are enough: with unknowns n of the nodes and m of the mid-sides,
     [ Bᵀ   A_m ] [ u_m ],     S = A_n − ω B D⁻¹ Bᵀ,     D the diagonal of A_m,
 
 one application is u_m = G r_m, then a sweep of multigrid over the bodies for
-S u_n = r_n − B u_m, then u_m = G (r_m − Bᵀ u_n), with G two sweeps of Gauss-Seidel on A_m.
+S u_n = r_n − B u_m, then u_m = G (r_m − Bᵀ u_n), with G two symmetric sweeps of Gauss-Seidel on the
+A_m of each rank.
 
 D⁻¹ is more than A_m⁻¹ where bubbles move together: with all of it S would be indefinite. What
 bubbles take of the pressures keeps linear ones stable beside linear displacements, and multigrid
@@ -36,7 +37,7 @@ OF_MOTIONS, OF_PRESSURES = 0.5, 4.0
 """ω of displacements, and of pressures with each other."""
 
 SMOOTHINGS = 2
-"""Sweeps of Gauss-Seidel over the mid-sides, before the nodes and behind them."""
+"""Symmetric sweeps of Gauss-Seidel over the mid-sides, before the nodes and behind them."""
 
 
 class MidsideSchur:
@@ -82,6 +83,8 @@ class MidsideSchur:
         nodes, midsides = self._index_sets(matrix)
         A, B = (matrix.createSubMatrix(nodes, column) for column in (nodes, midsides))
         Bt, Am = (matrix.createSubMatrix(midsides, column) for column in (nodes, midsides))
+        for rows in (nodes, midsides):
+            rows.destroy()
         self._condense(A, B, Bt, Am)
         self._sweep.set_up(A, constrained[: self._nodes], anew)
         self._smoother.setOperators(Am)

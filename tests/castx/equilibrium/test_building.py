@@ -15,6 +15,7 @@ from castx.materials.lookup import find_material
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.q1p0 import Q1P0Formulation
+from castx.mechanics.taylor_hood import TaylorHoodFormulation
 from castx.solvers.inner.options import FACTORS
 from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import blocks, body, elastic, fixed, generated, problem, pushed
@@ -50,8 +51,9 @@ def test_large_problems_are_solved_by_multigrid(comm, monkeypatch):
 
 @pytest.mark.parametrize("melts", [False, True])
 def test_large_quadratic_bodies_in_space_are_solved_on_two_levels(comm, monkeypatch, melts):
-    """Those that may be liquid keep factors, and all have them in the plane."""
+    """Those that may be liquid keep factors, as all do in the plane, whatever their size."""
     monkeypatch.setattr(building, "LARGEST_DIRECT_QUADRATIC", 10)
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
     monkeypatch.setattr(BodyMechanics, "is_compressible", not melts)
     iterations = []
     for model in ("3d", "plane-strain"):
@@ -120,13 +122,13 @@ def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm,
     assert chosen() == [by_multigrid]
 
 
-def test_in_space_factors_pay_for_small_problems_for_q1p0_and_for_sand():
+def test_in_space_factors_pay_for_small_problems_q1p0_sand_and_quadratic_bodies():
     def largest(dimension, *formulations, law="thermo-elastic"):
         mesh = SimpleNamespace(mesh=SimpleNamespace(topology=SimpleNamespace(dim=dimension)))
         laws = [law, *["thermo-elastic"] * len(formulations[1:])]
         parts = [
             SimpleNamespace(
-                mesh=mesh, formulation=made,
+                mesh=mesh, formulation=made, is_compressible=True,
                 material=SimpleNamespace(law=Law(find_material("sand-silica"), 20.0, name)),
             )
             for made, name in zip(formulations, laws, strict=True)
@@ -139,6 +141,9 @@ def test_in_space_factors_pay_for_small_problems_for_q1p0_and_for_sand():
     sand = "drucker-prager"
     assert largest(3, None, None, law=sand) == largest(3, None, q1p0, law=sand) == 15_000
     assert largest(2, None, None, law=sand) == largest(2, None, None)
+    quadratic = object.__new__(TaylorHoodFormulation)
+    assert largest(3, None, quadratic) == 20_000
+    assert largest(3, None, quadratic, law=sand) == 200_000
 
 
 @pytest.mark.parametrize("method", BY_BLOCKS)
