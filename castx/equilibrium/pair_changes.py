@@ -204,7 +204,7 @@ class PairChanges:
     def shorten_overlap(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:
         """End a step to x − y of metal that flows where open pairs pass through each other.
 
-        Where sets of pairs return it is left as it is: they are judged by solutions.
+        Where sets of pairs return, the step stays as it is: they are judged by solutions.
 
         Returns:
             Whether y has changed.

@@ -132,8 +132,8 @@ class Material:
     def fed_until(self) -> float:
         """Solid fraction up to which liquid feeds what shrinks; zero without a liquid.
 
-        That is coherency in an alloy. At a front without a mush that bears liquid feeds all of it:
-        in a metal that freezes at one temperature, and on a plateau with coherency, to its end.
+        It is coherency in an alloy. A front is fed wholly where no mush ahead of it bears: in a
+        metal that freezes at one temperature, and on a plateau that contains coherency, to its end.
         """
         if self.liquid is None:
             return 0.0

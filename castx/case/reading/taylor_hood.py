@@ -42,5 +42,5 @@ def taylor_hood_problems(case: Case) -> Iterator[Problem]:
             text = "a body with the formulation 'taylor-hood' takes a force, not a stiffness"
             yield Problem(("boundaries", index, "clamp", "stiffness"), text)
     if case.solver.linear == "iterative":
-        text = f"{quadratic[0]!r} has the formulation 'taylor-hood', solved as suits its size"
+        text = f"{quadratic[0]!r} has the formulation 'taylor-hood', whose solver is chosen by size"
         yield Problem(("solver", "linear"), f'{text}; use "direct" or leave it out')

@@ -198,9 +198,9 @@ class ActiveSet:
     def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
         """Let closed pairs be pulled until the next call.
 
-        What lets go in the first pass of a step is held anew by the second one if it bears that
-        pull by then; later, a pair lets go once. To hold all of it anew would let the skin go ring
-        by ring once more.
+        A pair that lets go in the first pass of a step is held anew by the second one if it bears
+        that pull by then; later, pairs let go once. If all were held anew, the skin would let go
+        ring by ring once more.
 
         Args:
             pulls: largest pulls of the pairs [N], shape (pairs,).

@@ -137,7 +137,7 @@ def new_case(
     """Return the data of a new case, found by a coarse mesh of a CAD file.
 
     Args:
-        cad_file: with solids; a lone one gets a mould.
+        cad_file: with solids; a lone one gets a mould, and so does a casting that lies bare.
         target: the case file to which its path is relative.
         wanted: process and mould.
         say: gets lines about what goes on.
@@ -159,7 +159,7 @@ def new_case(
     if wanted.split is not None or wanted.open_top:
         names = ", ".join(name for name, _ in drawn.bodies)
         raise CaseError(
-            "--split and --top are of the mould that is made round solids that have none; "
+            "--split and --top act on a mould that castx new makes, where a file has none; "
             f"{cad_file} has the bodies {names}"
         )
     return drawn
@@ -210,10 +210,10 @@ def _margin(extent: float, wanted: Wanted) -> float:
 
 
 def _mould(box: Box, margin: float, wanted: Wanted) -> tuple[Mould, str]:
-    """Return the mould round a lone solid, and its line in the case file.
+    """Return the mould round the solids, and its line in the case file.
 
     Args:
-        box: of the solid [m].
+        box: of the solids [m].
         margin: of the block [m].
         wanted: planes and top.
     """

@@ -1,4 +1,4 @@
-"""Limit of what moves freely in one Newton step: the first contact.
+"""Limit of free motions in one Newton step: the first contact.
 
 Weak springs let a body that has lost its contact swing by metres before they balance its weight,
 and the end of a casting swings as far about a neck of mush. Everything on the way would then close
@@ -70,13 +70,13 @@ class FirstContact:
     def stop_overlap(self, x: PETSc.Vec, y: PETSc.Vec, open_pairs: BoolArray, depth: float) -> bool:
         """Shorten a step to x − y that takes open pairs through each other; collective.
 
-        Pairs that overlap where it starts may do so by as much again, so that no step ends at once.
+        Pairs that overlap at its start may do so by this much more, so that no step ends at once.
 
         Args:
             x: unknowns at which the step starts.
             y: the step.
             open_pairs: those that close when they penetrate, shape (pairs,).
-            depth: penetration that is left to it [m].
+            depth: penetration at which it ends [m].
 
         Returns:
             Whether it has changed.

@@ -29,7 +29,7 @@ What melts takes its stress away with it.
 
 A plateau of an alloy, freezing at one temperature, passes through a node as a front: the share
 rises there from w_a ahead of it to w_b behind it in no length, while the mean w of the node creeps
-from one to the other. What its solidification contracts does so at (w_a + w_b)/2 throughout.
+from one to the other. Its solidification contracts the solid at (w_a + w_b)/2 throughout.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ def growth(
             times.
         frozen: c of the nodes as they become solid, shape (nodes,).
         isothermal: whether the metal freezes at one temperature.
-        fronts: what of an alloy freezes at one temperature and contracts the skeleton by that.
+        fronts: plateaus of an alloy whose solidification contracts the skeleton.
     """
     phases = [
         phase
@@ -193,22 +193,22 @@ def growth(
 
 
 class PlateauFront(NamedTuple):
-    """Metal of an alloy that freezes at one temperature, without a length.
+    """Part of an alloy that freezes at one temperature, behind a front without a length.
 
     It contracts while it passes from w_a to w_b, so that ∫ w dc = Δc (w_a + w_b)/2.
 
     Attributes:
         begin: w_a, ahead of it.
         end: w_b, behind it.
-        contraction: dc/dw of what freezes.
+        contraction: dc/dw between them.
     """
 
     begin: float
     end: float
     contraction: float
 
-    def beside_means(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return ∫ w dc of the front beside that by the mean share of the nodes, shape (nodes,).
+    def beyond_mean(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """Return ∫ w dc of the front less that at the mean share of the nodes, shape (nodes,).
 
         Args:
             before: w of the nodes, shape (nodes,).
@@ -223,7 +223,7 @@ class _Phase(NamedTuple):
     """Contraction of one kind of metal between two states, each of shape (nodes,).
 
     Attributes:
-        amount: ∫ w dc, of what does so.
+        amount: ∫ w dc of this metal.
         strained: w of the nodes meanwhile.
     """
 
@@ -249,7 +249,7 @@ def _phases(
     behind = _share_behind_a_front(before.share, after.share) if isothermal else mean
     mush = mean * (ended - begun)
     for front in fronts:
-        mush += front.beside_means(before.share, after.share)
+        mush += front.beyond_mean(before.share, after.share)
     return (
         _Phase(most * np.where(solid, cooled, 0.0), behind),
         _Phase(mush, mean),

@@ -82,7 +82,7 @@ STAND_INS = {
 }  # fmt: skip
 """Fields that are shown where others were not written."""
 LEAST_SHOWN = 1e-3
-"""Part of the range of colours below which the number at an end is none."""
+"""Part of the range of colours below which the number at an end is shown as zero."""
 INNER = 0.35
 """Part of the extent of the castings, either way from their middle, within which a cut runs."""
 BEFORE = 2e-3
@@ -261,8 +261,8 @@ def view_and_factor(
 def _through(y: float, castings: Sequence[pyvista.UnstructuredGrid]) -> float:
     """Return the y of a cut at a place, or the nearest that shows enough of the castings.
 
-    It runs a little before the place, which may lie on a face along the cut: of that, crumbs of
-    cells would be left.
+    It runs a little before the place, which may lie on a face along the cut: a cut in that face
+    would leave crumbs of cells.
     """
     low, high = (corner[1] for corner in merged([box(grid) for grid in castings]))
     middle, half = 0.5 * (low + high), INNER * (high - low)

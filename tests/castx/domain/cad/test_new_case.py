@@ -206,7 +206,7 @@ def test_a_mould_parts_at_a_round_number(tmp_path, monkeypatch, low, high, place
     "wanted, text",
     [
         (Wanted(alloy="AlSi7Mg"), "--alloy and --mould need --process"),
-        (Wanted(split="z"), r"--split and --top are of the mould .* bodies casting, die"),
+        (Wanted(split="z"), r"--split and --top act on a mould .* bodies casting, die"),
     ],
 )
 def test_what_does_not_go_together_is_refused(tmp_path, wanted, text):

@@ -137,3 +137,5 @@ def test_a_step_ends_where_open_pairs_overlap_on_all_ranks(comm, gap, share):
     assert limit.stop_overlap(x, y, may, 0.05) == (share < 1.0)
     np.testing.assert_allclose(y.array_r, [share, 3.0 * share])
     assert not limit.stop_overlap(x, y, ~may, 0.0)
+    for vector in (x, y):
+        vector.destroy()
