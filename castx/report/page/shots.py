@@ -252,7 +252,9 @@ def view_and_factor(
         view = View.of(run.model, both, castings=castings)
     coloured = [state[name] for name in shown.bodies if name in state]
     if view.cut is not None and place is not None and castings:
-        view = replace(view, cut=_through(place[1], castings))
+        drawn = [deformed(grid, factor) for grid in castings]
+        y = float(moved_place(state, shown.bodies, place, factor)[1])
+        view = replace(view, cut=_through(y, drawn))
     if shown.outside and place is not None and coloured and view.direction is not None:
         view = replace(view, direction=_facing(view.direction, coloured[0], place))
     return replace(view, pixels=PIXELS), factor

@@ -135,6 +135,19 @@ def test_a_cut_goes_through_the_place_and_through_the_casting(body, y, cut):
     assert view.cut == pytest.approx(cut)
 
 
+@pytest.mark.parametrize("y, cut", [(2.5, 2.496), (1.0, 1.3)])
+def test_a_cut_moves_with_the_place_in_a_picture_with_displacements(y, cut):
+    state = blocks()
+    for grid in state.values():
+        grid["displacement"][:, 1] = 1e-3
+    run = results()
+    run.model, run.grids = "3d", lambda time=2.0: state
+    shown = Shown("von_mises", ("casting",), moved=True)
+    view, factor = view_and_factor(run, state, shown, [1.0, y, 1.0])
+    assert factor > 10.0
+    assert view.cut == pytest.approx(cut + 1e-3 * factor)
+
+
 def test_a_body_that_a_cut_takes_away_is_not_drawn():
     def beside(time=2.0):
         image = pyvista.ImageData(dimensions=(2, 2, 2), origin=(0, 0, 0), spacing=(1, 0.5, 1))
