@@ -88,8 +88,9 @@ class Skin:
         return (
             f"{skin}: early gaps up to {_percent(self._gap_error(size))} off, freezing time up to "
             f"{_percent(self._time_error(size))} (estimates); interface_size = "
-            f'"{_millimetres(self.proposal)}" would make {_percent(self._gap_error(self.proposal))}'
-            f" and {_percent(self._time_error(self.proposal))} of it"
+            f'"{_millimetres(self.proposal)}" would reduce this to '
+            f"{_percent(self._gap_error(self.proposal))} and "
+            f"{_percent(self._time_error(self.proposal))}"
         )
 
     def _gap_error(self, size: float) -> float:
