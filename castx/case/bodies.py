@@ -20,6 +20,7 @@ from castx.input.entries import (
 from castx.input.problems import Problem
 from castx.input.units import HEAT_SOURCE
 from castx.materials.description import MaterialDescription
+from castx.materials.material import Material
 from castx.tables import Table
 
 AUTOMATIC, AT_NODES, IN_CELLS = "automatic", "nodes", "cells"
@@ -92,6 +93,14 @@ class Body(Description):
         hottest = self.temperature.hottest if history is None else float(history.values.max())
         freezing = material.freezing_range
         return freezing is None or hottest < freezing[0]
+
+    def is_poured(self, material: Material) -> bool:
+        """Return whether the body starts liquid, of a material whose liquid flows.
+
+        Args:
+            material: of the body.
+        """
+        return material.liquid is not None and not self.starts_solid(material.description)
 
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield a missing initial temperature."""

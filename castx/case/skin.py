@@ -136,8 +136,7 @@ def _thickness(
     material = find_material(casting.material, case.materials)
     solidus, bounds = material.solidus, mould.temperature.bounds
     data = material.description
-    freezes = material.liquid is not None and not casting.starts_solid(data)
-    if modulus is None or solidus is None or bounds is None or not freezes:
+    if modulus is None or solidus is None or bounds is None or not casting.is_poured(material):
         return None
     if casting.law == "rigid" or data.expansion is None or data.conductivity is None:
         return None

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from castx.case.bodies import Body
 from castx.case.case import Case
 from castx.coupling.building import formulation_of
 from castx.domain.mesh import CastingMesh
@@ -36,7 +35,8 @@ def thin_walls(case: Case, mesh: CastingMesh) -> Iterator[ThinWalls]:
         kind = mesh.bodies[body.name].kind
         free = mesh.walls[body.name].free_of(_held(case, body.name))
         formulation, cells = formulation_of(mesh, body), (kind.name, kind.plural)
-        found = _of_body(free, body.name, formulation, cells, freezes=_freezes(case, body))
+        freezes = body.is_poured(find_material(body.material, case.materials))
+        found = _of_body(free, body.name, formulation, cells, freezes=freezes)
         if found is not None:
             yield found
 
@@ -60,12 +60,6 @@ def _held(case: Case, body: str) -> set[str]:
 def thin_wall_records(case: Case, mesh: CastingMesh) -> dict[str, dict[str, Any]]:
     """Return the thin walls of each body that has some, by its name, as run.json has them."""
     return {found.body: asdict(found) for found in thin_walls(case, mesh)}
-
-
-def _freezes(case: Case, body: Body) -> bool:
-    """Return whether a body is poured, so that freezing leaves stress in it."""
-    material = find_material(body.material, case.materials)
-    return material.liquid is not None and not body.starts_solid(material.description)
 
 
 def _of_body(

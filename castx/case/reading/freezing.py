@@ -28,8 +28,8 @@ def with_freezing(case: Case) -> tuple[Body, ...]:
 
 def _freezes_in_cells(case: Case, body: Body) -> bool:
     metal = find_material(body.material, case.materials)
-    if case.coupling.scheme == "thermal" or body.law == "rigid" or metal.liquid is None:
+    if case.coupling.scheme == "thermal" or body.law == "rigid":
         return False
     if metal.freezes_at_a_plateau or body.feeding == DARCY:
         return False
-    return not body.starts_solid(metal.description)
+    return body.is_poured(metal)

@@ -42,8 +42,7 @@ def fed_surfaces(case: Case) -> dict[str, FeedingSurfaces]:
     found = {}
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        liquid = material.liquid is not None and not body.starts_solid(material.description)
-        if body.law == "rigid" or not material.melts or not liquid:
+        if body.law == "rigid" or not body.is_poured(material):
             continue
         free = feeding_surfaces(case, body, named=False)
         if free.facing:

@@ -5,6 +5,8 @@ import pytest
 from castx.case.bodies import Body
 from castx.input.problems import Refusal
 from castx.materials.description import MaterialDescription
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
 
 pytestmark = pytest.mark.serial
 
@@ -49,6 +51,22 @@ def test_a_body_starts_solid_below_its_solidus(temperature, solid):
     material = MaterialDescription.read(freezing)
     assert Body.read({**BODY, **temperature}).starts_solid(material) == solid
     assert Body.read({**BODY, **temperature}).starts_solid(MaterialDescription.read({}))
+
+
+@pytest.mark.parametrize(
+    ("material", "temperature", "poured"),
+    [("AlSi7Mg", 700, True), ("AlSi7Mg", 20, False), ("sand-silica", 700, False)],
+)
+def test_a_body_is_poured_of_a_material_with_a_liquid(material, temperature, poured):
+    assert (
+        Body.read({**BODY, "temperature": temperature}).is_poured(find_material(material)) == poured
+    )
+
+
+def test_what_melts_without_a_liquid_is_not_poured():
+    freezing = {"solid_fraction": [[545, 1.0], [615, 0.0]], "latent_heat": "400 kJ/kg"}
+    metal = Material("metal", MaterialDescription.read(freezing))
+    assert metal.melts and not Body.read(BODY).is_poured(metal)
 
 
 @pytest.mark.parametrize(
