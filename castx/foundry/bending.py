@@ -16,7 +16,7 @@ and the largest one of a bow or a lean.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,17 +90,21 @@ class ThinWalls:
         """Where the walls are, what is off there, and the cure."""
         off = "; ".join(text for text in (self._bending, self._freezing) if text)
         fine = ", ".join(text for text in (self._bending_if_fine, self._freezing_if_fine) if text)
-        return f"{self._place}: {off}; {self._cure} {fine}"
+        return self._told(off, fine)
 
     @property
     def bending_text(self) -> str:
         """Where the walls are, how far their deflection is off, and the cure."""
-        return f"{self._place}: {self._bending}; {self._cure} {self._bending_if_fine}"
+        return self._told(self._bending, self._bending_if_fine)
 
     @property
     def freezing_text(self) -> str:
         """Where the walls are, how far off their residual stress and distortion are; the cure."""
-        return f"{self._place}: {self._freezing}; {self._cure} {self._freezing_if_fine}"
+        return self._told(self._freezing, self._freezing_if_fine)
+
+    def _told(self, off: str, fine: str) -> str:
+        cure = f"cells of {1e3 * self.size:.2g} mm there, 4 across, reduce this to {fine}"
+        return f"{self._place}: {off}; {cure}"
 
     @property
     def _bending_if_fine(self) -> str:
@@ -148,10 +152,6 @@ class ThinWalls:
             f"by it up to {distortion} (measured on walls of 3 and 6 mm in dies)"
         )
 
-    @property
-    def _cure(self) -> str:
-        return f"cells of {1e3 * self.size:.2g} mm there, 4 across, reduce this to"
-
 
 def bending_error(formulation: str, cell: str, across: float) -> float | None:
     """Return the error of a deflection of a wall; None: not measured.
@@ -162,9 +162,7 @@ def bending_error(formulation: str, cell: str, across: float) -> float | None:
         across: how many of them lie across the wall.
     """
     known = BENDING.get((formulation, cell))
-    if known is None:
-        return None
-    return float(np.interp(np.log2(max(across, 1.0)), np.log2(COUNTED), known))
+    return None if known is None else _between(across, known)
 
 
 def freezing_error(formulation: str, across: float) -> tuple[float, float] | None:
@@ -177,11 +175,14 @@ def freezing_error(formulation: str, across: float) -> tuple[float, float] | Non
     known = FREEZING.get(formulation)
     if known is None:
         return None
-    counted = np.log2(COUNTED[: len(known[0])])
-    stress, distortion = (
-        float(np.interp(np.log2(max(across, 1.0)), counted, errors)) for errors in known
-    )
+    stress, distortion = (_between(across, errors) for errors in known)
     return stress, distortion
+
+
+def _between(across: float, errors: Sequence[float]) -> float:
+    """Return an error between those with the first of `COUNTED` cells, by the logarithm."""
+    counted = np.log2(COUNTED[: len(errors)])
+    return float(np.interp(np.log2(max(across, 1.0)), counted, errors))
 
 
 def _percent(share: float) -> str:
