@@ -262,12 +262,9 @@ def _with_midsides(
 ) -> list[InnerSolver]:
     """Return the solvers of bodies with mid-sides: two levels, then factors if they are slow."""
     layout = bodies.layout
-    pressures = [np.zeros((part.owned_nodes, part.block_size), dtype=bool) for part in bodies.parts]
-    for part, mask in zip(bodies.parts, pressures, strict=True):
-        if part.unknowns.pressure_component is not None:
-            mask[:, part.unknowns.pressure_component] = True
-    flags = np.concatenate([mask.ravel() for mask in pressures])
-    levels = MidsideSchur(layout.comm, BLOCKS_PREFIX, blocks, flags, layout.first)
+    of_nodes = layout.local_slice(len(bodies.parts) - 1).stop
+    pressures = bodies.assembly.displacement_rows()[:of_nodes] == 0.0
+    levels = MidsideSchur(layout.comm, BLOCKS_PREFIX, blocks, pressures, layout.first)
     return [levels, DirectSolver(layout.comm, FACTORS_PREFIX)] if with_factors else [levels]
 
 
