@@ -36,18 +36,22 @@ def solid_fraction(temperature: FloatArray) -> FloatArray:
     return np.asarray(np.interp(temperature, temperatures, fractions))
 
 
+def alloy(fractions: list[list[float]], coherency: float) -> dict[str, Any]:
+    """Return the alloy that freezes by a table of solid fractions over temperatures [°C]."""
+    return {
+        "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
+        "latent_heat": LATENT, "solid_fraction": fractions, "young_modulus": 30e9,
+        "poisson_ratio": POISSON, "expansion": EXPANSION, "solidification_shrinkage": SHRINKAGE,
+        "liquid": {"viscosity": 1e4, "coherency": coherency},
+    }  # fmt: skip
+
+
 def case(mesh: str, cells: int, freezing: str) -> dict[str, Any]:
     """Return the plate with this number of cells across."""
     cooling = {"type": "convection", "coefficient": BIOT_H, "ambient": AMBIENT}
-    metal = {
-        "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
-        "latent_heat": LATENT, "solid_fraction": FRACTIONS, "young_modulus": 30e9,
-        "poisson_ratio": POISSON, "expansion": EXPANSION, "solidification_shrinkage": SHRINKAGE,
-        "liquid": {"viscosity": 1e4, "coherency": COHERENCY},
-    }  # fmt: skip
     return {
         **free_plate(*MESHES[mesh], LENGTH, cells, cooling),
-        "materials": {"metal": metal},
+        "materials": {"metal": alloy(FRACTIONS, COHERENCY)},
         "bodies": [{"name": "casting", "material": "metal", "temperature": START,
                     "law": "thermo-elastic", "freezing": freezing}],
         "time": {"end": END, "fixed_step": END / STEPS},

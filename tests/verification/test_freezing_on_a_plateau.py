@@ -29,8 +29,8 @@ from tests.verification.test_freezing_in_cells import (
     EXPANSION,
     LATENT,
     LENGTH,
-    POISSON,
     SHRINKAGE,
+    alloy,
     moduli,
     run,
 )
@@ -45,15 +45,9 @@ FINE, SUBSTEPS = 960, 40
 def case(mesh: str, cells: int, coherency: float) -> dict[str, Any]:
     """Return the plate with this number of cells across."""
     cooling = {"type": "convection", "coefficient": COOLING, "ambient": AMBIENT}
-    metal = {
-        "density": DENSITY, "heat_capacity": CAPACITY, "conductivity": CONDUCTIVITY,
-        "latent_heat": LATENT, "solid_fraction": FRACTIONS, "young_modulus": 30e9,
-        "poisson_ratio": POISSON, "expansion": EXPANSION, "solidification_shrinkage": SHRINKAGE,
-        "liquid": {"viscosity": 1e4, "coherency": coherency},
-    }  # fmt: skip
     return {
         **free_plate(*MESHES[mesh], LENGTH, cells, cooling),
-        "materials": {"metal": metal},
+        "materials": {"metal": alloy(FRACTIONS, coherency)},
         "bodies": [{"name": "casting", "material": "metal", "temperature": START,
                     "law": "thermo-elastic"}],
         "time": {"end": END, "fixed_step": END / STEPS},
