@@ -194,7 +194,7 @@ def test_cells_in_the_skin_and_coherency_are_told(comm, case_file, said):
     assert execute(["check", str(case_file), *alloy], comm) == 0
     text = said()
     assert "interface casting/mould: cells of 5 mm in the skin of casting" in text
-    assert 'interface_size = "0.67 mm" would make' in text
+    assert 'interface_size = "0.67 mm" would reduce this to' in text
     assert "casting: the mush of AlSi7Mg bears from a solid fraction (coherency) of 0.9" in text
     assert f"castx run {case_file} --sensitivity coherency" in text
     finer = ["--set", "geometry.interface_size=auto"]
