@@ -21,7 +21,6 @@ from castx.input.problems import dotted
 from castx.input.units import converted
 from castx.proof.validation.experiment import CASE, Experiment, MeasuredAnswer, missing_texts
 from castx.results.files.run_tables import RunTables
-from castx.results.states.quantities import UNITS
 from castx.studies.asked.known import changes_of_case
 from castx.studies.asked.vary import Vary
 from castx.studies.runs.curves import Band, curve_bands
@@ -30,6 +29,8 @@ from castx.studies.runs.kept import KeptRun
 from castx.studies.runs.runner import Runner, changes_as_overrides
 from castx.studies.vary import refuse_unusable, sampled
 
+WIDE = 2.0
+"""Ratio of the ends of a band from which a digit inside it proves little."""
 WITHOUT_MEASURED_CURVES = "measurements=[]"
 
 
@@ -44,6 +45,7 @@ class AnswerBand:
         highest: of all runs.
         measured: the digit; None: it is missing.
         uncertainty: of it in the unit, 0 where it is not stated.
+        unfinished: runs whose numbers the band lacks.
     """
 
     name: str
@@ -52,6 +54,7 @@ class AnswerBand:
     highest: float
     measured: float | None
     uncertainty: float
+    unfinished: int = 0
 
     @property
     def inside(self) -> bool | None:
@@ -65,10 +68,23 @@ class AnswerBand:
     def verdict(self) -> str:
         """The measured digit and where it lies, in words."""
         if self.measured is None:
-            return "no digit was read to compare with"
+            return "not decidable, no digit was read to compare with"
         given = f" ± {self.uncertainty:.3g}" if self.uncertainty else ""
         where = "in the band" if self.inside else "outside the band"
-        return f"measured {self.measured:.4g}{given} {self.unit}: {where}"
+        if self.unfinished and not self.inside:
+            where += f", not decidable while {self.unfinished} runs have not finished"
+        return f"measured {self.measured:.4g}{given} {self.unit}: {where}{self._width}"
+
+    @property
+    def _width(self) -> str:
+        """Words on the width of a wide band; "" of a narrow one."""
+        ends = sorted((abs(self.lowest), abs(self.highest)))
+        spans_zero = self.lowest <= 0.0 <= self.highest
+        if not self.inside or (not spans_zero and ends[1] <= WIDE * ends[0]):
+            return ""
+        if spans_zero:
+            return ", which spans zero: proves little"
+        return f", whose ends differ by a factor of {ends[1] / ends[0]:.2g}: proves little"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,12 +191,13 @@ def banded(experiment: Experiment, folder: Path, executor: Executor) -> BandedEx
     tables = [RunTables(runner.results(run)) for run in runs if run.is_finished]
     if not tables:
         raise CaseError(f"not one of {len(runs)} runs has finished; the first one: {runs[0].said}")
-    answers = [answer_band(experiment, one, tables) for one in experiment.facts.answers]
+    missing = len(runs) - len(tables)
+    answers = [answer_band(experiment, one, tables, missing) for one in experiment.facts.answers]
     return BandedExperiment(runs, answers, [beside(b, tables[0]) for b in curve_bands(tables)])
 
 
 def answer_band(
-    experiment: Experiment, asked: MeasuredAnswer, runs: Sequence[RunTables]
+    experiment: Experiment, asked: MeasuredAnswer, runs: Sequence[RunTables], unfinished: int
 ) -> AnswerBand:
     """Return a number of all runs beside its digit.
 
@@ -188,14 +205,15 @@ def answer_band(
         experiment: that has the digit.
         asked: which digit, and how a run answers it.
         runs: finished ones, at least one.
+        unfinished: how many others there are.
     """
     digit = next(digit for digit in experiment.facts.digits if digit.name == asked.digit)
-    unit = UNITS[asked.column.split(".")[1]]
-    found = [asked.of_curve(run.probes[asked.column]) for run in runs]
+    unit = asked.unit_of(runs[0])
+    found = [asked.of_run(run) for run in runs]
     lowest, highest = (converted(value, unit, digit.unit) for value in (min(found), max(found)))
     measured = None if isinstance(digit.value, str) else digit.value
     uncertainty = 0.0 if isinstance(digit.uncertainty, str) else digit.uncertainty
-    return AnswerBand(digit.name, digit.unit, lowest, highest, measured, uncertainty)
+    return AnswerBand(digit.name, digit.unit, lowest, highest, measured, uncertainty, unfinished)
 
 
 def beside(band: Band, run: RunTables) -> MeasuredBand:

@@ -41,7 +41,9 @@ def curve_text(curve: MeasuredBand) -> str:
     """Return where a measured curve lies, in words."""
     share = curve.share_inside
     if share is None:
-        return "5, 50 and 95 % of the runs are below; no curve was read to compare with"
+        return (
+            "not decidable, no curve was read to compare with; 5, 50 and 95 % of the runs are below"
+        )
     return f"{100 * share:.0f} % of the measured moments lie in the band of 5 to 95 % of the runs"
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, PlainValidator, StrictStr
 
 from castx.arrays import FloatArray
@@ -19,6 +20,8 @@ from castx.errors import CaseError
 from castx.input.entries import Choice, Description, Whole
 from castx.input.problems import KeyPath, Problem, Refusal, among, dotted, summary
 from castx.input.toml_text import parse_toml
+from castx.results.files.run_tables import TIME, RunTables
+from castx.results.states.quantities import UNITS
 from castx.studies.asked.inputs import VariedInput
 
 EXPERIMENT, CASE = "experiment.toml", "case.toml"
@@ -50,7 +53,14 @@ def _uncertainty(value: Any) -> float | str:
     raise CaseError(f'a positive number is needed, or "{NOT_STATED}"')
 
 
+def _number(value: Any) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    raise CaseError("a number is needed")
+
+
 _Text = Annotated[StrictStr, Field(min_length=1)]
+_Column = Annotated[StrictStr, Field(pattern=r"^[^.]+\.[^.]+")]
 _Uncertainty = Annotated[float | str, PlainValidator(_uncertainty)]
 
 
@@ -118,22 +128,87 @@ class AssumedRange(VariedInput):
         return f"{first} to {last} {self.unit}".strip()
 
 
+class Fall(Description):
+    """The moment at which a curve has fallen to a value.
+
+    Attributes:
+        column: of probes.csv or history.csv.
+        to: the value, in the unit of the column.
+    """
+
+    column: _Column
+    to: Annotated[float, PlainValidator(_number)]
+
+    def moment(self, time: FloatArray, values: FloatArray) -> float:
+        """Return when a curve, linear between its (steps,), comes from above for good [s].
+
+        Raises:
+            CaseError: it ends above the value.
+        """
+        above = np.flatnonzero(values > self.to)
+        if not above.size:
+            return float(time[0])
+        last = int(above[-1])
+        if last + 1 == len(values):
+            raise CaseError(
+                f"{self.column} ends at {values[-1]:.4g}, above {self.to:g}: an answer needs it "
+                "to fall to that; let the case end later"
+            )
+        share = (values[last] - self.to) / (values[last] - values[last + 1])
+        return float(time[last] + share * (time[last + 1] - time[last]))
+
+
 class MeasuredAnswer(Description):
     """A measured digit, and the number of a run that answers it.
 
     Attributes:
         digit: its name.
-        column: of probes.csv.
+        column: of probes.csv or history.csv.
         moment: "end", "largest" or "smallest" of the curve.
+        when: a moment in place of these: another curve has fallen to a value.
+        opposite: whether what was measured counts the other way round.
     """
 
     digit: _Text
-    column: Annotated[StrictStr, Field(pattern=r"^[^.]+\.[^.]+")]
+    column: _Column
     moment: Annotated[str, Choice(tuple(MOMENTS))] = "end"
+    when: Fall | None = None
+    opposite: bool = False
 
-    def of_curve(self, values: FloatArray) -> float:
-        """Return the number of a curve, (steps,)."""
-        return MOMENTS[self.moment](values)
+    def inconsistencies(self) -> Iterator[Problem]:
+        """Yield two moments for one number."""
+        if self.when is not None and "moment" in self.model_fields_set:
+            yield Problem(("when",), "says the moment, as `moment` does; leave one out")
+
+    def of_run(self, run: RunTables) -> float:
+        """Return the number of a run, in the unit of its column.
+
+        Raises:
+            CaseError: the run has no such column, or the moment never comes.
+        """
+        column = column_of(run, self.column)
+        values = 0.0 - column if self.opposite else column
+        if self.when is None:
+            return MOMENTS[self.moment](values)
+        time = run.history[TIME]
+        return float(
+            np.interp(self.when.moment(time, column_of(run, self.when.column)), time, values)
+        )
+
+    def unit_of(self, run: RunTables) -> str:
+        """Return the unit of its column."""
+        if self.column in run.probes:
+            return UNITS[self.column.split(".")[1]]
+        return run.history_unit(self.column)
+
+
+def column_of(run: RunTables, name: str) -> FloatArray:
+    """Return a column of probes.csv or history.csv, (steps + 1,).
+
+    Raises:
+        CaseError: neither has it; with those of history.csv.
+    """
+    return run.probes[name] if name in run.probes else run.history[name]
 
 
 class Facts(Description):

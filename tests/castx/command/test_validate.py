@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -22,16 +23,19 @@ def test_the_list_says_how_much_is_missing(comm, capsys):
 
 
 @pytest.mark.serial
-def test_a_bar_without_dimensions_is_refused_with_the_list(comm, tmp_path, capsys):
-    code = execute(
-        ["validate", "dumbbell", "--folder", str(ROOT), "--output", str(tmp_path / "out")], comm
-    )
+def test_a_bar_without_dimensions_and_ranges_is_refused_with_the_list(comm, tmp_path, capsys):
+    bare = tmp_path / "all" / "dumbbell"
+    shutil.copytree(ROOT / "dumbbell", bare)
+    facts = bare / "experiment.toml"
+    facts.write_text(facts.read_text().split("[[ranges]]")[0])
+    given = ["--folder", str(tmp_path / "all"), "--output", str(tmp_path / "out")]
+    code = execute(["validate", "dumbbell", *given], comm)
     assert code == Exit.REFUSED
     said = capsys.readouterr()
     assert "0.9984, model 1" in said.out and "0.3635, no answer" in said.out
     for digit in ("length of the bar", "section of the bar", "stiffness of the green sand"):
         assert digit in said.err
-    assert "case.toml: geometry.file" in said.err
+    assert "case.toml: geometry.length" in said.err
     assert not (tmp_path / "out").exists()
 
 

@@ -123,6 +123,23 @@ def test_an_uncertain_digit_is_inside_when_it_meets_the_band(measured, uncertain
     assert AnswerBand("a", "m", 1.0, 2.0, measured, uncertainty).inside is inside
 
 
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [((1.0, 2.0), "in the band"), ((1.0, 2.1), "ends differ by a factor of 2.1: proves little"),
+     ((-4.0, -1.0), "ends differ by a factor of 4: proves little"),
+     ((-1.0, 2.0), "which spans zero: proves little")],
+)  # fmt: skip
+def test_a_wide_band_says_that_it_proves_little(ends, said):
+    assert AnswerBand("a", "m", *ends, 0.5 * sum(ends), 0.0).verdict.endswith(said)
+    assert AnswerBand("a", "m", *ends, 9.0, 0.0).verdict.endswith("outside the band")
+
+
+def test_a_band_of_some_of_the_runs_contradicts_nothing():
+    inside, outside = (AnswerBand("a", "m", 1.0, 2.0, at, 0.0, 3).verdict for at in (1.5, 9.0))
+    assert inside.endswith("in the band")
+    assert outside.endswith("outside the band, not decidable while 3 runs have not finished")
+
+
 def test_the_share_of_a_measured_curve_counts_moments_of_the_runs_only():
     time = np.array([0.0, 1.0])
     band = Band("a.gap", time, np.zeros(2), np.full(2, 0.5), np.array([1.0, 2.0]))
