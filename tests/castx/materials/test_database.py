@@ -242,7 +242,8 @@ def test_strength(name) -> None:
     # A metal yields at elastic strains below 1 %.
     assert (strength / material.young_modulus(temperature) < 0.01).all()
     linear = table(description.hardening, "linear")(temperature)
-    assert (linear < 0.05 * material.young_modulus(temperature)).all()
+    # The curves of EN 1993-1-2 rise by 7 % of E between limit and 2 % of strain at 700 °C.
+    assert (linear < 0.08 * material.young_modulus(temperature)).all()
 
 
 @pytest.mark.parametrize("name", MELTING)

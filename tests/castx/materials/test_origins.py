@@ -74,6 +74,62 @@ def test_the_viscosity_of_molten_bronze_after_hirai() -> None:
     assert database_value("CuSn12", ["melt_viscosity"]) == pytest.approx(expected, rel=0.11)
 
 
+def test_the_viscosity_of_molten_magnesium_alloy_after_hirai() -> None:
+    given = find_material("AZ91", {}).description
+    assert given.solidification_shrinkage is not None
+    assert given.density is not None and given.liquidus is not None
+    density = given.density * (1.0 - given.solidification_shrinkage)
+    molar = 1.0 / (0.905 / 24.305e-3 + 0.095 / 26.9815e-3)
+    liquidus = given.liquidus + 273.15
+    expected = 1.7e-7 * density ** (2 / 3) * liquidus**0.5 * molar ** (-1 / 6)
+    assert expected == pytest.approx(1.35e-3, rel=5e-3)
+    assert database_value("AZ91", ["melt_viscosity"]) == pytest.approx(expected, rel=0.12)
+
+
+def test_magnesium_alloy_is_free_of_stress_where_it_becomes_coherent() -> None:
+    at, share = np.array(database_value("AZ91", ["solid_fraction"])).T
+    coherency = database_value("AZ91", ["liquid", "coherency"])
+    passes = np.interp(coherency, share[::-1], at[::-1])
+    assert database_value("AZ91", ["stress_free"]) == pytest.approx(passes, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "hot", "within", "cold"),
+    [("insulation-fibre", 400.0, 0.08, 0.04), ("coating-die", 400.0, 0.04, 0.06)],
+)
+def test_fibres_and_coatings_have_the_heat_of_alumina_and_silica(name, hot, within, cold) -> None:
+    """Sillimanite of the VDI Heat Atlas; Shomate equations of alumina and quartz at 25 °C."""
+    sillimanite = ([400.0, 600.0, 800.0, 1000.0, 1200.0], [978.0, 1024.0, 1052.0, 1072.0, 1093.0])
+    oxides = {
+        101.9613e-3: (102.4290, 38.74980, -15.91090, 2.628181, -3.007551),
+        60.0843e-3: (-6.076591, 251.6755, -324.7964, 168.5604, 0.002548),
+    }
+    t = 0.29815
+    mixed = sum(
+        0.5 * (a + b * t + c * t**2 + d * t**3 + e / t**2) / molar
+        for molar, (a, b, c, d, e) in oxides.items()
+    )
+    line = ([20.0, hot], [mixed, np.interp(hot, *sillimanite)])
+    for at, value in database_value(name, ["heat_capacity"]):
+        expected = np.interp(at, *sillimanite) if at >= hot else np.interp(at, *line)
+        allowed = within if at >= hot else max(cold, 0.05) if at > 20.0 else cold
+        assert value == pytest.approx(expected, rel=allowed), at
+
+
+def test_structural_steel_hardens_up_to_two_percent_of_strain() -> None:
+    """EN 1993-1-2, table 3.1: k_y of S235, whose yield stress here is its proportional limit."""
+    effective = {200: 1.0, 300: 1.0, 400: 1.0, 500: 0.78, 600: 0.47, 700: 0.23, 800: 0.11,
+                 900: 0.06, 1000: 0.04, 1100: 0.02}  # fmt: skip
+    rows = dict(database_value("steel-carbon", ["hardening", "linear"]))
+    modulus = dict(database_value("steel-carbon", ["young_modulus"]))
+    limit = dict(database_value("steel-carbon", ["yield_stress"]))
+    for at, factor in effective.items():
+        strength = factor * 235e6
+        slope = (strength - limit[at]) / (0.02 - strength / modulus[at])
+        assert rows[at] == pytest.approx(slope, rel=5e-3), at
+    assert rows[20] == rows[100] == pytest.approx(modulus[20] / 1000.0)
+
+
 @pytest.mark.parametrize(
     ("name", "silicon", "within"), [("AlSi7Mg", 7.0, 0.06), ("AlSi9Cu3", 9.0, 0.09)]
 )
