@@ -1,6 +1,6 @@
 """Malformed case files and meshes: is each refused soon, with file, key and cure?
 
-    bin/with-fenicsx python3 bench/malformed.py [REFUSALS]
+    bin/with-fenicsx python3 bench/malformed.py [REFUSALS] [--seed S]
 
 Draws spoilt case files and meshes (tests/castx/mutations.py) until so many were refused (200 unless
 said otherwise), all in one process, and prints how often what was at fault.
@@ -19,7 +19,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -65,7 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("refusals", nargs="?", type=int, default=200)
-    wanted = parser.parse_args(arguments).refusals
+    parser.add_argument("--seed", type=int, help="of the draw; else another one each time")
+    given = parser.parse_args(arguments)
+    wanted = given.refusals
     folder = Path(tempfile.mkdtemp(prefix="malformed-"))
     case, part = folder / "case.toml", folder / "part.msh"
     kinds = [("tables", case_tables(), case), ("texts", case_texts(), case)]
@@ -75,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     faulty = 0
     for kind, strategy, file in kinds:
         answers: list[tuple[Answer, bytes]] = []
-        draw(kind, strategy, file, case, wanted, answers)
+        draw(kind, strategy, file, case, wanted, answers, given.seed)
         codes = Counter(found.code for found, _ in answers)
         longest = max(found.seconds for found, _ in answers)
         print(f"{kind}: {len(answers)} drawn, exit codes {dict(codes)}, longest {longest:.2f} s")
@@ -98,13 +100,18 @@ def draw(
     case: Path,
     wanted: int,
     answers: list[tuple[Answer, bytes]],
+    number: int | None,
 ) -> None:
     """Draw files of one kind until enough were refused."""
     if kind.startswith("mesh"):
         case.write_text(mesh_case(file.name))
 
-    @settings(max_examples=3 * wanted, deadline=None, database=None,
-              suppress_health_check=list(HealthCheck))
+    @settings(
+        max_examples=3 * wanted,
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
     @given(strategy)
     def check(content: str | bytes) -> None:
         if sum(found.code == 2 for found, _ in answers) >= wanted:
@@ -115,7 +122,7 @@ def draw(
             answers.append((answer(case, captured), raw))
 
     captured = Captured()
-    check()
+    (check if number is None else seed(number)(check))()
 
 
 if __name__ == "__main__":
