@@ -116,6 +116,29 @@ def test_fibres_and_coatings_have_the_heat_of_alumina_and_silica(name, hot, with
         assert value == pytest.approx(expected, rel=allowed), at
 
 
+def elongation_of_steel(at: float) -> float:
+    """Return Δl/l of carbon steel after EN 1993-1-2, 3.4.1.1; above 1200 °C continued."""
+    if at < 750.0:
+        return 1.2e-5 * at + 0.4e-8 * at**2 - 2.416e-4
+    return 1.1e-2 if at <= 860.0 else 2e-5 * at - 6.2e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "within", "above"),
+    [("G20Mn5", 2e-3, 20.0), ("GJL-250", 0.1, 100.0), ("GJS-400", 0.08, 100.0)],
+)
+def test_steel_and_irons_expand_as_structural_steel(name, within, above) -> None:
+    for at, value in database_value(name, ["expansion"]):
+        if at > above:
+            expected = elongation_of_steel(at) / (at - 20.0)
+            assert value == pytest.approx(expected, rel=0.03 if at > 1200.0 else within), at
+
+
+def test_hot_steel_conducts_after_wiedemann_and_franz() -> None:
+    rows = dict(database_value("G20Mn5", ["conductivity", "solid"]))
+    assert rows[1450] == pytest.approx(rows[1200] * (1450 + 273.15) / (1200 + 273.15), rel=0.01)
+
+
 def test_structural_steel_hardens_up_to_two_percent_of_strain() -> None:
     """EN 1993-1-2, table 3.1: k_y of S235, whose yield stress here is its proportional limit."""
     effective = {200: 1.0, 300: 1.0, 400: 1.0, 500: 0.78, 600: 0.47, 700: 0.23, 800: 0.11,
