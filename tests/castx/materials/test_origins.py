@@ -116,6 +116,34 @@ def test_fibres_and_coatings_have_the_heat_of_alumina_and_silica(name, hot, with
         assert value == pytest.approx(expected, rel=allowed), at
 
 
+@pytest.mark.parametrize(
+    ("name", "iron", "carbon"), [("GJL-250", 0.947, 0.033), ("GJS-400", 0.94, 0.035)]
+)
+def test_the_heat_of_solid_irons_lies_about_that_of_their_elements(name, iron, carbon) -> None:
+    """Below and beyond the transformation; graphite of JANAF, J/mol/K over K."""
+    graphite = ([298.0, 400.0, 600.0, 800.0, 1000.0, 1200.0, 1400.0],
+                [8.517, 11.817, 16.844, 19.827, 21.610, 22.766, 23.578])  # fmt: skip
+    alpha = {
+        700.0: (18.42868, 24.64301, -8.913720, 9.664706, -0.012643),
+        1042.0: (-57767.65, 137919.7, -122773.2, 38682.42, 3993.080),
+    }
+    spread = database_entry(name).sources["heat_capacity.solid"].spread
+    assert spread is not None
+    for at, value in database_value(name, ["heat_capacity", "solid"]):
+        kelvin = max(at + 273.15, 298.0)
+        t = 1e-3 * kelvin
+        a, b, c, d, e = next((row for end, row in alpha.items() if kelvin <= end), 5 * (0.0,))
+        molar = a + b * t + c * t**2 + d * t**3 + e / t**2 if a else 23.97449 + 8.367750 * t
+        silicon = 22.81719 + 3.899510 * t - 0.082885 * t**2 + 0.042111 * t**3 - 0.354063 / t**2
+        mixed = (
+            iron * molar / 55.845e-3
+            + carbon * np.interp(kelvin, *graphite) / 12.011e-3
+            + (1.0 - iron - carbon) * silicon / 28.0855e-3
+        )
+        if not 730.0 < at < 830.0:
+            assert spread.low <= mixed / value <= spread.high, (at, mixed / value)
+
+
 def elongation_of_steel(at: float) -> float:
     """Return Δl/l of carbon steel after EN 1993-1-2, 3.4.1.1; above 1200 °C continued."""
     if at < 750.0:
