@@ -1,10 +1,10 @@
 """One thermo-mechanical step: heat, equilibrium, new gaps, until the interfaces agree.
 
 The unknown of the passes is the thermal resistance R = 1/h of every pair, which is linear in an
-open gap. Aitken's factor on R breaks the two-cycle into which the plain iteration falls at large
-steps; the first guess comes from the gap extrapolated in time. Where h depends on temperature too,
-the R that were tried and found are compared at the temperatures of the pass, and heat is given the
-gaps and pressures that were found with the factors that turn their R into the wanted ones;
+open gap. Aitken's factor for each pair breaks the two-cycle into which the plain iteration falls at
+large steps; the first guess comes from the gap extrapolated in time. Where h depends on temperature
+too, the R that were tried and found are compared at the temperatures of the pass, and heat is given
+the gaps and pressures that were found with the factors that turn their R into the wanted ones;
 radiation takes no part, since neither gap nor pressure change it.
 """
 
@@ -122,7 +122,7 @@ class CoupledProblem:
         self._step = step
         guess = self.interfaces.first_guess(step)
         factors: list[FloatArray] = [np.ones(len(state.gap)) for state in guess]
-        relaxation = Relaxation(self.comm)
+        relaxation = Relaxation()
         self.counters.begin_try()
         passes = Passes(self._tolerance, too_much)
         for _ in range(self._most_passes):
