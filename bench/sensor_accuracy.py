@@ -49,8 +49,13 @@ KNOWN: dict[str, list[float]] = {
 """Deviation at all knots, change by a shift at 0, 1 and 3 s, deviation with free depths there."""
 
 
-def case_of(size: str) -> dict[str, object]:
-    """Return the content of the case."""
+def case_of(size: str, step: float = 0.25) -> dict[str, object]:
+    """Return the content of the case.
+
+    Args:
+        size: of the cells.
+        step: of time [s].
+    """
     alloy = {"density": 2600, "heat_capacity": 1000, "conductivity": 150,
              "latent_heat": 1.03e9 / 2600, "solidus": 557, "liquidus": 613}  # fmt: skip
     mould = {"density": 7800, "heat_capacity": 500, "conductivity": 35}
@@ -64,7 +69,7 @@ def case_of(size: str) -> dict[str, object]:
         "interfaces": [{"bodies": ["casting", "mould"],
                         "heat": {"law": "constant", "closed": 1000}}],
         "coupling": {"scheme": "thermal"},
-        "time": {"end": 60.0, "fixed_step": 0.25},
+        "time": {"end": 60.0, "fixed_step": step},
         "output": {"fields": ["temperature"]},
     }  # fmt: skip
 

@@ -6,17 +6,19 @@ The cylinder of sensor_accuracy.py with sensors 2 and 8 mm deep in the mould, wh
 off by 0.3 mm (one deviation, drawn anew each time), and noise of 0.5, 1 and 2 K. Linearised draws
 fit the samples of a model that is linear about the truth: how many bands hold each number, how far
 the depths are recovered, and how many bands hold h if depths are wrongly said to be known. Whole
-runs do the same by castx identify from a start of 1000 W/m²/K everywhere, with runs of castx in
-this process. Prints what the processors took.
+runs do the same by castx identify, with runs of castx in this process; all noises take turns, so
+that it may be stopped and goes on when started again. Prints what the processors took.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,9 +26,10 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray
 from castx.case.reading.read import load_case
 from castx.command.run import run
+from castx.errors import ConvergenceError
 from castx.foundry.identification.covariance import BAND, deviations
 from castx.foundry.identification.fit import Unknown, fit
 from castx.foundry.identification.sensors import Candidate
@@ -48,7 +51,7 @@ SENSORS = ("mould 2", "mould 8")
 NOISES = (0.5, 1.0, 2.0)
 TIMES = np.arange(0.5, 60.25, 0.5)
 AWAY = 0.3
-"""Of ln h at the start of linear fits, against the truth."""
+"""Of ln h at the start of fits, against the truth; from farther away they take more runs."""
 
 
 class Drawn(NamedTuple):
@@ -60,7 +63,7 @@ class Drawn(NamedTuple):
     """
 
     off: FloatArray
-    held: FloatArray
+    held: BoolArray
 
     @property
     def coverage(self) -> FloatArray:
@@ -81,10 +84,10 @@ def drawn(
         known: whether depths are said to be known, which they are not.
     """
     changes = np.concatenate([one.sensitivity for one in sensors])
-    count, knots = len(sensors[0].by_depth), changes.shape[1]
-    depths = np.zeros((count * len(sensors), len(sensors)))
+    samples, knots = len(sensors[0].by_depth), changes.shape[1]
+    depths = np.zeros((samples * len(sensors), len(sensors)))
     for k, one in enumerate(sensors):
-        depths[count * k : count * (k + 1), k] = one.by_depth
+        depths[samples * k : samples * (k + 1), k] = one.by_depth
     unknowns = [Unknown(f"{k}", AWAY, 0.01) for k in range(knots)]
     if not known:
         unknowns += [Unknown(f"depth {k}", 0.0, 1e-4, FAR) for k in range(len(sensors))]
@@ -137,7 +140,7 @@ def study_of(noise: float, number: str, folder: Path) -> Identify:
         for name in SENSORS
     ]  # fmt: skip
     unknown = {"of": "interfaces.0.heat.closed", "name": "h", "over": "time", "knots": KNOTS,
-               "start": 1000.0}  # fmt: skip
+               "start": [h * math.exp(-AWAY) for h in COEFFICIENT]}  # fmt: skip
     return Identify.read({"curves": curves, "unknowns": [unknown]}).relative_to(folder)
 
 
@@ -147,34 +150,51 @@ def measured(file: Path, samples: Sequence[FloatArray]) -> None:
     np.savetxt(file, table, delimiter=",", header=",".join(["time", *SENSORS]), comments="")
 
 
-def whole(runner: Runner, noise: float, number: int) -> Drawn:
-    """Fit draws of noise and depths by castx identify.
+def whole(runner: Runner, noise: float) -> Iterator[tuple[FloatArray, BoolArray]]:
+    """Yield what castx identify finds less the truth, and which bands hold it, draw after draw.
+
+    A fit that does not settle has no band, and holds nothing.
 
     Args:
         runner: of the case with the probes.
         noise: deviation of a sample [K].
-        number: of draws.
     """
     folder = runner.case_file.parent
     measured(folder / "none.csv", [np.zeros(len(TIMES))] * len(SENSORS))
     model = MeasuredCase.of(runner, study_of(noise, "none", folder))
-    names = model.names()
+    names, h = model.names(), slice(0, len(KNOTS))
     random = np.random.default_rng(round(10 * noise))
-    off, held = [], []
-    for k in range(number):
+    for k in count():
         truth = np.concatenate([COEFFICIENT, FAR * random.normal(size=len(SENSORS))])
         exact = model(dict(zip(names, map(float, truth), strict=True)))
         noisy = model.sensors.parts(exact + noise * random.normal(size=len(exact)))
         measured(folder / f"{noise:g} K {k}.csv", noisy)
-        found = identify(runner, study_of(noise, f"{noise:g} K {k}", folder)).found
+        try:
+            found = identify(runner, study_of(noise, f"{noise:g} K {k}", folder)).found
+        except ConvergenceError as error:
+            print(f"{noise:g} K, draw {k + 1}: {error}", flush=True)
+            yield np.full(len(truth), np.nan), np.zeros(len(truth), dtype=bool)
+            continue
         values = np.array([one.value for one in found.estimates])
         ends = np.array([[one.low, one.high] for one in found.estimates])
-        h = slice(0, len(KNOTS))
-        values[h] = np.log(values[h] / truth[h])
-        values[len(KNOTS) :] -= truth[len(KNOTS) :]
-        off.append(values)
-        held.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-    return Drawn(np.array(off), np.array(held))
+        off = values - truth
+        off[h] = np.log(values[h] / truth[h])
+        yield off, (ends[:, 0] <= truth) & (truth <= ends[:, 1])
+
+
+def whole_draws(runner: Runner, number: int) -> Iterator[tuple[float, Drawn]]:
+    """Yield so many whole draws of each noise, all noises in turn so that it may be stopped."""
+    draws = {noise: whole(runner, noise) for noise in NOISES}
+    found: dict[float, list[tuple[FloatArray, BoolArray]]] = {noise: [] for noise in NOISES}
+    for k in range(number):
+        for noise in NOISES:
+            off, held = next(draws[noise])
+            found[noise].append((off, held))
+            kept = f"{held.sum()} of {len(held)} bands hold"
+            print(f"{noise:g} K, draw {k + 1}: {kept}", flush=True)
+    for noise in NOISES:
+        off, held = (np.array(part) for part in zip(*found[noise], strict=True))
+        yield noise, Drawn(off, held)
 
 
 def row(name: str, numbers: FloatArray) -> str:
@@ -187,11 +207,11 @@ def rows(name: str, found: Drawn) -> Iterator[str]:
     yield row(f"{name}: bands that hold [%]", 100.0 * found.coverage)
     scale = np.full(found.off.shape[1], 100.0)
     scale[len(KNOTS) :] = 1e5
-    spread = np.sqrt(np.mean(found.off**2, axis=0))
+    spread = np.sqrt(np.nanmean(found.off**2, axis=0))
     yield row("    root mean square off [%, 0.01 mm]", scale * spread)
 
 
-def opened(folder: Path, size: str) -> Path:
+def opened(folder: Path, size: str, step: float) -> Path:
     """Write the case with the probes of the sensors."""
     kept = ("name", "body", "below", "depth", "at")
     probes: list[dict[str, Any]] = [
@@ -201,7 +221,7 @@ def opened(folder: Path, size: str) -> Path:
         if one.name in SENSORS
     ]
     case_file = folder / "case.toml"
-    case_file.write_text(toml_text({**case_of(size), "probes": probes}))
+    case_file.write_text(toml_text({**case_of(size, step), "probes": probes}))
     return case_file
 
 
@@ -212,13 +232,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("folder", type=Path, help="of the runs")
     parser.add_argument("--size", default="2.5 mm", help="of the cells")
+    parser.add_argument("--step", type=float, default=0.25, help="of time [s]")
     parser.add_argument("--draws", type=int, default=2000, help="linearised ones of each noise")
     parser.add_argument("--whole", type=int, default=0, help="whole ones of each noise")
     asked = parser.parse_args(arguments)
     begun, wrong = time.process_time(), False
     print(row("", np.array(KNOTS)) + "   mould 2, 8")
     with study_folder(asked.folder.resolve()) as folder:
-        runner = Runner(opened(folder, asked.size), (), folder, RunsHere())
+        runner = Runner(opened(folder, asked.size, asked.step), (), folder, RunsHere())
         sensors = slopes(runner)
         for noise in NOISES:
             found = drawn(sensors, noise, asked.draws)
@@ -226,8 +247,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(*rows(f"{noise:g} K, {asked.draws} linearised", found), sep="\n")
             said = drawn(sensors, noise, asked.draws // 10, known=True)
             print(*rows("    depths said to be known", said), sep="\n", flush=True)
-        for noise in NOISES if asked.whole else ():
-            found = whole(runner, noise, asked.whole)
+        for noise, found in whole_draws(runner, asked.whole) if asked.whole else ():
             print(*rows(f"{noise:g} K, {asked.whole} whole", found), sep="\n", flush=True)
     print(f"{runner.made} runs of castx, {time.process_time() - begun:.0f} s of processor time")
     return int(wrong)

@@ -26,5 +26,9 @@ class ConvergenceError(RuntimeError):
         self.problem = problem
 
 
+class UnsettledFit(ConvergenceError):
+    """A fit by many runs has not settled; there is no state from which it could go on."""
+
+
 class Interrupted(KeyboardInterrupt):
     """All ranks stop together between two tries; the state of the last accepted step is whole."""

@@ -33,7 +33,14 @@ from castx.command.terminal import (
     show_details,
 )
 from castx.commit import commit
-from castx.errors import CaseError, ConvergenceError, Interrupted, MeshError, StorageError
+from castx.errors import (
+    CaseError,
+    ConvergenceError,
+    Interrupted,
+    MeshError,
+    StorageError,
+    UnsettledFit,
+)
 from castx.handover.target import Target
 from castx.imports import kept
 from castx.input.printable import printable
@@ -107,6 +114,8 @@ def exit_code(arguments: Sequence[str], comm: MPI.Intracomm) -> int:
         return Exit.REFUSED
     except (CaseError, MeshError) as error:
         return say(comm, error, Exit.REFUSED)
+    except UnsettledFit as error:
+        return say(comm, f"not converged: {error}", Exit.NOT_CONVERGED)
     except ConvergenceError as error:
         return say(comm, f"not converged: {error}\n{AFTER_FAILURE}", Exit.NOT_CONVERGED)
     except StorageError as error:
@@ -239,8 +248,10 @@ def check(
 
     comm, console = output_of(context)
     with naming(case_file):
-        on_first_rank(comm, lambda: refuse_useless_studies(case_file, overrides or ()))
+        studies = on_first_rank(comm, lambda: refuse_useless_studies(case_file, overrides or ()))
         check_case(load_case(case_file, overrides or ()), comm, console, picture)
+    for name in studies:
+        console.print(f"[{name}] can begin: castx {name} {case_file}", markup=False)
     console.refuse_loss()
 
 

@@ -178,7 +178,7 @@ def identify(
         console.print(f"{name}: {value} (95 %: {band})", markup=False)
     for text in (*result.found.remarks, *result.found.unseen, *result.found.whiteness):
         console.print(text, markup=False)
-    say_runs(console, runner, result.found.fit.runs)
+    say_runs(console, runner, len(runner.used))
     console.print(f"written: {runner.folder / PAGE}, {result.case_file}", markup=False)
 
 

@@ -37,6 +37,7 @@ class Place:
 
     Args:
         distance: from the wanted point to it [m]; equal on all ranks.
+        foot: the nearest point, (gdim,) [m]; equal on all ranks.
         size: diameter of the cell or facet it lies in [m]; equal on all ranks.
         owned: whether its cell or facet is owned by this rank; true on exactly one rank.
         entity: local cell or facet, -1 on the other ranks.
@@ -45,6 +46,7 @@ class Place:
     """
 
     distance: float
+    foot: FloatArray
     size: float
     owned: bool
     entity: int
@@ -117,12 +119,13 @@ def nearest_place(body: BodyMesh, dim: int, entities: IntArray, point: Sequence[
     tied = comm.rank if distance <= least * (1.0 + 1e-9) + 1e-14 else comm.size
     owned = comm.rank == comm.allreduce(tied, MPI.MIN)
     size = comm.allreduce(float(mesh.h(dim, entity)[0]) if owned else 0.0, MPI.MAX)
+    there = comm.allreduce(foot[0, : len(point)] if owned else np.zeros(len(point)))
     if not owned:
-        return Place(least, size, False, -1, np.empty(0, dtype=np.int32), np.empty(0))
+        return Place(least, there, size, False, -1, np.empty(0, dtype=np.int32), np.empty(0))
     kind, nodes = nodes_of(body, dim, int(entity[0]))
     corners = body.nodes.tabulate_dof_coordinates()[nodes]
     weights = interpolation_weights(kind, corners, foot[0])
-    return Place(least, size, True, int(entity[0]), nodes, weights)
+    return Place(least, there, size, True, int(entity[0]), nodes, weights)
 
 
 def nodes_of(body: BodyMesh, dim: int, entity: int) -> tuple[CellKind, IntArray]:

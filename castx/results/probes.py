@@ -174,13 +174,13 @@ def require_near(place: Place, probe: str, owner: str) -> None:
     """Refuse a probe that lies an element or more away from where it belongs.
 
     Raises:
-        CaseError: with the distance.
+        CaseError: with the distance and the nearest point.
     """
     if place.distance >= place.size:
         raise CaseError(
-            f"{probe} lies outside {owner}: it is {place.distance:.4g} m away, and only points "
-            f"nearer than one element ({place.size:.4g} m) are moved to the nearest point of it; "
-            "choose a point inside"
+            f"{probe} lies outside {owner}: it is {place.distance:.4g} m away from its nearest "
+            f"point, {point_text(np.round(place.foot, 9))}, and only points nearer than one "
+            f"element ({place.size:.4g} m) are moved there; choose a point inside"
         )
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from castx.studies.asked.identify import Identify
 from castx.studies.asked.optimise import Optimise
-from castx.studies.asked.reading import KINDS, read_study, refuse_wrong_studies
+from castx.studies.asked.reading import studies_of
 from castx.studies.asked.vary import Vary
+from castx.studies.inverse.model import refuse_unidentifiable
 from castx.studies.vary import refuse_unusable
 
 
@@ -19,11 +21,14 @@ def refuse_useless_studies(case_file: Path, overrides: Sequence[str] = ()) -> li
         overrides: values that replace those of the file.
 
     Raises:
-        CaseError: one of them cannot be accepted, or varies what the case does not have or take.
+        CaseError: one of them cannot be accepted, varies or seeks what the case does not have or
+            take, or has curves that do not suit it.
     """
-    found = refuse_wrong_studies(case_file, overrides)
-    for name in found:
-        study = read_study(case_file, KINDS[name], overrides)
+    found = studies_of(case_file, overrides)
+    for name, study in found.items():
         if isinstance(study, Vary | Optimise):
             refuse_unusable(case_file, overrides, study.inputs, name)
-    return found
+        elif isinstance(study, Identify):
+            beside = study.relative_to(case_file.resolve().parent)
+            refuse_unidentifiable(case_file, overrides, beside)
+    return list(found)

@@ -130,7 +130,7 @@ def _extents(arguments: Arguments) -> list[float]:
 
 GENERATOR = Generator(
     mesh=box_in_mould,
-    summary="A box in a mould, which may have a lid.",
+    summary="A box in a mould, which may have a lid; it stands at height 0, its middle at 0.",
     models=("3d", *PLANE_MODELS),
     arguments={
         "box": SIDES.of("[width, height, (depth)] of the casting", (0.06, 0.04, 0.05)),

@@ -114,7 +114,7 @@ def _problems(arguments: Arguments, model: str) -> Iterator[tuple[str, str]]:
 
 GENERATOR = Generator(
     mesh=core_in_ring,
-    summary="A ring cast round a core; plane models mesh a quarter of its section.",
+    summary="A ring cast round a core, z ≥ 0; plane models mesh a quarter of its section.",
     models=MODELS,
     arguments={
         "core_radius": LENGTH.of("of the interface", 0.03),

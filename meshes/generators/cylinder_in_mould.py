@@ -94,7 +94,7 @@ def _body(in_wall: BoolArray, in_floor: BoolArray) -> LongArray:
 
 GENERATOR = Generator(
     mesh=cylinder_in_mould,
-    summary="A cylinder in a sleeve, or in a cup where the mould has a floor.",
+    summary="A cylinder, 0 ≤ z ≤ height, in a sleeve, or in a cup where the mould has a floor.",
     models=("3d", "axisymmetric"),
     arguments={
         "radius": LENGTH.of("of the casting", 0.03),

@@ -140,7 +140,8 @@ def _moduli(arguments: Arguments, model: str) -> dict[str, float]:
 
 GENERATOR = Generator(
     mesh=step_plate,
-    summary="A plate of sections of different thickness in a mould, which may have a lid.",
+    summary="A plate of sections of different thickness, x ≥ 0 and on height 0, in a mould, which "
+    "may have a lid.",
     models=("3d", *PLANE_MODELS),
     arguments={
         "lengths": LENGTHS.of("of the sections along x", (0.05, 0.06)),

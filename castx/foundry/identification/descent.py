@@ -96,7 +96,7 @@ def descend(
 
 def _deviations(curvature: FloatArray) -> FloatArray:
     if np.linalg.matrix_rank(curvature) < len(curvature):
-        raise ValueError("the samples do not tell all parameters apart: measure more, or give Γ")
+        raise ValueError("the samples do not tell all parameters apart")
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(curvature))))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.errors import ConvergenceError
+from castx.errors import UnsettledFit
 from castx.foundry.identification.covariance import reduced_chi_square
 from castx.foundry.identification.fit import Fit, Unknown
 
@@ -48,7 +48,7 @@ def assimilate(
         seed: of the draws.
 
     Raises:
-        ConvergenceError: most runs fail.
+        UnsettledFit: most runs fail.
         ValueError: there are not more members than unknowns.
     """
     if members < len(unknowns) + 2:
@@ -68,7 +68,7 @@ def assimilate(
     middle = points.mean(axis=0)
     (computed,) = models([_values(unknowns, middle)])
     if computed is None:
-        raise ConvergenceError("the run with the mean of the ensemble fails")
+        raise UnsettledFit("the run with the mean of the ensemble fails")
     covariance = np.atleast_2d(np.cov(points.T))
     apart = points - middle, samples - samples.mean(axis=0)
     sensitivity = np.linalg.lstsq(*apart, rcond=None)[0].T
@@ -94,12 +94,12 @@ def _living(
     """Return the points whose runs succeed, and their samples.
 
     Raises:
-        ConvergenceError: too few are left.
+        UnsettledFit: too few are left.
     """
     found = models([_values(unknowns, point) for point in points])
     lives = [k for k, samples in enumerate(found) if samples is not None]
     if len(lives) < max(FEWEST * members, len(unknowns) + 2):
-        raise ConvergenceError(f"only {len(lives)} of {members} runs of the ensemble are left")
+        raise UnsettledFit(f"only {len(lives)} of {members} runs of the ensemble are left")
     return points[lives], np.array([found[k] for k in lives])
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.errors import ConvergenceError
+from castx.errors import ConvergenceError, UnsettledFit
 from castx.foundry.identification.covariance import (
     posterior,
     reduced_chi_square,
@@ -20,6 +20,7 @@ from castx.foundry.identification.covariance import (
     widened,
 )
 from castx.foundry.identification.descent import descend
+from castx.foundry.identification.directions import LARGE
 
 Model = Callable[[Mapping[str, float]], FloatArray]
 """Samples of named values, (samples,); a run that fails raises `ConvergenceError`."""
@@ -162,7 +163,21 @@ class _Misfit:
     def slopes(self, fitted: FloatArray) -> FloatArray:
         """Return the slopes of the residuals."""
         self.changes = self.sensitivity(fitted)
+        return self._rows()
+
+    def _rows(self) -> FloatArray:
         return np.vstack([weighted(self.changes, self.noise), self.constraints])
+
+    def hidden(self) -> list[str]:
+        """Return the names of the unknowns whose common change the last slopes see least."""
+        rows = self._rows()
+        scale = np.linalg.norm(rows, axis=0)
+        if not scale.all():
+            return [one.name for one, size in zip(self.unknowns, scale, strict=True) if not size]
+        scaled = rows / scale
+        least = np.abs(np.linalg.eigh(scaled.T @ scaled)[1][:, 0])
+        parts = zip(self.unknowns, least, strict=True)
+        return [one.name for one, part in parts if part >= LARGE * least.max()]
 
 
 def fit(
@@ -191,8 +206,10 @@ def fit(
         reach: largest step of a logarithm.
 
     Raises:
-        ConvergenceError: the model fails at the start, or the fit does not settle.
-        ValueError: the samples do not tell all unknowns apart, and nothing known before does.
+        ConvergenceError: the model fails at the start.
+        UnsettledFit: the fit does not settle.
+        ValueError: the samples do not tell all unknowns apart, and nothing known before does; the
+            message names those that they tell least.
     """
     misfit = _Misfit(model, measured, noise, unknowns, smoothness, ahead)
     low, high = misfit.bounds
@@ -200,9 +217,11 @@ def fit(
     try:
         end = descend(misfit.residuals, misfit.slopes, misfit.first, (low, high), tries, far)
     except ConvergenceError:
-        raise ConvergenceError(
+        raise UnsettledFit(
             f"the fit has not settled after {misfit.runs} runs of the model"
         ) from None
+    except ValueError as error:
+        raise ValueError(f"{error}, least of all {', '.join(misfit.hidden())}") from None
     residuals = -misfit.residuals(end.point)[: len(measured)] * misfit.noise
     covariance = posterior(end.slopes, np.array(1.0))
     return Fit(

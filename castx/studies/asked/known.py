@@ -101,18 +101,40 @@ def refuse_elsewhere(data: Mapping[str, Any], of: str) -> None:
         of: path of the number, as `--set` takes it.
 
     Raises:
-        CaseError: it leads to another material than those of the case, or into a study.
+        CaseError: it leads to another material than those of the case, to one that nothing is made
+            of, or into a study.
     """
     path = _keys(of)
     if path[0] == "materials" and len(path) > 1:
         names, inside = list(data.get("materials", {})), ".".join(path[1:])
-        if not any(f"{inside}.".startswith(f"{name}.") for name in names):  # which may have points
+        meant = [name for name in names if f"{inside}.".startswith(f"{name}.")]  # may have points
+        if not meant:
             raise CaseError(
                 f"of = {of!r}: the case has no [materials.{path[1]}]; {among(path[1], names)}; one "
                 'of the database is varied by a material that extends it: extends = "NAME"'
             )
+        if not any(_is_named(data, name) for name in meant):
+            raise CaseError(
+                f"of = {of!r}: nothing is made of [materials.{meant[0]}], so that no run would "
+                f'change; give it to a body: material = "{meant[0]}"'
+            )
     if path[0] in STUDIES:
         raise CaseError(f"of = {of!r}: [{path[0]}] is a study; a number of the case is needed")
+
+
+def _is_named(data: Mapping[str, Any], material: str) -> bool:
+    """Return whether a case names a material of its own, in studies and in itself apart."""
+    others = {key: one for key, one in data["materials"].items() if key != material}
+    waiting = [part for key, part in data.items() if key not in (*STUDIES, "materials")] + [others]
+    while waiting:
+        part = waiting.pop()
+        if part == material:
+            return True
+        if isinstance(part, Mapping):
+            waiting.extend(part.values())
+        elif isinstance(part, list | tuple):
+            waiting.extend(part)
+    return False
 
 
 def with_known_ranges(

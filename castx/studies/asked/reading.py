@@ -73,14 +73,11 @@ def _inside(name: str, refusal: Refusal) -> tuple[Problem, ...]:
     return refusal.inside(name).problems
 
 
-def refuse_wrong_studies(path: Path, overrides: Sequence[str] = ()) -> list[str]:
-    """Return the names of the studies of a case file.
+def studies_of(path: Path, overrides: Sequence[str] = ()) -> dict[str, Running]:
+    """Return the studies of a case file by the names of their tables.
 
     Raises:
         CaseError: one of them cannot be accepted.
     """
     data, _ = case_data(path, overrides)
-    found = [name for name in STUDIES if name in data]
-    for name in found:
-        read_study(path, KINDS[name], overrides)
-    return found
+    return {name: read_study(path, KINDS[name], overrides) for name in STUDIES if name in data}

@@ -79,12 +79,12 @@ class SoughtNumber(Description):
             yield Problem((), f"{self.name} {text}")
             return
         if self.low is not None and self.high is not None and self.low.value >= self.high.value:
-            yield Problem(("low",), "must lie below high; exchange them")
+            yield Problem(("low",), f"must lie below high = {self.high.value:g}; exchange them")
         for one in self.start or ():
             if self.low is not None and one.value <= self.low.value:
-                yield Problem(("start",), "must lie above low")
+                yield Problem(("start",), f"must lie above low = {self.low.value:g}")
             if self.high is not None and one.value >= self.high.value:
-                yield Problem(("start",), "must lie below high")
+                yield Problem(("start",), f"must lie below high = {self.high.value:g}")
         for key, given in (("low", self.low), ("high", self.high)):
             if self.scale == LOG and given is not None and given.value <= 0.0:
                 yield Problem((key,), f'must be positive, or scale = "{LINEAR}"')

@@ -21,7 +21,7 @@ from castx.results.files.series import read_series
 from castx.studies.asked.candidates import CandidateSensor
 from castx.studies.asked.identify import Identify
 from castx.studies.inverse.estimates import prior_covariance
-from castx.studies.inverse.model import SPARE
+from castx.studies.inverse.model import SPARE, usable_unknowns
 from castx.studies.inverse.parameters import Parameters
 from castx.studies.runs.runner import Runner
 
@@ -78,8 +78,7 @@ def design(runner: Runner, study: Identify) -> SensorDesign:
     if not study.candidates:
         raise CaseError("--design needs [[identify.candidates]]: places where a sensor might lie")
     case = load_case(runner.case_file, runner.overrides)
-    parameters = Parameters.of(study.unknowns, case.content)
-    parameters.refuse_unusable(runner, case.content)
+    parameters = usable_unknowns(runner.case_file, runner.overrides, study, case)
     unknowns = parameters.unknowns()
     present = present_sensors(study, case)
     tables = slope_tables(runner, parameters, unknowns, [*study.candidates, *present])

@@ -174,7 +174,9 @@ def _remarks(
     if found.chi_square > LACKS:
         remarks.append(
             f"χ²_r is {found.chi_square:.3g}: residuals are larger than the noise that was said. "
-            "The bands are widened for it, but a wrong model is not in them."
+            "The bands are widened for it, but a wrong model is not in them. See when they are "
+            "large: a number that changes with time or gap wants a table (over, knots), a place "
+            "its depth_deviation, a logger its clock_deviation."
         )
     held = [one.name for one in numbers if one.at_bound]
     if held:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import logging
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from castx.errors import CaseError, ConvergenceError
+from castx.arrays import FloatArray
+from castx.errors import CaseError, UnsettledFit
 from castx.foundry.identification.ensemble import assimilate
 from castx.foundry.identification.fit import Fit, fit
 from castx.results.files.folder import store_text
@@ -24,7 +26,12 @@ from castx.studies.runs.runner import Runner
 
 REACH = 1.0
 """Largest step of a logarithm: a guess that is far off is left by steps that the model follows."""
+NEARER = 0.99
+"""Residuals have to fall to this share before they are told again."""
 RESULT, PAGE = "identified.json", "identified.html"
+
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +62,7 @@ def identify(runner: Runner, study: Identify) -> Identified:
 
     Raises:
         CaseError: samples or unknowns do not suit the case or each other.
-        ConvergenceError: the fit does not settle.
+        UnsettledFit: the fit does not settle.
     """
     if not study.curves:
         raise CaseError("[identify] has no [[identify.curves]]: nothing was measured")
@@ -85,6 +92,28 @@ def _sensor_unit(name: str) -> str:
     return "s" if name == "clock" else "m"
 
 
+@dataclass
+class Told:
+    """A measured case that tells how near its runs have come.
+
+    Attributes:
+        model: the measured case.
+        least: root mean square of the residuals over the noise, the least so far.
+    """
+
+    model: MeasuredCase
+    least: float = np.inf
+
+    def __call__(self, values: Mapping[str, float]) -> FloatArray:
+        """Return the samples of all sensors, (samples,)."""
+        samples, sensors = self.model(values), self.model.sensors
+        size = float(np.sqrt(np.mean(((sensors.measured - samples) / sensors.noise) ** 2)))
+        if size < NEARER * self.least:
+            self.least = size
+            log.info("the residuals are %.3g times the noise", size)
+        return samples
+
+
 def fitted(model: MeasuredCase, study: Identify) -> Fit:
     """Return the fit of a study by the engine that it names; raises as `identify`."""
     unknowns = model.unknowns()
@@ -92,16 +121,16 @@ def fitted(model: MeasuredCase, study: Identify) -> Fit:
         return assimilated(model, study)
     try:
         return fit(
-            model, model.sensors.measured, model.sensors.noise, unknowns,
+            Told(model), model.sensors.measured, model.sensors.noise, unknowns,
             model.parameters.smoothness(len(unknowns)), study.tries, model.ahead, REACH,
         )  # fmt: skip
     except ValueError as error:
         raise CaseError(
-            f"[identify] {error}: say what is known before (deviation), or hold tables smooth "
-            "(smoothness)"
+            f"[identify] {error}: measure what they hang on, leave out knots, say what is known "
+            "before (deviation), or hold tables smooth (smoothness)"
         ) from None
-    except ConvergenceError as error:
-        raise ConvergenceError(
+    except UnsettledFit as error:
+        raise UnsettledFit(
             f"{error}; see its runs in {model.runner.folder}, raise tries, or begin nearer by with "
             "start"
         ) from None
@@ -112,7 +141,7 @@ def assimilated(model: MeasuredCase, study: Identify) -> Fit:
 
     Raises:
         CaseError: there are too few members.
-        ConvergenceError: most runs fail.
+        UnsettledFit: most runs fail.
     """
     unknowns = model.unknowns()
     prior = prior_covariance(unknowns, model.parameters.smoothness(len(unknowns)))

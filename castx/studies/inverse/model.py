@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.errors import CaseError, ConvergenceError
 from castx.foundry.identification.fit import Unknown
@@ -15,11 +17,61 @@ from castx.results.files.series import read_series
 from castx.studies.asked.identify import Identify
 from castx.studies.inverse.parameters import Parameters
 from castx.studies.inverse.sensors import Sensors
-from castx.studies.runs.kept import KeptRun
+from castx.studies.runs.kept import (
+    BROKEN,
+    LOG,
+    NOT_CONVERGED,
+    OUT_OF_TIME,
+    REFUSED,
+    KeptRun,
+)
 from castx.studies.runs.runner import Changes, Runner
 
+CURES = {
+    NOT_CONVERGED: "give another start",
+    REFUSED: "correct the case",
+    OUT_OF_TIME: "raise time_limit and start with --anew",
+    BROKEN: "see what it lacked, and start with --anew",
+}
+"""What helps where the run of the start has ended so."""
 SPARE = {"output": {"fields": ["temperature"]}}
 """What runs do without: only their probes are read."""
+
+
+def usable_unknowns(
+    case_file: Path, overrides: Sequence[str], study: Identify, case: Case
+) -> Parameters:
+    """Return the unknowns of a study.
+
+    Args:
+        case_file: the case.
+        overrides: values that replace those of the file.
+        study: what is sought.
+        case: as it was read from them.
+
+    Raises:
+        CaseError: the case does not have or take them.
+    """
+    found = Parameters.of(study.unknowns, case.content)
+    found.refuse_unusable(case_file, overrides, case.content)
+    return found
+
+
+def refuse_unidentifiable(case_file: Path, overrides: Sequence[str], study: Identify) -> None:
+    """Refuse a study whose curves or unknowns do not suit its case, before anything is run.
+
+    Args:
+        case_file: the case.
+        overrides: values that replace those of the file.
+        study: with the files of its curves beside the case; without curves it is a design.
+
+    Raises:
+        CaseError: with path, value and cure.
+    """
+    case = load_case(case_file, overrides)
+    if study.curves:
+        Sensors.of(study, case)
+    usable_unknowns(case_file, overrides, study, case)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +100,7 @@ class MeasuredCase:
         case = load_case(runner.case_file, runner.overrides)
         sensors = Sensors.of(study, case)
         given = case.content.get("probes", [])
-        parameters = Parameters.of(study.unknowns, case.content)
-        parameters.refuse_unusable(runner, case.content)
+        parameters = usable_unknowns(runner.case_file, runner.overrides, study, case)
         return cls(runner, parameters, sensors, {"probes": sensors.probes(given)})
 
     def unknowns(self) -> list[Unknown]:
@@ -110,8 +161,8 @@ class MeasuredCase:
         run = self.run(start)
         if not run.is_finished:
             raise CaseError(
-                f"the run with the start of all unknowns is {run.ended}: {run.said}; give another "
-                f"start (its log: {self.runner.folder / run.folder})"
+                f"the run with the start of all unknowns is {run.ended}: {run.said}; "
+                f"{self._cure(run)} (its log: {self.runner.folder / run.folder / LOG})"
             )
         moved = [
             {**start, unknown.name: unknown.value(unknown.first + unknown.difference)}
@@ -129,6 +180,17 @@ class MeasuredCase:
                     f"[identify] {unknown.name} has no influence on any sample: leave it out, or "
                     "say how well it is known with deviation"
                 )
+
+    def _cure(self, run: KeptRun) -> str:
+        """Return what helps where the run of the start has ended."""
+        sensor = self.sensors.with_rung_in(run.said) if run.ended == REFUSED else None
+        if sensor is None:
+            return CURES[run.ended]
+        far = 1e3 * float(sensor.rungs[-1])
+        return (
+            f"the place of {sensor.probe.name} may be off by three depth_deviations, {far:g} mm, "
+            "and lies in its body only with a smaller one, or elsewhere"
+        )
 
     def _or_here(self, values: Mapping[str, float], here: FloatArray) -> FloatArray:
         try:

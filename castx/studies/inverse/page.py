@@ -10,7 +10,7 @@ from castx.report.page.assets import CURVES_ONLY, page
 from castx.report.page.charts import Panel, Section, merged
 from castx.studies.inverse.estimates import Estimates, IdentifiedNumber
 from castx.studies.inverse.predictions import Prediction
-from castx.studies.inverse.sensors import Sensors
+from castx.studies.inverse.sensors import DEPTH, Sensors
 from castx.studies.page import probe_unit
 
 
@@ -51,7 +51,9 @@ def identified_page(
 
 
 def row(one: IdentifiedNumber) -> list[str]:
-    """Return the line of an estimate in the table."""
+    """Return the line of an estimate in the table; depths are told in mm against the case."""
+    if one.name.startswith(DEPTH) and one.unit == "m":
+        return _depth_row(one)
     unit = f" {one.unit}" if one.unit else ""
     spread = f"{100.0 * one.deviation:.2g} %" if one.logarithmic else f"{one.deviation:.2g}{unit}"
     before = "nothing"
@@ -60,6 +62,15 @@ def row(one: IdentifiedNumber) -> list[str]:
     value = f"{one.value:.5g}{unit}" + (", at its bound" if one.at_bound else "")
     band = f"{one.low:.4g} to {one.high:.4g}"
     return [one.name, value, band, spread, f"{one.start:.5g}", before]
+
+
+def _depth_row(one: IdentifiedNumber) -> list[str]:
+    value, low, high = (1e3 * x for x in (one.value, one.low, one.high))
+    held = ", at its bound" if one.at_bound else ""
+    return [
+        f"{one.name} against the case", f"{value:+.3g} mm{held}", f"{low:+.3g} to {high:+.3g} mm",
+        f"{1e3 * one.deviation:.2g} mm", f"{1e3 * one.start:g}", f"{1e3 * one.known:.2g} mm",
+    ]  # fmt: skip
 
 
 def table_sections(tables: Sequence[Prediction]) -> list[Section]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from castx.input.problems import show
 from castx.studies.asked.amounts import Amount, amount, in_unit
 from castx.studies.asked.known import refuse_elsewhere
 from castx.studies.asked.unknowns import LINEAR, LOG, SoughtNumber
-from castx.studies.runs.runner import Changes, Runner, changes_as_overrides
+from castx.studies.runs.runner import Changes, changes_as_overrides
 from castx.tables import Table
 
 BETWEEN = 8
@@ -215,11 +216,14 @@ class Parameters:
         """Return the unknowns of a case; raises as `SoughtValues.of`."""
         return cls([SoughtValues.of(one, content) for one in asked])
 
-    def refuse_unusable(self, runner: Runner, content: Mapping[str, Any]) -> None:
+    def refuse_unusable(
+        self, case_file: Path, overrides: Sequence[str], content: Mapping[str, Any]
+    ) -> None:
         """Refuse unknowns that the case does not take with their start.
 
         Args:
-            runner: of the case.
+            case_file: the case.
+            overrides: values that replace those of the file.
             content: keys and values of the case.
 
         Raises:
@@ -229,7 +233,7 @@ class Parameters:
             start = {one.asked.of: one.change(dict(zip(one.names, one.start, strict=True)))}
             try:
                 refuse_elsewhere(content, one.asked.of)
-                load_case(runner.case_file, [*runner.overrides, *changes_as_overrides(start)])
+                load_case(case_file, [*overrides, *changes_as_overrides(start)])
             except CaseError as error:
                 raise CaseError(f"[identify] {one.asked.name}: {error}") from None
 

@@ -27,6 +27,8 @@ RUNGS = 9
 """Probes on each side of a sensor whose depth is unknown."""
 WIDE = 3.0
 """How far they go, in deviations of the depth."""
+DEPTH = "depth of "
+"""Before the name of a probe: how much deeper it lies than the case says."""
 OF_DEPTH, OF_CLOCK = 1e-4, 0.1
 """Differences of depths [m], and the largest one of a clock [s]."""
 FEWEST = 11
@@ -57,7 +59,7 @@ class Sensor:
     @property
     def depth_name(self) -> str:
         """Name of its depth among the unknowns."""
-        return f"depth of {self.probe.name}"
+        return f"{DEPTH}{self.probe.name}"
 
     def rung_names(self) -> list[str]:
         """Return the names of its row of probes."""
@@ -147,6 +149,13 @@ class Sensors:
         _refuse_unmeasured(max(float(one.time[-1]) for one in sensors), late, case.time.end)
         return cls(sensors, study.clock_deviation)
 
+    def with_rung_in(self, text: str) -> Sensor | None:
+        """Return the sensor of whose row of probes one is quoted in a text; None: of none is."""
+        for one in self.sensors:
+            if any(f"'{name}'" in text for name in one.rung_names()):
+                return one
+        return None
+
     @property
     def measured(self) -> FloatArray:
         """All samples, (samples,)."""
@@ -224,7 +233,10 @@ def _sensor(asked: SensorCurve, case: Case, end: float) -> Sensor:
         )
     share = float(np.ptp(curve.time[inside])) / case.time.end
     if share < COVERED:
-        log.warning("%s: its samples cover %.0f %% of the run", asked.of, 100.0 * share)
+        log.warning(
+            "%s: its samples cover %.0f %% of the run, from %g to %g s",
+            asked.of, 100.0 * share, curve.time[inside][0], curve.time[inside][-1],
+        )  # fmt: skip
     return Sensor(asked, probe, curve.time[inside], curve.values[inside], _rungs(asked, probe))
 
 

@@ -20,6 +20,7 @@ from castx.studies.runs.kept import (
     BY_CODE,
     FINISHED,
     LOG,
+    OUT_OF_TIME,
     REFUSED,
     RESULTS,
     KeptRun,
@@ -72,6 +73,8 @@ class Runner:
         self._digests: dict[tuple[str, ...], str] = {}
         self.made = 0
         """How many runs were made, not taken from those that are kept."""
+        self.used: set[str] = set()
+        """Digests of all runs that were asked for, made or kept."""
         self.processor_seconds = 0.0
         """Time of processors that those took [s]."""
 
@@ -107,6 +110,7 @@ class Runner:
             except CaseError as error:
                 found[index] = self._refused(changes, str(error))
                 continue
+            self.used.add(digest)
             kept = self._kept(digest)
             if kept is None:
                 missing.setdefault(digest, []).append(index)
@@ -128,8 +132,13 @@ class Runner:
 
     def _refused(self, changes: Changes, why: str) -> KeptRun:
         return KeptRun(
-            digest="", changes=dict(changes), ended=REFUSED, said=why, seconds=0.0,
-            processor_seconds=0.0, folder="",
+            digest="",
+            changes=dict(changes),
+            ended=REFUSED,
+            said=why,
+            seconds=0.0,
+            processor_seconds=0.0,
+            folder="",
         )
 
     def _make(self, wanted: Mapping[str, Changes]) -> Iterator[tuple[str, KeptRun]]:
@@ -171,6 +180,8 @@ class Runner:
                     "makes anew what the change concerns"
                 )
         said = "" if how == FINISHED else ended.said.removeprefix(f"{how}: ")
+        if how == OUT_OF_TIME:  # what castx run says of going on is none of a study's business
+            said = said.removeprefix("interrupted: ").partition("; go on with")[0]
         return KeptRun(
             digest=digest, changes=dict(changes), ended=how, said=said, seconds=ended.seconds,
             processor_seconds=ended.processor_seconds, folder=str(folder.relative_to(self.folder)),

@@ -133,6 +133,30 @@ def test_an_identified_number_is_shown(comm, tmp_path, capsys, by_formula):
     said = capsys.readouterr().out
     assert "h: 15" in said or "h: 149" in said
     assert "W/m^2/K (95 %:" in said and (tmp_path / "case.identified.toml").is_file()
+    made = re.search(r"(\d+) runs, (\d+) of them made now", said)
+    assert made and made[1] == made[2] == str(len(list((tmp_path / "study/runs").iterdir())))
+
+
+@pytest.mark.serial
+def test_a_fit_that_does_not_settle_does_not_tell_of_checkpoints(
+    comm, tmp_path, capsys, by_formula
+):
+    rows = [f"{t},{200.0 + 15.0 * t}" for t in np.arange(0.0, 6.1, 0.5)]
+    (tmp_path / "near.csv").write_text("\n".join(["time,near.temperature", *rows]) + "\n")
+    curve = '[[identify.curves]]\nof = "near.temperature"\nfile = "near.csv"\nnoise = 0.1\n'
+    case_file = tmp_path / "case.toml"
+    case_file.write_text(CASE + IDENTIFY.replace("[identify]", "[identify]\ntries = 1") + curve)
+    assert execute(["identify", str(case_file), "--output", str(tmp_path / "study")], comm) == 3
+    said = capsys.readouterr().err
+    assert "raise tries" in said and "checkpoint" not in said
+
+
+@pytest.mark.serial
+def test_a_check_names_the_studies_that_can_begin(comm, tmp_path, capsys):
+    case_file = tmp_path / "case.toml"
+    case_file.write_text(CASE + TABLE)
+    assert execute(["check", str(case_file)], comm) == 0
+    assert f"[vary] can begin: castx vary {case_file}" in capsys.readouterr().out
 
 
 @pytest.mark.serial

@@ -117,7 +117,9 @@ def test_a_point_far_outside_is_refused_with_its_distance(comm, shared_tmp_path)
     probe = fake_probe("far", (0.0275, 0.013), "temperature", body="casting")
     with pytest.raises(CaseError, match=r"'far' at \(0.0275, 0.013\) m lies outside body 'cast"):
         record(comm, shared_tmp_path, [probe])
-    with pytest.raises(CaseError, match=r"it is 0.0075 m away"):
+    with pytest.raises(
+        CaseError, match=r"0.0075 m away from its nearest point, \(0.02, 0.013\) m,"
+    ):
         record(comm, shared_tmp_path, [probe])
 
 

@@ -45,3 +45,44 @@ def test_a_check_refuses_what_no_run_could_begin_with(comm, tmp_path, capsys, ol
         refuse_useless_studies(path)
     assert execute(["check", str(path)], comm) == 2
     assert "vary" in capsys.readouterr().err
+
+
+IDENTIFY = """
+[identify]
+[[identify.curves]]
+of = "near.temperature"
+file = "near.csv"
+noise = "1 K"
+[[identify.unknowns]]
+of = "interfaces.0.heat.closed"
+name = "h"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('file = "near.csv"', 'file = "none.csv"', "there is no such file"),
+        ("heat.closed", "heat.close", "the case has nothing at"),
+    ],
+)
+def test_curves_and_unknowns_are_looked_at_too(tmp_path, old, new, why):
+    rows = "".join(f"{time / 4},{200 + time}\n" for time in range(24))
+    (tmp_path / "near.csv").write_text("time,near.temperature\n" + rows)
+    assert refuse_useless_studies(file(tmp_path, IDENTIFY)) == ["identify"]
+    with pytest.raises(CaseError, match=why):
+        refuse_useless_studies(file(tmp_path, IDENTIFY.replace(old, new)))
+
+
+def test_each_study_is_read_once(tmp_path, caplog):
+    """Else ranges of the databases are told twice."""
+    caplog.set_level("INFO")
+    text = VARY.replace("low = 600\nhigh = 700\n", "").replace(
+        "bodies.0.temperature", "materials.metal.solidification_shrinkage"
+    )
+    path = file(tmp_path, text)
+    path.write_text(
+        path.read_text().replace("[materials.metal]", '[materials.metal]\nextends = "AlSi7Mg"')
+    )
+    refuse_useless_studies(path)
+    assert caplog.text.count("the range of AlSi7Mg") == 1

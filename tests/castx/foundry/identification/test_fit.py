@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from castx.errors import ConvergenceError
+from castx.errors import ConvergenceError, UnsettledFit
 from castx.foundry.identification.covariance import deviations, posterior
 from castx.foundry.identification.fit import Unknown, fit
 from castx.foundry.identification.lumped import LumpedCooling
@@ -110,7 +110,7 @@ def test_a_difference_changes_the_slope():
 
 
 def test_what_does_not_settle_or_begin_is_told():
-    with pytest.raises(ConvergenceError, match="not settled after"):
+    with pytest.raises(UnsettledFit, match="not settled after"):
         fit(cooling, noisy(1), np.array(1.0), [COEFFICIENT], tries=2)
 
     def broken(values):
@@ -119,8 +119,11 @@ def test_what_does_not_settle_or_begin_is_told():
     with pytest.raises(ConvergenceError, match="at the start"):
         fit(broken, noisy(1), np.array(1.0), [COEFFICIENT])
     twice = [Unknown("a", 0.0, 0.1), Unknown("b", 0.0, 0.1)]
-    with pytest.raises(ValueError, match="do not tell all parameters apart"):
-        fit(lambda v: (v["a"] + v["b"]) * TIME, TIME, np.array(1.0), twice)
+    seen = Unknown("c", 0.0, 0.1)
+    with pytest.raises(ValueError, match=r"do not tell all parameters apart, least of all a, b$"):
+        fit(lambda v: 1e-3 * (v["a"] + v["b"]) * TIME + v["c"], TIME, np.array(1.0), [seen, *twice])
+    with pytest.raises(ValueError, match=r"apart, least of all b$"):
+        fit(lambda v: v["a"] * TIME, TIME, np.array(1.0), twice)
 
 
 def test_the_covariance_is_that_of_all_that_is_known():

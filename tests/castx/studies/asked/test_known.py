@@ -30,7 +30,10 @@ DATA = {
         "shop": {"extends": "AlSi7Mg", "tensile_strength": "190 MPa"},
         "AlCu4.5": {"extends": "AlCu4.5"},
         "own": {"density": 2600, "conductivity": [[20, "150 W/m/K"], [500, "120 W/m/K"]]},
+        "idle": {"extends": "idle"},
     },
+    "bodies": [{"material": "alloy"}, {"material": "AlCu4.5"}],
+    "vary": {"inputs": [{"of": "materials.idle.density", "name": "idle"}]},
     "interfaces": [{"heat": {"from": "aluminium-steel-coated", "open": "40 W/m^2/K"}}],
     "time": {"end": "60 s"},
 }
@@ -87,7 +90,11 @@ def test_paths_to_no_number_of_the_case_are_refused():
         refuse_elsewhere(DATA, "materials.aloy.conductivity")
     with pytest.raises(CaseError, match=r"\[optimise\] is a study"):
         refuse_elsewhere(DATA, "optimise.runs")
-    for there in ("materials.alloy.density", "materials.AlCu4.5.density", "time.end", "name"):
+    with pytest.raises(
+        CaseError, match=r'nothing is made of \[materials.idle\].*material = "idle"'
+    ):
+        refuse_elsewhere(DATA, "materials.idle.density")
+    for there in ("materials.shop.density", "materials.AlCu4.5.density", "time.end", "name"):
         refuse_elsewhere(DATA, there)
 
 

@@ -8,7 +8,7 @@ from castx.case.case import STUDIES
 from castx.case.reading.read import load_case
 from castx.errors import CaseError
 from castx.studies.asked.optimise import Optimise
-from castx.studies.asked.reading import KINDS, read_study, refuse_wrong_studies
+from castx.studies.asked.reading import KINDS, read_study, studies_of
 from castx.studies.asked.vary import Vary
 from tests.castx.many_runs import CASE
 
@@ -43,7 +43,7 @@ def test_it_is_read_beside_the_case_and_does_not_change_it(tmp_path):
 def test_what_is_wrong_is_named_with_its_place(tmp_path):
     path = file(tmp_path, TABLE.replace("low = 4", "low = 9"))
     text = r"case.toml: vary.inputs\[0\].low = 9: must lie below high"
-    for ask in (lambda: read_study(path, Vary), lambda: refuse_wrong_studies(path)):
+    for ask in (lambda: read_study(path, Vary), lambda: studies_of(path)):
         with pytest.raises(CaseError, match=text):
             ask()
 
@@ -68,16 +68,16 @@ high = 8
     path = file(tmp_path, table)
     first = r'optimise.goal = "Freezes lst: casting": no run .*did you mean "Freezes last: casting"'
     text = rf"2 problems\n  {first}[^\n]*\n  optimise.limits\[0\].of = .*: needs mechanics"
-    for ask in (lambda: read_study(path, Optimise), lambda: refuse_wrong_studies(path)):
+    for ask in (lambda: read_study(path, Optimise), lambda: studies_of(path)):
         with pytest.raises(CaseError, match=text):
             ask()
 
 
 def test_all_studies_have_a_description(tmp_path):
     assert set(KINDS) == set(STUDIES)
-    assert refuse_wrong_studies(file(tmp_path, TABLE)) == ["vary"]
+    assert list(studies_of(file(tmp_path, TABLE))) == ["vary"]
 
 
 def test_the_demo_has_all_studies():
     demo = Path(__file__).parents[4] / "demos/interface_study.toml"
-    assert refuse_wrong_studies(demo) == list(STUDIES)
+    assert list(studies_of(demo)) == list(STUDIES)

@@ -19,6 +19,7 @@ def test_memory_and_time_have_units():
     [
         ("memory", "3 m", "amount of memory"),
         ("memory", 0, "positive"),
+        ("memory", "290 MB", "takes 300 MB before it begins"),
         ("processes", 0, "from 1"),
         ("folder", " ", "a folder is needed"),
         ("cores", 2, "known keys: processes, memory"),

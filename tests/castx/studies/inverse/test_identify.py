@@ -7,7 +7,7 @@ import pytest
 
 from castx.case.reading.read import load_case
 from castx.command.run import run
-from castx.errors import CaseError, ConvergenceError
+from castx.errors import CaseError, UnsettledFit
 from castx.studies.inverse.identify import PAGE, RESULT, identify
 from tests.castx.cooled_mould import TIME, formula, h_of, measured
 from tests.castx.many_runs import CASE, Formulas
@@ -97,7 +97,7 @@ def test_more_than_noise_is_told(tmp_path):
         time, value = map(float, line.split(","))
         bent.append(f"{time},{value + 10.0 * np.sin(time / 4.0)}")
     result = identify(*opened(tmp_path, "\n".join(bent) + "\n"))
-    assert any("χ²_r" in text for text in result.found.remarks)
+    assert any("χ²_r" in text and "wants a table" in text for text in result.found.remarks)
     assert "not what the model lacks" in result.found.whiteness[0]
 
 
@@ -114,12 +114,20 @@ def test_unknowns_that_cannot_be_told_apart_are_refused(tmp_path):
     table = {"over": "time", "knots": [0, 39, 39.9], "start": 900}
     seen = identify(*opened(tmp_path, unknown={**table, "deviation": 0.3}))
     assert any("hardly see h at 39.9" in text for text in seen.found.unseen)
-    with pytest.raises(CaseError, match=r"no influence|do not tell all parameters apart"):
+    with pytest.raises(CaseError, match=r"h at (100|200) has no influence|least of all h at 200"):
         identify(*opened(tmp_path, unknown={**table, "knots": [0, 100, 200]}))
 
 
+def test_a_fit_tells_how_near_it_has_come(tmp_path, caplog):
+    caplog.set_level("INFO")
+    identify(*opened(tmp_path, unknown={"start": 700}))
+    told = [record.args[0] for record in caplog.records if "times the noise" in record.msg]
+    assert len(told) > 1 and told == sorted(told, reverse=True)
+    assert told[0] > 10.0 and told[-1] == pytest.approx(1.0, abs=0.2)
+
+
 def test_a_fit_that_does_not_settle_is_no_result(tmp_path):
-    with pytest.raises(ConvergenceError, match=r"not settled.*raise tries"):
+    with pytest.raises(UnsettledFit, match=r"not settled.*raise tries"):
         identify(*opened(tmp_path, tries=1))
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from castx.errors import CaseError, ConvergenceError
 from castx.studies.inverse.model import MeasuredCase
+from castx.studies.runs.executor import Ended
 from tests.castx.cooled_mould import TIME, temperature
 from tests.castx.studies.inverse.measured_case import opened
 
@@ -31,7 +32,27 @@ def test_failed_and_refused_runs_are_refused_steps(tmp_path):
 
 def test_a_start_that_fails_is_refused(tmp_path):
     model = MeasuredCase.of(*opened(tmp_path, unknown={"start": 2e5}))
-    with pytest.raises(CaseError, match="the start of all unknowns is not converged: too fast"):
+    text = "the start of all unknowns is not converged: too fast; give another start"
+    with pytest.raises(CaseError, match=text):
+        model.refuse_bad_start()
+
+
+@pytest.mark.parametrize(
+    ("ended", "text"),
+    [
+        (Ended(2, "refused: probe 'near +9' is outside", 1, 1), "three depth_deviations, 0.9 mm"),
+        (Ended(2, "refused: no such surface", 1, 1), "no such surface; correct the case"),
+        (Ended(130, "the time limit of 1 s", 1, 1), "raise time_limit and start with --anew"),
+        (Ended(1, "MemoryError", 1, 1), "MemoryError; see what it lacked"),
+    ],
+)
+def test_a_start_that_cannot_run_has_its_own_cure(tmp_path, ended, text):
+    class Ending:
+        def ended(self, tasks):
+            yield 0, ended
+
+    model = MeasuredCase.of(*opened(tmp_path, depth=True, executor=Ending()))
+    with pytest.raises(CaseError, match=text):
         model.refuse_bad_start()
 
 

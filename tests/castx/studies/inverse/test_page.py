@@ -1,5 +1,7 @@
 """Lines of the page of a study that identifies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,10 @@ def test_a_line_of_the_table():
     ]  # fmt: skip
     depth = IdentifiedNumber("depth", "m", 1e-4, 0.0, 2e-4, 5e-5, False, 0.0, 3e-4, False)
     assert row(depth)[3:] == ["5e-05 m", "0", "0.0003 m"]
+    assert row(replace(depth, name="depth of TC 1")) == [
+        "depth of TC 1 against the case", "+0.1 mm", "+0 to +0.2 mm", "0.05 mm", "0", "0.3 mm",
+    ]  # fmt: skip
+    assert row(replace(depth, name="depth of TC 1", at_bound=True))[1] == "+0.1 mm, at its bound"
 
 
 def test_a_table_has_three_lines():

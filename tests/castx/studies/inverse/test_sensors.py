@@ -107,8 +107,8 @@ def test_a_curve_that_covers_little_is_told(case, monkeypatch):
     whole = {**CURVE, "of": "far.temperature", "column": "near.temperature"}
     sensors(two, study={"curves": [whole, short(case, 0.0, 9.0)]})
     sensors(case, study={"curves": [short(case, 25.0, END)]})
-    told = "near.temperature: its samples cover {} % of the run"
-    assert said == [told.format(22), told.format(35)]
+    told = "near.temperature: its samples cover {} % of the run, from {} s"
+    assert said == [told.format(22, "0 to 9"), told.format(35, "25 to 39")]
 
 
 def test_samples_that_end_in_the_first_half_of_the_run_are_refused(case):

@@ -4,7 +4,8 @@ import pytest
 
 from castx.errors import CaseError
 from castx.results.files.folder import FolderLock
-from castx.studies.runs.kept import NOT_CONVERGED, REFUSED
+from castx.studies.runs.executor import Ended
+from castx.studies.runs.kept import NOT_CONVERGED, OUT_OF_TIME, REFUSED
 from castx.studies.runs.runner import Runner, refuse_living, study_folder
 from tests.castx.many_runs import CASE, Formulas
 
@@ -105,6 +106,15 @@ def test_time_limit_and_overrides_are_handed_on(case_file):
     (arguments,) = seen
     assert arguments[-4:] == ("--set", "time.end=3", "--set", f"{TEMPERATURE}=650.0")
     assert arguments[arguments.index("--time-limit") + 1] == "60.0"
+
+
+def test_a_run_out_of_time_does_not_say_how_to_go_on(case_file):
+    class Slow(Formulas):
+        def ended(self, tasks):
+            yield 0, Ended(130, "interrupted: the time limit of 1 s; go on with", 1.0, 1.0)
+
+    (run,) = runner(case_file, Slow(answered)).runs(wanted(650.0))
+    assert (run.ended, run.said) == (OUT_OF_TIME, "the time limit of 1 s")
 
 
 def test_a_folder_belongs_to_one_study(tmp_path):
