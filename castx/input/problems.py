@@ -128,10 +128,15 @@ def among(name: str, known: Sequence[str], *, what: str = "known") -> str:
     if not known:
         return f"{what}: none"
     known = [printable(entry) for entry in known]
-    lower = {entry.lower(): entry for entry in known}
-    near = get_close_matches(name.lower(), lower, n=1, cutoff=0.5)
-    guess = f" (did you mean {show(lower[near[0]])}?)" if near else ""
+    plain = {_letters(entry): entry for entry in known}
+    near = get_close_matches(_letters(name), plain, n=1, cutoff=0.5)
+    guess = f" (did you mean {show(plain[near[0]])}?)" if near else ""
     return f"{what}: {', '.join(known)}{guess}"
+
+
+def _letters(name: str) -> str:
+    """Return letters and digits of a name in lower case; what stands between them tells little."""
+    return "".join(c for c in name.lower() if c.isalnum()) or name
 
 
 def translate(error: ValidationError, known: Sequence[str]) -> Iterator[Problem]:

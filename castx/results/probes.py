@@ -177,10 +177,11 @@ def require_near(place: Place, probe: str, owner: str) -> None:
         CaseError: with the distance and the nearest point.
     """
     if place.distance >= place.size:
+        nearest = point_text([round(float(x), 9) for x in place.foot])
         raise CaseError(
             f"{probe} lies outside {owner}: it is {place.distance:.4g} m away from its nearest "
-            f"point, {point_text(np.round(place.foot, 9))}, and only points nearer than one "
-            f"element ({place.size:.4g} m) are moved there; choose a point inside"
+            f"point, {nearest}, and only points nearer than one element "
+            f"({place.size:.4g} m) are moved there; choose a point inside"
         )
 
 

@@ -49,6 +49,11 @@ def read_study(path: Path, kind: type[Study], overrides: Sequence[str] = ()) -> 
         study = kind.read(table)
     except Refusal as refusal:
         raise CaseError(summary(source, _inside(name, refusal), data)) from None
+    if isinstance(study, Vary) and study.number_of_runs < study.fewest_runs:
+        log.warning(
+            "%d runs are too few to tell %d inputs apart: that takes draws = %d at least",
+            study.number_of_runs, len(study.inputs), study.fewest_runs,
+        )  # fmt: skip
     if isinstance(study, Optimise):
         problems = list(_unanswerable(study, load_case(path, overrides)))
         if problems:

@@ -50,6 +50,11 @@ class Vary(Running):
             return self.number_of_draws * per_draw[self.method]
         return math.prod(len(one.values) if one.values else one.points for one in self.inputs)
 
+    @property
+    def fewest_runs(self) -> int:
+        """Runs of a Latin hypercube that tell straight lines over all inputs; else one."""
+        return len(self.inputs) + 2 if self.method == LATIN else 1
+
     def inconsistencies(self) -> Iterator[Problem]:
         """Yield numbers named twice, values that only a grid takes, and too many runs."""
         if not self.inputs:

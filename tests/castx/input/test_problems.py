@@ -62,6 +62,8 @@ def test_the_nearest_of_the_known_names_is_guessed():
     )
     assert among("xyz", known, what="keys") == "keys: conductivity, Density, expansion"
     assert among("x", []) == "known: none"
+    columns = ["Time [s]", "TC1 [°C]", "TC2 [°C]"]
+    assert among("TC 1", columns).endswith('(did you mean "TC1 [°C]"?)')
 
 
 def test_a_refusal_is_seen_from_outside():

@@ -40,6 +40,15 @@ def test_it_is_read_beside_the_case_and_does_not_change_it(tmp_path):
     assert load_case(path).digest == alone.digest
 
 
+def test_too_few_draws_to_tell_inputs_apart_are_warned_of(tmp_path, caplog):
+    path = file(tmp_path, TABLE)
+    read_study(path, Vary, ["vary.draws=3"])
+    read_study(path, Vary, ["vary.draws=2", "vary.method=morris"])
+    assert caplog.text == ""
+    read_study(path, Vary, ["vary.draws=2"])
+    assert "2 runs are too few to tell 1 inputs apart: that takes draws = 3" in caplog.text
+
+
 def test_what_is_wrong_is_named_with_its_place(tmp_path):
     path = file(tmp_path, TABLE.replace("low = 4", "low = 9"))
     text = r"case.toml: vary.inputs\[0\].low = 9: must lie below high"
