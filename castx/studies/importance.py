@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.input.units import plain_text
 from castx.studies.asked.vary import MORRIS, SOBOL
 from castx.studies.effects import elementary, lines, variance_shares
 from castx.studies.table import StudyTable
@@ -61,15 +62,24 @@ class Importance:
     @property
     def sentence(self) -> str:
         """The inputs that it hangs on, in words."""
-        span = f"{self.output} lies between {self.low:.4g} and {self.high:.4g} {self.unit}".strip()
+        ends = f"{plain_text(self.low)} and {plain_text(self.high)}"
+        span = f"{self.output} lies between {ends} {self.unit}".strip()
         known = [effect for effect in self.effects if np.isfinite(effect.strength)]
         if not known:
             return f"{span}."
         most = known[0].strength
-        strong = [effect.name for effect in known if effect.strength > LITTLE * most]
+        strong = [self._told(effect) for effect in known if effect.strength > LITTLE * most]
         weak = [effect.name for effect in known if effect.strength <= LITTLE * most]
         text = f"{span}; it hangs on {', then '.join(strong)}"
-        return f"{text}; {' and '.join(weak)} matter little." if weak else f"{text}."
+        matter = "matters" if len(weak) == 1 else "matter"
+        return f"{text}; {' and '.join(weak)} {matter} little." if weak else f"{text}."
+
+    def _told(self, effect: InputEffect) -> str:
+        """Return an input with the change of the answer from its lowest to its highest value."""
+        if not np.isfinite(effect.change):
+            return effect.name
+        sign = "+" if effect.change > 0.0 else ""
+        return f"{effect.name} ({sign}{plain_text(effect.change, 2)} {self.unit}".rstrip() + ")"
 
     def as_json(self) -> dict[str, Any]:
         """Return all numbers with the types of JSON, None where there are none."""

@@ -48,9 +48,11 @@ class StudyTable:
         )
 
     def varied(self) -> list[str]:
-        """Return the names of the answers that differ between runs by more than round-off."""
+        """Return the answers on the casting that differ between runs by more than round-off."""
         chosen = []
         for name in self.outputs:
+            if any(answers[name].of_mesh for answers in self.found if name in answers):
+                continue
             known = self.result(name)
             known = known[np.isfinite(known)]
             if len(known) > 1 and np.ptp(known) > 1e-9 * np.max(np.abs(known)):

@@ -108,5 +108,5 @@ def write_results(
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in zip(*columns.values(),
                                                                          strict=True))]  # fmt: skip
     (folder / "probes.csv").write_text("\n".join(lines) + "\n")
-    rows = [(name, value, "s", 1.0) for name, value in answers.items()]
+    rows = [(name, value, "s", 1.0, False) for name, value in answers.items()]
     (folder.parent / ANSWERS).write_text(json.dumps(rows))

@@ -14,7 +14,7 @@ from castx.results.files.folder import store_text
 from castx.results.reading import Results
 
 ANSWERS = "answers.json"
-Row = tuple[str, float, str, float]
+Row = tuple[str, float, str, float, bool]
 _ROWS: TypeAdapter[list[Row]] = TypeAdapter(list[Row])
 
 
@@ -27,12 +27,14 @@ class RunAnswer:
         value: in SI.
         unit: in which it is shown.
         factor: from SI to the unit.
+        of_mesh: whether it tells of the mesh, and nothing of the casting.
     """
 
     name: str
     value: float
     unit: str
     factor: float
+    of_mesh: bool = False
 
     @property
     def shown(self) -> float:
@@ -52,7 +54,7 @@ def answers(results: Path) -> dict[str, RunAnswer]:
     rows = _kept_rows(kept)
     if rows is None:
         rows = [
-            (finding.name, finding.value, finding.unit, finding.factor)
+            (finding.name, finding.value, finding.unit, finding.factor, finding.of_mesh)
             for finding in findings(Results(results))
             if finding.topic != STILL_LIQUID
         ]

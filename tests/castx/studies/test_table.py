@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +16,13 @@ pytestmark = pytest.mark.serial
 
 def kept(number, ended="finished"):
     return KeptRun(
-        digest="", changes={}, ended=ended, said="", seconds=1.0,
-        processor_seconds=1.0, folder=f"runs/{number}"
+        digest="",
+        changes={},
+        ended=ended,
+        said="",
+        seconds=1.0,
+        processor_seconds=1.0,
+        folder=f"runs/{number}",
     )
 
 
@@ -34,6 +40,12 @@ TABLE = StudyTable(
 def test_answers_are_shown_in_their_unit():
     np.testing.assert_allclose(TABLE.result("gap"), [10.0, np.nan, 30.0])
     assert TABLE.outputs == ["gap", "same"] and TABLE.varied() == ["gap"]
+
+
+def test_what_tells_of_the_mesh_is_no_answer_that_varies():
+    found = [{"gap": replace(gap(value), of_mesh=True)} for value in (1e-5, 3e-5)]
+    table = StudyTable(["h"], [""], np.array([[1.0], [2.0]]), [kept(0), kept(1)], found)
+    assert table.varied() == [] and "gap" in table.text()
 
 
 def test_it_is_a_csv_with_a_line_for_each_run():

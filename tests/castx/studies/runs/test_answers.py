@@ -14,7 +14,7 @@ pytestmark = pytest.mark.serial
 
 
 def test_they_are_the_findings_and_read_once(monkeypatch, tmp_path):
-    gap = Finding("Largest gap", "a/b", 3e-5, "µm", "", factor=1e6)
+    gap = Finding("Largest gap", "a/b", 3e-5, "µm", "", factor=1e6, of_mesh=True)
     liquid = Finding(STILL_LIQUID, "a", 0.5, "%", "", factor=100.0)
     asked = []
     monkeypatch.setattr(module, "Results", asked.append)
@@ -22,7 +22,7 @@ def test_they_are_the_findings_and_read_once(monkeypatch, tmp_path):
     for _ in range(2):
         (found,) = answers(tmp_path / "results").values()
         assert (found.name, found.value, found.unit) == ("Largest gap: a/b", 3e-5, "µm")
-        assert found.shown == pytest.approx(30.0)
+        assert found.shown == pytest.approx(30.0) and found.of_mesh
     assert asked == [tmp_path / "results"]
     for damage in ("[[1, 2]]", "", "{}", '[["a", "b", "c", 1]]'):
         (tmp_path / ANSWERS).write_text(damage)
@@ -31,4 +31,6 @@ def test_they_are_the_findings_and_read_once(monkeypatch, tmp_path):
     os.mkfifo(tmp_path / ANSWERS)
     assert list(answers(tmp_path / "results")) == ["Largest gap: a/b"]
     assert len(asked) == 6
-    assert json.loads((tmp_path / ANSWERS).read_text()) == [["Largest gap: a/b", 3e-5, "µm", 1e6]]
+    assert json.loads((tmp_path / ANSWERS).read_text()) == [
+        ["Largest gap: a/b", 3e-5, "µm", 1e6, True]
+    ]
