@@ -244,7 +244,7 @@ def check(
     with kept():
         from castx.case.reading.read import load_case
         from castx.command.check import check_case
-        from castx.studies.checking import refuse_useless_studies
+        from castx.studies.inverse.checking import refuse_useless_studies
 
     comm, console = output_of(context)
     with naming(case_file):

@@ -182,7 +182,7 @@ class MeasuredCase:
                 )
 
     def _cure(self, run: KeptRun) -> str:
-        """Return what helps where the run of the start has ended."""
+        """Return the cure for the failed run of the start."""
         sensor = self.sensors.with_rung_in(run.said) if run.ended == REFUSED else None
         if sensor is None:
             return CURES[run.ended]

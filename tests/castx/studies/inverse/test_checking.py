@@ -4,7 +4,7 @@ import pytest
 
 from castx.command.cli import execute
 from castx.errors import CaseError
-from castx.studies.checking import refuse_useless_studies
+from castx.studies.inverse.checking import refuse_useless_studies
 from tests.castx.many_runs import CASE
 
 pytestmark = pytest.mark.serial
