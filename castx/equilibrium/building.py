@@ -46,6 +46,7 @@ from castx.solvers.inner.midside_schur import MidsideSchur
 from castx.solvers.inner.nest import Block
 from castx.solvers.inner.options import FACTORS, MULTIGRID, solves_directly
 from castx.solvers.inner.sweep import BlockSweep
+from castx.solvers.inner.whole_matrix import Lacking
 from castx.solvers.layout import Layout
 
 BLOCKS_PREFIX, FACTORS_PREFIX = f"{PREFIX}bodies_", f"{PREFIX}factors_"
@@ -235,7 +236,9 @@ def _inner_solvers(
     comm, pairs = bodies.layout.comm, balance.contact.normal
     multipliers = isinstance(pairs, MultiplierContact)
     if direct:
-        return [DirectSolver(comm, BLOCKS_PREFIX, 0 if multipliers else MOST_CHANGED)]
+        lacking = _lacking(bodies, balance, range(len(bodies.parts)))
+        most = 0 if multipliers else MOST_CHANGED
+        return [DirectSolver(comm, BLOCKS_PREFIX, most, lacking)]
     groups = _tied_together(bodies, contacts)
     blocks = body_blocks(
         bodies.layout, bodies.parts, groups, balance.transform, [MULTIGRID] * len(groups)
@@ -253,8 +256,21 @@ def _inner_solvers(
             block._replace(options=FACTORS) if factors else block
             for block, factors in zip(blocks, may, strict=True)
         ]
-        solvers.append(BlockSweep(comm, FACTORS_PREFIX, with_factors, coupling))
+        exact = [b for group, factors in zip(groups, may, strict=True) if factors for b in group]
+        lacking = _lacking(bodies, balance, exact)
+        solvers.append(BlockSweep(comm, FACTORS_PREFIX, with_factors, coupling, lacking))
     return solvers
+
+
+def _lacking(bodies: DeformableBodies, balance: MomentumBalance, exact: Sequence[int]) -> Lacking:
+    """Return the matrix of corrections of bodies that get factors, as a function of no argument.
+
+    Args:
+        bodies: all of them.
+        balance: of them, with the layout of the matrix.
+        exact: numbers of those that get factors.
+    """
+    return partial(bodies.assembly.corrections_matrix, balance.contact.layout, exact)
 
 
 def _with_midsides(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from mpi4py import MPI
@@ -174,6 +174,31 @@ class BodyAssembly:
         """Return the pressure part of the Jacobian that the matrix lacks, from OSGS."""
         return self._on_parts([body.formulation.products() for body in self.bodies])
 
+    def corrections_matrix(self, layout: Layout, bodies: Collection[int]) -> PETSc.Mat | None:
+        """Return the matrix of `corrections` of some bodies, as far as it is known.
+
+        The caller destroys it; None: there is none; collective.
+
+        Args:
+            layout: of the matrix, with the unknowns of the contact method behind the bodies.
+            bodies: their numbers.
+        """
+        own = {b: self.bodies[b].formulation.matrix_of_products() for b in bodies}
+        known = {b: block for b, block in own.items() if block is not None}
+        if not known:
+            return None
+        parts = [
+            known[k] if k in known else _empty(layout, k) for k in range(len(layout.block_sizes))
+        ]
+        blocks = [
+            [part if k == m else None for m in range(len(parts))] for k, part in enumerate(parts)
+        ]
+        nest = PETSc.Mat().createNest(blocks, comm=layout.comm)
+        found = nest.convert("aij", PETSc.Mat())
+        for item in (nest, *parts):
+            item.destroy()
+        return found
+
     def coupled_corrections(self) -> list[Correction]:
         """Return the products of the trapped liquid with displacements."""
         return self._on_parts([body.formulation.coupled_products() for body in self.bodies])
@@ -236,6 +261,15 @@ class MidsideBlocks:
         """Free the matrices."""
         for matrix in (self.own, self.rows, self.columns):
             matrix.destroy()
+
+
+def _empty(layout: Layout, part: int) -> PETSc.Mat:
+    """Return a matrix without entries for a part of a layout."""
+    own = layout.local_slice(part)
+    size = own.stop - own.start, None
+    matrix = PETSc.Mat().createAIJ((size, size), nnz=0, comm=layout.comm)
+    matrix.assemble()
+    return matrix
 
 
 def _on_parts(parts: Sequence[slice], product: Product, x: FloatArray, y: FloatArray) -> None:

@@ -287,6 +287,13 @@ class Formulation(ABC):
         """Return the parts of the Jacobian on pressures that are applied without a matrix."""
         return []
 
+    def matrix_of_products(self) -> PETSc.Mat | None:
+        """Return the sum of `products` as a matrix of one pattern; None: it is not known.
+
+        The caller destroys it; collective.
+        """
+        return None
+
     def coupled_products(self) -> list[Product]:
         """Return products of matrices with displacements beside the assembled Jacobian."""
         return []

@@ -236,6 +236,14 @@ class MixedFormulation(PocketedFormulation):
         """Return the part of OSGS beyond GLS, Σ_e τ_e ∫ ∇q·Π(p), linear in the pressures."""
         return [projection.add_product for projection in self._projections]
 
+    def matrix_of_products(self) -> PETSc.Mat | None:
+        """Return the same as a matrix, which the caller destroys; None with GLS; collective."""
+        found, *others = [projection.matrix() for projection in self._projections] or [None]
+        for other in others:
+            found.axpy(1.0, other, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            other.destroy()
+        return found
+
     def mean_stress(self) -> FloatArray:
         """Return means of the nodal pressures, or pressures of pockets, [Pa], shape (cells,)."""
         nodes = self._unknowns.mesh.nodes.dofmap.list

@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
@@ -37,7 +38,7 @@ from castx.mechanics.formulation import BodyUnknowns
 
 
 class OrthogonalProjection:
-    """The operator Gᵀ M⁻¹ G of one body, or of a part of its cells, applied without its matrix.
+    """The operator Gᵀ M⁻¹ G of one body, or of a part of its cells.
 
     On symmetry planes Π has no normal component: that of the mirror image would cancel it.
 
@@ -60,7 +61,11 @@ class OrthogonalProjection:
         )
         self._weight = la.vector(nodes.dofmap.index_map)
         self._comm, self._acts = mesh.comm, False
+        self._taken: PETSc.Mat | None = None
         self._gradient = create_matrix(self._gradient_form)
+        # With all entries of its pattern, whose values there are none of yet.
+        self._fill_gradient()
+        self._gradient.zeroEntries()
         self._pressure, self._force = (self._gradient.createVecRight() for _ in range(2))
         self._projected = self._gradient.createVecLeft()
         self._mirrored, self._in_planes = _tangential(
@@ -75,9 +80,29 @@ class OrthogonalProjection:
         owned = self._weight.array[: self._pressure.getLocalSize()]
         self._acts = bool(self._comm.allreduce(bool(owned.any()), op=MPI.LOR))
         if self._acts:
-            self._gradient.zeroEntries()
-            assemble_matrix(self._gradient, self._gradient_form)
-            self._gradient.assemble()
+            self._fill_gradient()
+
+    def _fill_gradient(self) -> None:
+        self._gradient.zeroEntries()
+        assemble_matrix(self._gradient, self._gradient_form)
+        self._gradient.assemble()
+
+    def matrix(self) -> PETSc.Mat:
+        """Return Gᵀ M⁻¹ G for all unknowns of the body, which the caller destroys; collective.
+
+        Its pattern is always the same: two pressures meet where they share a neighbour.
+        """
+        count, dimension = self._pressure.getLocalSize(), self._dimension
+        weight = self._weight.array[:count] if self._acts else np.zeros(count)
+        inverse = np.divide(1.0, weight, out=np.zeros(count), where=weight > 0)
+        blocks = inverse[:, None, None] * np.eye(dimension)
+        blocks[self._mirrored] = inverse[self._mirrored, None, None] * self._in_planes
+        of_pressures = self._gradient.matMult(self._pressures_of_unknowns())
+        projected = _block_diagonal(self._projected, blocks)
+        found = projected.ptap(of_pressures)
+        projected.destroy()
+        of_pressures.destroy()
+        return found
 
     def add_product(self, x: FloatArray, y: FloatArray) -> None:
         """Add Gᵀ M⁻¹ G p to the rows of the pressures, scaled like the unknowns; collective.
@@ -101,6 +126,34 @@ class OrthogonalProjection:
         projected[mirrored] = np.einsum("nij,nj->ni", self._in_planes, projected[mirrored])
         self._gradient.multTranspose(self._projected, self._force)
         return np.asarray(self._scale**2 * self._force.array)
+
+    def _pressures_of_unknowns(self) -> PETSc.Mat:
+        """Return the matrix that takes the pressures [Pa] out of the unknowns of the body."""
+        if self._taken is None:
+            first, last = self._pressure.getOwnershipRange()
+            size, count = self._pressures.step, last - first
+            columns = np.arange(first, last) * size + self._pressures.start
+            csr = _pointers(count, 1), columns.astype(np.int32), np.full(count, self._scale)
+            sizes = [(n, n * size) for n in (count, self._pressure.getSize())]
+            self._taken = PETSc.Mat().createAIJ(
+                tuple(zip(*sizes, strict=True)), csr=csr, comm=self._comm
+            )
+        return self._taken
+
+
+def _block_diagonal(like: PETSc.Vec, blocks: FloatArray) -> PETSc.Mat:
+    """Return the matrix with square blocks, shape (blocks, n, n), for vectors like a given one."""
+    count, n, _ = blocks.shape
+    first, _ = like.getOwnershipRange()
+    start = np.arange(first, first + count * n, n)[:, None, None]
+    columns = np.broadcast_to(start + np.arange(n), blocks.shape).ravel().astype(np.int32)
+    csr = _pointers(count * n, n), columns, blocks.ravel()
+    return PETSc.Mat().createAIJ((like.getSizes(),) * 2, csr=csr, comm=like.getComm())
+
+
+def _pointers(rows: int, each: int) -> npt.NDArray[np.int32]:
+    """Return where the rows of a matrix begin that has the same number of entries in each."""
+    return np.arange(0, rows * each + 1, each, dtype=np.int32)
 
 
 def _tangential(

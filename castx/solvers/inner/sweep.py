@@ -16,6 +16,7 @@ from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block, Blocks
 from castx.solvers.inner.options import FACTORS
 from castx.solvers.inner.stiff_part import StiffPart
 from castx.solvers.inner.uncoupled import Uncoupled
+from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix
 
 
 def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
@@ -43,6 +44,7 @@ class BlockSweep:
         prefix: prefix of its PETSc options, which are read when it is first prepared.
         blocks: each unknown is in one of them.
         coupling: what unknowns have of those of other blocks, see `uncoupled`.
+        lacking: returns what the matrix lacks of blocks that get factors, see `whole_matrix`.
     """
 
     def __init__(
@@ -51,11 +53,13 @@ class BlockSweep:
         prefix: str,
         blocks: Sequence[Block],
         coupling: PETSc.Mat | None = None,
+        lacking: Lacking | None = None,
     ) -> None:
         self._uncoupled = None if coupling is None else Uncoupled(coupling)
         factors = {f"stiff_{name}": value for name, value in FACTORS.items()}
         self.defaults: Mapping[str, object] = sweep_options(blocks) | factors
         self.is_exact = False
+        self._whole = None if lacking is None else WholeMatrix(lacking)
         self._stiff = StiffPart(comm, f"{prefix}stiff_", _by_multigrid(blocks))
         self._by_factors = [block.options is FACTORS for block in blocks]
         self._symmetric = list(self._by_factors)
@@ -75,6 +79,8 @@ class BlockSweep:
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Split the matrix into its blocks and set up their solvers."""
         first = not self._blocks.ready
+        if self._whole is not None:
+            matrix = self._whole.update(matrix, constrained)
         if self._uncoupled is not None:
             matrix = self._uncoupled.set_up(matrix, constrained)
         assembled = self._blocks.update(matrix, constrained, anew)
@@ -131,6 +137,8 @@ class BlockSweep:
         self._stiff.destroy()
         self._ksp.destroy()
         self._blocks.destroy()
+        if self._whole is not None:
+            self._whole.destroy()
         if self._uncoupled is not None:
             self._uncoupled.destroy()
         for vector in self._work:

@@ -43,6 +43,17 @@ def test_small_problems_are_solved_directly(comm, method):
     assert set(report.linear_solves) == {1} and not report.sweeps
 
 
+@pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
+def test_factors_hold_all_of_the_stabilisation(comm, stabilisation):
+    """A twisted block, whose pressures bend from cell to cell."""
+    metal = body(
+        elastic(SOFT[0], 0.499), loads=(pushed("far", 1e6),), stabilisation=stabilisation,
+    )  # fmt: skip
+    mesh = generated(comm, "plane-strain", "slab", ["casting"], length=0.02, width=0.01, size=2e-3)
+    made = problem(mesh, {"casting": metal}, {"casting": [fixed("wall", "all")]}, tolerance=1e-9)
+    assert made.equilibrium.solve(0.0).linear_solves == (1,)
+
+
 def test_large_problems_are_solved_by_multigrid(comm, monkeypatch):
     monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
     made = pressed(comm, Contact("upper", "base"), linear="automatic")

@@ -103,6 +103,29 @@ def test_corrections_are_those_of_the_body_with_osgs(comm, bodies):
     made.destroy()
 
 
+@pytest.mark.ranks
+def test_corrections_have_a_matrix_in_a_layout_with_more_unknowns(comm, bodies):
+    """Of the bodies that are asked for; one in its displacement has none."""
+    made, fields = assembled(comm, bodies)
+    maps = [part.space.dofmap.index_map for part in bodies]
+    layout = Layout(comm, [*maps, maps[0]], [*(part.block_size for part in bodies), 1])
+    assert made.corrections_matrix(layout, [1]) is None
+    matrix = made.corrections_matrix(layout, range(2))
+    x, y = matrix.createVecs()
+    assert x.getSize() == layout.size_global
+    known = joined(bodies, fields)
+    x.array[: len(known)], x.array[len(known) :] = known, 1.0
+    matrix.mult(x, y)
+    expected = np.zeros_like(known)
+    for correction in made.corrections():
+        correction(known, expected)
+    scale = comm.allreduce(np.abs(expected).max(), op=max)
+    np.testing.assert_allclose(y.array_r[: len(known)], expected, atol=1e-12 * scale, rtol=0)
+    assert not y.array_r[len(known) :].any() and scale > 0
+    for item in (matrix, x, y, made):
+        item.destroy()
+
+
 def test_trapped_liquid_couples_the_displacements_of_its_body_alone(comm, bodies):
     """Two pockets of a body, between a body of displacements and a solid of the same layout."""
     full = {**MELTING, "cavitation": 1e20}  # whatever draws at it

@@ -36,9 +36,7 @@ stabilised = pytest.mark.parametrize("stabilisation", ["osgs", "gls"])
 @pytest.mark.parametrize("model", MODELS)
 def test_jacobian_is_the_derivative_of_the_residual(comm, model, stabilisation):
     loads = (pushed("far", 1e6), pulled("wall", *(2e6,) * (3 if model == "3d" else 2)))
-    part = alone(
-        comm, model, loads=loads, body_force=(1e6, -3e6), stabilisation=stabilisation
-    )
+    part = alone(comm, model, loads=loads, body_force=(1e6, -3e6), stabilisation=stabilisation)
     begin_anywhere(part)
     check_derivative(comm, part, 1.0)
 
@@ -81,6 +79,31 @@ def test_jacobian_of_porous_liquid(comm, stabilisation):
     add_product(random_field(part, 1.9)[: len(nothing)], nothing)
     assert part.formulation.has_pockets and not nothing.any()
     check_derivative(comm, part, 1.0)
+
+
+@pytest.mark.ranks
+def test_products_are_those_of_their_matrix(comm):
+    """Of the solid and of the liquid, each with its projection; GLS has none."""
+    assert (
+        alone(comm, properties=MELTING, stabilisation="gls").formulation.matrix_of_products()
+        is None
+    )
+    part = alone(comm, properties=MELTING)
+    begin_anywhere(part, molten_ends(part))
+    products, matrix = part.formulation.products(), part.formulation.matrix_of_products()
+    assert len(products) == 2
+    x, y = matrix.createVecs()
+    x.array[:] = random_field(part, 1.7)[: part.unknowns.owned]
+    matrix.mult(x, y)
+    expected = np.zeros(part.unknowns.owned)
+    for add_product in products:
+        before = expected.copy()
+        add_product(x.array_r.copy(), expected)
+        assert comm.allreduce(np.abs(expected - before).max(initial=0.0), op=MPI.MAX) > 0
+    scale = comm.allreduce(np.abs(expected).max(initial=0.0), op=MPI.MAX)
+    np.testing.assert_allclose(y.array_r, expected, atol=1e-12 * scale, rtol=0)
+    for item in (matrix, x, y):
+        item.destroy()
 
 
 def test_cells_of_trapped_liquid_have_the_pressure_of_their_pocket(comm):

@@ -164,6 +164,37 @@ def test_a_part_of_one_cell_on_one_rank_acts_on_all(comm):
     assert work == pytest.approx(unknowns.pressure_scale * whole * gradient @ gradient, rel=1e-9)
 
 
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
+def test_the_matrix_is_that_of_the_operator(comm, model):
+    """With a symmetry plane too; of one pattern before there is any weight and after it."""
+    body = slab(comm, model)
+    nodes = body.surface_nodes("bottom")
+    nodes = nodes[nodes < body.nodes.dofmap.index_map.size_local]
+    normals = np.tile(np.eye(body.points.shape[1])[1], (len(nodes), 1))
+    plane = FixedDirections("bottom", nodes, normals, symmetry=True)
+    unknowns, tau, operator = projected(body, model, [plane])
+    tau.x.array[:] *= 0.0
+    operator.assemble()
+    empty = operator.matrix()
+    assert empty.norm() == 0.0
+    tau.x.array[:] = 1e-15 * (1.0 + np.arange(len(tau.x.array)) % 3)
+    operator.assemble()
+    matrix = operator.matrix()
+    for found, before in zip(matrix.getValuesCSR()[:2], empty.getValuesCSR()[:2], strict=True):
+        np.testing.assert_array_equal(found, before)
+    x, y = matrix.createVecs()
+    x.array[:] = np.sin(1.0 + np.arange(len(x.array_r)))
+    matrix.mult(x, y)
+    expected = np.zeros(unknowns.owned)
+    operator.add_product(x.array_r.copy(), expected)
+    scale = comm.allreduce(np.abs(expected).max(initial=0.0), op=MPI.MAX)
+    assert scale > 0
+    np.testing.assert_allclose(y.array_r, expected, atol=1e-12 * scale, rtol=0)
+    for item in (empty, matrix, x, y):
+        item.destroy()
+
+
 @pytest.mark.serial
 def test_planes_at_any_angle_leave_the_direction_that_both_allow():
     """Planes of 22° between them leave nothing in the plane, and their common line in space."""
