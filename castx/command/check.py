@@ -22,7 +22,7 @@ from castx.case.reading.read import load_case
 from castx.case.skin import skins
 from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
-from castx.command.watches.ranges import outside_used_range, ranges_text
+from castx.command.watches.ranges import outside_used_range, ranges_text, temperature_range
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of, laws_above_solidus
 from castx.coupling.thin_walls import thin_walls
@@ -356,19 +356,3 @@ def material_warnings(case: Case) -> Iterator[str]:
                 f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
                 "used, and a run says whether the body gets there"
             )
-
-
-def temperature_range(case: Case) -> tuple[float, float]:
-    """Return the lowest and the highest temperature that a case names [°C]."""
-    found = [bound for body in case.bodies for bound in body.temperature.bounds or ()]
-    tables = [body.temperature_history for body in case.bodies]
-    tables += [stage.spray.ambient for stage in case.stages if stage.spray is not None]
-    later = [boundary for stage in case.stages for boundary in stage.boundaries]
-    for boundary in (*case.boundaries, *later):
-        for heat in boundary.heat:
-            for named in heat.temperatures:
-                found += [float(named.values.min()), float(named.values.max())]
-    for table in tables:
-        if table is not None:
-            found += [float(table.values.min()), float(table.values.max())]
-    return min(found, default=20.0), max(found, default=20.0)

@@ -68,7 +68,9 @@ def last_liquid(run: Results, body: str, before: float, after: float) -> Finding
     if pools:
         latest = max(pools, key=lambda spot: float(spot["ended"]))
         place = latest["place"]
-        told = "the last liquid freezes there; what it shrinks by then nothing can feed."
+        told = "the last liquid freezes there."
+        if latest["deficit"] is None or latest["deficit"] > 0.0:
+            told = "the last liquid freezes there; what it shrinks by then nothing can feed."
     else:
         place = last_place(run, body, after) if followed is None else followed["place"]
         told = "the last liquid was at this place."

@@ -72,7 +72,7 @@ FIELD_RISKS = (
 
 
 def hot_spots(run: Results) -> Iterator[Finding]:
-    """Yield the hot spot of each casting that lacks most."""
+    """Yield the hot spot of each casting that lacks most, unless it lacks nothing, as of iron."""
     seen = set()
     plane = run.model in PLANE_MODELS
     factor, unit = (1e4, "cm² of the section") if plane else (1e6, "cm³")
@@ -82,6 +82,8 @@ def hot_spots(run: Results) -> Iterator[Finding]:
             continue
         seen.add(body)
         lacks = spot["deficit"]
+        if lacks is not None and lacks <= 0.0:
+            continue
         what = (
             "what its freezing lacks, of which the shell takes a part back where mechanics has it "
             "(unfed_volume)"

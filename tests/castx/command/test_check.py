@@ -24,9 +24,9 @@ from castx.command.check import (
     heat_text,
     interface_text,
     size_text,
-    temperature_range,
 )
 from castx.command.cli import execute
+from castx.command.watches.ranges import temperature_range
 from castx.domain.summary import BodySummary, MeshSummary
 from tests.castx.domain.interface_meshes import pairs_by
 from tests.elastic_bodies import blocks

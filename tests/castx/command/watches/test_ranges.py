@@ -11,8 +11,8 @@ import pytest
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
-from castx.case.reading.read import read_case
-from castx.command.watches.ranges import RangeWatch, used_properties
+from castx.case.reading.read import load_case, read_case
+from castx.command.watches.ranges import RangeWatch, coldest_possible, used_properties
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
@@ -26,9 +26,15 @@ ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 FLOW = {"yield_stress", "hardening", "kinematic_hardening"}
 
 
+FROST = {"type": "convection", "coefficient": 10, "ambient": -50}
+
+
 def case_of(**changes) -> Case:
-    materials = {"bodies__0__material": "AlSi7Mg", "bodies__1__material": "steel-H13"}
-    return read_case(cylinder(**{**materials, **changes}), Path("case.toml"))
+    usual = {
+        "bodies__0__material": "AlSi7Mg", "bodies__1__material": "steel-H13",
+        "boundaries__0__heat": FROST,
+    }  # fmt: skip
+    return read_case(cylinder(**{**usual, **changes}), Path("case.toml"))
 
 
 def snapshots(comm, *temperatures: tuple[float, float]) -> Iterator[FakeSnapshot]:
@@ -72,6 +78,35 @@ def test_a_part_of_a_kelvin_outside_is_none(comm, heard, ends, warned):
     for snapshot in snapshots(comm, ends):
         watch.check(snapshot)
     assert sum("steel-H13" in text for text in heard) == warned * (comm.rank == 0)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("heat", "source", "coldest"),
+    [
+        ({"type": "insulated"}, None, 200.0),
+        ({**FROST, "ambient": 15.0}, None, 15.0),
+        ({**FROST, "ambient": 15.0}, 1e6, 15.0),
+        ({**FROST, "ambient": 15.0}, [[0, 1e6], [5, -1e6]], -np.inf),
+        ({"type": "flux", "value": -1e4}, None, -np.inf),
+    ],
+)
+def test_nothing_is_colder_than_what_a_case_names(comm, heard, heat, source, coldest):
+    """Nodes of a coarse mesh may be, unless heat is drawn whatever the temperature is."""
+    changes = {"boundaries__0__heat": heat}
+    if source is not None:
+        changes["bodies__1__heat_source"] = source
+    case = case_of(**changes)
+    assert coldest_possible(case) == coldest
+    watch = RangeWatch(case, comm)
+    for snapshot in snapshots(comm, (12, 200)):
+        watch.check(snapshot)
+    assert any("steel-H13" in text for text in heard) == (coldest < 20.0)
+
+
+@pytest.mark.serial
+def test_stages_name_temperatures_too():
+    assert coldest_possible(load_case("demos/stages.toml")) == 25.0
 
 
 @pytest.mark.ranks

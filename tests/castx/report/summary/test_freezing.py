@@ -11,7 +11,7 @@ pytestmark = pytest.mark.serial
 
 
 def pool(ended, place):
-    return {"body": "casting", "ended": ended, "place": place}
+    return {"body": "casting", "ended": ended, "place": place, "deficit": 1e-8}
 
 
 def test_the_pool_that_ends_last_says_where():
@@ -25,6 +25,16 @@ def test_the_pool_that_ends_last_says_where():
     assert (last.topic, last.value, last.time) == (LAST_LIQUID, 2.0, 2.0)
     assert last.place == [0.02, 0.01] and last.number == "2 s"
     assert last.shown.time == 1.0  # the last fields with liquid
+    assert "nothing can feed" in last.sentence
+
+
+@pytest.mark.parametrize("deficit, lacks", [(0.0, False), (None, True)])
+def test_a_pool_that_lacks_nothing_needs_no_feeder(deficit, lacks):
+    """None: its shrinkage is not known."""
+    found = run()
+    found.record["hot_spots"] = [{**pool(1.9, [0.02, 0.01]), "deficit": deficit}]
+    (last,) = freezing(found)
+    assert last.place == [0.02, 0.01] and ("nothing can feed" in last.sentence) == lacks
 
 
 def test_the_last_liquid_that_was_followed_says_where_it_was():

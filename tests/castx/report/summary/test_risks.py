@@ -20,6 +20,16 @@ def test_the_worst_hot_spot_of_each_casting_counts():
     assert first.shown.time == 3.0  # it is there at the end
 
 
+def test_a_hot_spot_that_lacks_nothing_is_none():
+    """Iron swells by graphite as it freezes."""
+    found = run(model="3d")
+    found.record["hot_spots"] = [
+        {**SPOT, "deficit": 0.0},
+        {**SPOT, "body": "other", "deficit": 1e-9},
+    ]
+    assert [spot.of for spot in hot_spots(found)] == ["other"]
+
+
 @pytest.mark.parametrize("ended, shown", [(0.5, 0.0), (1.0, 0.0), (2.5, 2.0), (None, 3.0)])
 def test_a_hot_spot_is_shown_while_it_is_there_for_the_last_time(ended, shown):
     found = run(model="3d")
