@@ -37,12 +37,15 @@ class DirectSolver:
         self.defaults: Mapping[str, object] = FACTORS
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
-        self.prefix = prefix
+        self.prefix, self._comm = prefix, comm
         self._ready, self._whole = False, WholeMatrix(lacking)
 
     @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Factorise the matrix."""
+        if self._ready and self._comm.allreduce(self._ksp.pc.getFailedReason() != 0, op=MPI.LOR):
+            # MUMPS factorises nothing any more with the analysis of a matrix whose factors failed.
+            self._whole.destroy()
         self._ksp.setOperators(self._whole.update(matrix, constrained))
         if not self._ready:
             self._ksp.setFromOptions()
