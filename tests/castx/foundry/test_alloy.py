@@ -73,7 +73,10 @@ def test_indices_of_hot_tearing():
     assert Alloy(find_material("sand-silica")).tearing_indices is None
 
 
-CAST = ("AZ91", "AlCu4.5", "AlSi7Mg", "AlSi9Cu3", "CuSn12", "G20Mn5", "GJL-250", "GJS-400")
+CAST = (
+    "AZ91", "AlCu4.5", "AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "CuSn12", "G20Mn5", "GJL-250",
+    "GJS-400",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CAST)

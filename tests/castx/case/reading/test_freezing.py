@@ -19,7 +19,9 @@ def chosen(material: str = "AlSi7Mg", scheme: str = "iterated", **body) -> str:
     return read_case(data, Path("case.toml")).bodies[0].freezing
 
 
-@pytest.mark.parametrize("material", ["AlSi7Mg", "AlSi9Cu3", "GJL-250", "G20Mn5", "CuSn12"])
+@pytest.mark.parametrize(
+    "material", ["AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "GJL-250", "G20Mn5", "CuSn12"]
+)
 def test_poured_alloys_freeze_inside_cells(material):
     assert chosen(material, temperature=1600.0) == "cells"
 
