@@ -95,10 +95,21 @@ class BlockSweep:
             self._ksp.setFromOptions()
         if self._blocks.nest is not None:
             self._ksp.setUp()  # makes the solvers of the blocks
+        self._forget_failures()
         self._choose_factors()
         self._ksp.setUp()
         self._ksp.setUpOnBlocks()
         self._stiff.set_up(matrix, constrained)
+
+    def _forget_failures(self) -> None:
+        """Analyse blocks anew whose factors failed: MUMPS goes on with none of them; collective."""
+        comm = self._ksp.getComm().tompi4py()
+        for b in np.flatnonzero(self._by_factors):
+            solver = self._solver_of(int(b))
+            if comm.allreduce(solver.pc.getFailedReason() != 0, op=MPI.LOR):
+                matrices = solver.getOperators()
+                solver.reset()
+                solver.setOperators(*matrices)
 
     def _choose_factors(self) -> None:
         """Let factors of blocks be symmetric as long as their matrices are; collective."""

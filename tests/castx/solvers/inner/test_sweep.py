@@ -52,6 +52,19 @@ def test_factors_are_symmetric_until_a_matrix_is_not(comm, dense, blocks):
         item.destroy()
 
 
+@pytest.mark.ranks
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_factors_that_failed_leave_no_trace(comm, dense, blocks):
+    """Of numbers that are none, as near a collapse."""
+    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
+    alone = [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)]
+    solver = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
+    before = applied(comm, solver, dense, b)
+    assert not np.isfinite(applied(comm, solver, np.nan * dense, b)).all()
+    np.testing.assert_allclose(applied(comm, solver, dense, b), before)
+    solver.destroy()
+
+
 @pytest.mark.serial
 def test_factors_of_another_package_stay_as_a_case_has_them(comm, dense):
     """PETSc's own factors, by an option."""
