@@ -63,7 +63,7 @@ def _poured(case: Case) -> Iterator[tuple[Body, Material]]:
             material = find_material(body.material, case.materials)
         except (CaseError, Refusal):
             continue  # refused elsewhere
-        if material.melts and not body.starts_solid(material.description):
+        if not body.starts_solid(material.description):
             yield body, material
 
 

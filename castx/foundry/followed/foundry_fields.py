@@ -265,7 +265,7 @@ def poured_bodies(case: Case) -> dict[str, Poured]:
     found = {}
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        if material.melts and not body.starts_solid(material.description):
+        if not body.starts_solid(material.description):
             wanted = "modulus" in case.output.fields
             constant = chvorinov_constant(case, body, material) if wanted else None
             found[body.name] = Poured(Alloy(material), constant)

@@ -102,7 +102,6 @@ def last_liquid_of(case: Case, mesh: CastingMesh) -> LastLiquid:
         body.name
         for body in case.bodies
         if case.coupling.scheme != "mechanical"
-        and (material := find_material(body.material, materials)).melts
-        and not body.starts_solid(material.description)
+        and not body.starts_solid(find_material(body.material, materials).description)
     ]
     return LastLiquid(mesh, castings)

@@ -39,7 +39,7 @@ def pooled_metals(case: Case) -> dict[str, PooledMetal]:
     found = {}
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        if not material.melts or body.starts_solid(material.description):
+        if body.starts_solid(material.description):
             continue
         limit = case.foundry.pool_limit
         if limit is None:

@@ -103,7 +103,7 @@ def cracks_of(case: Case, mesh: CastingMesh) -> Cracks:
         return Cracks({}, {})
     prescribed = case.coupling.scheme == "mechanical"
     for body, material in deforming(case):
-        freezes = material.melts and not body.starts_solid(material.description)
+        freezes = not body.starts_solid(material.description)
         if freezes and fields & {*BRITTLE, MARGIN}:
             metal = FreezingMetal.of(material, prescribed)
             strains[body.name] = BodyStrains(mesh.bodies[body.name], metal)

@@ -107,8 +107,7 @@ def die_materials(case: Case) -> Iterator[tuple[str, Material]]:
     """Yield the bodies of a case that deform and do not freeze, with their materials."""
     for body in case.bodies:
         material = find_material(body.material, case.materials)
-        freezes = material.melts and not body.starts_solid(material.description)
-        if body.law != "rigid" and not freezes:
+        if body.law != "rigid" and body.starts_solid(material.description):
             yield body.name, material
 
 
