@@ -174,31 +174,46 @@ def test_fibres_and_coatings_have_the_heat_of_alumina_and_silica(name, hot, with
 
 
 @pytest.mark.parametrize(
-    ("name", "iron", "carbon"), [("GJL-250", 0.947, 0.033), ("GJS-400", 0.94, 0.035)]
+    ("name", "iron", "carbon", "ends"),
+    [
+        ("GJL-250", 0.947, 0.033, {900.0: 0.07, 1100.0: 0.04}),
+        ("GJS-400", 0.94, 0.035, {900.0: 0.04, 1100.0: 0.02}),
+    ],
 )
-def test_the_heat_of_solid_irons_lies_about_that_of_their_elements(name, iron, carbon) -> None:
-    """Below and beyond the transformation; graphite of JANAF, J/mol/K over K."""
+def test_the_heat_of_solid_irons_is_about_that_of_their_elements(name, iron, carbon, ends) -> None:
+    """Below and beyond the transformation, and what they take up on the way."""
+    spread = database_entry(name).sources["heat_capacity.solid"].spread
+    assert spread is not None
+    rows = database_value(name, ["heat_capacity", "solid"])
+    for at, value in rows:
+        if not 730.0 < at < 830.0:
+            mixed = heat_capacity_of_iron(at, iron, carbon)
+            assert spread.low <= mixed / value <= spread.high, (at, mixed / value)
+    for end, within in ends.items():
+        way = np.linspace(20.0, end, 2001)
+        of_elements = [heat_capacity_of_iron(at, iron, carbon) for at in way]
+        taken = np.trapezoid(np.interp(way, *np.transpose(rows)), way)
+        assert taken == pytest.approx(np.trapezoid(of_elements, way), rel=within), end
+
+
+def heat_capacity_of_iron(at: float, iron: float, carbon: float) -> float:
+    """Return that of iron with silicon and graphite (JANAF, J/mol/K over K), in J/kg/K."""
     graphite = ([298.0, 400.0, 600.0, 800.0, 1000.0, 1200.0, 1400.0],
                 [8.517, 11.817, 16.844, 19.827, 21.610, 22.766, 23.578])  # fmt: skip
     alpha = {
         700.0: (18.42868, 24.64301, -8.913720, 9.664706, -0.012643),
         1042.0: (-57767.65, 137919.7, -122773.2, 38682.42, 3993.080),
     }
-    spread = database_entry(name).sources["heat_capacity.solid"].spread
-    assert spread is not None
-    for at, value in database_value(name, ["heat_capacity", "solid"]):
-        kelvin = max(at + 273.15, 298.0)
-        t = 1e-3 * kelvin
-        a, b, c, d, e = next((row for end, row in alpha.items() if kelvin <= end), 5 * (0.0,))
-        molar = a + b * t + c * t**2 + d * t**3 + e / t**2 if a else 23.97449 + 8.367750 * t
-        silicon = 22.81719 + 3.899510 * t - 0.082885 * t**2 + 0.042111 * t**3 - 0.354063 / t**2
-        mixed = (
-            iron * molar / 55.845e-3
-            + carbon * np.interp(kelvin, *graphite) / 12.011e-3
-            + (1.0 - iron - carbon) * silicon / 28.0855e-3
-        )
-        if not 730.0 < at < 830.0:
-            assert spread.low <= mixed / value <= spread.high, (at, mixed / value)
+    kelvin = max(at + 273.15, 298.0)
+    t = 1e-3 * kelvin
+    a, b, c, d, e = next((row for end, row in alpha.items() if kelvin <= end), 5 * (0.0,))
+    molar = a + b * t + c * t**2 + d * t**3 + e / t**2 if a else 23.97449 + 8.367750 * t
+    silicon = 22.81719 + 3.899510 * t - 0.082885 * t**2 + 0.042111 * t**3 - 0.354063 / t**2
+    return (
+        iron * molar / 55.845e-3
+        + carbon * float(np.interp(kelvin, *graphite)) / 12.011e-3
+        + (1.0 - iron - carbon) * silicon / 28.0855e-3
+    )
 
 
 def elongation_of_steel(at: float) -> float:
