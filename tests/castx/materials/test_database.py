@@ -84,9 +84,9 @@ BOUNDS = {
     "insulation": Bounds((100, 500), (700, 1300), (0.03, 0.6)),
 }  # fmt: skip
 PROMISED = {
-    "Al-pure", "AlSi7Mg", "AlSi10Mg", "AlSi9Cu3", "AlCu4.5", "AZ91", "GJL-250", "GJS-400",
-    "G20Mn5", "Cu-pure", "steel-H13", "steel-carbon", "sand-silica", "sand-chromite", "coating-die",
-    "insulation-fibre",
+    "Al-pure", "AlSi7Mg", "AlSi10Mg", "AlSi12", "AlSi9Cu3", "AlCu4.5", "AZ91", "GJL-250",
+    "GJS-400", "G20Mn5", "Cu-pure", "steel-H13", "steel-carbon", "sand-silica", "sand-chromite",
+    "coating-die", "insulation-fibre",
 }  # fmt: skip
 MELTING = [name for name in database_names() if find_material(name, {}).melts]
 SANDS = [name for name in database_names() if database_entry(name).material_class == "sand"]

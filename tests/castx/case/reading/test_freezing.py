@@ -20,7 +20,7 @@ def chosen(material: str = "AlSi7Mg", scheme: str = "iterated", **body) -> str:
 
 
 @pytest.mark.parametrize(
-    "material", ["AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "GJL-250", "G20Mn5", "CuSn12"]
+    "material", ["AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "AlSi12", "GJL-250", "G20Mn5", "CuSn12"]
 )
 def test_poured_alloys_freeze_inside_cells(material):
     assert chosen(material, temperature=1600.0) == "cells"
