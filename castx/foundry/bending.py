@@ -103,7 +103,7 @@ class ThinWalls:
         return self._told(self._freezing, self._freezing_if_fine)
 
     def _told(self, off: str, fine: str) -> str:
-        cure = f"cells of {1e3 * self.size:.2g} mm there, 4 across, reduce this to {fine}"
+        cure = f"cells of {1e3 * self.size:.2g} mm there, 4 across, leave {fine}"
         return f"{self._place}: {off}; {cure}"
 
     @property
@@ -145,11 +145,9 @@ class ThinWalls:
         if self.freezing_error is None:
             return ""
         stress, distortion = map(_percent, self.freezing_error)
-        what = "they" if self.error is not None else self._kind
         return (
-            f"{what} do not resolve the temperature across a wall that freezes: residual stress is "
-            f"about {stress} of its root mean square off from place to place, and the distortion "
-            f"by it up to {distortion} (measured on walls of 3 and 6 mm in dies)"
+            f"residual stress is about {stress} of its root mean square off from place to place, "
+            f"and the distortion by it up to {distortion}"
         )
 
 

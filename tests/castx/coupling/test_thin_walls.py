@@ -125,7 +125,7 @@ def test_walls_are_told_with_their_error_and_the_cure(comm):
         found.text
     )
     assert "triangles (mixed) bend there about 31 % too little" in found.text
-    assert "cells of 0.5 mm there, 4 across, reduce this to 10 %" in found.text
+    assert "cells of 0.5 mm there, 4 across, leave 10 %" in found.text
     assert thin_wall_records(case, mesh)["upper"]["error"] == found.error
 
 

@@ -30,7 +30,7 @@ def test_the_error_of_bending_stands_among_the_findings():
         "Estimated error of the deflection: lid has walls of 2 to 3 mm with few cells across (of "
         "its surface 40 % with 2, 10 % with 3): triangles (mixed) bend there about 31 % too "
         "little, and distortion and stress of bending are off by as much; cells of 0.5 mm there, 4 "
-        "across, reduce this to 10 %."
+        "across, leave 10 %."
     )
 
 
