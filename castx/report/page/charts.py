@@ -11,6 +11,8 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.results.reading import Results
 
+OVER_TIME = "time [s]"
+"""Label of the abscissa of most diagrams, which show their numbers at one pointer."""
 NUMERICS = "How the solution went"
 DIGITS = 7
 """Of the numbers of a curve."""
@@ -30,6 +32,7 @@ class Panel:
         steps: whether each value is that of the whole step before.
         least: height that the ordinate has at least, so that round-off is drawn as zero.
         points: times [s] and ordinates of what was measured, by the name of its curve.
+        abscissa: its label, with its unit.
     """
 
     label: str
@@ -39,6 +42,7 @@ class Panel:
     steps: bool = False
     least: float = 0.0
     points: Mapping[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    abscissa: str = OVER_TIME
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,7 @@ class Section:
     Args:
         title: heading.
         caption: what is seen.
-        time: of the steps [s], (steps,).
+        time: of the steps [s], (steps,), or what its diagrams have as abscissa.
         panels: the diagrams.
     """
 
@@ -117,7 +121,7 @@ def described(panel: Panel) -> dict[str, Any]:
     """Return a diagram without its curves."""
     return {
         "label": panel.label, "levels": dict(panel.levels), "logarithmic": panel.logarithmic,
-        "steps": panel.steps, "least": panel.least, "tables": [],
+        "steps": panel.steps, "least": panel.least, "abscissa": panel.abscissa, "tables": [],
     }  # fmt: skip
 
 

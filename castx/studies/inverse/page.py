@@ -74,17 +74,17 @@ def _depth_row(one: IdentifiedNumber) -> list[str]:
 
 
 def table_sections(tables: Sequence[Prediction]) -> list[Section]:
-    """Return a diagram for each unknown table over time; of others the numbers tell."""
+    """Return a diagram for each unknown table, over what it is a table of."""
     return [
-        Section(
-            one.name,
-            "Identified table with its 95 % band.",
-            one.argument,
-            [Panel(one.name, {"identified": one.value, "low": one.low, "high": one.high})],
-        )
+        Section(one.name, "Identified table with its 95 % band.", one.argument, [table_panel(one)])
         for one in tables
-        if one.over_seconds
     ]
+
+
+def table_panel(one: Prediction) -> Panel:
+    """Return the diagram of an unknown table."""
+    lines = {"identified": one.value, "low": one.low, "high": one.high}
+    return Panel(one.name, lines, abscissa=one.abscissa)
 
 
 def curve_section(sensors: Sensors, curves: Sequence[Prediction]) -> list[Section]:

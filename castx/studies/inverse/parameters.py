@@ -33,6 +33,8 @@ OF_LN = 0.01
 UNIT_OF_KNOTS = {"time": 1.0, "gap": 1e-5, "pressure": 1e6}
 """Arguments x enter smoothness by ln(1 + x/x_1) with this x_1 [SI]; temperatures and
 places by their span."""
+UNITS_OF_PLAIN = {"time": "s", "temperature": "°C", "pressure": "Pa"}
+"""Units of knots without one; of gaps and places: m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +93,10 @@ class SoughtValues:
         return np.array([one.value for one in self.asked.knots or ()])
 
     @property
-    def over_seconds(self) -> bool:
-        """Whether it is a table over time in seconds, which diagrams have as their axis."""
-        return self.asked.over == "time" and {one.unit for one in self.asked.knots or ()} <= {
-            "",
-            "s",
-        }
+    def abscissa(self) -> str:
+        """Label of the arguments of a table, with the unit of its knots."""
+        (unit,) = {one.unit for one in self.asked.knots or ()}
+        return f"{self.asked.over} [{unit or UNITS_OF_PLAIN.get(str(self.asked.over), 'm')}]"
 
     def unknowns(self) -> list[Unknown]:
         """Return its numbers as a fit takes them."""

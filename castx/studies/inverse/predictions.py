@@ -11,6 +11,7 @@ from castx.arrays import FloatArray
 from castx.errors import ConvergenceError
 from castx.foundry.identification.covariance import band
 from castx.foundry.identification.fit import Fit, Unknown
+from castx.report.page.charts import OVER_TIME
 from castx.studies.asked.unknowns import LOG
 from castx.studies.inverse.model import MeasuredCase
 from castx.studies.inverse.parameters import SoughtValues
@@ -26,7 +27,7 @@ class Prediction:
         value: (points,).
         low: lower end of the band, (points,).
         high: upper end, (points,).
-        over_seconds: whether the argument is time in seconds.
+        abscissa: label of the argument, with its unit.
     """
 
     name: str
@@ -34,7 +35,7 @@ class Prediction:
     value: FloatArray
     low: FloatArray
     high: FloatArray
-    over_seconds: bool = True
+    abscissa: str = OVER_TIME
 
 
 def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
@@ -55,7 +56,7 @@ def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
             value, low, high = middle, middle - half, middle + half
             if one.asked.scale == LOG:
                 value, low, high = np.exp(value), np.exp(low), np.exp(high)
-            bands.append(Prediction(one.asked.name, at, value, low, high, one.over_seconds))
+            bands.append(Prediction(one.asked.name, at, value, low, high, one.abscissa))
         first += count
     return bands
 

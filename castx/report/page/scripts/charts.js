@@ -1,9 +1,9 @@
-// Curves over time with uPlot: numbers at the pointer, several runs and measured points in one diagram.
+// Curves, most of them over time, with uPlot: numbers at the pointer, several runs and measured points in one diagram.
 "use strict";
 
 castx.charts = (() => {
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b", "#8c6d31"];
-  const HEIGHT = 240, PAPER = [680, 190];
+  const HEIGHT = 240, PAPER = [680, 190], TIME = "time [s]";
   const pointer = uPlot.sync("castx");
 
   // A curve has one colour in all runs, a run one kind of line.
@@ -24,7 +24,7 @@ castx.charts = (() => {
 
   const series = (panel) => {
     const style = styles(panel), value = (_, y) => castx.text(y);
-    const found = [{ label: "time [s]", value: (_, x) => castx.text(x) }];
+    const found = [{ label: panel.abscissa, value: (_, x) => castx.text(x) }];
     for (const { measured, lines } of panel.tables) {
       for (const line of lines) {
         const { stroke, dash } = style(line);
@@ -97,9 +97,9 @@ castx.charts = (() => {
       width, height: HEIGHT, series: series(panel),
       scales: { x: { time: false, range: (_, low, high) => (low === null || low < first || high > last ? [first, last || 1] : [low, high]) },
         y: { range: range(panel), distr: panel.logarithmic ? 3 : 1 } },
-      axes: [{ label: "time [s]", labelSize: 20, size: 36 },
+      axes: [{ label: panel.abscissa, labelSize: 20, size: 36 },
         { label: panel.label, size: 64, labelSize: 20, values: (_, found) => found.map((y) => (y === null ? "" : castx.text(y))) }],
-      cursor: { sync: { key: pointer.key, setSeries: false }, dataIdx: nearest, drag: { x: true, y: false } },
+      cursor: { sync: { key: panel.abscissa === TIME ? pointer.key : null, setSeries: false }, dataIdx: nearest, drag: { x: true, y: false } },
       legend: { live: true },
       hooks: { draw: [levels(panel)] },
     };

@@ -147,6 +147,9 @@ def test_one_run_has_its_curves_and_points_under_their_names():
     assert computed["time"] == list(TIME) and computed["lines"][0]["values"] == [0.0, 2.0, 4.0]
     assert computed["lines"][0]["name"] == "a" and panel["levels"] == {"solidus": 3.0}
     assert measured["measured"] and measured["lines"][0]["name"] == "a, measured"
+    assert panel["abscissa"] == "time [s]"
+    (other,) = merged(page("first", abscissa="gap [um]"))[0]["panels"]
+    assert other["abscissa"] == "gap [um]"
 
 
 def test_several_runs_share_the_diagrams_of_one_name():

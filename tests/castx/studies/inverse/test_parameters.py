@@ -126,7 +126,9 @@ def test_smoothness_stands_in_the_columns_of_its_table(content):
     with pytest.raises(CaseError, match=r"W/m\^2/K"):
         Parameters.of([SoughtNumber.read({**numbers[1], "low": "1 m"})], content)
     over_gap = SoughtValues.of(gap, content)
-    assert over_gap.smoothness().shape == (1, 3) and not over_gap.over_seconds
-    assert parameters.sought[1].over_seconds
+    assert over_gap.smoothness().shape == (1, 3) and over_gap.abscissa == "gap [um]"
+    assert parameters.sought[1].abscissa == "time [s]"
+    along = SoughtNumber.read({**numbers[1], "over": "z", "knots": [0.0, 0.1, 0.2]})
+    assert SoughtValues.of(along, content).abscissa == "z [m]"
     change = over_gap.change(dict.fromkeys(over_gap.names, 500.0))
     load_case(content, changes_as_overrides({CLOSED: change}))  # the case takes it
