@@ -9,7 +9,6 @@ from castx.meshes.generators.declaration import LENGTH, Arguments, Generator
 from castx.meshes.grading import Sizing, graded, graded_through, require_positive
 from castx.meshes.linear_mesh import SIMPLICES, checked_cells
 from castx.meshes.model import fill_model, plane
-from castx.meshes.modulus import prism_modulus
 from castx.meshes.structured import grid
 
 CASTING, MOULD = 0, 1
@@ -51,11 +50,11 @@ def flanged_bar(
     require_positive(
         bar_radius=bar_radius, length=length, flange_thickness=flange_thickness, wall=wall
     )
-    if not bar_radius < flange_radius:
+    if not bar_radius * (1.0 + 1e-9) < flange_radius:
         raise ValueError(
             f"need bar_radius < flange_radius, got {bar_radius:g} and {flange_radius:g} m"
         )
-    if not flange_thickness < length:
+    if not flange_thickness * (1.0 + 1e-9) < length:
         raise ValueError(
             f"need flange_thickness < length, got {flange_thickness:g} and {length:g} m"
         )
@@ -88,17 +87,20 @@ def flanged_bar(
 
 
 def _problems(arguments: Arguments, model: str) -> Iterator[tuple[str, str]]:
-    if arguments["flange_radius"] <= arguments["bar_radius"]:
+    if arguments["flange_radius"] <= arguments["bar_radius"] * (1.0 + 1e-9):
         yield "flange_radius", "must be larger than bar_radius"
-    if arguments["flange_thickness"] >= arguments["length"]:
+    if arguments["length"] <= arguments["flange_thickness"] * (1.0 + 1e-9):
         yield "flange_thickness", "must be smaller than length"
 
 
 def _moduli(arguments: Arguments, model: str) -> dict[str, float]:
-    """Return the modulus of the bar or of the flange, the larger one [m]."""
+    """Return the volume of the casting over its surface [m]."""
     bar, flange = arguments["bar_radius"], arguments["flange_radius"]
-    disc = prism_modulus(np.pi * flange**2, 2.0 * np.pi * flange, arguments["flange_thickness"])
-    return {"casting": max(0.5 * bar, disc)}
+    thickness, length = arguments["flange_thickness"], arguments["length"]
+    behind = length - thickness
+    volume = flange**2 * thickness + bar**2 * behind
+    surface = 2.0 * (flange**2 + flange * thickness + bar * behind)
+    return {"casting": volume / surface}
 
 
 GENERATOR = Generator(
