@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from castx.arrays import BoolArray
 from castx.profiling import RunPart, booked_as
 from castx.solvers.inner.options import FACTORS
-from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix
+from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix, forget_failure
 
 MOST_CHANGED = 8
 """Gaps that may close or open, each at the price of about one iteration, before new factors."""
@@ -37,15 +37,13 @@ class DirectSolver:
         self.defaults: Mapping[str, object] = FACTORS
         self._ksp = PETSc.KSP().create(comm)
         self._ksp.setOptionsPrefix(prefix)
-        self.prefix, self._comm = prefix, comm
+        self.prefix = prefix
         self._ready, self._whole = False, WholeMatrix(lacking)
 
     @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
         """Factorise the matrix."""
-        if self._ready and self._comm.allreduce(self._ksp.pc.getFailedReason() != 0, op=MPI.LOR):
-            # MUMPS factorises nothing any more with the analysis of a matrix whose factors failed.
-            self._whole.destroy()
+        forget_failure(self._ksp)
         self._ksp.setOperators(self._whole.update(matrix, constrained))
         if not self._ready:
             self._ksp.setFromOptions()

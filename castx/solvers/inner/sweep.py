@@ -16,7 +16,7 @@ from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block, Blocks
 from castx.solvers.inner.options import FACTORS
 from castx.solvers.inner.stiff_part import StiffPart
 from castx.solvers.inner.uncoupled import Uncoupled
-from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix
+from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix, forget_failure
 
 
 def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
@@ -95,21 +95,12 @@ class BlockSweep:
             self._ksp.setFromOptions()
         if self._blocks.nest is not None:
             self._ksp.setUp()  # makes the solvers of the blocks
-        self._forget_failures()
+        for b in np.flatnonzero(self._by_factors):
+            forget_failure(self._solver_of(int(b)))
         self._choose_factors()
         self._ksp.setUp()
         self._ksp.setUpOnBlocks()
         self._stiff.set_up(matrix, constrained)
-
-    def _forget_failures(self) -> None:
-        """Analyse blocks anew whose factors failed: MUMPS goes on with none of them; collective."""
-        comm = self._ksp.getComm().tompi4py()
-        for b in np.flatnonzero(self._by_factors):
-            solver = self._solver_of(int(b))
-            if comm.allreduce(solver.pc.getFailedReason() != 0, op=MPI.LOR):
-                matrices = solver.getOperators()
-                solver.reset()
-                solver.setOperators(*matrices)
 
     def _choose_factors(self) -> None:
         """Let factors of blocks be symmetric as long as their matrices are; collective."""

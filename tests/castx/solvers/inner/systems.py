@@ -17,6 +17,12 @@ def in_second(comm):
     return np.tile(np.arange(LOCAL) >= LOCAL - 3, comm.size)
 
 
+def one_block(comm):
+    """Return all unknowns as one block that is solved for exactly."""
+    every = np.ones(LOCAL * comm.size, dtype=bool)
+    return [Block(index_set(comm, every), np.zeros((0, LOCAL)), FACTORS)]
+
+
 def two_blocks(comm, modes=None):
     """Return two blocks that are solved for exactly, with near-null vectors of both."""
     second, none = in_second(comm), np.zeros((0, LOCAL))

@@ -6,10 +6,20 @@ import numpy as np
 import pytest
 
 from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block
-from castx.solvers.inner.options import FACTORS, MULTIGRID
+from castx.solvers.inner.options import MULTIGRID
 from castx.solvers.inner.sweep import BlockSweep
 from tests.castx.solvers.distributed import index_set
-from tests.castx.solvers.inner.systems import LOCAL, PREFIX, applied, in_second, two_blocks
+from tests.castx.solvers.inner.systems import (
+    LOCAL,
+    PREFIX,
+    applied,
+    in_second,
+    one_block,
+    two_blocks,
+)
+
+EXACT = {1: one_block, 2: two_blocks}
+"""Blocks that are solved for exactly, by their number."""
 
 
 def test_a_sweep_is_one_iteration_of_block_gauss_seidel(comm, dense):
@@ -26,8 +36,7 @@ def test_a_sweep_is_one_iteration_of_block_gauss_seidel(comm, dense):
 
 def test_a_sweep_over_one_exact_block_solves(comm, dense):
     b = np.cos(np.arange(len(dense)))
-    every = np.ones(len(b), dtype=bool)
-    solver = BlockSweep(comm, PREFIX, [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)])
+    solver = BlockSweep(comm, PREFIX, one_block(comm))
     np.testing.assert_allclose(applied(comm, solver, dense, b), np.linalg.solve(dense, b))
     solver.destroy()
 
@@ -36,10 +45,8 @@ def test_a_sweep_over_one_exact_block_solves(comm, dense):
 @pytest.mark.parametrize("blocks", [1, 2])
 def test_factors_are_symmetric_until_a_matrix_is_not(comm, dense, blocks):
     """Factors of one triangle know nothing of the other one."""
-    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
-    alone = [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)]
-    solver = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
-    exact = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
+    b = np.cos(np.arange(len(dense)))
+    solver, exact = (BlockSweep(comm, PREFIX, EXACT[blocks](comm)) for _ in range(2))
     applied(comm, exact, dense, b)
     both = dense + dense.T
     for values, kind in ((both, "cholesky"), (2 * both, "cholesky"), (dense, "lu"), (both, "lu")):
@@ -56,9 +63,8 @@ def test_factors_are_symmetric_until_a_matrix_is_not(comm, dense, blocks):
 @pytest.mark.parametrize("blocks", [1, 2])
 def test_factors_that_failed_leave_no_trace(comm, dense, blocks):
     """Of numbers that are none, as near a collapse."""
-    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
-    alone = [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)]
-    solver = BlockSweep(comm, PREFIX, alone if blocks == 1 else two_blocks(comm))
+    b = np.cos(np.arange(len(dense)))
+    solver = BlockSweep(comm, PREFIX, EXACT[blocks](comm))
     before = applied(comm, solver, dense, b)
     assert not np.isfinite(applied(comm, solver, np.nan * dense, b)).all()
     np.testing.assert_allclose(applied(comm, solver, dense, b), before)
@@ -68,8 +74,8 @@ def test_factors_that_failed_leave_no_trace(comm, dense, blocks):
 @pytest.mark.serial
 def test_factors_of_another_package_stay_as_a_case_has_them(comm, dense):
     """PETSc's own factors, by an option."""
-    b, every = np.cos(np.arange(len(dense))), np.ones(len(dense), dtype=bool)
-    solver = BlockSweep(comm, PREFIX, [Block(index_set(comm, every), np.zeros((0, 8)), FACTORS)])
+    b = np.cos(np.arange(len(dense)))
+    solver = BlockSweep(comm, PREFIX, one_block(comm))
     solver.defaults = {**solver.defaults, "pc_factor_mat_solver_type": "petsc"}
     both = dense + dense.T
     np.testing.assert_allclose(applied(comm, solver, both, b), np.linalg.solve(both, b))
