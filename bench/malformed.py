@@ -66,8 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("refusals", nargs="?", type=int, default=200)
     parser.add_argument("--seed", type=int, help="of the draw; else another one each time")
-    given = parser.parse_args(arguments)
-    wanted = given.refusals
+    asked = parser.parse_args(arguments)
+    wanted = asked.refusals
     folder = Path(tempfile.mkdtemp(prefix="malformed-"))
     case, part = folder / "case.toml", folder / "part.msh"
     kinds = [("tables", case_tables(), case), ("texts", case_texts(), case)]
@@ -77,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     faulty = 0
     for kind, strategy, file in kinds:
         answers: list[tuple[Answer, bytes]] = []
-        draw(kind, strategy, file, case, wanted, answers, given.seed)
+        draw(kind, strategy, file, case, wanted, answers, asked.seed)
         codes = Counter(found.code for found, _ in answers)
         longest = max(found.seconds for found, _ in answers)
         print(f"{kind}: {len(answers)} drawn, exit codes {dict(codes)}, longest {longest:.2f} s")

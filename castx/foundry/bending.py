@@ -125,18 +125,14 @@ class ThinWalls:
         return f"{self.body} has walls of {thick} with few cells across (of its surface {told})"
 
     @property
-    def _kind(self) -> str:
-        return f"{self.cells} ({self.formulation})"
-
-    @property
     def _bending(self) -> str:
         """How far the deflection is off; empty: little."""
         if self.error is None:
             return ""
         way = "little" if self.error < 0.0 else "much"
         return (
-            f"{self._kind} bend there about {_percent(abs(self.error))} too {way}, and distortion "
-            "and stress of bending are off by as much"
+            f"{self.cells} ({self.formulation}) bend there about {_percent(abs(self.error))} too "
+            f"{way}, and distortion and stress of bending are off by as much"
         )
 
     @property

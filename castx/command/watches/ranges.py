@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.case.bodies import Body
+from castx.case.boundaries import HeatCondition
 from castx.case.case import Case
 from castx.input.units import seconds_text
 from castx.materials.description import MaterialDescription
@@ -100,11 +101,9 @@ def temperature_range(case: Case) -> tuple[float, float]:
     found = [bound for body in case.bodies for bound in body.temperature.bounds or ()]
     tables = [body.temperature_history for body in case.bodies]
     tables += [stage.spray.ambient for stage in case.stages if stage.spray is not None]
-    later = [boundary for stage in case.stages for boundary in stage.boundaries]
-    for boundary in (*case.boundaries, *later):
-        for heat in boundary.heat:
-            for named in heat.temperatures:
-                found += [float(named.values.min()), float(named.values.max())]
+    for heat in _heat_conditions(case):
+        for named in heat.temperatures:
+            found += [float(named.values.min()), float(named.values.max())]
     for table in tables:
         if table is not None:
             found += [float(table.values.min()), float(table.values.max())]
@@ -117,13 +116,19 @@ def coldest_possible(case: Case) -> float:
     Heat flows from hot to cold, so that it is the lowest one that the case names, unless a surface
     or a source draws heat whatever the temperature is: then it is −inf.
     """
-    later = [boundary for stage in case.stages for boundary in stage.boundaries]
-    given = [heat for boundary in (*case.boundaries, *later) for heat in boundary.heat]
-    drawn = any(not (heat.temperatures or heat.declared.insulates) for heat in given)
+    drawn = any(
+        not (heat.temperatures or heat.declared.insulates) for heat in _heat_conditions(case)
+    )
     sources = [body.heat_source for body in case.bodies if body.heat_source is not None]
     if drawn or any(float(source.values.min()) < 0.0 for source in sources):
         return -np.inf
     return temperature_range(case)[0]
+
+
+def _heat_conditions(case: Case) -> list[HeatCondition]:
+    """Return the heat conditions of all surfaces in all stages."""
+    later = [boundary for stage in case.stages for boundary in stage.boundaries]
+    return [heat for boundary in (*case.boundaries, *later) for heat in boundary.heat]
 
 
 def outside_used_range(

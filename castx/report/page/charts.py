@@ -12,7 +12,7 @@ from castx.arrays import FloatArray
 from castx.results.reading import Results
 
 OVER_TIME = "time [s]"
-"""Label of the abscissa of most diagrams, which show their numbers at one pointer."""
+"""Label of most abscissas; diagrams with the same one show their numbers at one pointer."""
 NUMERICS = "How the solution went"
 DIGITS = 7
 """Of the numbers of a curve."""

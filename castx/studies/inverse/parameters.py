@@ -18,6 +18,8 @@ from castx.foundry.identification.smoothness import second_differences
 from castx.input.coordinates import AXES
 from castx.input.overrides import value_at
 from castx.input.problems import show
+from castx.input.units import LENGTH
+from castx.input.variation import ARGUMENTS
 from castx.studies.asked.amounts import Amount, amount, in_unit
 from castx.studies.asked.known import refuse_elsewhere
 from castx.studies.asked.unknowns import LINEAR, LOG, SoughtNumber
@@ -33,8 +35,6 @@ OF_LN = 0.01
 UNIT_OF_KNOTS = {"time": 1.0, "gap": 1e-5, "pressure": 1e6}
 """Arguments x enter smoothness by ln(1 + x/x_1) with this x_1 [SI]; temperatures and
 places by their span."""
-UNITS_OF_PLAIN = {"time": "s", "temperature": "°C", "pressure": "Pa"}
-"""Units of knots without one; of gaps and places: m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,9 @@ class SoughtValues:
     def abscissa(self) -> str:
         """Label of the arguments of a table, with the unit of its knots."""
         (unit,) = {one.unit for one in self.asked.knots or ()}
-        return f"{self.asked.over} [{unit or UNITS_OF_PLAIN.get(str(self.asked.over), 'm')}]"
+        over = str(self.asked.over)
+        plain = LENGTH if over in AXES else ARGUMENTS[over].dimension
+        return f"{over} [{unit or plain.unit.replace('degC', '°C')}]"
 
     def unknowns(self) -> list[Unknown]:
         """Return its numbers as a fit takes them."""

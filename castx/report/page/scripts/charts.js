@@ -3,8 +3,7 @@
 
 castx.charts = (() => {
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b", "#8c6d31"];
-  const HEIGHT = 240, PAPER = [680, 190], TIME = "time [s]";
-  const pointer = uPlot.sync("castx");
+  const HEIGHT = 240, PAPER = [680, 190];
 
   // A curve has one colour in all runs, a run one kind of line.
   const styles = (panel) => {
@@ -99,7 +98,7 @@ castx.charts = (() => {
         y: { range: range(panel), distr: panel.logarithmic ? 3 : 1 } },
       axes: [{ label: panel.abscissa, labelSize: 20, size: 36 },
         { label: panel.label, size: 64, labelSize: 20, values: (_, found) => found.map((y) => (y === null ? "" : castx.text(y))) }],
-      cursor: { sync: { key: panel.abscissa === TIME ? pointer.key : null, setSeries: false }, dataIdx: nearest, drag: { x: true, y: false } },
+      cursor: { sync: { key: panel.abscissa, setSeries: false }, dataIdx: nearest, drag: { x: true, y: false } },
       legend: { live: true },
       hooks: { draw: [levels(panel)] },
     };

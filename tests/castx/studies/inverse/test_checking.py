@@ -5,6 +5,7 @@ import pytest
 from castx.command.cli import execute
 from castx.errors import CaseError
 from castx.studies.inverse.checking import refuse_useless_studies
+from tests.castx.cooled_mould import STUDY
 from tests.castx.many_runs import CASE
 
 pytestmark = pytest.mark.serial
@@ -47,18 +48,6 @@ def test_a_check_refuses_what_no_run_could_begin_with(comm, tmp_path, capsys, ol
     assert "vary" in capsys.readouterr().err
 
 
-IDENTIFY = """
-[identify]
-[[identify.curves]]
-of = "near.temperature"
-file = "near.csv"
-noise = "1 K"
-[[identify.unknowns]]
-of = "interfaces.0.heat.closed"
-name = "h"
-"""
-
-
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
@@ -69,9 +58,9 @@ name = "h"
 def test_curves_and_unknowns_are_looked_at_too(tmp_path, old, new, why):
     rows = "".join(f"{time / 4},{200 + time}\n" for time in range(24))
     (tmp_path / "near.csv").write_text("time,near.temperature\n" + rows)
-    assert refuse_useless_studies(file(tmp_path, IDENTIFY)) == ["identify"]
+    assert refuse_useless_studies(file(tmp_path, STUDY)) == ["identify"]
     with pytest.raises(CaseError, match=why):
-        refuse_useless_studies(file(tmp_path, IDENTIFY.replace(old, new)))
+        refuse_useless_studies(file(tmp_path, STUDY.replace(old, new)))
 
 
 def test_each_study_is_read_once(tmp_path, caplog):
