@@ -100,3 +100,17 @@ def test_hot_work_steel_softens_as_the_sources_have_it() -> None:
     for at, value in database_value("steel-H13", ["young_modulus"]):
         shear = 1.0 - 0.85 * (at + 273.15 - 300.0) / 1680.0
         assert value == pytest.approx(210e9 * shear, rel=0.07), at
+
+
+def test_structural_steel_hardens_up_to_two_percent_of_strain() -> None:
+    """EN 1993-1-2, table 3.1: k_y of S235, whose yield stress here is its proportional limit."""
+    rows = dict(database_value("steel-carbon", ["hardening", "linear"]))
+    modulus = dict(database_value("steel-carbon", ["young_modulus"]))
+    limit = dict(database_value("steel-carbon", ["yield_stress"]))
+    hot = [at for at in rows if at >= 200]
+    assert hot == list(range(200, 1101, 100))
+    for at in hot:
+        strength = float(np.interp(at, *KEPT)) * 235e6
+        slope = (strength - limit[at]) / (0.02 - strength / modulus[at])
+        assert rows[at] == pytest.approx(slope, rel=5e-3), at
+    assert rows[20] == rows[100] == pytest.approx(modulus[20] / 1000.0)
