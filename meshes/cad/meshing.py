@@ -26,8 +26,10 @@ from castx.meshes.cad.sizes import (
     wanted_sizes,
 )
 
-FRONTAL, DELAUNAY, HXT = 6, 1, 10
-"""gmsh's numbers of the algorithms on faces (the first) and in solids."""
+FRONTAL, MESHADAPT = 6, 1
+"""gmsh's numbers of the algorithms on faces: good cells, and cells that cross each other less."""
+DELAUNAY, HXT = 1, 10
+"""gmsh's numbers of the algorithms in solids."""
 
 REMOVED = 4.0
 """Tolerance that is proposed over the radius of an edge: a quarter of its circle is 1.6 wide."""
@@ -67,16 +69,38 @@ def generate(
     _refuse_crowds(part, samples, wishes.sizes[: len(samples.areas)], grid)
     _refuse_many(part, samples, wishes.sizes[: len(samples.areas)], volumes)
     set_field(part, grid, volumes, scratch)
-    gmsh.model.mesh.clear()
-    _mesh_faces()
-    _mesh_solids()
+    _mesh_all()
+
+
+def _mesh_all() -> None:
+    """Mesh faces and solids, with other cells on the faces if no solid has room for its own."""
+    failures = []
+    for algorithm in (FRONTAL, MESHADAPT):
+        gmsh.model.mesh.clear()
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+        _mesh_faces()
+        failure = _mesh_solids()
+        if not failure:
+            return
+        failures.append(failure)
+    raise ValueError(f"gmsh cannot mesh the solids: {failures[0]}; {CURE}")
 
 
 def _mesh_faces() -> None:
+    failure = _failure_of(2)
+    if failure:
+        raise ValueError(f"gmsh cannot mesh the faces: {failure}{_place()}; {CURE}")
+
+
+def _failure_of(dim: int) -> str:
+    """Mesh up to a dimension and return what gmsh says that went wrong, nothing if all is well."""
+    # After an exception gmsh takes itself for busy, and leaves all later meshing undone.
+    gmsh.option.setNumber("General.AbortOnError", 1)
     try:
-        gmsh.model.mesh.generate(2)
-    except Exception as error:  # gmsh raises nothing more special
-        raise ValueError(f"gmsh cannot mesh the faces: {error}{_place()}; {CURE}") from None
+        gmsh.model.mesh.generate(dim)
+    finally:
+        gmsh.option.setNumber("General.AbortOnError", 2)
+    return str(gmsh.logger.getLastError())
 
 
 def _refuse_many(
@@ -125,23 +149,23 @@ def _refuse_small_faces(part: CadPart, cells: float, size: float, place: FloatAr
         )
 
 
-def _mesh_solids() -> None:
+def _mesh_solids() -> str:
+    """Mesh the solids and return why that has failed, nothing if it has not."""
     failure = ""
     for algorithm in (HXT, DELAUNAY):  # the faster one, and the one that says more
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
-        try:
-            gmsh.model.mesh.generate(3)
-        except Exception as error:  # gmsh raises nothing more special
-            failure = f"{error}{_place()}"
-        else:
-            empty = _without_cells()
-            # now and then one leaves a flat cell where the other leaves none
-            if not empty and (algorithm == DELAUNAY or _worst_quality() >= WORST_CELL):
-                return
-            if empty:
-                failure = f"no cells round {place_text(centre_of(3, empty[0]))}"
+        said = _failure_of(3)
+        empty = _without_cells()
+        # now and then one leaves a flat cell where the other leaves none
+        sound = not said and not empty
+        if sound and (algorithm == DELAUNAY or _worst_quality() >= WORST_CELL):
+            return ""
+        if said:
+            failure = f"{said}{_place()}"
+        elif empty:
+            failure = f"no cells round {place_text(centre_of(3, empty[0]))}"
         gmsh.model.mesh.clear(gmsh.model.getEntities(3))
-    raise ValueError(f"gmsh cannot mesh the solids: {failure}; {CURE}")
+    return failure
 
 
 def _worst_quality() -> float:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import pi
 
 import gmsh
 import pytest
 
 from castx.domain.source import gmsh_session
+from castx.meshes.cad import meshing
 from castx.meshes.cad.cells import TETRAHEDRON
-from castx.meshes.cad.description import CadFile, CadPart
+from castx.meshes.cad.description import CadFile, CadPart, NoCellsError
 from castx.meshes.cad.faces import faces_of
 from castx.meshes.cad.meshing import add_groups, generate, write
 from castx.meshes.cad.part import mesh_part
@@ -75,6 +77,11 @@ def test_faces_that_cross_are_refused(tmp_path):
         occ.synchronize()
         with pytest.raises(ValueError, match=r"gmsh cannot mesh the solids: .*CAD"):
             meshed(CadPart((CadFile("a.step"),), 0.01), tmp_path)
+        gmsh.clear()  # and gmsh is ready for the next model
+        occ.addBox(0, 0, 0, 10, 10, 10)
+        occ.synchronize()
+        meshed(CadPart((CadFile("a.step"),), 0.01), tmp_path)
+        assert gmsh.model.mesh.getElementsByType(TETRAHEDRON)[0].size > 5
 
 
 def test_a_wall_that_needs_too_many_cells_is_refused_with_its_place_or_taken_as_it_comes(tmp_path):
@@ -94,3 +101,30 @@ def test_a_wall_that_needs_too_many_cells_is_refused_with_its_place_or_taken_as_
         report = mesh_part(replace(part, across=0), str(tmp_path / "thin.msh"))
     assert report.quality.cells < 5000
     assert report.bodies[0].mesh == pytest.approx(report.bodies[0].cad, rel=0.05)
+
+
+def test_faces_whose_cells_cross_are_meshed_with_other_cells(tmp_path, monkeypatch):
+    """A cup with a boss and a rib: the better cells of its faces overlap in one plane."""
+
+    def cup(occ):
+        outside, inside = (
+            occ.addCylinder(0, 0, 0, 0, 0, 24, 52),
+            occ.addCylinder(0, 0, -1, 0, 0, 17, 44),
+        )
+        shell, _ = occ.cut([(3, outside)], [(3, inside)])
+        rib = occ.addBox(15, -4, 6, 33, 8, 14)
+        occ.rotate([(3, rib)], 0, 0, 0, 0, 0, 1, pi / 4)
+        boss = occ.addCylinder(0, 0, 0, 0, 0, 40, 22)
+        filled, _ = occ.fuse(shell, [(3, boss), (3, rib)])
+        ((_, part),), _ = occ.cut(filled, [(3, occ.addCylinder(0, 0, -1, 0, 0, 50, 12))])
+        return [part]
+
+    path = write_cad(tmp_path / "cup.step", cup)
+    part = CadPart((CadFile(str(path)),), 0.017, across=1, curvature=8.0)
+    with gmsh_session():
+        report = mesh_part(part, str(tmp_path / "cup.msh"))
+    assert report.quality.cells > 500
+    assert report.bodies[0].mesh == pytest.approx(report.bodies[0].cad, rel=0.05)
+    monkeypatch.setattr(meshing, "MESHADAPT", meshing.FRONTAL)
+    with gmsh_session(), pytest.raises(NoCellsError, match=r"cannot mesh the solids: .*elements in"):
+        mesh_part(part, str(tmp_path / "cup.msh"))
