@@ -93,7 +93,7 @@ def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modul
             f"no heat transfer between {of_class} and the mould of {process.name} is known; "
             f"{known}; castx interfaces lists all there are"
         )
-    interface = process.interfaces[of_class]
+    interface, process = process.interfaces[of_class], process.of_class(of_class)
     pouring = float(_rounded(metal.liquidus + process.numbers["superheat"], 5.0))
     cooling = _Cooling(process, metal, around, interface, pouring, modulus)
     freezing = cooling.time_to(metal.solidus)

@@ -1,13 +1,14 @@
 """The casting processes that come with castx: `database/NAME.toml`.
 
-Each number there is a table { value, unit, source }. A process releases the casting a multiple of
-its freezing time after the pouring, or when it has cooled to a share of its solidus in °C.
+Each number there is a table { value, unit, source }, and `[classes.zinc.KEY]` holds one that is
+another for a class of alloys. A process releases the casting a multiple of its freezing time after
+the pouring, or when it has cooled to a share of its solidus in °C.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -43,6 +44,7 @@ class CastingProcess:
         numbers: in SI, by key.
         sources: of the numbers.
         material: properties of the mould where the database of materials does not have it.
+        classes: numbers in SI with their sources, by key, that are others for a class of alloys.
     """
 
     name: str
@@ -55,6 +57,16 @@ class CastingProcess:
     numbers: Mapping[str, float]
     sources: Mapping[str, str]
     material: Mapping[str, Any]
+    classes: Mapping[str, Mapping[str, tuple[float, str]]]
+
+    def of_class(self, name: str) -> CastingProcess:
+        """Return the process with the numbers of a class of alloys."""
+        own = self.classes.get(name, {})
+        numbers = {key: value for key, (value, _) in own.items()}
+        sources = {key: source for key, (_, source) in own.items()}
+        return replace(
+            self, numbers={**self.numbers, **numbers}, sources={**self.sources, **sources}
+        )
 
 
 @cache
@@ -88,7 +100,13 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
         problems += item_problems((key,), item, _KEYS, _UNITS[key])
     for key, item in own.items():
         problems += item_problems(("material", key), item, _KEYS, _OWN.get(key))
-    unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material"}
+    classes = content.get("classes", {})
+    for name, key, item in _of_classes(classes):
+        problems += item_problems(("classes", name, key), item, _KEYS, _UNITS.get(key))
+        if key not in given or name not in content.get("interfaces", {}):
+            text = "is of a number of the process, for a class that has an interface"
+            problems.append(Problem(("classes", name, key), text))
+    unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material", "classes"}
     problems += [Problem((key,), "unknown key") for key in sorted(unknown)]
     if problems:
         raise CaseError(summary(file, problems, content))
@@ -103,7 +121,17 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
         {key: float(item["value"]) for key, item in given.items()},
         {key: item["source"] for key, item in given.items()},
         {key: plain(item) for key, item in own.items()},
+        {
+            name: {key: (float(item["value"]), item["source"]) for key, item in rows.items()}
+            for name, rows in classes.items()
+        },
     )
+
+
+def _of_classes(classes: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
+    """Yield the numbers that are others for a class of alloys, with class and key."""
+    for name, rows in classes.items():
+        yield from ((name, key, item) for key, item in rows.items())
 
 
 def _missing(content: Mapping[str, Any]) -> list[Problem]:

@@ -75,7 +75,7 @@ def test_indices_of_hot_tearing():
 
 CAST = (
     "AZ91", "AlCu4.5", "AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "AlSi12", "CuSn12", "G20Mn5",
-    "GJL-250", "GJS-400",
+    "GJL-250", "GJS-400", "GJS-600", "316L", "ZnAl4Cu1", "CuZn39Pb1Al",
 )  # fmt: skip
 
 

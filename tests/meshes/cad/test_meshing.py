@@ -126,5 +126,5 @@ def test_faces_whose_cells_cross_are_meshed_with_other_cells(tmp_path, monkeypat
     assert report.quality.cells > 500
     assert report.bodies[0].mesh == pytest.approx(report.bodies[0].cad, rel=0.05)
     monkeypatch.setattr(meshing, "MESHADAPT", meshing.FRONTAL)
-    with gmsh_session(), pytest.raises(NoCellsError, match=r"cannot mesh the solids: .*elements in"):
+    with gmsh_session(), pytest.raises(NoCellsError, match=r"the solids: .*elements in"):
         mesh_part(part, str(tmp_path / "cup.msh"))

@@ -52,6 +52,30 @@ def test_thicker_castings_take_longer_and_steel_pours_hotter_than_aluminium():
     assert plan_of(sand, "G20Mn5", None, 0.01).interface == "steel-sand-coated"
 
 
+def test_zinc_is_shot_colder_above_its_liquidus_than_aluminium():
+    plan = plan_of(casting_process("high-pressure-die"), "ZnAl4Cu1", None, 0.002)
+    assert plan.pouring == 425.0 and plan.interface == "zinc-steel-high-pressure"
+    assert plan.process.sources["superheat"].startswith("zinc")
+    aluminium = plan_of(casting_process("high-pressure-die"), None, None, 0.002)
+    liquidus = find_material("AlSi9Cu3", {}).liquidus
+    assert aluminium.pouring == pytest.approx(liquidus + 60.0, abs=2.5)
+
+
+@pytest.mark.parametrize(
+    "process, alloy, interface",
+    [
+        ("investment", "316L", "steel-investment-shell"),
+        ("sand", "316L", "steel-sand-coated"),
+        ("sand", "CuZn39Pb1Al", "bronze-sand"),
+        ("sand", "GJS-600", "iron-sand-coated"),
+    ],
+)
+def test_a_process_takes_alloys_that_fit_it(process, alloy, interface):
+    plan = plan_of(casting_process(process), alloy, None, MODULUS)
+    assert plan.interface == interface
+    assert 0.0 < plan.freezing < plan.release < plan.end < 1e5
+
+
 def test_a_shell_resists_by_its_thickness_and_its_outside():
     plan = plan_of(casting_process("investment"), None, None, MODULUS)
     steel = find_material("G20Mn5", {})

@@ -41,6 +41,15 @@ def test_numbers_are_read():
     assert (process.mould, process.material) == ("steel-H13", {})
 
 
+def test_a_class_of_alloys_has_numbers_of_its_own():
+    own = {"superheat": NUMBER | {"value": 35, "source": "a book"}}
+    process = read_process("mine", CONTENT | {"classes": {"aluminium": own}}, "mine.toml")
+    of_class = process.of_class("aluminium")
+    assert (of_class.numbers["superheat"], of_class.sources["superheat"]) == (35.0, "a book")
+    assert of_class.numbers["ambient"] == 20.0
+    assert process.of_class("zinc") == process and process.numbers["superheat"] == 20.0
+
+
 @pytest.mark.parametrize(
     "path, value, text",
     [
@@ -51,6 +60,13 @@ def test_numbers_are_read():
         (("shell",), {"value": 1, "unit": "m", "source": "usual"}, "either this or shell"),
         (("summary",), "", "summary.*missing"),
         (("superheet",), NUMBER, "superheet: unknown key"),
+        (("classes",), {"zinc": {"superheat": NUMBER}}, "classes.zinc.superheat.*an interface"),
+        (("classes",), {"aluminium": {"shell": NUMBER}}, "classes.aluminium.shell.*of a number"),
+        (
+            ("classes",),
+            {"aluminium": {"superheat": NUMBER | {"source": ""}}},
+            "classes.aluminium.superheat.source",
+        ),
     ],
 )
 def test_faults_are_named(path, value, text):

@@ -64,7 +64,7 @@ def test_accepted(changes):
     [
         (
             {"bodies__1__material": "stel"},
-            "bodies[1].material = \"stel\": unknown material 'stel'; known: AZ91, Al-pure, ",
+            "bodies[1].material = \"stel\": unknown material 'stel'; known: 316L, AZ91, Al-pure, ",
         ),
         ({"bodies__1__material": "stel"}, '(did you mean "steel"?)'),
         (

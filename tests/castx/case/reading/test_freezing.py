@@ -20,8 +20,12 @@ def chosen(material: str = "AlSi7Mg", scheme: str = "iterated", **body) -> str:
 
 
 @pytest.mark.parametrize(
-    "material", ["AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "AlSi12", "GJL-250", "G20Mn5", "CuSn12"]
-)
+    "material",
+    [
+        "AlSi7Mg", "AlSi9Cu3", "AlSi10Mg", "AlSi12", "GJL-250", "GJS-600", "G20Mn5", "316L",
+        "CuSn12", "CuZn39Pb1Al", "ZnAl4Cu1",
+    ],
+)  # fmt: skip
 def test_poured_alloys_freeze_inside_cells(material):
     assert chosen(material, temperature=1600.0) == "cells"
 
