@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text
 from castx.case.processes.plan import Plan
 from castx.materials.granular import GRANULAR
+from castx.materials.lookup import find_material
 from castx.transfer.database import interface_entry
 
 CORES = {
@@ -33,7 +34,8 @@ def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
     """
     role = case.roles
     parts = [_head(plan), geometry_text(case), *_own_material(plan)]
-    parts += [_body(name, volume, role[name], plan, of_class) for name, volume in case.bodies]
+    tight = _swells_shut(case, role, plan)
+    parts += [_body(name, v, role[name], plan, of_class, tight) for name, v in case.bodies]
     parts += [_interface(pair, role, plan, of_class) for pair in case.interfaces]
     parts += [_boundary(on, area, role, plan) for on, area in case.surfaces]
     parts += _stages(role, plan)
@@ -71,7 +73,14 @@ def _own_material(plan: Plan) -> Iterator[str]:
         yield f"[materials.{plan.mould}]        # representative, sources not established\n{rows}"
 
 
-def _body(name: str, volume: float, role: int, plan: Plan, of_class: str) -> str:
+def _swells_shut(case: NewCase, role: Mapping[str, int], plan: Plan) -> bool:
+    """Return whether the alloy swells as it freezes, without a surface at which it may."""
+    shrinkage = find_material(plan.alloy, {}).description.solidification_shrinkage
+    free = any(role.get(on.partition("/")[0]) == CASTING for on, _ in case.surfaces)
+    return (shrinkage or 0.0) < 0.0 and not free
+
+
+def _body(name: str, volume: float, role: int, plan: Plan, of_class: str, tight: bool) -> str:
     process = plan.process
     warm = f"{process.numbers['mould_temperature']:g}"
     chill = CHILLS.get(of_class, ("Cu-pure", ""))[0]
@@ -83,15 +92,22 @@ def _body(name: str, volume: float, role: int, plan: Plan, of_class: str) -> str
     }[role]
     return (
         f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
-        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"{_told(law)}\n'
+        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"{_told(law, tight)}\n'
     )
 
 
-def _told(law: str) -> str:
-    """Return the comment beside a law: what sand does, and what takes less time."""
+def _told(law: str, tight: bool) -> str:
+    """Return the comment beside a law: what sand does, and what takes less time.
+
+    Args:
+        law: of a body.
+        tight: whether the alloy swells in walls on all sides.
+    """
     if law != GRANULAR:
         return ""
-    return '         # sand that yields; "rigid" holds the casting, in a quarter of the time'
+    if tight:
+        return "         # sand that yields; in a rigid mould iron has no room to swell"
+    return '         # sand that yields; "rigid" holds the casting, in half of the time'
 
 
 def _interface(

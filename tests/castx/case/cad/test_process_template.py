@@ -77,6 +77,21 @@ def test_sand_yields_and_its_halves_hold_together():
     assert {b.name: b.law for b in cored.bodies}["core"] == "drucker-prager"
 
 
+@pytest.mark.parametrize(
+    "new, alloy, word",
+    [
+        (CORED, "GJL-250", "no room to swell"),
+        (HALVES, "GJL-250", '"rigid" holds the casting'),  # its top is free
+        (CORED, "AlSi7Mg", '"rigid" holds the casting'),
+    ],
+)
+def test_a_rigid_mould_is_offered_where_the_alloy_has_room(new, alloy, word):
+    plan = plan_of(casting_process("sand"), alloy, None, 0.01)
+    text = process_text(new, plan, database_entry(alloy).material_class)
+    lines = [line for line in text.splitlines() if line.startswith('law = "drucker-prager"')]
+    assert lines and all(word in line for line in lines)
+
+
 def test_a_solid_without_a_label_in_a_mould_that_is_made_is_a_core():
     new = NewCase(
         "part.step", 0.005, 0.02, (("solid-1", 2e-5), ("solid-2", 1e-5), ("mould", 1e-4)),
