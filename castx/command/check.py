@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -127,8 +128,13 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
             console.print(remark, markup=False, style="yellow")
         for text in shut_in(case, free_areas(case, mesh_summary(mesh))):
             console.print(text, markup=False, style="yellow")
+        materials = {
+            body.name: find_material(body.material, case.materials) for body in case.bodies
+        }
+        poured = {body.name for body in case.bodies if body.is_poured(materials[body.name])}
         for walls in thin_walls(case, mesh):
-            console.print(walls.text, markup=False, style="yellow")
+            if walls.body in poured:  # castx check tells those of the mould too
+                console.print(walls.text, markup=False, style="yellow")
         draw_case(case, mesh, picture)
     except (CaseError, MeshError) as error:
         console.print(f"no picture: {error}", markup=False, style="yellow")
@@ -347,12 +353,16 @@ def heat_text(heat: InterfaceHeat | None) -> str:
 def material_warnings(case: Case) -> Iterator[str]:
     """Yield warnings of materials whose data end within the temperatures of the case."""
     low, high = temperature_range(case)
+    bodies: dict[tuple[str, str], list[str]] = defaultdict(list)
     for body in case.bodies:
         material = find_material(body.material, case.materials)
         found = outside_used_range(case, body, material, low, high)
         if found:
-            yield (
-                f"{body.material} ({body.name}) has data for less than the temperatures of the "
-                f"case, {low:g} to {high:g} °C: {ranges_text(found)}; beyond, the last value is "
-                "used, and a run says whether the body gets there"
-            )
+            bodies[body.material, ranges_text(found)].append(body.name)
+    for (name, ranges), of_it in bodies.items():
+        gets = "the body gets" if len(of_it) == 1 else "the bodies get"
+        yield (
+            f"{name} ({', '.join(of_it)}) has data for less than the temperatures of the case, "
+            f"{low:g} to {high:g} °C: {ranges}; beyond, the last value is used, and a run says "
+            f"whether {gets} there"
+        )

@@ -15,9 +15,12 @@ def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
         write_cad(part, lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["my casting"])
     comm.Barrier()
     assert execute(["new", str(part)], comm) == 0
-    assert f"castx check {case}" in said().replace("\n", "")
-    assert execute(["check", str(case), "--set", "geometry.size=0.02"], comm) == 0
-    assert "interface my casting/mould" in said()
+    text = said().replace("\n", "")
+    assert f"castx check {case}" in text
+    assert "my casting has walls of" in text and "mould has walls of" not in text
+    assert execute(["check", str(case)], comm) == 0
+    text = said()
+    assert "interface my casting/mould" in text and "warning: mould has walls of" in text
     assert case.with_suffix(".png").read_bytes().startswith(PNG)
     assert execute(["new", str(part)], comm) == 2
     assert "bar.toml exists" in said().replace("\n", "")
