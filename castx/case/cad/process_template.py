@@ -107,7 +107,7 @@ def _told(law: str, tight: bool) -> str:
         return ""
     if tight:
         return "         # sand that yields; in a rigid mould iron has no room to swell"
-    return '         # sand that yields; "rigid" holds the casting, in half of the time'
+    return '         # sand that yields; "rigid" holds it, in half of the time or less'
 
 
 def _interface(

@@ -81,8 +81,8 @@ def test_sand_yields_and_its_halves_hold_together():
     "new, alloy, word",
     [
         (CORED, "GJL-250", "no room to swell"),
-        (HALVES, "GJL-250", '"rigid" holds the casting'),  # its top is free
-        (CORED, "AlSi7Mg", '"rigid" holds the casting'),
+        (HALVES, "GJL-250", '"rigid" holds it'),  # its top is free
+        (CORED, "AlSi7Mg", '"rigid" holds it'),
     ],
 )
 def test_a_rigid_mould_is_offered_where_the_alloy_has_room(new, alloy, word):

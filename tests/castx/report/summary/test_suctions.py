@@ -12,15 +12,28 @@ pytestmark = pytest.mark.serial
 
 def suction(melt, wall):
     columns = {"casting.melt_suction": np.array(melt), "casting/mould.suction": np.array(wall)}
+    columns["casting.solid_fraction"] = np.array([0.0, 0.6, 1.0, 1.0])
     return list(suctions(run(history=Columns({"time": TIME} | columns))))
 
 
 def test_the_largest_suctions_count_with_their_times():
-    melt, wall = suction([0.0, 5e4, 2e4, 0.0], [0.0, 1e3, 0.0, 2e5])
+    melt, wall = suction([0.0, 5e4, 2e4, 0.0], [0.0, 1e3, 2e5, 0.0])
     assert (melt.of, melt.number, melt.time) == ("casting", "50 kPa", 1.0)
-    assert (wall.of, wall.number, wall.time) == ("casting/mould", "200 kPa", 3.0)
+    assert (wall.of, wall.number, wall.time) == ("casting/mould", "200 kPa", 2.0)
     assert melt.shown.field == "melt_suction" and wall.shown.field == "wall_suction"
     assert wall.shown.bodies == ("casting",)
+
+
+def test_pulls_of_solid_metal_are_no_suction():
+    """The casting is solid from the end of the third step on; its twin stays liquid."""
+    (_, wall) = suction([0.0, 5e4, 0.0, 0.0], [0.0, 2e3, 0.0, 4e6])
+    assert (wall.number, wall.time) == ("2 kPa", 1.0)
+    assert len(suction([0.0, 5e4, 0.0, 0.0], [0.0, 0.0, 0.0, 4e6])) == 1
+    columns = {"time": TIME, "casting/twin.suction": np.array([0.0, 2e3, 0.0, 4e6])}
+    columns |= {f"{body}.solid_fraction": TIME / n for body, n in (("casting", 2), ("twin", 4))}
+    both = {"interfaces": ("casting/twin",), "history": Columns(columns)}
+    (wall,) = suctions(run(**both | {"freezing": ["casting", "twin"]}))
+    assert (wall.number, wall.time) == ("4000 kPa", 3.0)
 
 
 def test_more_than_a_vacuum_is_said():
