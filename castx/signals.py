@@ -8,6 +8,8 @@ import threading
 ENDING = (signal.SIGHUP, signal.SIGTERM)
 """Signals of a closed terminal and of a queue; for PETSc faults that abort all ranks with code 59,
 even where `nohup` has had the first one ignored."""
+STOPPED = "stopped by a signal"
+"""What a run says that has ended by one of them."""
 
 
 def hand_back() -> None:

@@ -14,6 +14,7 @@ from typing import Any, Self
 from mpi4py import MPI
 
 from castx.errors import Interrupted
+from castx.signals import STOPPED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """SIGHUP comes when a terminal is closed; SIGUSR1 is what mpirun hands on without killing its ranks
@@ -88,7 +89,7 @@ class Interruption:
         """
         self._last = time.monotonic()
         if self._comm.allreduce(self._since is not None, MPI.LOR):
-            raise Interrupted("stopped by a signal")
+            raise Interrupted(STOPPED)
 
     def after_try(self) -> None:
         """Raise `Interrupted` after a try also if the time limit allows no other one; collective.

@@ -30,7 +30,7 @@ from castx.studies.runs.runner import Changes, Runner
 CURES = {
     NOT_CONVERGED: "give another start",
     REFUSED: "correct the case",
-    OUT_OF_TIME: "raise time_limit and start with --anew",
+    OUT_OF_TIME: "raise time_limit, or time of slurm, and start with --anew",
     BROKEN: "see what it lacked, and start with --anew",
 }
 """What helps where the run of the start has ended so."""

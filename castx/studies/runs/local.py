@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -56,7 +57,8 @@ class LocalProcesses:
                 for index, took in done.items():
                     process, start = going.pop(index)
                     passed = time.monotonic() - start
-                    yield index, Ended(process.returncode, last_words(tasks[index]), passed, took)
+                    said = words_at_the_end(tasks[index], process.returncode)
+                    yield index, Ended(process.returncode, said, passed, took)
                 if not done:
                     time.sleep(PATIENCE)
         finally:
@@ -102,6 +104,21 @@ def stop(processes: Sequence[subprocess.Popen[bytes]]) -> None:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+def words_at_the_end(task: Task, code: int) -> str:
+    """Return the last words of a run, or the signal that ended it before it could say any.
+
+    Args:
+        task: the run.
+        code: its exit code, negative for a signal.
+    """
+    if code >= 0:
+        return last_words(task)
+    said = f"ended by {signal.Signals(-code).name}"
+    if code == -signal.SIGKILL:
+        said += ", as is done with programs for which the memory does not suffice"
+    return said
 
 
 def last_words(task: Task) -> str:

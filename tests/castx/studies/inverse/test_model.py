@@ -42,7 +42,7 @@ def test_a_start_that_fails_is_refused(tmp_path):
     [
         (Ended(2, "refused: probe 'near +9' is outside", 1, 1), "three depth_deviations, 0.9 mm"),
         (Ended(2, "refused: no such surface", 1, 1), "no such surface; correct the case"),
-        (Ended(130, "the time limit of 1 s", 1, 1), "raise time_limit and start with --anew"),
+        (Ended(130, "the time limit of 1 s", 1, 1), "raise time_limit, or time of slurm, and"),
         (Ended(1, "MemoryError", 1, 1), "MemoryError; see what it lacked"),
     ],
 )

@@ -86,6 +86,14 @@ def test_none_is_left_behind(scripts, tmp_path):
         os.kill(int((tmp_path / "pid").read_text()), 0)
 
 
+def test_a_signal_that_ends_a_run_is_told(scripts, tmp_path):
+    line = "import os, signal; print('t 3 s  step 4', flush=True); os.kill(os.getpid(), signal.{})"
+    lines = [line.format(name) for name in ("SIGKILL", "SIGSEGV")]
+    found = dict(LocalProcesses(processes=2).ended(tasks(tmp_path, *lines)))
+    assert found[0].code == -9 and found[0].said.startswith("ended by SIGKILL, as is done with")
+    assert found[1].said == "ended by SIGSEGV"
+
+
 def test_last_words(tmp_path):
     task = Task((), tmp_path / "log")
     task.log.write_text("t 0 s\ncastx: not converged: no way\nadvice\n\n")
