@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.input.variation import Variation
 from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -36,13 +37,18 @@ def _shut_gaps(case: Case) -> Iterator[str]:
         return
     for interface in case.interfaces:
         heat = interface.heat
-        if heat is not None and heat.declared.follows_gap:
+        if heat is not None and heat.declared.follows_gap and not _is_given_anyway(heat.closed):
             yield (
                 f'interface {interface.name}: with scheme = "thermal" nothing moves, so that the '
                 f'gap keeps its initial value and law = "{heat.law}" stays as it is there; use '
                 'scheme = "iterated", or law = "solid-fraction" or coefficients over time or '
                 "temperature"
             )
+
+
+def _is_given_anyway(closed: Variation | None) -> bool:
+    """Return whether a coefficient falls by time or temperature, whatever the gap does."""
+    return closed is not None and not closed.is_constant and closed.over in ("time", "temperature")
 
 
 def _gaps_without_gas(case: Case) -> Iterator[str]:

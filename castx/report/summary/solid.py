@@ -90,7 +90,11 @@ def _most(stress: float | None) -> str:
 
 
 def distortion(run: Results) -> Iterator[Finding]:
-    """Yield the largest deviation of each body from its nominal surface at its last end."""
+    """Yield the largest deviation of each body from its nominal surface at its last end.
+
+    Its size is the number, so that runs are compared, and the least is wanted, whichever way it
+    goes.
+    """
     for body, time, found in last_ends(run):
         shape = found.get("distortion")
         if shape is None:
@@ -99,8 +103,8 @@ def distortion(run: Results) -> Iterator[Finding]:
         most = max(out, into, key=lambda extreme: abs(extreme["value"]))
         shares = zip(parts("displacement", run.model), shape["allowance"], strict=False)
         yield Finding(
-            "Distortion", body, most["value"], "mm",
-            f"Deviation from the nominal surface, positive outward, from "
+            "Distortion", body, abs(most["value"]), "mm",
+            f"Largest deviation from the nominal surface; positive outward, it goes from "
             f"{1e3 * into['value']:.3g} to {1e3 * out['value']:.3g} mm; allowance "
             + ", ".join(f"{axis} {100.0 * share:.3g} %" for axis, share in shares) + ".",
             factor=1e3, place=most["place"], time=time,

@@ -16,6 +16,24 @@ CYLINDER = "demos/cylinder.toml"
         ('"limited", closed = 2000, gas_conductivity = 0.05', "thermal", True),
         ('"series", closed = 2000, gas_conductivity = 0.05', "thermal", True),
         ('"series", closed = 2000, gas_conductivity = 0.05', "iterated", False),
+        (
+            '"series", closed = { over = "time", table = [[0, 2000], [9, 500]] }, '
+            "gas_conductivity = 0.05",
+            "thermal",
+            False,
+        ),
+        (
+            '"series", closed = { over = "temperature", table = [[20, 500], [600, 2000]] }, '
+            "gas_conductivity = 0.05",
+            "thermal",
+            False,
+        ),
+        (
+            '"series", closed = { over = "pressure", table = [[0, 500], [1e6, 2000]] }, '
+            "gas_conductivity = 0.05",
+            "thermal",
+            True,
+        ),
         ('"constant", closed = 2000', "thermal", False),
         ('"solid-fraction", closed = 2000, open = 100', "thermal", False),
     ],
