@@ -88,6 +88,12 @@ class PhasedTable:
             raise CaseError(f"{missing[0]} is missing; a value for both phases needs no keys")
         return Phased(*(self._phase(name, value[name]) for name in _PHASES))
 
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the entry."""
+        schema = self.table.json_schema()
+        said = f"{schema['description']}; or {{ {', '.join(_PHASES)} }} with one of each"
+        return {"type": [*schema["type"], "object"], "description": said}
+
     def _phase(self, name: str, value: Any) -> Table:
         try:
             return self.table.read(value)
@@ -233,9 +239,9 @@ class MaterialDescription(Description):
     poisson_ratio: Annotated[Table, over_temperature(PURE_NUMBER, least=0.0, below=0.5)] | None = (
         None
     )
-    expansion: (
-        Annotated[Table, over_temperature(EXPANSION), PeoplesUnit("µm/m/K", 1e6)] | None
-    ) = None
+    expansion: Annotated[Table, over_temperature(EXPANSION), PeoplesUnit("µm/m/K", 1e6)] | None = (
+        None
+    )
     expansion_reference: Temperature | None = None
     stress_free: Temperature | None = None
     liquid: Annotated[Liquid | None, LiquidEntry()] = None

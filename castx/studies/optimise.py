@@ -11,12 +11,14 @@ import numpy as np
 from scipy.optimize import Bounds, differential_evolution, minimize
 
 from castx.arrays import FloatArray
+from castx.case.reading.read import case_data
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.input.toml_written import toml_text
 from castx.results.files.folder import store_text
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.optimise import EVOLUTION, LEAST, Optimise
+from castx.studies.asked.units_of_case import shown_unit
 from castx.studies.optimised_page import optimised_page
 from castx.studies.runs.answers import RunAnswer, answers
 from castx.studies.runs.case_text import changed_content
@@ -137,9 +139,10 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
         )
     best = int(np.argmin(trials.costs))
     values = [trials.changes(point) for point in trials.points]
+    data, _ = case_data(runner.case_file, runner.overrides)
     table = StudyTable(
         [one.label for one in study.inputs],
-        [one.unit for one in study.inputs],
+        [shown_unit(data, one) for one in study.inputs],
         np.array([[amount(row[one.of]).value for one in study.inputs] for row in values]),
         trials.runs,
         trials.found,

@@ -18,6 +18,7 @@ from castx.results.files.run_tables import RunTables
 from castx.studies.asked.amounts import amount
 from castx.studies.asked.inputs import VariedInput
 from castx.studies.asked.known import changes_of_case, refuse_elsewhere
+from castx.studies.asked.units_of_case import shown_unit
 from castx.studies.asked.vary import GRID, LATIN, MORRIS, Vary
 from castx.studies.importance import Importance, importance
 from castx.studies.page import vary_page
@@ -123,7 +124,7 @@ def vary(runner: Runner, study: Vary) -> VariedCase:
         raise CaseError(f"not one of {len(runs)} runs has finished; the first one: {runs[0].said}")
     table = StudyTable(
         [one.label for one in study.inputs],
-        [one.unit for one in study.inputs],
+        [shown_unit(data, one) for one in study.inputs],
         np.array([[amount(value).value for value in row] for row in values]),
         runs,
         [answers(runner.results(run)) if run.is_finished else {} for run in runs],

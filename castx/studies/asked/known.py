@@ -73,7 +73,7 @@ def known_range(data: Mapping[str, Any], of: str) -> KnownRange | None:
         data: the content of the case.
         of: path of the number, as `--set` takes it.
     """
-    path = _keys(of)
+    path = keys_of(of)
     entry = entry_below(data, path)
     if entry is None:
         return None
@@ -104,7 +104,7 @@ def refuse_elsewhere(data: Mapping[str, Any], of: str) -> None:
         CaseError: it leads to another material than those of the case, to one that nothing is made
             of, or into a study.
     """
-    path = _keys(of)
+    path = keys_of(of)
     if path[0] == "materials" and len(path) > 1:
         names, inside = list(data.get("materials", {})), ".".join(path[1:])
         meant = [name for name in names if f"{inside}.".startswith(f"{name}.")]  # may have points
@@ -181,7 +181,7 @@ def changes_of_case(
     """
     changes: dict[str, Any] = {}
     for one in inputs:
-        path = _keys(one.of)
+        path = keys_of(one.of)
         entry = entry_below(data, path)
         if entry is not None and path[0] == "materials" and len(path) > 3:
             group = database_value(entry, path[2:3])
@@ -192,7 +192,7 @@ def changes_of_case(
 
 
 def _scaled_number(data: Mapping[str, Any], of: str, factor: float) -> Any:
-    path = _keys(of)
+    path = keys_of(of)
     there = value_at(data, of)
     entry = entry_below(data, path)
     if there is None and entry is not None and path[0] == "materials":
@@ -220,5 +220,6 @@ def scaled(value: Any, factor: float) -> Any:
     return given.written(given.value * factor)
 
 
-def _keys(of: str) -> list[str]:
+def keys_of(of: str) -> list[str]:
+    """Return the keys of a path of a case file, lists by index."""
     return of.replace("[", ".").replace("]", "").split(".")

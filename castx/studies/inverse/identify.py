@@ -71,7 +71,7 @@ def identify(runner: Runner, study: Identify) -> Identified:
     unknowns = model.unknowns()
     smoothness = model.parameters.smoothness(len(unknowns))
     found = fitted(model, study)
-    units = [one.unit for one in model.parameters.sought for _ in one.names]
+    units = [one.shown_unit for one in model.parameters.sought for _ in one.names]
     units += [_sensor_unit(one.name) for one in unknowns[len(units) :]]
     parts = model.sensors.parts(found.residuals)
     residuals = [

@@ -12,6 +12,7 @@ from castx.studies.inverse.estimates import Estimates, IdentifiedNumber
 from castx.studies.inverse.predictions import Prediction
 from castx.studies.inverse.sensors import DEPTH, Sensors
 from castx.studies.page import probe_unit
+from castx.studies.table import with_unit
 
 
 def identified_page(
@@ -84,7 +85,7 @@ def table_sections(tables: Sequence[Prediction]) -> list[Section]:
 def table_panel(one: Prediction) -> Panel:
     """Return the diagram of an unknown table."""
     lines = {"identified": one.value, "low": one.low, "high": one.high}
-    return Panel(one.name, lines, abscissa=one.abscissa)
+    return Panel(with_unit(one.name, one.unit), lines, abscissa=one.abscissa)
 
 
 def curve_section(sensors: Sensors, curves: Sequence[Prediction]) -> list[Section]:

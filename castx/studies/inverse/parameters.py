@@ -22,6 +22,7 @@ from castx.input.units import LENGTH
 from castx.input.variation import ARGUMENTS
 from castx.studies.asked.amounts import Amount, amount, in_unit
 from castx.studies.asked.known import refuse_elsewhere
+from castx.studies.asked.units_of_case import unit_at
 from castx.studies.asked.unknowns import LINEAR, LOG, SoughtNumber
 from castx.studies.runs.runner import Changes, changes_as_overrides
 from castx.tables import Table
@@ -43,15 +44,17 @@ class SoughtValues:
 
     Attributes:
         asked: its description.
-        unit: of its values.
+        unit: of its values as the study writes them, "" if plain.
         start: of its knots, in the unit, (knots,); of a number (1,).
         present: what the case has there; None: nothing.
+        plain_unit: of SI, for values that are written without one.
     """
 
     asked: SoughtNumber
     unit: str
     start: FloatArray
     present: Any
+    plain_unit: str = ""
 
     @classmethod
     def of(cls, asked: SoughtNumber, content: Mapping[str, Any]) -> SoughtValues:
@@ -64,13 +67,13 @@ class SoughtValues:
         Raises:
             CaseError: the case has no number to begin with.
         """
-        present = value_at(content, asked.of)
+        present, plain = value_at(content, asked.of), unit_at(content, asked.of)
         knots = [one.value for one in asked.knots or ()] or [0.0]
         if asked.start is not None:
             values = [one.value for one in asked.start]
             unit = asked.given_unit or ""
             full = values if len(values) == len(knots) else values * len(knots)
-            return cls(asked, unit, np.array(full), present)
+            return cls(asked, unit, np.array(full), present, plain)
         if present is None:
             raise CaseError(
                 f"[identify] {asked.name}: the case has nothing at {asked.of}; correct the path, "
@@ -78,14 +81,16 @@ class SoughtValues:
             )
         unit, values = _values_there(asked, present, knots)
         _refuse_beyond_bounds(asked, unit, values)
-        return cls(asked, unit, np.array(values), present)
+        return cls(asked, unit, np.array(values), present, plain)
 
     @property
     def names(self) -> list[str]:
         """Names of its numbers."""
         if not self.asked.is_table:
             return [self.asked.name]
-        return [f"{self.asked.name} at {_knot_text(one)}" for one in self.asked.knots or ()]
+        unit = self.unit_of_knots
+        knots = (f"{one.value:g} {unit}".strip() for one in self.asked.knots or ())
+        return [f"{self.asked.name} at {knot}" for knot in knots]
 
     @property
     def knots(self) -> FloatArray:
@@ -93,12 +98,22 @@ class SoughtValues:
         return np.array([one.value for one in self.asked.knots or ()])
 
     @property
-    def abscissa(self) -> str:
-        """Label of the arguments of a table, with the unit of its knots."""
+    def shown_unit(self) -> str:
+        """Unit of its values as they are shown."""
+        return self.unit or self.plain_unit
+
+    @property
+    def unit_of_knots(self) -> str:
+        """Unit of the arguments of a table, that of SI where none is written."""
         (unit,) = {one.unit for one in self.asked.knots or ()}
         over = str(self.asked.over)
         plain = LENGTH if over in AXES else ARGUMENTS[over].dimension
-        return f"{over} [{unit or plain.unit.replace('degC', '°C')}]"
+        return unit or plain.unit.replace("degC", "°C")
+
+    @property
+    def abscissa(self) -> str:
+        """Label of the arguments of a table, with their unit."""
+        return f"{self.asked.over} [{self.unit_of_knots}]"
 
     def unknowns(self) -> list[Unknown]:
         """Return its numbers as a fit takes them."""
@@ -159,10 +174,6 @@ class SoughtValues:
         unit = UNIT_OF_KNOTS.get(str(self.asked.over), float(np.ptp(self.knots)))
         differences = second_differences((self.knots - self.knots[0]) / unit)
         return np.asarray(differences / self.asked.smoothness)
-
-
-def _knot_text(one: Amount) -> str:
-    return f"{one.value:g} {one.unit}".strip()
 
 
 def _values_there(

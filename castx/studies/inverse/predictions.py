@@ -28,6 +28,7 @@ class Prediction:
         low: lower end of the band, (points,).
         high: upper end, (points,).
         abscissa: label of the argument, with its unit.
+        unit: of the values, "" if plain.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Prediction:
     low: FloatArray
     high: FloatArray
     abscissa: str = OVER_TIME
+    unit: str = ""
 
 
 def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
@@ -56,7 +58,8 @@ def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
             value, low, high = middle, middle - half, middle + half
             if one.asked.scale == LOG:
                 value, low, high = np.exp(value), np.exp(low), np.exp(high)
-            bands.append(Prediction(one.asked.name, at, value, low, high, one.abscissa))
+            whole = Prediction(one.asked.name, at, value, low, high, one.abscissa, one.shown_unit)
+            bands.append(whole)
         first += count
     return bands
 

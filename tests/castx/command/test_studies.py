@@ -165,7 +165,7 @@ def test_the_best_numbers_are_shown(comm, tmp_path, capsys, by_formula):
     case_file.write_text(CASE + OPTIMISE)
     assert execute(["optimise", str(case_file), "--output", str(tmp_path / "study")], comm) == 0
     said = capsys.readouterr().out
-    pouring = float(re.search(r"pouring: ([\d.]+)", said)[1])
+    pouring = float(re.search(r"pouring \[°C\]: ([\d.]+)", said)[1])
     assert abs(pouring - 660.0) < 0.5 and "Freezes last: casting [s]:" in said
     assert (tmp_path / "case.optimised.toml").is_file()
 

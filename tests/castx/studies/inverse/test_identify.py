@@ -61,6 +61,8 @@ def test_a_table_a_depth_and_a_clock(tmp_path):
     assert abs(found["depth of near"].value - 2e-4) < 3.0 * found["depth of near"].deviation
     assert found["depth of near"].unit == "m" and found["clock"].unit == "s"
     (band,) = result.tables
+    assert (band.abscissa, band.unit) == ("time [s]", found["h at 0 s"].unit)
+    assert found["h at 0 s"].unit.startswith("W/m")
     assert np.all((band.low < band.value) & (band.value < band.high))
     assert band.value[0] == pytest.approx(found["h at 0 s"].value)
     assert band.high[0] == pytest.approx(found["h at 0 s"].high)
@@ -114,7 +116,7 @@ def test_unknowns_that_cannot_be_told_apart_are_refused(tmp_path):
     table = {"over": "time", "knots": [0, 39, 39.9], "start": 900}
     seen = identify(*opened(tmp_path, unknown={**table, "deviation": 0.3}))
     assert any("hardly see h at 39.9" in text for text in seen.found.unseen)
-    with pytest.raises(CaseError, match=r"h at (100|200) has no influence|least of all h at 200"):
+    with pytest.raises(CaseError, match=r"h at (100|200) s has no influence|least of all h at 200"):
         identify(*opened(tmp_path, unknown={**table, "knots": [0, 100, 200]}))
 
 

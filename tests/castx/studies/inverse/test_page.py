@@ -28,6 +28,7 @@ def test_a_line_of_the_table():
 def test_a_table_has_three_lines():
     x = np.array([0.0, 1.0])
     (section,) = table_sections([Prediction("h", x, x + 2, x + 1, x + 3)])
-    (over_gap,) = table_sections([Prediction("h", x, x, x, x, "gap [um]")])
+    (over_gap,) = table_sections([Prediction("h", x, x, x, x, "gap [um]", "W/m²/K")])
     assert (section.panels[0].abscissa, over_gap.panels[0].abscissa) == ("time [s]", "gap [um]")
+    assert (section.panels[0].label, over_gap.panels[0].label) == ("h", "h [W/m²/K]")
     assert list(section.panels[0].lines) == ["identified", "low", "high"]

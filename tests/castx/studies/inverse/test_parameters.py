@@ -60,6 +60,8 @@ def test_a_table_of_the_case_is_met_at_the_knots(content):
     content["interfaces"][0]["heat"]["closed"] = {"over": "time", "table": [[0, 1e3], [10, 2e3]]}
     one = sought(content, over="time", knots=[2, 8])
     assert one.start.tolist() == [1200.0, 1800.0]
+    assert one.names == ["h at 2 s", "h at 8 s"] and one.shown_unit == "W/m²/K"
+    assert sought(content, start="1 kW/m^2/K").shown_unit == "kW/m^2/K"
     content["materials"]["die"]["conductivity"] = [["0 degC", 30], ["400 degC", 34]]
     plain = sought(
         content, of="materials.die.conductivity", over="temperature", knots=["100 degC", "300 degC"]
