@@ -197,7 +197,7 @@ print(f"{inside} of {len(found['estimates'])} bands hold the truth")
 # %% [markdown]
 # Early values are known worst, whatever the sensors: a thermocouple 2 mm deep sees the first second
 # late. Between the knots the band is that of a straight line of $\ln h$. Temperatures are those
-# where the thermocouples were drawn: what the deeper one measured lies below its curve.
+# at the depths that were found, not where the thermocouples were drawn.
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
@@ -214,7 +214,7 @@ for values in measured.values():
     right.plot(seconds, values, "k.", markersize=3)
 right.set_xlabel("time [s]")
 right.set_ylabel("temperature [°C]")
-right.legend(title="computed where drawn; points: measured")
+right.legend(title="computed at the depths found; points: measured")
 plt.show()
 print(f"the notebook took {time.perf_counter() - START:.0f} s")
 

@@ -21,7 +21,7 @@ from castx.studies.inverse.estimates import Estimates, estimates, prior_covarian
 from castx.studies.inverse.identified_case import identified_case
 from castx.studies.inverse.model import MeasuredCase
 from castx.studies.inverse.page import identified_page
-from castx.studies.inverse.predictions import Prediction, probe_bands, table_bands
+from castx.studies.inverse.predictions import Prediction, curve_bands, table_bands
 from castx.studies.runs.runner import Runner
 
 REACH = 1.0
@@ -42,7 +42,7 @@ class Identified:
         model: the measured case.
         found: estimates with their uncertainty.
         tables: unknown tables with their bands.
-        curves: of the probes of the sensors, with their bands.
+        curves: of the sensors, with their bands.
         case_file: the case with these numbers.
     """
 
@@ -81,7 +81,7 @@ def identify(runner: Runner, study: Identify) -> Identified:
         model,
         estimates(found, unknowns, units, model.sensors.noise, smoothness, residuals),
         table_bands(model.parameters.sought, found),
-        probe_bands(model, unknowns, found, [name for name, _ in residuals]),
+        curve_bands(model.sensors, found),
         runner.case_file.with_suffix(".identified.toml"),
     )
     write(result)

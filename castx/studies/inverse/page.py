@@ -14,6 +14,11 @@ from castx.studies.inverse.sensors import DEPTH, Sensors
 from castx.studies.page import probe_unit
 from castx.studies.table import with_unit
 
+COMPUTED = (
+    "Computed with all numbers that were found, place and clock of the sensor too, with the band "
+    "of 95 %, on the measured curve."
+)
+
 
 def identified_page(
     name: str,
@@ -29,12 +34,11 @@ def identified_page(
         found: estimates.
         sensors: with their samples.
         tables: unknown tables with their bands.
-        curves: of the probes of the sensors, with their bands.
+        curves: of the sensors, with their bands.
     """
     sections = [
         *table_sections(tables),
-        *curve_section(sensors, curves),
-        *residual_sections(found, sensors),
+        *curve_sections(found, sensors, curves),
     ]
     return page(
         "identified.html.j2",
@@ -88,30 +92,23 @@ def table_panel(one: Prediction) -> Panel:
     return Panel(with_unit(one.name, one.unit), lines, abscissa=one.abscissa)
 
 
-def curve_section(sensors: Sensors, curves: Sequence[Prediction]) -> list[Section]:
-    """Return the computed curves on the measured ones, a diagram for each sensor."""
-    if not curves:
-        return []
-    panels = []
-    for one, sensor in zip(curves, sensors.sensors, strict=True):
-        lines = {one.name: one.value, "low": one.low, "high": one.high}
-        points = {one.name: (sensor.time, sensor.values)}
-        panels.append(Panel(f"{one.name} [{probe_unit(one.name)}]", lines, points=points))
-    told = (
-        "Computed with the identified numbers, at the places of the case, on the measured curves."
-    )
-    return [Section("Curves on the measurements", told, curves[0].argument, panels)]
-
-
-def residual_sections(found: Estimates, sensors: Sensors) -> list[Section]:
-    """Return the residuals of each sensor over its own times."""
+def curve_sections(
+    found: Estimates, sensors: Sensors, curves: Sequence[Prediction]
+) -> list[Section]:
+    """Return for each sensor its computed curve on the measured one, and its residuals."""
+    sections = []
     parts = sensors.parts(found.fit.residuals)
-    return [
-        Section(
-            f"Residuals of {one.asked.of}",
-            sentence,
-            one.time,
-            [Panel(f"measured - computed, {one.asked.of}", {"residual": part})],
-        )
-        for one, part, sentence in zip(sensors.sensors, parts, found.whiteness, strict=True)
-    ]
+    for sensor, curve, part, told in zip(
+        sensors.sensors, curves, parts, found.whiteness, strict=True
+    ):
+        unit = probe_unit(curve.name)
+        difference = "K" if unit == "°C" else unit
+        lines = {"computed": curve.value, "low": curve.low, "high": curve.high}
+        points = {"computed": (sensor.time, sensor.values)}
+        panels = [
+            Panel(f"{curve.name} [{unit}]", lines, points=points),
+            Panel(f"residual [{difference}]", {"measured - computed": part}),
+        ]
+        told = f"{COMPUTED} {told}"
+        sections.append(Section(f"Sensor {curve.name}", told, sensor.time, panels))
+    return sections

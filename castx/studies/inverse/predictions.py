@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.errors import ConvergenceError
 from castx.foundry.identification.covariance import band
-from castx.foundry.identification.fit import Fit, Unknown
+from castx.foundry.identification.fit import Fit
 from castx.report.page.charts import OVER_TIME
 from castx.studies.asked.unknowns import LOG
-from castx.studies.inverse.model import MeasuredCase
 from castx.studies.inverse.parameters import SoughtValues
+from castx.studies.inverse.sensors import Sensors
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,43 +63,19 @@ def table_bands(sought: Sequence[SoughtValues], found: Fit) -> list[Prediction]:
     return bands
 
 
-def probe_bands(
-    model: MeasuredCase, unknowns: Sequence[Unknown], found: Fit, columns: Sequence[str]
-) -> list[Prediction]:
-    """Return the curves of probes that the identified numbers predict.
+def curve_bands(sensors: Sensors, found: Fit) -> list[Prediction]:
+    """Return the curves of all sensors, at the moments of their samples.
 
-    Depths and clocks of sensors are not in them: they are those of the case at its own places.
+    They are those of the places and the clock that were found, and their bands hold what is not
+    known of these too.
 
     Args:
-        model: the measured case.
-        unknowns: what was fitted.
+        sensors: with their samples.
         found: the fit.
-        columns: of probes.csv.
     """
-    here = model.columns(found.values)
-    time = here["time"]
-    numbers = len(model.parameters.unknowns())
-    changes = {name: np.zeros((len(time), numbers)) for name in columns}
-    moved = [_moved(unknowns, found, k) for k in range(numbers)]
-    model.ahead(moved)
-    for k, values in enumerate(moved):
-        step = unknowns[k].difference
-        try:
-            there = model.columns(values)
-        except ConvergenceError:
-            continue
-        for name in columns:
-            other = np.interp(time, there["time"], there[name])
-            changes[name][:, k] = (other - here[name]) / step
-    part = found.widened[:numbers, :numbers]
-    bands = []
-    for name in columns:
-        half = band(changes[name], part)
-        bands.append(Prediction(name, time, here[name], here[name] - half, here[name] + half))
-    return bands
-
-
-def _moved(unknowns: Sequence[Unknown], found: Fit, k: int) -> Mapping[str, float]:
-    fitted = found.fitted.copy()
-    fitted[k] += unknowns[k].difference
-    return {one.name: one.value(theta) for one, theta in zip(unknowns, fitted, strict=True)}
+    computed = sensors.parts(sensors.measured - found.residuals)
+    halves = sensors.parts(band(found.sensitivity, found.widened))
+    return [
+        Prediction(one.asked.of, one.time, value, value - half, value + half)
+        for one, value, half in zip(sensors.sensors, computed, halves, strict=True)
+    ]

@@ -54,7 +54,8 @@ def test_a_grid_with_a_failed_run(case_file):
     assert changes == pytest.approx({"pouring": 8.0, "geometry.wall": -1.0})
     assert "1 of 9 runs" in one.remark
     lines = (folder / TABLE).read_text().splitlines()
-    assert lines[0].startswith("folder,ended,pouring [°C],geometry.wall [mm],Freezes last: casting [s]")
+    heads = ["pouring [°C]", "geometry.wall [mm]", "Freezes last: casting [s]"]
+    assert lines[0].split(",")[:5] == ["folder", "ended", *heads]
     assert len(lines) == 10
     record = json.loads((folder / STUDY).read_text())
     assert record["runs"][8]["answers"] == {} and "no" in record["runs"][8]["said"]

@@ -38,7 +38,7 @@ def test_a_number_is_found_within_its_band(tmp_path):
     record = json.loads((tmp_path / "study" / RESULT).read_text())
     assert record["estimates"][0]["value"] == one.value and record["estimates"][0]["known"] is None
     page = (tmp_path / "study" / PAGE).read_text()
-    assert f"{one.value:.5g} W/m^2/K" in page and "Residuals of near.temperature" in page
+    assert f"{one.value:.5g} W/m^2/K" in page and "Sensor near.temperature" in page
 
 
 def test_a_table_a_depth_and_a_clock(tmp_path):

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from castx.studies.inverse.estimates import IdentifiedNumber
-from castx.studies.inverse.page import row, table_sections
+from castx.studies.inverse.identify import identify
+from castx.studies.inverse.page import curve_sections, row, table_sections
 from castx.studies.inverse.predictions import Prediction
+from tests.castx.studies.inverse.measured_case import opened
 
 pytestmark = pytest.mark.serial
 
@@ -32,3 +34,18 @@ def test_a_table_has_three_lines():
     assert (section.panels[0].abscissa, over_gap.panels[0].abscissa) == ("time [s]", "gap [um]")
     assert (section.panels[0].label, over_gap.panels[0].label) == ("h", "h [W/m²/K]")
     assert list(section.panels[0].lines) == ["identified", "low", "high"]
+
+
+def test_a_sensor_has_its_curve_and_its_residuals(tmp_path):
+    runner, study = opened(tmp_path)
+    result = identify(runner, study)
+    sensors = result.model.sensors
+    (section,) = curve_sections(result.found, sensors, result.curves)
+    assert section.title == "Sensor near.temperature" and section.caption.endswith(": noise.")
+    curve, residual = section.panels
+    assert (curve.label, residual.label) == ("near.temperature [°C]", "residual [K]")
+    time, values = curve.points["computed"]
+    np.testing.assert_array_equal(time, section.time)
+    np.testing.assert_allclose(
+        values - curve.lines["computed"], residual.lines["measured - computed"], atol=1e-9
+    )
