@@ -183,7 +183,7 @@ print(said.stdout.replace(str(FOLDER), "…"))
 
 # %%
 found = json.loads((FOLDER / "study" / "identified.json").read_text())
-exact = dict(zip([f"h at {t:g}" for t in KNOTS], TRUTH, strict=True))
+exact = dict(zip([f"h at {t:g} s" for t in KNOTS], TRUTH, strict=True))
 exact |= {"depth of near": 2e-4, "depth of far": 0.0}
 inside = 0
 for one in found["estimates"]:

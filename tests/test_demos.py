@@ -124,7 +124,7 @@ def test_the_notebook_compares_the_laws_of_an_interface():
 def test_the_notebook_finds_the_heat_transfer_that_made_its_curves():
     text, pictures = executed("identify_notebook.py")
     rows = re.findall(
-        r"^h at \d+ +([\d.]+) W/m²/K +\[([\d.]+), ([\d.]+)\], true ([\d.]+)", text, re.M
+        r"^h at \d+ s +([\d.]+) W/m²/K +\[([\d.]+), ([\d.]+)\], true ([\d.]+)", text, re.M
     )
     assert len(rows) == 4
     for row, within in zip(rows, (0.15, 0.08, 0.05, 0.08), strict=True):
