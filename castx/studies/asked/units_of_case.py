@@ -50,9 +50,9 @@ def shown_unit(content: Mapping[str, Any], one: VariedInput) -> str:
 
 def _of_condition(content: Mapping[str, Any], keys: list[str]) -> str:
     """Return the unit of a number of a heat condition, by the type that it has."""
-    condition = value_at(content, ".".join(keys[:-1]))
-    kind = heat_conditions().get(condition.get("type")) if isinstance(condition, dict) else None
-    found = [key for key in (kind.keys if kind else ()) if key.name == keys[-1]]
+    kind = value_at(content, ".".join([*keys[:-1], "type"]))
+    declared = heat_conditions().get(str(kind))
+    found = [key for key in (declared.keys if declared else ()) if key.name == keys[-1]]
     return _of_key(found[0]) if found else ""
 
 
