@@ -78,7 +78,7 @@ def _below(schema: Mapping[str, Any], key: str) -> Mapping[str, Any] | None:
 
 
 def _kinds(schema: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return what a value may be, with references followed."""
+    """Return the schemas of all kinds that a value may be of, with references followed."""
     return [
         _schema()["$defs"][one["$ref"].removeprefix(_REFERENCE)] if "$ref" in one else one
         for one in schema.get("anyOf", [schema])

@@ -134,7 +134,7 @@ class SlurmArrays:
 
 
 def _cure() -> str:
-    """Return what helps where there is no Slurm."""
+    """Return the cure where there is no Slurm."""
     if "CASTX_ROOT" in os.environ:
         return "it is not inside the Debian 13 of bin/with-fenicsx: set CASTX_FENICSX=pip"
     return "start the study on a machine of the cluster"
@@ -167,7 +167,7 @@ class Absences:
     absent: frozenset[int] = frozenset()
 
     def lost(self, jobs: Mapping[int, str]) -> list[int]:
-        """Return which jobs were missing at two looks; without a look due, none.
+        """Return the indices of jobs that were missing at two looks; without a look due, none.
 
         Args:
             jobs: numbers of those that have brought nothing yet, by their index.
