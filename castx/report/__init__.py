@@ -7,5 +7,5 @@ Public: `drawing.draw`, `drawing.Drawing`, `interface_law.heat_transfer_coeffici
 `reported.ReportedRun`, `material_figure.write_figure`, `interface_figure.write_interface_figure`,
 `pictures.picture`, `pictures.View`, `moments.moments`, `style.figure`, `display.display`,
 `shells.shells_of`, `exploded.write_picture`, `spread.shifts`, `browser_scene.scene`,
-`packing.packed`, `packing.packed_values`, `topics.TOPICS`, `topics.Topic`.
+`sunk_bodies.Pipes`, `packing.packed`, `packing.packed_values`, `topics.TOPICS`, `topics.Topic`.
 """

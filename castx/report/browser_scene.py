@@ -10,12 +10,13 @@ import numpy as np
 import pyvista
 
 from castx.arrays import FloatArray
+from castx.case.fields.feeding import EMPTIED
 from castx.report.moments import moments
 from castx.report.packing import packed, packed_values
-from castx.report.pictures import View, chosen_times, exaggeration, outer_faces
+from castx.report.pictures import View, chosen_times, exaggeration
 from castx.report.reported import ReportedRun, State
+from castx.report.sunk_bodies import Pipes, surface_of
 from castx.report.topics import Topic, topics_of
-from castx.results.reading import cells_of
 
 MOST_MOMENTS = 48
 LARGEST = 20_000_000
@@ -38,12 +39,12 @@ def scene(run: ReportedRun) -> dict[str, Any]:
     meshes = first_grids(run)
     hollow = sum(8 * grid.cell_connectivity.size for grid in meshes.values()) > LARGEST_MESH
     hollow = hollow and run.model == "3d"
-    last = reduced(run.grids(), hollow)
     names = sorted({n for g in run.grids().values() for n in scalars(g)} | scalars_ever(meshes))
     topics = list(topics_of(names))
     times = shown_times(run.times, list(what), most_moments(meshes, topics, hollow))
-    states = [reduced(run.grids(time), hollow) for time in times]
-    view = view_of(run, last)
+    pipes = Pipes.of(run.model, [run.grids(time) for time in times])
+    states = [reduced(run.grids(time), hollow, pipes) for time in times]
+    view = view_of(run, run.grids())
     return {
         "model": run.model,
         "times": times,
@@ -51,9 +52,10 @@ def scene(run: ReportedRun) -> dict[str, Any]:
         "freezing": [name for name in run.freezing if name in meshes],
         "hollow": hollow,
         "bodies": {
-            name: body_of(reduced({name: grid}, hollow)[name], [name in s for s in states])
+            name: body_of(reduced({name: grid}, hollow, pipes)[name], [name in s for s in states])
             for name, grid in meshes.items()
         },
+        "pipes": {"field": EMPTIED, "levels": pipes.levels},
         "displacements": displacements(meshes, states),
         "fields": list(fields(run, topics, meshes, states)),
         "colours": colour_maps(topics),
@@ -126,24 +128,28 @@ def shown_times(times: Sequence[float], moments: Sequence[float], most: int) -> 
     return sorted(found)
 
 
-def reduced(state: Mapping[str, pyvista.UnstructuredGrid], hollow: bool) -> Kept:
-    """Return bodies, or their surfaces where these alone are shown."""
+def reduced(state: State, hollow: bool, pipes: Pipes) -> Kept:
+    """Return bodies, or where these alone are shown their surfaces with the cells at pipes."""
     if not hollow:
         return dict(state)
-    return {
-        name: outer_faces(grid).triangulate().cast_to_unstructured_grid()
-        for name, grid in state.items()
-    }
+    none = np.empty(0, dtype=np.int64)
+    return {name: surface_of(grid, pipes.cells.get(name, none)) for name, grid in state.items()}
 
 
 def body_of(grid: pyvista.UnstructuredGrid, there: Sequence[bool]) -> dict[str, Any]:
-    """Return the mesh of a body, and at which moments it is there."""
-    cells = cells_of(grid)
+    """Return the mesh of a body, and at which moments it is there.
+
+    Args:
+        grid: cells of one kind, or triangles and behind them the tetrahedra at pipes.
+        there: whether it is there at the moments.
+    """
     kind = np.uint16 if grid.n_points < 2**16 else np.uint32
+    first, *others = grid.cells_dict.items()
     return {
         "points": packed(np.asarray(grid.points, dtype=np.float32)),
-        "cells": packed(cells.astype(kind)),
-        "kind": pyvista.CellType(int(grid.celltypes[0])).name.lower(),
+        "cells": packed(first[1].astype(kind)),
+        "inner": packed(others[0][1].astype(kind)) if others else None,
+        "kind": pyvista.CellType(int(first[0])).name.lower(),
         "there": list(there),
     }
 

@@ -26,22 +26,22 @@ CLOSE = 1e-12
 """Error of c."""
 
 
-def without_pipe(grid: pyvista.UnstructuredGrid, model: str) -> pyvista.UnstructuredGrid:
-    """Return the rest of a body; the body itself where nothing has flowed out.
+def pipe_level(grid: pyvista.UnstructuredGrid, model: str) -> float | None:
+    """Return c of a body, beyond which its pipe is cut off; None where nothing has flowed out.
 
     Args:
         grid: the body with its fields, not displaced.
         model: geometric model.
     """
     if EMPTIED not in grid.point_data or not np.any(grid[EMPTIED] > 0.0):
-        return grid
+        return None
     simple = simplices(grid)
     cells, emptied = cells_of(simple), np.asarray(simple[EMPTIED], dtype=np.float64)
     points = np.asarray(simple.points, dtype=np.float64)
     volumes = measured(points[cells], model)
     share = float(volumes @ linear_means(points[cells], emptied[cells], model))
     if share <= LEAST * volumes.sum():
-        return grid
+        return None
     ends = emptied[cells].min(axis=1), emptied[cells].max(axis=1)
 
     def beyond(level: float) -> float:
@@ -56,10 +56,20 @@ def without_pipe(grid: pyvista.UnstructuredGrid, model: str) -> pyvista.Unstruct
         corners = np.asarray(part.points, dtype=np.float64)[cells_of(part)]
         return whole + float(measured(corners, model).sum()) - share
 
-    level = brentq(beyond, CLOSE, float(emptied.max()), xtol=CLOSE)
-    left: pyvista.UnstructuredGrid = grid.clip_scalar(
-        scalars=EMPTIED, invert=True, value=float(level)
-    )
+    return float(brentq(beyond, CLOSE, float(emptied.max()), xtol=CLOSE))
+
+
+def without_pipe(grid: pyvista.UnstructuredGrid, model: str) -> pyvista.UnstructuredGrid:
+    """Return the rest of a body; the body itself where nothing has flowed out.
+
+    Args:
+        grid: the body with its fields, not displaced.
+        model: geometric model.
+    """
+    level = pipe_level(grid, model)
+    if level is None:
+        return grid
+    left: pyvista.UnstructuredGrid = grid.clip_scalar(scalars=EMPTIED, invert=True, value=level)
     return left
 
 

@@ -19,9 +19,12 @@ from castx.case.reading.read import read_case
 from castx.handover.export import Request, exported
 from castx.handover.target import Target
 from castx.process.simulation import Simulation
+from castx.report.browser_scene import scene
+from castx.report.reported import ReportedRun
 from castx.results.reading import Results, cells_of
 from castx.results.sunk_shape import measured, simplices, without_pipe
 from castx.results.writing import ResultsWriter
+from tests.castx.report.drawn_scenes import area, drawn, surface
 from tests.coupled_cases import merged
 from tests.verification.test_mush_flow import MUSH, SHRUNK
 from tests.verification.test_rest_and_sealed_boxes import HEIGHT, SHRINKAGE, VOLUME, box, chilled
@@ -71,6 +74,21 @@ def test_the_pipe_of_an_open_box(comm, tmp_path, model):
     assert volume(left, model) == pytest.approx((1 - SHRINKAGE) * whole, rel=1e-6)
     high = np.asarray(left.points)[:, 2 if model == "3d" else 1]
     assert high.max() == pytest.approx((1 - SHRINKAGE) * HEIGHT, rel=1e-6)  # it sinks evenly
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_the_view_to_turn_sinks_as_its_moments_pass(comm, tmp_path, model):
+    data = box({"geometry": {"lid": False}}, MUSH, FREE, TIGHT, model=model)
+    results_of(comm, data, tmp_path / "out")
+    run = ReportedRun(tmp_path / "out")
+    shown = scene(run)
+    moments = [{"moment": m, "field": "solid_fraction"} for m in range(len(shown["times"]))]
+    seen = drawn(shown, "casting", moments, tmp_path)
+    left = [without_pipe(run.grids(time)["casting"], model) for time in shown["times"]]
+    assert [area(one) for one in seen] == pytest.approx([surface(one) for one in left], rel=1e-4)
+    high = [one[..., 2 if model == "3d" else 1].max() for one in seen]
+    assert high == sorted(high, reverse=True)
+    assert high[-1] == pytest.approx((1 - SHRINKAGE) * HEIGHT, rel=1e-4)
 
 
 def test_the_exported_surface_has_the_pipe(comm, tmp_path):

@@ -11,6 +11,7 @@ import pyvista
 from castx.report import browser_scene as module
 from castx.report.browser_scene import reduced, scene, shown_range, shown_times
 from castx.report.packing import LEVELS, unpacked
+from castx.report.sunk_bodies import Pipes
 from castx.report.topics import Topic, topics_of
 from castx.results.files.run_tables import Columns
 
@@ -78,7 +79,7 @@ def test_a_large_mesh_is_shown_by_its_surface(monkeypatch):
     run = results()
     found = scene(run)
     assert found["hollow"] and found["bodies"]["casting"]["kind"] == "triangle"
-    surface = reduced(run.grids(1.0), True)["casting"]
+    surface = reduced(run.grids(1.0), True, Pipes({}, {}))["casting"]
     values = unpacked(found["fields"][0]["bodies"]["casting"]["values"])
     np.testing.assert_allclose(values[1], surface["temperature"], atol=1e-3)
 

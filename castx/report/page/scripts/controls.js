@@ -105,10 +105,8 @@ castx.Controls = class {
 
   update(rebuild) {
     this.pending = this.pending.then(async () => {
-      if (rebuild) {
-        this.view.state.plane = this.plane();
-        this.view.rebuild();
-      }
+      if (rebuild) this.view.state.plane = this.plane();
+      if (rebuild || this.view.stale) await this.view.rebuild();
       await this.view.refresh();
       this.tell();
     });

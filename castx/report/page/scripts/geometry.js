@@ -1,6 +1,7 @@
 // Surfaces, edges and plane cuts of a body. Everything that is drawn is a list of vertices, each of which lies on an
 // edge between the nodes a and b of the mesh at the share t of its way (a node: a = b): so one list serves all moments
-// and fields, displaced or not. Triangles have three vertices and remember their cell, segments have two.
+// and fields, displaced or not. Triangles have three vertices and remember their cell, segments have two. Where metal
+// has sunk, the places at which its surface passes edges count as nodes.
 "use strict";
 
 castx.geometry = (() => {
@@ -25,6 +26,35 @@ castx.geometry = (() => {
   }
 
   const node = (i) => [i, i, 0];
+
+  // The nodes of a mesh, and behind them points on edges between earlier ones.
+  class Nodes {
+    constructor(count) { this.count = count; this.added = new Vertices(); }
+
+    // The number of a vertex as a node; carried: lists of a value for each node, which get that of a new one.
+    number(vertex, ...carried) {
+      const [i, j, t] = vertex;
+      if (t === 0) return i;
+      for (const values of carried) values.push(values[i] + t * (values[j] - values[i]));
+      this.added.add(vertex, 0);
+      return this.count + this.added.length - 1;
+    }
+
+    // Values of the nodes of the mesh, width each, with those of the points on edges.
+    values(known, width) {
+      const { a, b, t, length } = this.added;
+      if (length === 0) return known;
+      const found = new known.constructor(known.length + width * length);
+      found.set(known);
+      for (let i = 0, at = known.length; i < length; i++) {
+        for (let k = 0; k < width; k++, at++) {
+          const first = found[width * a[i] + k];
+          found[at] = t[i] === 0 ? first : first + t[i] * (found[width * b[i] + k] - first);
+        }
+      }
+      return found;
+    }
+  }
 
   // Polygons of the surface in space, of all cells in the plane: [nodes, cell].
   const polygons = (body) => {
@@ -115,44 +145,86 @@ castx.geometry = (() => {
     return three.map((other) => at(one, other));
   };
 
-  // Triangles and segments of a body, behind a plane if there is one: {normal, offset}, normal·x <= offset is kept.
-  const drawn = (body, plane) => {
-    const triangles = new Vertices(), segments = new Vertices();
-    const { polygons: faces, edges: lines, flat } = body.shape;
+  // The cells whose sections have faces, and the number of the first of them.
+  const inside = (body) => {
+    if (body.inner) return { cells: body.inner, kind: "tetra", first: body.cells.length / CORNERS[body.kind] };
+    return body.shape.flat ? null : { cells: body.cells, kind: body.kind, first: 0 };
+  };
+
+  // Call use(polygon of vertices, cell) for the sections of all cells where distances change their sign.
+  const sections = ({ cells, kind, first }, distance, use) => {
+    const corners = CORNERS[kind];
+    for (let c = first, at = 0; at < cells.length; c++, at += corners) {
+      let low = false, high = false;
+      for (let k = at; k < at + corners; k++) if (distance[cells[k]] <= 0) low = true; else high = true;
+      if (!low || !high) continue;
+      for (const piece of TETRAHEDRA[kind]) {
+        const found = section(piece.map((k) => cells[at + k]), distance);
+        if (found.length > 0) use(found, c);
+      }
+    }
+  };
+
+  // What is left of lines between two nodes at distances <= 0, as vertices.
+  const shortened = ([i, j], distance) => {
+    const kept = [i, j].filter((n) => distance[n] <= 0).map(node);
+    if (kept.length === 1) kept.push(between(i, j, distance));
+    return kept.length === 2 ? kept : null;
+  };
+
+  // Surface and lines of a body whose metal has sunk to where its values are at most a level, with the wall of the pipe.
+  const sunken = (body, nodes, depth) => {
+    const faces = [], lines = [], number = (vertex) => nodes.number(vertex, depth);
+    for (const [face, cell] of body.shape.polygons) {
+      const { kept, passed } = clipped(face, depth);
+      if (kept.length > 2) faces.push([kept.map(number), cell]);
+      if (passed.length === 2) lines.push(passed.map(number));
+    }
+    for (const line of body.shape.edges) {
+      const kept = shortened(line, depth);
+      if (kept !== null) lines.push(kept.map(number));
+    }
+    const within = inside(body);
+    if (within !== null) sections(within, depth, (wall, cell) => faces.push([wall.map(number), cell]));
+    return { faces, lines };
+  };
+
+  // Distances of nodes from a plane.
+  const distances = (points, { normal: [x, y, z], offset }) => {
+    const found = new Float64Array(points.length / 3);
+    for (let i = 0; i < found.length; i++) {
+      found[i] = x * points[3 * i] + y * points[3 * i + 1] + z * points[3 * i + 2] - offset;
+    }
+    return found;
+  };
+
+  // Triangles and segments of a body, behind a plane if there is one: {normal, offset}, normal·x <= offset is kept; and
+  // where metal has sunk without what has flowed out: {values of nodes, level}, values <= level are kept. The vertices
+  // lie between `nodes`.
+  const drawn = (body, plane, sunk = null) => {
+    const triangles = new Vertices(), segments = new Vertices(), nodes = new Nodes(body.points.length / 3);
+    const depth = sunk === null ? null : Array.from(sunk.values, (value) => value - sunk.level);
+    const { faces, lines } = sunk === null ? { faces: body.shape.polygons, lines: body.shape.edges }
+      : sunken(body, nodes, depth);
     if (plane === null) {
       for (const [face, cell] of faces) fan(triangles, face.map(node), cell);
       for (const [i, j] of lines) { segments.add(node(i), 0); segments.add(node(j), 0); }
-      return { triangles, segments };
+      return { triangles, segments, nodes };
     }
-    const points = body.points, distance = new Float64Array(points.length / 3);
-    const [x, y, z] = plane.normal;
-    for (let i = 0; i < distance.length; i++) {
-      distance[i] = x * points[3 * i] + y * points[3 * i + 1] + z * points[3 * i + 2] - plane.offset;
-    }
+    const distance = distances(nodes.values(body.points, 3), plane);
     for (const [face, cell] of faces) {
       const { kept, passed } = clipped(face, distance);
       fan(triangles, kept, cell);
       if (passed.length === 2) for (const vertex of passed) segments.add(vertex, cell);
     }
-    for (const [i, j] of lines) {
-      const inside = [i, j].filter((n) => distance[n] <= 0).map(node);
-      if (inside.length === 1) inside.push(between(i, j, distance));
-      if (inside.length === 2) for (const vertex of inside) segments.add(vertex, 0);
+    for (const line of lines) for (const vertex of shortened(line, distance) ?? []) segments.add(vertex, 0);
+    if (!body.inner && !body.shape.flat) {
+      sections(inside(body), distance, (polygon, cell) => {
+        const seen = depth === null ? polygon : clipped(polygon.map((vertex) => nodes.number(vertex, depth)), depth).kept;
+        fan(triangles, seen, cell);
+      });
     }
-    if (!flat) addSections(triangles, body, distance);
-    return { triangles, segments };
-  };
-
-  const addSections = (triangles, body, distance) => {
-    const corners = CORNERS[body.kind], pieces = TETRAHEDRA[body.kind], cells = body.cells;
-    for (let c = 0, first = 0; first < cells.length; c++, first += corners) {
-      let low = false, high = false;
-      for (let k = first; k < first + corners; k++) {
-        if (distance[cells[k]] <= 0) low = true; else high = true;
-      }
-      if (!low || !high) continue;
-      for (const piece of pieces) fan(triangles, section(piece.map((k) => cells[first + k]), distance), c);
-    }
+    return { triangles, segments, nodes };
   };
 
   return { shape, drawn, cross, dot };

@@ -30,7 +30,8 @@ castx.View = class {
     this.bodies = [];
     for (const [name, body] of Object.entries(this.scene.bodies)) {
       const points = await castx.unpacked(body.points), cells = await castx.unpacked(body.cells);
-      const found = { name, kind: body.kind, points, cells, there: body.there, batch: this.painter.batch(),
+      const inner = body.inner === null ? null : await castx.unpacked(body.inner);
+      const found = { name, kind: body.kind, points, cells, inner, there: body.there, batch: this.painter.batch(),
         lines: this.painter.batch(), front: this.painter.batch() };
       found.shape = castx.geometry.shape(found);
       if (this.turned) found.shape.edges = found.shape.edges.filter(([i, j]) => points[3 * i] !== 0 || points[3 * j] !== 0);
@@ -68,10 +69,31 @@ castx.View = class {
     return series[field.final ? series.length - 1 : this.state.moment];
   }
 
-  // Find anew what a cut leaves of the bodies.
-  rebuild() {
+  // How far the metal of a body has sunk at the moment; null: not at all, or the field shows what has flowed out.
+  async sunk(body) {
+    const level = this.scene.pipes.levels[body.name]?.[this.state.moment] ?? null, { field } = this.scene.pipes;
+    if (level === null || this.state.field === field) return null;
+    const values = await this.values(this.scene.fields.find((found) => found.name === field), body);
+    return values === null ? null : { values, level };
+  }
+
+  // Whether bodies have sunk otherwise than they are built.
+  get stale() {
+    return this.built !== undefined && this.built !== this.shape();
+  }
+
+  shape() {
+    const { levels, field } = this.scene.pipes;
+    return JSON.stringify([this.state.field === field, Object.values(levels).map((found) => found[this.state.moment])]);
+  }
+
+  // Find anew what a cut and pipes leave of the bodies.
+  async rebuild() {
+    this.built = this.shape();
     for (const body of this.bodies) {
-      const { triangles, segments } = castx.geometry.drawn(body, this.state.plane);
+      const { triangles, segments, nodes } = castx.geometry.drawn(body, this.state.plane, await this.sunk(body));
+      body.nodes = nodes;
+      body.places = nodes.values(body.points, 3);
       const lines = this.state.mesh ? castx.View.sides(triangles) : segments;
       body.soup = this.copied(triangles, segments);
       body.edges = this.copied(lines, null);
@@ -121,13 +143,14 @@ castx.View = class {
   placed(soup, body, values, inCells) {
     const { a, b, t, cell, index, angle } = soup, count = index.length;
     const positions = new Float32Array(3 * count), found = new Float32Array(count);
-    const moved = body.displacement?.[this.state.moment], factor = this.state.factor;
+    const factor = this.state.factor, displacement = factor === 0 ? undefined : body.displacement?.[this.state.moment];
+    const moved = displacement === undefined ? null : body.nodes.values(displacement, 3);
     for (let i = 0; i < count; i++) {
       const v = index[i], p = 3 * a[v], q = 3 * b[v], share = t[v];
       const at = [0, 0, 0];
       for (let k = 0; k < 3; k++) {
-        at[k] = body.points[p + k] + share * (body.points[q + k] - body.points[p + k]);
-        if (moved && factor !== 0) at[k] += factor * (moved[p + k] + share * (moved[q + k] - moved[p + k]));
+        at[k] = body.places[p + k] + share * (body.places[q + k] - body.places[p + k]);
+        if (moved !== null) at[k] += factor * (moved[p + k] + share * (moved[q + k] - moved[p + k]));
       }
       positions[3 * i] = angle[i] === 0 ? at[0] : at[0] * Math.cos(angle[i]);
       positions[3 * i + 1] = at[1];
@@ -143,8 +166,9 @@ castx.View = class {
   async refresh() {
     const field = this.field(), front = this.scene.fields.find((found) => found.name === "solid_fraction");
     for (const body of this.bodies) {
-      const values = await this.values(field, body), inCells = field?.bodies[body.name]?.in_cells ?? false;
-      body.now = values;
+      const inCells = field?.bodies[body.name]?.in_cells ?? false;
+      body.now = await this.values(field, body);
+      const values = body.now === null || inCells ? body.now : body.nodes.values(body.now, 1);
       body.placed = this.placed(body.soup, body, values, inCells);
       this.painter.fill(body.batch, body.placed.positions, body.placed.values);
       const edges = this.placed(body.edges, body, null, false);
@@ -158,7 +182,7 @@ castx.View = class {
 
   // Segments on which a nodal field has a level.
   contour(body, nodal, level) {
-    const { values } = this.placed(body.soup, body, nodal, false), at = body.placed.positions, found = [];
+    const { values } = this.placed(body.soup, body, body.nodes.values(nodal, 1), false), at = body.placed.positions, found = [];
     for (let i = 0; i < values.length; i += 3) {
       const ends = [];
       for (const [j, k] of [[i, i + 1], [i + 1, i + 2], [i + 2, i]]) {
@@ -239,7 +263,7 @@ castx.View = class {
     const values = [0, 1, 2].map((k) => body.placed.values[i + k]), { a, b, t, index } = body.soup;
     const mixed = (of) => weights.reduce((sum, weight, k) => sum + weight * of(k), 0);
     const point = (k, axis) => {
-      const v = index[i + k], [p, q] = [body.points[3 * a[v] + axis], body.points[3 * b[v] + axis]];
+      const v = index[i + k], [p, q] = [body.places[3 * a[v] + axis], body.places[3 * b[v] + axis]];
       return p + t[v] * (q - p);
     };
     const known = values.every((value) => value < 3e38);

@@ -49,9 +49,10 @@ const cube = {
   points: Float64Array.from([0,0,0, 1,0,0, 1,1,0, 0,1,0, 0,0,1, 1,0,1, 1,1,1, 0,1,1]),
 };
 cube.shape = castx.geometry.shape(cube);
-const area = (v) => {
+const area = ({ triangles: v, nodes }, body = cube) => {
+  const points = nodes.values(body.points, 3);
   const at = (i) => [0, 1, 2].map((k) => {
-    const [p, q] = [cube.points[3 * v.a[i] + k], cube.points[3 * v.b[i] + k]];
+    const [p, q] = [points[3 * v.a[i] + k], points[3 * v.b[i] + k]];
     return p + v.t[i] * (q - p);
   });
   let sum = 0;
@@ -62,25 +63,41 @@ const area = (v) => {
   }
   return sum;
 };
-const cut = (plane) => area(castx.geometry.drawn(cube, plane).triangles);
-const third = 1 / Math.sqrt(3);
+const cut = (plane, sunk) => area(castx.geometry.drawn(cube, plane, sunk));
+const third = 1 / Math.sqrt(3), height = Float32Array.from([0, 0, 0, 0, 1, 1, 1, 1]);
+const sunk = { values: height, level: 0.25 }, half = { normal: [1, 0, 0], offset: 0.5 };
+const faces = [[0,3,2], [0,2,1], [4,5,6], [4,6,7], [0,1,5], [0,5,4], [1,2,6], [1,6,5], [2,3,7],
+  [2,7,6], [3,0,4], [3,4,7]];
+const shell = { kind: "triangle", cells: Uint16Array.from(faces.flat()), points: cube.points,
+  inner: Uint16Array.from([0,1,2,6, 0,2,3,6, 0,3,7,6, 0,7,4,6, 0,4,5,6, 0,5,1,6]) };
+shell.shape = castx.geometry.shape(shell);
+const ofShell = (plane) => area(castx.geometry.drawn(shell, plane, sunk), shell);
+const { segments } = castx.geometry.drawn(cube, null, sunk);
 console.log(JSON.stringify([
   cut(null), cut({ normal: [0, 0, 1], offset: 0.25 }),
   cut({ normal: [third, third, third], offset: 1.5 * third }), cube.shape.edges.length,
   [1e-14, 612.34567, 0, null].map(castx.text),
+  [cut(null, sunk), cut(half, sunk), segments.length / 2],
+  [ofShell(null), ofShell(half)],
 ]));
 """
 
 
 def test_a_cut_of_a_cube_has_its_area(tmp_path):
-    """A quarter of its height: 2 + 4/4; across its diagonal: half its sides and a hexagon."""
+    """A quarter of its height: 2 + 4/4; across its diagonal: half its sides and a hexagon.
+
+    Sunk to a quarter it has the same area, and 12 edges with the four on which it ends; its half
+    has 7/4, and 1/4 less where only its shell is there.
+    """
     node = shutil.which("node")
     if node is None:
         pytest.skip("node is not installed here: it runs the scripts")
     path = tmp_path / "cuts.js"
     path.write_text("\n".join([text("scripts/data.js"), text("scripts/geometry.js"), CUTS]))
     told = subprocess.run([node, str(path)], check=True, timeout=60, capture_output=True).stdout
-    whole, quarter, diagonal, edges, texts = json.loads(told)
+    whole, quarter, diagonal, edges, texts, sunk, shell = json.loads(told)
     assert (whole, quarter, edges) == (6.0, 3.0, 12)
     assert diagonal == pytest.approx(3.0 + 0.75 * 3.0**0.5)
     assert texts == ["1e-14", "612.3", "0", "–"]
+    assert sunk == [3.0, 1.75, 12]
+    assert shell == pytest.approx([3.0, 1.5])
