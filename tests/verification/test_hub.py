@@ -4,7 +4,10 @@ A section 40 mm square with an arm on either side, 16 mm high, that a chill clos
 each arm leads to a feeder that stays hot. Its walls hold it: melt and pores alone make up for
 what freezing lacks. Once the chills have closed the arms nothing feeds what is liquid between
 them, and it ends with pores of s of its liquid then: the deficit of the hot spot. What the feeders
-reach is sound. Without feeders all of it ends with pores of s V.
+reach is sound. Fine dendrites choke the arms before they close, when by Darcy's law along them, in
+one dimension, what the hub asks for draws its melt to the cavity pressure: what freezes from then
+until they close has pores of s of what was liquid in it. Without feeders all of it ends with pores
+of s V.
 """
 
 from __future__ import annotations
@@ -15,11 +18,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from castx.arrays import BoolArray, FloatArray
 from castx.case.reading.read import read_case
+from castx.domain.measures import nodal_volumes
 from castx.foundry.pools.hot_spots import HotSpots
 from castx.foundry.pools.pooled_metal import pooled_metals
+from castx.foundry.porosity import KOZENY_CARMAN
 from tests.coupled_cases import merged, simulation
 from tests.verification.sections import Corner, write_section
 from tests.verification.test_mush_flow import MUSH
@@ -32,6 +38,12 @@ FEEDER, ARM, HUB = 6, 6, 10
 MIDDLE, HIGH = FEEDER + ARM + HUB // 2, 14
 SOUND = 1e-3
 """Share of pores below which metal is sound."""
+ENDS = FEEDER, FEEDER + ARM + HUB
+"""First nodes of the arms along x."""
+CAVITY, VISCOSITY = 101e3, 1e-3
+"""Pressure [Pa] at which pores open by default, and viscosity of the melt [Pa s]."""
+POINTS = 16
+"""Points in a cell along each direction."""
 
 
 def surface(a: Corner, b: Corner) -> str:
@@ -147,6 +159,88 @@ def test_pores_lie_where_the_last_pool_was_cut_off(comm, tmp_path):
     np.testing.assert_allclose(found.last, [MIDDLE * GRID, 5 * GRID])
     assert abs(place[0] - found.last[0]) < GRID  # above, since melt sinks
     assert 0.0 < place[1] - found.last[1] < 3 * GRID
+
+
+class Choked(NamedTuple):
+    """What arms that choke before they close leave in metal that is solid as they do.
+
+    Attributes:
+        first: when the first pore opens [s].
+        choked: when the suction along the arms reaches the cavity pressure [s].
+        pores: of cells that are solid when the arms close, per metre [m²].
+        expected: s of what was liquid in these cells as the arms choked, likewise.
+    """
+
+    first: float
+    choked: float
+    pores: float
+    expected: float
+
+
+def resistance(points: FloatArray, liquid: FloatArray, arm: int) -> float:
+    """Return ∫ dx/∫ K dy along an arm, over 1/λ2² [-].
+
+    Args:
+        points: of the nodes [m].
+        liquid: liquid fraction there.
+        arm: number of its first nodes along x.
+    """
+    corners = np.round(points[:, :2] / GRID).astype(int)
+    by_place = np.full(corners.max(axis=0) + 1, np.nan)
+    by_place[tuple(corners.T)] = liquid
+    inner = (np.arange(POINTS) + 0.5) / POINTS
+    x, y = (first + np.arange(0, n, 1.0)[:, None] + inner for first, n in ((arm, ARM), (3, 4)))
+    at = np.meshgrid(x.ravel(), y.ravel(), indexing="ij")
+    g = np.maximum(map_coordinates(by_place, at, order=1), 0.02)
+    through = (g**3 / (KOZENY_CARMAN * np.maximum(1.0 - g, 0.05) ** 2)).sum(axis=1)
+    return float(np.sum(1.0 / through))
+
+
+def choked(comm, mesh: Path, spacing: float) -> Choked:
+    """Return what the arms choke off, by dendrites of this spacing [m]."""
+    data = merged(hub(mesh, fed=True), {"materials": {"alloy": {"arm_spacing": spacing}}})
+    run = simulation(comm, data)
+    body = run.mesh.bodies["casting"]
+    points, corners = body.points, body.nodes.dofmap.list
+    volumes = nodal_volumes(body, "plane-strain")
+    asking = np.abs(points[:, 0] / GRID - MIDDLE) <= (HUB + ARM) / 2
+    middle = np.isclose(points[:, 0], (FEEDER + ARM / 2) * GRID)
+    times, fractions, void, suctions = [], [], [], []
+    for state in run:
+        times.append(state.time)
+        fractions.append(state.nodal("casting", "solid_fraction").copy())
+        void.append(state.totals["casting.unfed_volume"])
+        if len(times) > 1:
+            before, after = fractions[-2:]
+            arms = [resistance(points, 1.0 - 0.5 * (before + after), first) for first in ENDS]
+            rate = volumes[asking] @ (after - before)[asking] / (times[-1] - times[-2])
+            drag = VISCOSITY / spacing**2 / sum(1.0 / one for one in arms)
+            suctions.append(SHRINKAGE / (1.0 - SHRINKAGE) * rate * drag)
+        if fractions[-1][middle].min() >= 1.0:
+            break
+    solid = (fractions[-1] >= 1.0)[corners].all(axis=1)
+    pores = state.cellwise("casting", "pores")
+    run.destroy()
+    middles = 0.5 * (np.array(times[1:]) + times[:-1])
+    moment = float(np.interp(np.log(CAVITY), np.log(suctions), middles))
+    left = 1.0 - np.array([np.interp(moment, times, own) for own in np.transpose(fractions)])
+    areas = 0.5 * np.abs(np.linalg.det(np.diff(points[corners][:, :, :2], axis=1)))
+    return Choked(
+        times[int(np.argmax(np.array(void) > 0.0))], moment, float(areas[solid] @ pores[solid]),
+        float(SHRINKAGE * areas[solid] @ left[corners[solid]].mean(axis=1)),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_what_freezes_behind_choked_arms_has_pores(comm, tmp_path):
+    """Dendrites of 50 and of 100 µm: their permeabilities are as 1 to 4."""
+    section(tmp_path / "hub.msh", fed=True)
+    fine, coarse = (choked(comm, tmp_path / "hub.msh", spacing) for spacing in (50e-6, 100e-6))
+    for found in (fine, coarse):
+        assert abs(found.first - found.choked) < 0.3  # steps of 0.2 s
+        assert 1 / 1.6 < found.pores / found.expected < 1.6
+    assert fine.first < coarse.first - 0.1
+    assert fine.pores > 1.5 * coarse.pores
 
 
 def test_without_feeders_all_lacks(comm, tmp_path):
