@@ -20,7 +20,17 @@ from castx.process.state import State
 from castx.proof.verification.heat.freezing_range import FreezingRange
 from castx.proof.verification.heat.neumann import strip_case
 from castx.proof.verification.verification import Resolution
-from tests.coupled_cases import gone_on, merged, nodal, places, states
+from tests.coupled_cases import (
+    TIGHT,
+    cylinder,
+    fields,
+    final_state,
+    gone_on,
+    merged,
+    nodal,
+    places,
+    states,
+)
 from tests.verification import two_risers
 from tests.verification.mush_strips import CONTRACTION, LENGTH, METAL, SPEED, skeleton, strip
 from tests.verification.test_rest_and_sealed_boxes import (
@@ -36,6 +46,7 @@ pytestmark = pytest.mark.sampled
 
 SHRUNK = SHRINKAGE / (1 - SHRINKAGE)
 MUSH = {"materials": {"alloy": {"arm_spacing": 50e-6, "melt_viscosity": 1e-3}}}
+RUNNING = {"arm_spacing": {"coefficient": 4e-5}, "liquid": {"coherency": 0.7}}
 LEDGER = ("feeding_demand", "fed_volume", "opened_volume", "yielded_volume", "unfed_volume")
 
 
@@ -247,16 +258,43 @@ def test_pores_behind_a_front(comm, depression, pores):
 
 
 @pytest.mark.ranks
-def test_pressures_do_not_hang_on_the_ranks(comm):
-    """A body that freezes from its walls and opens pores, on all ranks and on each alone."""
-    data = chilled({"geometry": {"size": 0.015}}, MUSH, {"time": {"end": 80.0}})
+@pytest.mark.parametrize("lid", [True, False])
+def test_pressures_do_not_hang_on_the_ranks(comm, lid):
+    """A body that freezes from its walls, on all ranks and on each alone.
+
+    Sealed it opens pores; fed by a free surface its level sinks while its arms coarsen.
+    """
+    data = chilled({"geometry": {"size": 0.015, "lid": lid}}, MUSH, {"time": {"end": 80.0}})
     data["bodies"][0] |= {"feeding": "darcy"}
-    *_, shared = states(comm, data)
-    *_, alone = states(MPI.COMM_SELF, data)
-    for name in ("pressure", "solid_fraction"):
+    if not lid:
+        data = merged(data, {"materials": {"alloy": RUNNING}})
+    shared, alone = final_state(comm, data), final_state(MPI.COMM_SELF, data)
+    for name in ("pressure", "solid_fraction", "melt_suction"):
         values = nodal(alone, "casting", name)
         np.testing.assert_allclose(
             nodal(shared, "casting", name), values, atol=1e-7 * np.abs(values).max()
+        )
+    assert alone.totals[f"casting.{'unfed_volume' if lid else 'level_drop.free'}"] > 0.0
+    for name, value in alone.totals.items():
+        if name.startswith("casting.") and name.split(".")[1] in (*LEDGER, "level_drop"):
+            assert shared.totals[name] == pytest.approx(value, rel=1e-6, abs=1e-15), name
+
+
+@pytest.mark.ranks
+def test_walls_let_go_of_mush_alike_on_all_ranks(comm):
+    """A cylinder of AlSi7Mg that its top feeds, until its skin has left the mould."""
+    data = cylinder({"time": {"end": 24.0}}, TIGHT, size=0.01)
+    data["bodies"][0] |= {
+        "material": "AlSi7Mg", "law": "thermo-elasto-viscoplastic", "temperature": 640.0,
+        "feeding": "darcy",
+    }  # fmt: skip
+    data |= {"loads": {"gravity": [0.0, -GRAVITY]}, "foundry": {"feeders": ["casting/top"]}}
+    shared, alone = final_state(comm, data), final_state(MPI.COMM_SELF, data)
+    opened = fields(alone)["casting/mould gap"]
+    assert opened.max() > 1e-6
+    for name, values in fields(alone).items():
+        np.testing.assert_allclose(
+            fields(shared)[name], values, atol=1e-6 * np.abs(values).max(), err_msg=name
         )
 
 
@@ -301,9 +339,8 @@ def test_feeders_that_communicate(comm, tmp_path, gap):
 @pytest.mark.ranks
 def test_a_run_goes_on_as_if_it_had_not_stopped(comm):
     """From the middle of freezing, with pores, arms that coarsen and a level that sinks."""
-    running = {"arm_spacing": {"coefficient": 4e-5}, "liquid": {"coherency": 0.7}}
     data = chilled({"geometry": {"size": 0.02, "lid": False}, "time": {"end": 40.0}}, MUSH,
-                   {"materials": {"alloy": running}})  # fmt: skip
+                   {"materials": {"alloy": RUNNING}})  # fmt: skip
     data["bodies"][0] |= {"feeding": "darcy"}
     found, last = gone_on(comm, data)
     for name in (*LEDGER, "pocket_pressure", "level_drop.free"):
