@@ -25,6 +25,11 @@ from castx.mechanics.mush.content import MeltContent
 from castx.mechanics.mush.metal import MushMetal
 from castx.mechanics.mush.pores import PoreSet
 
+LAST_MELT = 1.0 / 3.0
+"""Power of g/g_c by which the last melt counts. A wall lets go at the end of the step in which its
+melt is gone, by as much too early or too late as this step is long: a tenth of the cube root of g
+leaves a thousandth of the time for it, a tenth of g itself a tenth."""
+
 
 class WallMelt:
     """Melt at the surface nodes of a body, as its contact sees it.
@@ -46,11 +51,14 @@ class WallMelt:
         return np.where(holds, self._cavitation, 0.0)
 
     def lost(self) -> FloatArray:
-        """Return the change of min(1, g/g_c) in the trial step, shape (owned,).
+        """Return the change of min(1, g/g_c)^(1/3) in the trial step, shape (owned,).
 
-        It is how fast the melt goes of which nothing is left when a wall is let go.
+        It is how fast the melt goes of which nothing is left when a wall is let go, see
+        `LAST_MELT`.
         """
         content, own = self._content, slice(self._content.owned)
         states = content.start.solid[own], content.solid[own]
-        before, after = (np.minimum(1.0, (1.0 - solid) / self._cut_off) for solid in states)
+        before, after = (
+            np.clip((1.0 - solid) / self._cut_off, 0.0, 1.0) ** LAST_MELT for solid in states
+        )
         return np.asarray(np.abs(after - before))

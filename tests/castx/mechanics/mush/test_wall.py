@@ -35,10 +35,12 @@ def test_melt_holds_until_all_is_solid_or_a_void_is_open(comm):
 
 
 def test_the_last_melt_goes(comm):
-    """Of min(1, g/0.02): nothing changes where g > 0.02 or all was solid."""
+    """Of the cube root of min(1, g/0.02): nothing changes where g > 0.02 or all was solid."""
     part, g_c = mushy(comm), 1.0 - METAL.coalescence
     freeze(part, 0.12)
-    before, after = (np.minimum(1.0, (1.0 - fractions(part, m)) / g_c) for m in (0.0, 0.12))
+    before, after = (
+        np.cbrt(np.minimum(1.0, (1.0 - fractions(part, m)) / g_c)) for m in (0.0, 0.12)
+    )
     lost = part.formulation.wall_melt.lost()
     np.testing.assert_allclose(lost, before - after, atol=1e-12)
-    assert comm.allreduce(float(lost.max(initial=0.0)), MPI.MAX) > 0.5
+    assert comm.allreduce(float(lost.max(initial=0.0)), MPI.MAX) > 0.3
