@@ -16,7 +16,7 @@ from castx.app.text.arguments import Asked, number_of, text_of, word_of
 from castx.app.text.toml_lines import line_of
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
-from castx.results.files.folder import REPORT
+from castx.results.files.folder import CHECKPOINT, REPORT
 from castx.version import __version__
 
 Answer = dict[str, Any]
@@ -121,10 +121,14 @@ class Actions:
         name = text_of(asked, "path")
         kind = text_of(asked, "command")
         if kind == "new":
-            return self.commands.start(new_arguments(self.workplace, asked)).state()
+            return self._start(new_arguments(self.workplace, asked), asked)
         path = self.workplace.case_path(name) if kind != "report" else self.workplace.path(name)
         if not path.exists():
             raise CaseError(f"{name} is not there; save it first")
+        if kind != "report" and self._changed(name, word_of(asked, "digest")):
+            raise CaseError(
+                f"{name} has changed on the disk since the page read it; look at it first"
+            )
         if kind == "check":
             arguments = ["check", name]
         elif kind == "run":
@@ -134,7 +138,10 @@ class Actions:
             arguments = ["report", name]
         else:
             raise CaseError(f"no command {word_of(asked, 'command')!r}")
-        return self.commands.start(arguments).state()
+        return self._start(arguments, asked)
+
+    def _start(self, arguments: list[str], asked: Asked) -> Answer:
+        return self.commands.start(arguments, number_of(asked, "columns")).state()
 
     def _results(self, name: str) -> str | None:
         """Return the name of the results folder of a case; None: the case cannot be run.
@@ -149,7 +156,7 @@ class Actions:
         return self.workplace.name_of(self.workplace.folder / case["results"])
 
     def state(self, asked: Asked) -> Answer:
-        """Return the output of the last command, and the progress of the run of a case."""
+        """Return the output of the last command, the progress of a run, and news of a case file."""
         last = self.commands.last
         folder = word_of(asked, "results")
         run = None
@@ -157,10 +164,18 @@ class Actions:
             path = self.workplace.path(folder)
             run = self._progress.state(path, number_of(asked, "version"))
             run["report"] = (path / REPORT).is_file()
+            run["checkpoint"] = (path / CHECKPOINT).is_dir()
         return {
             "command": None if last is None else last.state(number_of(asked, "since")),
             "run": run,
+            "changed": self._changed(word_of(asked, "path"), word_of(asked, "digest")),
         }
+
+    def _changed(self, name: str | None, digest: str | None) -> bool:
+        """Return whether a case file has another text than the page read."""
+        if name is None or digest is None or not self.workplace.case_path(name).is_file():
+            return False
+        return self.workplace.read_case(name)[1] != digest
 
     def stop(self, asked: Asked) -> Answer:
         """Tell the command to stop."""

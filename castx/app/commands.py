@@ -21,8 +21,10 @@ KEPT = 2000
 """Lines of a command that are kept."""
 LONGEST = 2000
 """Characters of a line that are kept."""
-OF_A_PAGE = {"COLUMNS": "100", "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"}
+OF_A_PAGE = {"NO_COLOR": "1", "PYTHONUNBUFFERED": "1"}
 """Variables by which its output suits the page."""
+COLUMNS = range(60, 201)
+"""Letters that a line of its output may have."""
 
 
 class Command:
@@ -31,15 +33,17 @@ class Command:
     Args:
         arguments: behind `castx`.
         folder: in which it runs.
+        columns: letters of a line of its output, as far as COLUMNS goes.
     """
 
-    def __init__(self, arguments: Sequence[str], folder: Path) -> None:
+    def __init__(self, arguments: Sequence[str], folder: Path, columns: int) -> None:
         self.arguments = tuple(arguments)
+        width = min(max(columns, COLUMNS[0]), COLUMNS[-1])
         # A session of its own: Ctrl-C is the server's, which tells the command to stop.
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "castx", *arguments], cwd=folder,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            env=environment_of_no_rank() | OF_A_PAGE,
+            env=environment_of_no_rank() | OF_A_PAGE | {"COLUMNS": str(width)},
             start_new_session=True, text=True, errors="replace",
         )  # fmt: skip
         self._lines: deque[str] = deque(maxlen=KEPT)
@@ -51,10 +55,11 @@ class Command:
 
     def _read(self) -> None:
         assert self._process.stdout is not None
-        for line in self._process.stdout:
-            with self._lock:
-                self._lines.append(line.rstrip()[:LONGEST])
-                self._said += 1
+        with self._process.stdout as said:
+            for line in said:
+                with self._lock:
+                    self._lines.append(line.rstrip()[:LONGEST])
+                    self._said += 1
 
     @property
     def text(self) -> str:
@@ -124,8 +129,12 @@ class Commands:
         self._lock = threading.Lock()
         self.last: Command | None = None
 
-    def start(self, arguments: Sequence[str]) -> Command:
+    def start(self, arguments: Sequence[str], columns: int) -> Command:
         """Start a command.
+
+        Args:
+            arguments: behind `castx`.
+            columns: letters of a line of its output.
 
         Raises:
             CaseError: another one runs.
@@ -133,5 +142,5 @@ class Commands:
         with self._lock:
             if self.last is not None and not self.last.ended:
                 raise CaseError(f"{self.last.text} still runs: wait for it, or stop it first")
-            self.last = Command(arguments, self._folder)
+            self.last = Command(arguments, self._folder, columns)
             return self.last

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import permutations
 from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +15,8 @@ import numpy as np
 
 from castx.app.selectors import TOLERANCE, surfaces_of
 from castx.app.text.editing import content_of
-from castx.app.workplace import Workplace
+from castx.app.text.on_surfaces import lost_surfaces
+from castx.app.workplace import Workplace, digest_of
 from castx.case.cad.geometry import CadGeometry, is_cad_file
 from castx.case.geometry import Geometry
 from castx.domain.cad.description import part_of
@@ -119,7 +121,19 @@ class PartViews:
         named, wrong = surfaces_of(selectors, seen.made, seen.faces, tolerance)
         taken = {number for found in named.values() for number in found}
         rest = [i for i, f in enumerate(seen.faces) if len(f.bodies) == 1 and i not in taken]
-        return {"surfaces": named, "wrong": wrong, "rest": rest}
+        known = known_surfaces(seen.faces, {**named, REST: [*named.get(REST, ()), *rest]})
+        content = {} if is_cad_file(name) else content_of(text)
+        wrong |= {} if wrong else lost_surfaces(content, known)
+        return {
+            "surfaces": named, "wrong": wrong, "rest": rest, "known": known,
+            "drawing": self._drawing(name, text),
+        }  # fmt: skip
+
+    def _drawing(self, name: str, text: str) -> str:
+        """Return a name of what is drawn, which changes when the faces may have changed."""
+        part = self._part(name, text)
+        stamps = [stamp(file.path) for file in part.files]
+        return digest_of(repr((part, stamps)).encode())
 
 
 def cad_of(text: str) -> CadGeometry:
@@ -148,6 +162,26 @@ def tolerance_of(text: str) -> float:
         return cad_of(text).tolerance
     except CaseError:
         return TOLERANCE
+
+
+def known_surfaces(
+    faces: Sequence[Face], named: Mapping[str, Sequence[int]]
+) -> dict[str, list[int]]:
+    """Return the faces of surfaces by "body/surface", and those that a body shares by the other.
+
+    Args:
+        faces: of the part.
+        named: faces of surfaces by their names.
+    """
+    found: dict[str, list[int]] = {}
+    for surface, numbers in named.items():
+        for number in numbers:
+            for body in faces[number].bodies:
+                found.setdefault(f"{body}/{surface}", []).append(number)
+    for number, face in enumerate(faces):
+        for body, other in permutations(face.bodies, 2):
+            found.setdefault(f"{body}/{other}", []).append(number)
+    return found
 
 
 def extents_of(seen: SeenPart) -> dict[str, list[float]]:

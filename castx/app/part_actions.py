@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from castx.app.faces import PartViews, selectors_of, tolerance_of
+from castx.app.faces import REST, PartViews, selectors_of, tolerance_of
 from castx.app.selectors import Words, chosen, proposed
 from castx.app.text.arguments import Asked, number_of, text_of, word_of
-from castx.app.text.editing import content_of, value_of, with_entry, with_value
+from castx.app.text.editing import content_of, value_of, with_value
+from castx.app.text.on_surfaces import (
+    said_of,
+    with_condition,
+    with_feeder,
+    with_surface_moved,
+)
 from castx.app.workplace import Workplace
 from castx.case.cad.geometry import is_cad_file
 from castx.case.processes.names import process_names
@@ -16,9 +22,11 @@ from castx.case.processes.process import casting_process
 from castx.errors import CaseError
 from castx.input.entries import Name
 from castx.input.toml_written import toml_value
+from castx.input.units import plain_text
 from castx.materials.database import database_entry, database_names
 from castx.materials.lookup import find_material
 from castx.transfer.conditions.registry import heat_conditions
+from castx.transfer.declaration import HeatKey
 
 Answer = dict[str, Any]
 HELD = "held"
@@ -55,15 +63,18 @@ class PartActions:
         number = number_of(asked, "face")
         if number >= len(faces):
             raise CaseError(f"there is no face {number}")
+        face = faces[number]
         words = proposed(number, faces)
         found = self._views.surfaces(name, text)["surfaces"]
         own = next((surface for surface, inside in found.items() if number in inside), None)
         known = selectors_of(text).get(own or "")
         shown = words if known is None else known
+        on = f"{face.bodies[0]}/{own or REST}"
         return {
             "selector": toml_value(shown), "faces": chosen(shown, faces, tolerance_of(text)),
-            "name": own, "proposal": toml_value(words), "text": faces[number].text,
-            "free": len(faces[number].bodies) == 1, "body": faces[number].bodies[0],
+            "name": own, "proposal": toml_value(words), "text": face.text,
+            "free": len(face.bodies) == 1, "body": face.bodies[0], "on": on,
+            "said": said_of(content_of(text), on) if text else "",
         }  # fmt: skip
 
     def selected(self, asked: Asked) -> Answer:
@@ -83,9 +94,10 @@ class PartActions:
         seen = self._views.of(path, text)
         surface = Name().read(text_of(asked, "name"))
         words = words_of(text_of(asked, "selector"))
-        found = [seen.faces[number] for number in chosen(words, seen.faces, tolerance_of(text))]
+        numbers = chosen(words, seen.faces, tolerance_of(text))
+        found = [seen.faces[number] for number in numbers]
         if surface not in seen.made:
-            text = with_value(text, ("geometry", "surfaces", surface), words)
+            text = self._called(path, text, surface, words, numbers)
         kind = word_of(asked, "kind")
         if kind is None:
             return text
@@ -98,8 +110,34 @@ class PartActions:
             on = f"{body}/{surface}"
             if kind == FEEDER:
                 text = with_feeder(text, on)
+            elif kind == HELD:
+                text = with_condition(text, on, "displacement", {"normal": 0})
             else:
-                text = with_condition(text, on, kind, numbers_of(asked, kind))
+                heat = {"type": kind, **numbers_of(asked, kind)}
+                text = with_condition(text, on, "heat", heat)
+        return text
+
+    def _called(self, path: str, text: str, surface: str, words: Words, numbers: list[int]) -> str:
+        """Return the text of a case in which faces have a name, with the conditions they had.
+
+        A name that had these very faces is given up for the new one. Where a body keeps no face
+        without a name, its conditions of `outside` would be refused, and go on to the new name.
+        """
+        selectors = selectors_of(text)
+        before = self._views.surfaces(path, text)
+        old = next(
+            (name for name, found in before["surfaces"].items()
+             if name in selectors and name != surface and set(found) == set(numbers)), None,
+        )  # fmt: skip
+        if old is not None:
+            text = with_value(text, ("geometry", "surfaces", old), None)
+        text = with_value(text, ("geometry", "surfaces", surface), words)
+        left = set(self._views.surfaces(path, text)["known"])
+        for on in before["known"]:
+            body, _, name = on.partition("/")
+            new = f"{body}/{surface}"
+            if name in (REST, old) and on not in left and new in left - set(before["known"]):
+                text = with_surface_moved(text, on, new)
         return text
 
 
@@ -135,38 +173,6 @@ def numbers_of(asked: Asked, kind: str) -> dict[str, Any]:
     return found
 
 
-def with_condition(text: str, on: str, kind: str, numbers: Mapping[str, Any]) -> str:
-    """Return the text of a case with a condition on a surface, in place of one of its sort.
-
-    Args:
-        text: of the case.
-        on: body and surface.
-        kind: of the condition.
-        numbers: that it has.
-    """
-    held: dict[str, Any] = {"normal": 0}
-    key = "displacement" if kind == HELD else "heat"
-    value = held if kind == HELD else {"type": kind, **numbers}
-    entries = content_of(text).get("boundaries", [])
-    for index, entry in enumerate(entries if isinstance(entries, list) else []):
-        if isinstance(entry, dict) and entry.get("on") == on:
-            return with_value(text, ("boundaries", index, key), value)
-    return with_entry(text, "boundaries", {"on": on, key: value})
-
-
-def with_feeder(text: str, on: str) -> str:
-    """Return the text of a case with a surface among those that feed.
-
-    Args:
-        text: of the case.
-        on: body and surface.
-    """
-    foundry = content_of(text).get("foundry", {})
-    given = foundry.get("feeders") if isinstance(foundry, dict) else None
-    before = given if isinstance(given, list) else []
-    return text if on in before else with_value(text, ("foundry", "feeders"), [*before, on])
-
-
 def choices() -> Answer:
     """Return processes, materials and conditions that can be chosen, for JSON."""
     processes = [casting_process(name) for name in process_names()]
@@ -174,8 +180,9 @@ def choices() -> Answer:
     conditions = [
         {
             "name": kind.name, "summary": kind.summary,
-            "keys": [{"name": key.name, "meaning": key.meaning, "unit": key.unit,
-                      "needed": key.default is None} for key in kind.keys],
+            "keys": [{"name": key.name, "text": key.text, "meaning": key.meaning,
+                      "usual": usual_of(key), "needed": key.default is None}
+                     for key in kind.keys],
         }
         for kind in heat_conditions().values()
     ]  # fmt: skip
@@ -196,6 +203,19 @@ def choices() -> Answer:
         ],
         "conditions": [*conditions, held, feeder],
     }
+
+
+def usual_of(key: HeatKey[Any]) -> str:
+    """Return what castings usually have for a key, in words; "": it is no single range.
+
+    Args:
+        key: of a condition.
+    """
+    match key.usual:
+        case (float(low), float(high)) if isinstance(key.usual, tuple):
+            return f"{plain_text(low)} to {plain_text(high)}"
+        case _:
+            return ""
 
 
 def new_arguments(workplace: Workplace, asked: Asked) -> list[str]:

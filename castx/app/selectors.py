@@ -130,5 +130,9 @@ def surfaces_of(
         except CaseError as error:
             wrong[name] = str(error)
             continue
-        named[name] = [*named.get(name, ()), *(left[index] for index in found)]
+        numbers = [left[index] for index in found]
+        other = next((n for n, had in named.items() if n != name and set(had) & set(numbers)), None)
+        if other is not None and other not in made:
+            wrong[name] = f"selects a face that has the name {other!r}, and a face has one name"
+        named[name] = [*named.get(name, ()), *numbers]
     return named, wrong

@@ -51,13 +51,16 @@ class Face:
     def text(self) -> str:
         """The face in words."""
         normal = self.normals.mean(axis=0)
-        place = ", ".join(f"{x:.4g}" for x in self.centre)
+        place = ", ".join(f"{x:.4g}" for x in (MILLIMETRES * self.centre).round(6) + 0.0)
         if np.linalg.norm(normal) > 1.0 - 1e-9:
             shape = f"normal ({', '.join(f'{x:.3g}' for x in normal.round(6) + 0.0)})"
+        elif self.radius is None:
+            shape = "curved"
         else:
-            shape = "curved" if self.radius is None else f"radius {self.radius:.4g} m"
+            shape = f"radius {MILLIMETRES * self.radius:.4g} mm"
         other = f", touches {self.bodies[1]}" if len(self.bodies) > 1 else ""
-        return f"{self.bodies[0]}: {self.area:.4g} m² round ({place}) m, {shape}{other}"
+        area = f"{1e4 * self.area:.4g} cm²"
+        return f"{self.bodies[0]}: {area} around ({place}) mm, {shape}{other}"
 
 
 def faces_of(volumes: Mapping[int, str]) -> list[Face]:

@@ -6,7 +6,7 @@ castx.editor = (() => {
   const area = at("text"), gutter = at("gutter");
   const state = { path: "", digest: "", saved: "", problems: [], case: null };
   const listeners = [];
-  let waiting = null, checks = 0;
+  let waiting = null, checks = 0, last = Promise.resolve();
 
   const dirty = () => area.value !== state.saved;
 
@@ -77,16 +77,30 @@ castx.editor = (() => {
     take(answer);
   };
 
-  // Ask for a change of the file as it is shown; it is written and shown as it is then.
-  const change = async (action, asked = {}) => {
-    checks++;
-    const answer = await server.ask(action, { path: state.path, text: area.value, digest: state.digest, ...asked });
-    take(answer);
-    return answer;
+  // The file has another text than the page read: show it, unless something was typed here since.
+  const changed = async (path, digest) => {
+    if (path !== state.path || digest !== state.digest) return;
+    if (!dirty()) { await open(path); at("dirty").textContent = "read anew: it has changed on the disk"; return; }
+    at("dirty").textContent = "not saved, and changed on the disk: open it again to see how";
   };
 
+  // Ask for a change of the file as it is shown; it is written and shown as it is then.
+  // A change waits for the one before, whose text it would undo.
+  const change = (action, asked = {}) => {
+    const changed_ = async () => {
+      checks++;
+      const answer = await server.ask(action, { path: state.path, text: area.value, digest: state.digest, ...asked });
+      take(answer);
+      return answer;
+    };
+    const mine = settled().then(changed_);
+    last = mine;
+    return mine;
+  };
+
+  const settled = () => last.catch(() => {});
   const save = () => change("save");
-  const saved = async () => { if (dirty()) await save(); };
+  const saved = async () => { await settled(); if (dirty()) await save(); };
 
   area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
   area.addEventListener("input", () => {
@@ -99,5 +113,5 @@ castx.editor = (() => {
   });
   window.addEventListener("beforeunload", (event) => { if (dirty()) event.preventDefault(); });
 
-  return { open, save, saved, change, goTo, reveal, state, dirty, text: () => area.value, onChange: (act) => listeners.push(act) };
+  return { open, save, saved, settled, change, changed, goTo, reveal, state, dirty, text: () => area.value, onChange: (act) => listeners.push(act) };
 })();

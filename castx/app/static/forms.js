@@ -41,7 +41,7 @@ castx.forms = (() => {
   const group = ({ title, meaning, given, fields }, suggested) => {
     const first = fields.filter((field) => field.given || field.needed), rest = fields.filter((field) => !field.given && !field.needed);
     const rows = (some) => some.map((field) => row(field, suggested, set(field)));
-    return make("details", { className: "group", open: state.open.has(title), ontoggle: keep(state.open, title) },
+    return make("details", { className: "group", "data-group": title, open: state.open.has(title), ontoggle: keep(state.open, title) },
       make("summary", {}, make("b", {}, title), make("span", { className: "quiet" }, given ? ` ${first.length} of ${fields.length} keys` : " nothing is set")),
       make("p", { className: "quiet" }, meaning), ...rows(first),
       ...(rest.length ? [make("details", { open: state.rest.has(title), ontoggle: keep(state.rest, title) },
@@ -52,7 +52,7 @@ castx.forms = (() => {
   const adder = ({ name, meaning, fields }, suggested) => {
     const values = {}, title = `Add to ${name}`;
     const rows = (some) => some.map((field) => row(field, suggested, (value) => { values[field.name] = value; }));
-    return make("details", { className: "group", open: state.open.has(title), ontoggle: keep(state.open, title) },
+    return make("details", { className: "group", "data-group": title, open: state.open.has(title), ontoggle: keep(state.open, title) },
       make("summary", {}, title, make("span", { className: "quiet" }, ` ${meaning}`)),
       ...rows(fields.filter((field) => field.needed)),
       make("details", {}, make("summary", { className: "quiet" }, "further keys"), ...rows(fields.filter((field) => !field.needed))),

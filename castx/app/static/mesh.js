@@ -55,6 +55,7 @@ castx.meshes = (() => {
     const clock = setInterval(() => { said.textContent = `meshing … ${Math.round((Date.now() - begun) / 1000)} s`; }, 500);
     at("do-mesh").disabled = true;
     try {
+      await editor.settled();
       const found = await server.ask("mesh", { path, text: editor.text() });
       const counts = await castx.unpacked(found.counts), points = await castx.unpacked(found.points);
       at("mesh-view").hidden = false;

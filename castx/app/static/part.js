@@ -3,7 +3,7 @@
 
 castx.parts = (() => {
   const { at, make, server, editor } = castx;
-  const state = { path: "", text: "", faces: [], bodies: [], surfaces: {}, rest: [], found: new Set(), face: null, choices: null };
+  const state = { path: "", text: "", faces: [], bodies: [], surfaces: {}, drawing: "", found: new Set(), face: null, choices: null };
   let view = null;
 
   const source = () => ({ path: state.path, text: state.path === editor.state.path ? editor.text() : "" });
@@ -31,12 +31,12 @@ castx.parts = (() => {
     return view;
   };
 
-  const takeSurfaces = ({ surfaces, wrong, rest }) => {
-    Object.assign(state, { surfaces, rest, named: new Set(Object.values(surfaces).flat()) });
+  const takeSurfaces = ({ surfaces, wrong, known, drawing }) => {
+    Object.assign(state, { surfaces, drawing, named: new Set(Object.values(surfaces).flat()) });
     const row = (name, faces, kind) => make("button", { className: kind, onclick: () => mark(faces) }, `${name} `, make("span", { className: "quiet" }, `${faces.length} ${faces.length === 1 ? "face" : "faces"}`));
     at("surfaces").replaceChildren(
       ...Object.entries(surfaces).map(([name, faces]) => row(name, faces, "chip named")),
-      ...(rest.length ? [row("outside", rest, "chip")] : []),
+      ...Object.entries(known).filter(([name]) => name.endsWith("/outside")).map(([name, faces]) => row(name, faces, "chip")),
       ...Object.entries(wrong).map(([name, text]) => make("p", { className: "notice" }, `${name}: ${text}`)));
   };
 
@@ -89,7 +89,7 @@ castx.parts = (() => {
     const answer = await server.ask("propose", { ...source(), face });
     state.found = new Set(answer.faces);
     view.refresh();
-    at("face-text").textContent = answer.text;
+    tell(answer);
     at("selector").value = answer.selector;
     at("selector").dataset.proposal = answer.proposal;
     at("surface-name").value = answer.name ?? "";
@@ -98,6 +98,10 @@ castx.parts = (() => {
     numbers();
     at("finds").textContent = finds(answer.faces);
     at("naming").hidden = !ofCase();
+  };
+
+  const tell = ({ text, on, said, free }) => {
+    at("face-text").textContent = free && ofCase() ? `${text}. ${on}: ${said || "no condition, insulated"}` : text;
   };
 
   const finds = (faces) => `finds ${faces.length} ${faces.length === 1 ? "face" : "faces"}`;
@@ -117,15 +121,16 @@ castx.parts = (() => {
   const numbers = () => {
     const kind = state.choices?.conditions.find(({ name }) => name === at("kind").value);
     at("kind-text").textContent = kind?.summary ?? "";
-    at("numbers").replaceChildren(...(kind?.keys ?? []).map((key) => make("label", { title: key.meaning },
-      `${key.name}${key.unit ? ` [${key.unit}]` : ""}${key.needed ? "" : " (optional)"} `, make("input", { name: key.name, size: 12 }))));
+    at("numbers").replaceChildren(...(kind?.keys ?? []).map((key) => make("label", {},
+      `${key.text}${key.needed ? "" : " (optional)"} `,
+      make("input", { name: key.name, size: 12, placeholder: key.usual ? `usually ${key.usual}` : "" }),
+      make("span", { className: "quiet" }, key.meaning))));
   };
 
   const name = async () => {
     const given = Object.fromEntries([...at("numbers").querySelectorAll("input")].map((input) => [input.name, input.value]));
     const answer = await editor.change("name", { name: at("surface-name").value, selector: at("selector").value, kind: at("kind").value, numbers: given });
-    takeSurfaces(await server.ask("surfaces", source()));
-    view.refresh();
+    if (state.face !== null) tell(await server.ask("propose", { ...source(), face: state.face }));
     at("finds").textContent = "written into the case file";
     const line = answer.text.split("\n").findIndex((text) => text.includes(at("selector").value));
     if (line >= 0) editor.goTo(line + 1);
@@ -133,7 +138,12 @@ castx.parts = (() => {
 
   const list = (parts) => {
     const options = (none) => [make("option", { value: "" }, parts.length ? none : "no STEP, IGES or BREP file here"), ...parts.map((part) => make("option", { value: part }, part))];
-    for (const id of ["new-part", "part-file"]) at(id).replaceChildren(...options("choose a part"));
+    for (const id of ["new-part", "part-file"]) {
+      const chosen = at(id).value;
+      at(id).replaceChildren(...options("choose a part"));
+      if (parts.includes(chosen)) at(id).value = chosen;
+    }
+    at("no-part").hidden = parts.length > 0;
   };
 
   const choose = async () => {
@@ -158,7 +168,7 @@ castx.parts = (() => {
   const write = async () => {
     const given = Object.fromEntries(["process", "alloy", "mould", "split", "top"].map((key) => [key, at(`new-${key}`).disabled ? "" : at(`new-${key}`).value]));
     state.output = at("new-output").value || at("new-part").value.replace(/\.[^.]*$/, ".toml");
-    await server.ask("command", { command: "new", path: at("new-part").value, output: state.output, ...given });
+    await server.ask("command", { command: "new", path: at("new-part").value, output: state.output, columns: castx.run.columns(), ...given });
     castx.tabs.show("Run");
     await castx.run.tick();
   };
@@ -182,6 +192,7 @@ castx.parts = (() => {
   // The part that was chosen: its name for the case, and its size, by which wrong units show.
   const chosen = async () => {
     const part = at("new-part").value;
+    at("do-new").disabled = !part;
     at("new-output").placeholder = part.replace(/\.[^.]*$/, ".toml");
     at("part-size").textContent = part ? "reading the part …" : "";
     if (!part) return;
@@ -197,9 +208,18 @@ castx.parts = (() => {
   at("new-part").addEventListener("change", () => castx.trying(chosen));
   at("new-process").addEventListener("change", ofProcess);
   at("do-new").addEventListener("click", () => castx.trying(write));
+  // Names in the text are those in the view; a part with other faces is drawn anew.
+  const follow = async () => {
+    const answer = await server.ask("surfaces", source());
+    if (answer.drawing !== state.drawing) return show(state.path);
+    takeSurfaces(answer);
+    view.refresh();
+  };
+
   editor.onChange(({ path, case: known }) => {
     at("show-part").disabled = !known?.cad;
     if (path !== state.path) at("naming").hidden = true;
+    else if (!at("part-view").hidden) follow().catch(() => {}); // while something else is wrong in the text, as before
   });
 
   return { list, show, pick, choose, ofProcess, state, view: () => view };

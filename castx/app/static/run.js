@@ -3,31 +3,63 @@
 
 castx.run = (() => {
   const { at, make, server, editor } = castx;
-  const seen = { command: "", said: 0, version: 0, results: "", running: false };
+  const seen = { command: "", said: 0, version: 0, results: "", running: false, left: "", run: {} };
   let plots = [], listening = new AbortController();
+
+  // Letters of a line of the output, so that the command breaks its lines where the page would.
+  const columns = () => {
+    const context = document.createElement("canvas").getContext("2d"), style = getComputedStyle(at("said"));
+    context.font = `${style.fontSize} ${style.fontFamily}`;
+    return Math.max(0, Math.floor((at("run").clientWidth - 40) / context.measureText("0").width));
+  };
 
   const begin = async (command, asked = {}) => {
     await editor.saved();
-    await server.ask("command", { command, path: editor.state.path, ...asked });
-    castx.tabs.show("Run");
+    castx.tabs.show("Run"); // first, so that the width of its output is known
+    await server.ask("command", { command, path: editor.state.path, digest: editor.state.digest, columns: columns(), ...asked });
     await tick();
+  };
+
+  const STOPPED = 130;
+  const ending = (code) => (code === 0 ? "done" : code === STOPPED ? "stopped" : `ended with exit code ${code}`);
+
+  // What a command says last against its case; it stands behind the name of castx.
+  const refusal = (text) => {
+    const lines = text.trimEnd().split("\n"), from = lines.findLastIndex((line) => line.startsWith("castx: "));
+    return (from < 0 ? lines.slice(-3) : lines.slice(from)).join("\n").replace(/^castx: /, "");
+  };
+
+  // What can be done now: a case has to be open, a run to have left something.
+  const offer = () => {
+    const free = !seen.running, open = editor.state.path !== "", { known, checkpoint, exit } = seen.run;
+    const resumed = checkpoint && exit !== "finished";
+    at("do-check").disabled = at("do-run").disabled = !free || !open;
+    at("do-restart").disabled = !free || !open || !checkpoint;
+    at("do-report").disabled = !free || !known;
+    at("do-run").textContent = known ? "Run anew" : "Run";
+    at("do-run").title = known ? `What is in ${seen.results} is kept beside it under a number` : "";
+    at("do-run").className = resumed ? "" : "main";
+    at("do-restart").className = resumed ? "main" : "";
   };
 
   const say = ({ text, name, ended, code, stopping, lines, said }) => {
     const said_ = at("said");
-    if (text !== seen.command || said < seen.said) { said_.textContent = ""; seen.command = text; }
+    if (text !== seen.command || said < seen.said) { said_.textContent = ""; Object.assign(seen, { command: text, left: "" }); }
     at("command").hidden = false;
-    at("command").textContent = text + (ended ? `    – ended with exit code ${code}` : stopping ? "    – stopping" : "    – running");
+    at("command").textContent = `${text}    – ${ended ? ending(code) : stopping ? "stopping after its step" : "running"}`;
     if (lines.length) {
+      seen.left = lines.map((line) => / left (\S+)$/.exec(line)?.[1]).findLast(Boolean) ?? seen.left;
       const low = said_.scrollTop + said_.clientHeight >= said_.scrollHeight - 20;
       said_.append(lines.join("\n") + "\n");
       if (low) said_.scrollTop = said_.scrollHeight;
     }
     seen.said = said;
+    const refused = ended && code !== 0 && code !== STOPPED;
+    at("ending").hidden = !refused;
+    if (refused) at("ending").textContent = refusal(said_.textContent);
     if (seen.running && ended) castx.finished?.(name, code);
     seen.running = !ended;
     at("do-stop").disabled = ended || stopping;
-    for (const id of ["do-check", "do-run", "do-restart", "do-report"]) at(id).disabled = !ended;
   };
 
   const draw = (pages) => {
@@ -41,6 +73,7 @@ castx.run = (() => {
 
   const show = (run) => {
     const known = run.version !== 0 && run.time !== undefined, end = editor.state.case?.end;
+    seen.run = { known, checkpoint: run.checkpoint, exit: run.exit };
     at("do-show").hidden = !run.report;
     at("run-bar").hidden = !known;
     if (!known) {
@@ -50,9 +83,9 @@ castx.run = (() => {
     }
     if (end) at("run-bar").value = Math.min(run.time / end, 1);
     const solid = Object.entries(run.solid).map(([name, share]) => `${name} ${(100 * share).toFixed(1)} % solid`);
-    const ending = seen.running && !run.exit ? "running" : run.exit || "no end is recorded: it was killed, or runs elsewhere";
+    const goes = seen.running && !run.exit, how = goes ? `running${seen.left ? `, ${seen.left} left` : ""}` : run.exit || "no end is recorded: it was killed, or runs elsewhere";
     at("run-state").textContent = [`${seen.results}: t = ${castx.text(run.time)} s${end ? ` of at most ${castx.text(end)} s` : ""}`,
-      `${run.steps} steps`, ...solid, ending + (run.message ? `: ${run.message}` : "")].join(", ");
+      `${run.steps} steps`, ...solid, how + (run.message ? `: ${run.message}` : "")].join(", ");
     if (run.curves) draw(run.curves);
   };
 
@@ -60,13 +93,19 @@ castx.run = (() => {
     const results = editor.state.case?.results ?? "";
     if (results !== seen.results) Object.assign(seen, { results, version: 0 });
     const inside = results && !results.startsWith("..");
-    const answer = await server.ask("state", { since: seen.said, version: seen.version, ...(inside ? { results } : {}) });
+    const { path, digest } = editor.state;
+    const answer = await server.ask("state", { since: seen.said, version: seen.version, path, digest, ...(inside ? { results } : {}) });
+    if (answer.changed) await editor.changed(path, digest);
     if (answer.command !== null) say(answer.command);
     if (answer.run !== null) {
       show(answer.run);
       seen.version = answer.run.version;
       castx.moments.follow(results, answer.run.version, !seen.running);
-    } else if (results) at("run-state").textContent = `Results would lie in ${results}, outside of this folder: run it from the command line.`;
+    } else {
+      seen.run = {};
+      if (results) at("run-state").textContent = `Results would lie in ${results}, outside of this folder: run it from the command line.`;
+    }
+    offer();
   };
 
   for (const [id, command, asked] of [["do-check", "check"], ["do-run", "run"], ["do-restart", "run", { restart: true }]]) {
@@ -87,5 +126,5 @@ castx.run = (() => {
     if (name === "report") await open();
   };
 
-  return { tick, begin, finished, seen };
+  return { tick, begin, finished, columns, seen };
 })();

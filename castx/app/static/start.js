@@ -62,6 +62,7 @@ castx.tabs = (() => {
     const files = await list();
     await castx.parts.choose();
     castx.parts.ofProcess();
+    if (files.cases.length === 0 && !editor.state.path) castx.tabs.show("New case");
     if (files.cases.length === 1 && !editor.state.path) await open(files.cases[0]);
     document.body.dataset.ready = "yes";
   };

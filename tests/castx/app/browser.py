@@ -124,6 +124,49 @@ class Browser:
                 button="none" if kind == "mouseMoved" else "left",
             )  # fmt: skip
 
+    def press(self, element: str) -> None:
+        """Click the middle of an element that is seen, by its CSS selector, as a hand would.
+
+        Args:
+            element: its selector; it must not be covered, and a button must not be off.
+        """
+        found = f"document.querySelector({json.dumps(element)})"
+        self.wait_for(f"{found} && !{found}.disabled && {found}.getBoundingClientRect().width > 0")
+        x, y, seen = self.value(
+            f"(() => {{ const e = {found}; e.scrollIntoView({{ block: 'center' }});"
+            "const b = e.getBoundingClientRect();"
+            "const [x, y] = [b.left + b.width / 2, b.top + b.height / 2];"
+            "return [x, y, e.contains(document.elementFromPoint(x, y))]; })()"
+        )
+        assert seen, f"{element} is covered"
+        self.click(x, y)
+
+    def enter(self, element: str, text: str) -> None:
+        """Type a text into a field in place of what stands there, and leave it by the tab key."""
+        self.press(element)
+        self._key("a", "KeyA", 65, modifiers=2, commands=["selectAll"])
+        self._call("Input.insertText", text=text)
+        self._key("Tab", "Tab", 9)
+
+    def write(self, element: str, text: str) -> None:
+        """Type a text behind all that stands in a field of many lines."""
+        self.press(element)
+        self._key("End", "End", 35, modifiers=2, commands=["moveToEndOfDocument"])
+        self._call("Input.insertText", text=text)
+
+    def choose(self, element: str, value: str) -> None:
+        """Choose one of the values of a list, as its keys do; its drop-down is no part of pages."""
+        self.press(element)
+        found = f"document.querySelector({json.dumps(element)})"
+        chosen = self.value(f"({found}.value = {json.dumps(value)}, {found}.value)")
+        assert chosen == value, f"{element} has no {value}"
+        self.value(f"{found}.dispatchEvent(new Event('change'))")
+
+    def _key(self, key: str, code: str, number: int, **more: Any) -> None:
+        pressed = {"key": key, "code": code, "windowsVirtualKeyCode": number}
+        self._call("Input.dispatchKeyEvent", type="rawKeyDown", **pressed, **more)
+        self._call("Input.dispatchKeyEvent", type="keyUp", **pressed)
+
     def picture(self, path: Path, whole: bool = True) -> None:
         """Write what is seen into a file, .png."""
         data = self._call("Page.captureScreenshot", captureBeyondViewport=whole)["data"]

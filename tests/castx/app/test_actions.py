@@ -41,6 +41,27 @@ def test_commands_get_names_below_the_folder_only(actions):
     assert actions.commands.last is None
 
 
+def test_a_file_that_has_changed_on_the_disk_is_told_and_not_run_unseen(actions):
+    known = {"path": "case.toml", "digest": actions.open({"path": "case.toml"})["digest"]}
+    assert actions.state(known)["changed"] is False
+    (actions.workplace.folder / "case.toml").write_text(CASE + "# by another editor\n")
+    assert actions.state(known)["changed"] is True
+    for command in ("check", "run"):
+        with pytest.raises(CaseError, match="changed on the disk"):
+            actions.command({"command": command, **known})
+    (actions.workplace.folder / "case.toml").unlink()
+    assert actions.state(known)["changed"] is False
+
+
+def test_a_state_tells_what_a_run_has_left(actions):
+    folder = actions.workplace.folder / "results/case"
+    (folder / "checkpoint").mkdir(parents=True)
+    run = actions.state({"results": "results/case"})["run"]
+    assert run["checkpoint"] is True and run["report"] is False
+    (folder / "checkpoint").rmdir()
+    assert actions.state({"results": "results/case"})["run"]["checkpoint"] is False
+
+
 @pytest.mark.parametrize("folder", ["../elsewhere", "/tmp/elsewhere"])
 def test_a_run_whose_results_lie_outside_is_refused(actions, folder):
     text = CASE + f'[output]\nfolder = "{folder}"\n'

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.app import faces
-from castx.app.faces import PartViews, extents_of
+from castx.app.faces import PartViews, extents_of, known_surfaces
 from castx.app.workplace import Workplace
 from castx.errors import CaseError
 from castx.meshes.cad.seen import SeenPart
@@ -55,6 +55,36 @@ def test_a_part_is_read_again_only_when_it_has_changed(views):
     found.of("case.toml", CASE)
     assert len(read) == 3
     assert found.view("part.step", "")["rest"] == list(range(6))
+
+
+def test_names_without_faces_and_faces_with_two_names_are_told(views):
+    found, _ = views
+    text = CASE.replace(", none = { radius = 1 }", "") + '[[boundaries]]\non = "part/gone"\n'
+    told = found.surfaces("case.toml", text)["wrong"]
+    assert told == {
+        "part/gone": "boundaries[0].on: no face has this name; part has part/up, part/outside"
+    }
+    text = CASE.replace("none = { radius = 1 }", 'more = { body = "part", normal = "+z" }')
+    assert "has the name 'up'" in found.surfaces("case.toml", text)["wrong"]["more"]
+
+
+def test_a_drawing_has_another_name_when_faces_may_have_changed(views):
+    found, read = views
+
+    def drawing(text):
+        return found.surfaces("case.toml", text)["drawing"]
+
+    first = drawing(CASE)
+    assert drawing(CASE.replace("+z", "-z").replace("5 mm", "7 mm")) == first
+    assert drawing(CASE.replace("size", 'mould = { box = "9 mm" }\nsize', 1)) != first
+    os.utime(read[0].files[0].path, ns=(1, 1))
+    assert drawing(CASE) != first
+
+
+def test_faces_between_bodies_are_surfaces_of_both():
+    shared = flat(1, [0, 0, 1], [0, 0, 0.2], [0.3, 0.1, 0.2], bodies=("part", "mould"))
+    found = known_surfaces([FACES[0], shared], {"up": [0]})
+    assert found == {"part/up": [0], "part/mould": [1], "mould/part": [1]}
 
 
 def test_bodies_have_their_extents():

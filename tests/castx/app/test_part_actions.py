@@ -65,6 +65,42 @@ def test_a_name_and_a_condition_are_written(actions):
     }  # fmt: skip
 
 
+HEATED = (
+    CASE
+    + """
+[[boundaries]]
+on = "part/outside"
+heat = { type = "insulated" }
+"""
+)
+
+
+def test_a_click_tells_the_conditions_that_a_face_has(actions):
+    found = actions.proposed({"path": "case.toml", "text": HEATED, "face": 3})
+    assert found["on"] == "part/outside" and found["said"] == 'heat = { type = "insulated" }'
+    assert actions.proposed({"path": "case.toml", "text": HEATED, "face": 1})["said"] == ""
+
+
+def test_the_last_face_without_a_name_takes_the_conditions_of_outside_to_its_name(actions):
+    text = named(actions, HEATED, name="low", selector='{ normal = "-z" }')
+    assert tomllib.loads(text)["boundaries"][0]["on"] == "part/outside"  # the bore is left
+    text = named(actions, text, name="bore", selector="{ radius = 0.01 }", kind=HELD)
+    insulated = {"on": "part/bore", "heat": {"type": "insulated"}, "displacement": {"normal": 0}}
+    assert tomllib.loads(text)["boundaries"] == [insulated]
+
+
+def test_another_name_for_the_same_faces_takes_the_place_of_the_first_one(actions):
+    bore = {"selector": "{ radius = 0.01 }"}
+    text = named(actions, name="bore", kind="insulated", **bore)
+    text = named(actions, text, name="hole", **bore)
+    found = tomllib.loads(text)
+    assert set(found["geometry"]["surfaces"]) == {"up", "none", "hole"}
+    assert found["boundaries"] == [{"on": "part/hole", "heat": {"type": "insulated"}}]
+    # a name that exists already keeps its own conditions
+    text = named(actions, text, name="up", selector='{ normal = "+z" }', kind="insulated")
+    assert [entry["on"] for entry in tomllib.loads(text)["boundaries"]] == ["part/hole", "part/up"]
+
+
 def test_a_face_that_feeds_is_listed_once_beside_the_others(actions):
     up = {"name": "up", "selector": '{ normal = "+z" }', "kind": FEEDER}
     text = named(actions, **up)
@@ -91,6 +127,8 @@ def test_choices_are_those_of_the_databases():
     assert melts["AlSi7Mg"] and not melts["steel-H13"]
     convection = next(c for c in found["conditions"] if c["name"] == "convection")
     assert [key["name"] for key in convection["keys"]] == ["coefficient", "ambient"]
+    assert [key["text"] for key in convection["keys"]] == ["coefficient [W/m²/K]", "ambient [°C]"]
+    assert [key["usual"] for key in convection["keys"]] == ["5 to 5000", "10 to 40"]
 
 
 def test_castx_new_gets_what_was_chosen(actions, tmp_path):

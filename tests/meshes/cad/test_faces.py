@@ -60,7 +60,7 @@ def test_radii_of_fillets_and_of_bores_with_normals_out_of_the_metal():
 
 def test_text_of_a_face():
     text = max(faces(two_blocks, "casting", "die"), key=lambda face: face.area).text
-    assert text == "die: 0.0006 m² round (0.015, 0.01, -0.01) m, normal (0, 0, -1)"
+    assert text == "die: 6 cm² around (15, 10, -10) mm, normal (0, 0, -1)"
 
 
 def block_with_cavity_and_channel(occ):

@@ -64,7 +64,7 @@ def test_a_radius_selects_bores():
     assert [face.bodies for face in outer] == [("ring",)]
     bore = select(Selector("s", radius=0.01, touches="ring"), faces)
     assert [set(face.bodies) for face in bore] == [{"bush", "ring"}]
-    with pytest.raises(ValueError, match=r"'s' selects no face; there are:\n  ring: .*radius 0.02"):
+    with pytest.raises(ValueError, match=r"'s' selects no face; there are:\n  ring: .*radius 20"):
         select(Selector("s", radius=0.011), faces)
 
 
@@ -85,10 +85,10 @@ def test_the_rest_is_one_surface(blocks):
     [
         ([Selector("a", body="cast")], "surface 'a': no body 'cast'; there are: casting, die"),
         ([Selector("a", touches="cast")], "surface 'a': no body 'cast'"),
-        ([Selector("a", normal=(0.6, 0.8, 0.0))], "'a' selects no face; there are:\n  die: 0.0006"),
+        ([Selector("a", normal=(0.6, 0.8, 0.0))], "'a' selects no face; there are:\n  die: 6 cm²"),
         (
             [Selector("a", normal=UP), Selector("b", body="casting")],
-            r"'a' and 'b' both select a face, and it has one name: casting: 0.0004 m² round",
+            r"'a' and 'b' both select a face, and it has one name: casting: 4 cm² around",
         ),
     ],
 )
