@@ -45,7 +45,7 @@ castx.meshes = (() => {
   const text = ({ bodies, edges, worst }) => {
     const total = bodies.reduce((sum, body) => sum + body.cells, 0), nodes = bodies.reduce((sum, body) => sum + body.nodes, 0);
     const each = bodies.length > 1 ? ` (${bodies.map((body) => `${body.name} ${body.cells}`).join(", ")})` : "";
-    const long = edges === null ? "" : `; edges of ${castx.text(1000 * edges[0])} to ${castx.text(1000 * edges[1])} mm, worst quality ${castx.text(worst)}`;
+    const long = edges === null ? "" : `; edges of ${castx.text(1000 * edges[0])} to ${castx.text(1000 * edges[1])} mm, worst cell of quality ${castx.text(worst)} (1: regular)`;
     return `${total} cells${each}, ${nodes} nodes${long}`;
   };
 

@@ -120,7 +120,7 @@ castx.parts = (() => {
 
   const numbers = () => {
     const kind = state.choices?.conditions.find(({ name }) => name === at("kind").value);
-    at("kind-text").textContent = kind?.summary ?? "";
+    at("kind-text").textContent = at("kind").disabled ? "The face lies between two bodies: their interface says what passes there, in the tab Case. It can have a name." : kind?.summary ?? "";
     at("numbers").replaceChildren(...(kind?.keys ?? []).map((key) => make("label", {},
       `${key.text}${key.needed ? "" : " (optional)"} `,
       make("input", { name: key.name, size: 12, placeholder: key.usual ? `usually ${key.usual}` : "" }),
@@ -167,6 +167,8 @@ castx.parts = (() => {
 
   const write = async () => {
     const given = Object.fromEntries(["process", "alloy", "mould", "split", "top"].map((key) => [key, at(`new-${key}`).disabled ? "" : at(`new-${key}`).value]));
+    const plane = at("new-plane").value.trim().replace(",", ".");
+    if (given.split && plane) given.split += `=${plane}${/[0-9.]$/.test(plane) ? "mm" : ""}`;
     state.output = at("new-output").value || at("new-part").value.replace(/\.[^.]*$/, ".toml");
     await server.ask("command", { command: "new", path: at("new-part").value, output: state.output, columns: castx.run.columns(), ...given });
     castx.tabs.show("Run");
@@ -207,6 +209,7 @@ castx.parts = (() => {
 
   at("new-part").addEventListener("change", () => castx.trying(chosen));
   at("new-process").addEventListener("change", ofProcess);
+  at("new-split").addEventListener("change", () => { at("new-plane").disabled = !at("new-split").value; });
   at("do-new").addEventListener("click", () => castx.trying(write));
   // Names in the text are those in the view; a part with other faces is drawn anew.
   const follow = async () => {

@@ -85,7 +85,7 @@ castx.run = (() => {
     const solid = Object.entries(run.solid).map(([name, share]) => `${name} ${(100 * share).toFixed(1)} % solid`);
     const goes = seen.running && !run.exit, how = goes ? `running${seen.left ? `, ${seen.left} left` : ""}` : run.exit || "no end is recorded: it was killed, or runs elsewhere";
     at("run-state").textContent = [`${seen.results}: t = ${castx.text(run.time)} s${end ? ` of at most ${castx.text(end)} s` : ""}`,
-      `${run.steps} steps`, ...solid, how + (run.message ? `: ${run.message}` : "")].join(", ");
+      `${run.steps} steps`, ...solid, how + (run.message ? `: ${run.message.split("\n")[0]}` : "")].join(", ");
     if (run.curves) draw(run.curves);
   };
 

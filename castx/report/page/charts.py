@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.report.moments import moments
+from castx.results.field_times import FRACTIONS, FULLY_SOLID
 from castx.results.reading import Results
 
 OVER_TIME = "time [s]"
@@ -54,12 +56,14 @@ class Section:
         caption: what is seen.
         time: of the steps [s], (steps,), or what its diagrams have as abscissa.
         panels: the diagrams.
+        until: moments up to which they may be looked at [s], by name.
     """
 
     title: str
     caption: str
     time: FloatArray
     panels: Sequence[Panel]
+    until: Mapping[str, float] = field(default_factory=dict)
 
 
 def run_sections(run: Results) -> list[Section]:
@@ -94,7 +98,19 @@ def run_sections(run: Results) -> list[Section]:
             of_steps, numerics(run),
         ),
     ]  # fmt: skip
-    return [section for section in found if section.panels]
+    until = moments_to_look_at(run)
+    return [replace(section, until=until) for section in found if section.panels]
+
+
+def moments_to_look_at(run: Results) -> dict[str, float]:
+    """Return when all is solid and when stages begin [s], by name: a cold part takes hours.
+
+    Args:
+        run: the results.
+    """
+    events = {name: time for time, names in moments(run).items() for name in names.split(", ")}
+    wanted = {FRACTIONS[FULLY_SOLID], *(name for name in events if name.startswith("stage "))}
+    return {name: time for name, time in events.items() if name in wanted}
 
 
 def merged(runs: Mapping[str, Sequence[Section]]) -> list[dict[str, Any]]:
@@ -109,8 +125,10 @@ def merged(runs: Mapping[str, Sequence[Section]]) -> list[dict[str, Any]]:
         for section in sections:
             page = pages.setdefault(
                 section.title,
-                {"title": section.title, "caption": section.caption, "panels": {}},
+                {"title": section.title, "caption": section.caption, "panels": {}, "until": {}},
             )
+            for event, time in section.until.items():  # of several runs the last one
+                page["until"][event] = max(time, page["until"].get(event, time))
             for panel in section.panels:
                 drawn = page["panels"].setdefault(panel.label, described(panel))
                 drawn["tables"] += tables(panel, section.time, label if several else "")

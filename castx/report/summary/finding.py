@@ -87,5 +87,5 @@ def place_text(place: Sequence[float], model: str) -> str:
         model: geometric model, which names the axes.
     """
     axes = parts("displacement", model)
-    found = (f"{axis} {1e3 * x:.1f}" for axis, x in zip(axes, place, strict=False))
+    found = (f"{axis} {round(1e3 * x, 1) + 0.0:.1f}" for axis, x in zip(axes, place, strict=False))
     return ", ".join(found) + " mm"

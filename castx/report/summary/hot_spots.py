@@ -54,7 +54,7 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
             str(spot["pool"]) + ("" if spot["parent"] is None else f", part of {spot['parent']}"),
             seconds_text(spot["isolated"]),
             "not yet" if spot["ended"] is None else seconds_text(spot["ended"]),
-            ", ".join(f"{1e3 * x:.1f}" for x in spot["place"]),
+            ", ".join(f"{round(1e3 * x, 1) + 0.0:.1f}" for x in spot["place"]),
             f"{factor * spot['volume']:.3g}",
             "unknown" if spot["deficit"] is None else f"{factor * spot['deficit']:.3g}",
         )

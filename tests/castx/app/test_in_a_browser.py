@@ -84,7 +84,7 @@ def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
     browser.value("castx.at('do-mesh').click()")
     browser.wait_for("castx.at('mesh-state').textContent.startsWith('made in')")
     told = browser.value("castx.at('mesh-cells').textContent")
-    assert int(told.split()[0]) > 50 and "worst quality" in told
+    assert int(told.split()[0]) > 50 and "worst cell of quality" in told
     drawn = browser.value("castx.meshes.view().positions.length / 9")
     assert drawn == browser.value("castx.meshes.view().counts.reduce((a, b) => a + b)") > 50
     assert (folder / "bar.toml").read_text().startswith("# by hand\n")

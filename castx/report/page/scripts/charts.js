@@ -104,6 +104,26 @@ castx.charts = (() => {
     };
   };
 
+  // Buttons that show the curves up to a moment: what happens in seconds is thin in the hours until a part is cold.
+  const untils = (root, pages, drawn) => {
+    const last = Math.max(...drawn.map(({ ends }) => ends[1])), events = new Map();
+    for (const { until } of pages) for (const [name, time] of Object.entries(until ?? {})) if (time < 0.9 * last) events.set(name, time);
+    const first = root.querySelector("[data-curves]");
+    if (!events.size || !first) return;
+    const show = (time) => drawn.forEach(({ plot, ends, over }) => { if (over) plot.setScale("x", { min: ends[0], max: time === null ? ends[1] : Math.min(time, ends[1]) }); });
+    const bar = document.createElement("p");
+    bar.className = "untils";
+    const button = (text, time) => {
+      const made = document.createElement("button");
+      made.textContent = text;
+      made.addEventListener("click", () => show(time));
+      bar.append(made, " ");
+    };
+    button("whole run", null);
+    for (const [name, time] of events) button(`until ${name}, ${castx.text(time)} s`, time);
+    first.before(bar);
+  };
+
   // signal: ends the listening of curves that are taken away.
   const draw = (root, pages, signal) => {
     const drawn = [];
@@ -114,13 +134,14 @@ castx.charts = (() => {
         holder.className = "chart";
         target.append(holder);
         const plot = new uPlot(options(panel, holder.clientWidth || 800), columns(panel), holder);
-        drawn.push({ plot, holder });
+        drawn.push({ plot, holder, ends: span(panel), over: panel.abscissa === "time [s]" });
       }
     }
     const fit = (width, height) => drawn.forEach(({ plot, holder }) => plot.setSize({ width: width ?? holder.clientWidth, height }));
     window.addEventListener("resize", () => fit(null, HEIGHT), { signal });
     window.addEventListener("beforeprint", () => fit(...PAPER), { signal });
     window.addEventListener("afterprint", () => fit(null, HEIGHT), { signal });
+    untils(root, pages, drawn);
     return drawn;
   };
 

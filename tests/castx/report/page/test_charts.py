@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +19,7 @@ from castx.report.page.charts import (
     displacements,
     interface_gaps,
     merged,
+    moments_to_look_at,
     numbers,
     numerics,
     run_sections,
@@ -129,6 +131,17 @@ def test_sections_without_lines_are_left_out():
     run = results(probes=Columns({"time": TIME}))
     run.history["casting.mean_temperature"] = 700.0 - TIME
     assert run_sections(run)[0].title == "Temperatures of the bodies"
+
+
+def test_curves_can_be_looked_at_until_all_is_solid_and_until_stages_begin():
+    process = [{"stage": 1, "cycle": 1, "time": 1.5}, {"stage": 1, "cycle": 2, "time": 1.9}]
+    record = results().record | {"process": process}
+    run = results(record=record)
+    assert moments_to_look_at(run) == {"all solid": 2.0, "stage 1": 1.5}
+    assert run_sections(run)[0].until == {"all solid": 2.0, "stage 1": 1.5}
+    slower = [Section("Curves", "", TIME, [Panel("p", {"a": TIME})], {"all solid": 9.0})]
+    (found,) = merged({"first": [replace(slower[0], until={"all solid": 3.0})], "last": slower})
+    assert found["until"] == {"all solid": 9.0}
 
 
 def test_curves_keep_seven_digits_and_know_what_is_no_number():

@@ -113,8 +113,11 @@ DRAWN = """void (() => {
   const measured = [{ name: "b", curve: "b", run: "", values: [1, 1] }];
   const tables = [table, { time: [3, 9], measured: true, lines: measured }];
   const panel = { label: "gap", levels: {}, logarithmic: false, steps: false, least: 1, tables };
-  const [{ plot }] = castx.charts.draw(root, [{ title: "Gaps", panels: [panel] }]);
+  panel.abscissa = "time [s]";
+  const until = { "all solid": 2, "stage 1": 4 };
+  const [{ plot }] = castx.charts.draw(root, [{ title: "Gaps", panels: [panel], until }]);
   window.along = plot.scales.x;
+  window.buttons = [...root.querySelectorAll(".untils button")];
 })()"""
 
 
@@ -132,6 +135,22 @@ def test_the_axis_of_a_curve_ends_with_its_values(folder, text, tmp_path, values
         browser.value(DRAWN % values)
         found = browser.wait_for("typeof along.max === 'number' && [along.min, along.max]")
     assert found == ends
+
+
+@pytest.mark.skipif(found_browser() is None, reason="needs chromium on this machine")
+def test_a_button_shows_curves_until_all_is_solid(folder, text, tmp_path):
+    with Browser(found_browser(), tmp_path / "profile") as browser:
+        browser.open(f"file://{folder / 'report.html'}")
+        browser.wait_for("document.readyState === 'complete' && castx.charts")
+        browser.value(DRAWN % "[0, 1, 2, 2, 3]")
+        browser.wait_for("typeof along.max === 'number'")
+        # a moment near the end shows nothing that the whole run does not
+        told = browser.value("buttons.map((button) => button.textContent)")
+        assert told == ["whole run", "until all solid, 2 s"]
+        browser.value("buttons[1].click()")
+        browser.wait_for("along.max === 2 && along.min === 0")
+        browser.value("buttons[0].click()")
+        browser.wait_for("along.max === 4 && along.min === 0")
 
 
 def test_a_run_that_was_killed_has_not_said_how_it_ended(folder, text, tmp_path):

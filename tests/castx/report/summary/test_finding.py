@@ -23,3 +23,4 @@ def test_what_is_unknown_is_left_out():
     found = Finding("Hot tearing", "a", 0.5, "", "ratio")
     assert found.number == "0.5" and found.where("3d") == ""
     assert place_text([1e-3, 2e-3, 3e-3], "3d") == "x 1.0, y 2.0, z 3.0 mm"
+    assert place_text([-1e-17, -0.0, -2e-3], "3d") == "x 0.0, y 0.0, z -2.0 mm"
