@@ -50,7 +50,7 @@ def refuse_changes(
         raise CaseError(summary(source, refusal.problems, before)) from None
     changes = [
         f"{dotted(path)} = {_shown(new)} (it was {_shown(old)})"
-        for path, old, new in differences(before, now)
+        for path, old, new in differences(with_tables(before), with_tables(now))
         if path in KEPT or not any(path[: len(allowed)] == allowed for allowed in ALLOWED)
     ]
     if changes:
@@ -62,6 +62,16 @@ def refuse_changes(
             "run the case anew without --restart, in another folder (--output) to keep these "
             "results"
         )
+
+
+def with_tables(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a case with an empty table for each that it lacks and of which a key may change.
+
+    Args:
+        case: its keys and values.
+    """
+    tables = {path[0] for path in (*ALLOWED, *KEPT) if len(path) > 1}
+    return {name: {} for name in sorted(tables)} | dict(case)
 
 
 def differences(old: Any, new: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Any]]:

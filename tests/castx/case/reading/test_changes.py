@@ -24,6 +24,18 @@ def test_allowed_changes(changes):
     refuse_changes(cylinder(), cylinder(**changes), "state.npz")
 
 
+def test_a_table_may_come_and_go_with_keys_that_may_change():
+    with_passes, without = cylinder(coupling={"passes": 80}), cylinder()
+    without.pop("coupling", None)
+    refuse_changes(without, with_passes, "state.npz")
+    refuse_changes(with_passes, without, "state.npz")
+    with pytest.raises(CaseError, match=r'coupling.scheme = "thermal" \(it was absent\)'):
+        refuse_changes(without, cylinder(coupling={"scheme": "thermal"}), "state.npz")
+    without.pop("output", None)
+    with pytest.raises(CaseError, match=r'output.format = "vtu" \(it was absent\)'):
+        refuse_changes(without, cylinder(output={"format": "vtu"}), "state.npz")
+
+
 @pytest.mark.parametrize(
     "changes, text",
     [
