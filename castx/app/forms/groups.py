@@ -52,15 +52,16 @@ def lists_of() -> list[Answer]:
     ]  # fmt: skip
 
 
-def _of_table(path: KeyPath, key: FormKey, given: Any) -> Iterator[Answer]:
+def _of_table(path: KeyPath, key: FormKey, given: Any, within: str = "") -> Iterator[Answer]:
     name = key.table or key.entries
     content = given if isinstance(given, Mapping) else {}
     keys = [one for one in keys_of(name) if _matters(name, one, content)]
     said = str(definition(name).get("description", "")).split("\n\n")[0]
-    yield group_of(path, title_of(path, content), said, keys, content)
+    title = f"{within}, {path[-1]}" if within else title_of(path, content)
+    yield group_of(path, title, said, keys, content)
     for one in keys:
         if one.table is not None:
-            yield from _of_table((*path, one.name), one, content.get(one.name))
+            yield from _of_table((*path, one.name), one, content.get(one.name), title)
 
 
 def group_of(

@@ -3,7 +3,7 @@
 
 castx.forms = (() => {
   const { at, make, server, editor } = castx;
-  const state = { text: null, open: new Set(["Case"]), rest: new Set() };
+  const state = { path: "", text: null, open: new Set(["Case"]), rest: new Set() };
   const EMPTY = "tables of which nothing is set";
   let shownTab = false;
 
@@ -102,6 +102,10 @@ castx.forms = (() => {
   };
 
   at("form-search").addEventListener("input", search);
-  editor.onChange(() => { if (shownTab && editor.text() !== state.text) castx.trying(show); else if (shownTab) mark(); });
+  editor.onChange(({ path }) => {
+    if (path !== state.path) Object.assign(at("form-search"), { value: "" });
+    state.path = path;
+    if (shownTab && editor.text() !== state.text) castx.trying(show); else if (shownTab) mark();
+  });
   return { shown: (yes) => { shownTab = yes; if (yes) castx.trying(show); }, show };
 })();

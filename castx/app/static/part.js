@@ -182,7 +182,9 @@ castx.parts = (() => {
     if (command !== "new" || code !== 0) return;
     await castx.open(state.output);
     castx.tabs.show("Part");
+    const measured = at("said").textContent.split("\n").filter((line) => line.includes(", modulus ") || line.startsWith("by their labels"));
     await show(state.output);
+    at("part-state").append(...measured.map((line) => make("span", { className: "measured" }, line)));
   });
 
   at("show-part").addEventListener("click", () => castx.trying(() => show(editor.state.path)));

@@ -32,13 +32,14 @@ castx.run = (() => {
   // What can be done now: a case has to be open, a run to have left something.
   const offer = () => {
     const free = !seen.running, open = editor.state.path !== "", { known, checkpoint, exit } = seen.run;
-    const resumed = checkpoint && exit !== "finished";
+    const resumed = checkpoint && exit !== "finished", done = exit === "finished" && !at("do-show").hidden;
     at("do-check").disabled = at("do-run").disabled = !free || !open;
     at("do-restart").disabled = !free || !open || !checkpoint;
     at("do-report").disabled = !free || !known;
     at("do-run").textContent = known ? "Run anew" : "Run";
     at("do-run").title = known ? `What is in ${seen.results} is kept beside it under a number` : "";
-    at("do-run").className = resumed ? "" : "main";
+    at("do-run").className = resumed || done ? "" : "main";
+    at("do-show").className = done ? "main" : "";
     at("do-restart").className = resumed ? "main" : "";
   };
 

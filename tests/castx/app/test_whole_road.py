@@ -57,6 +57,7 @@ def test_from_a_step_file_to_a_report(opened):
     browser.press("#do-new")
     browser.wait_for(f"{AT.format('part-state')}.startsWith('bar.toml: 2 bodies')")
     assert case_of(folder)["bodies"][0]["material"] == "AlSi12"
+    browser.wait_for(f"{AT.format('part-state')}.includes('modulus')")
 
     # The face at the top is all of the casting that is open: its new name takes its conditions.
     browser.value("castx.at('part-canvas').scrollIntoView({ block: 'center' })")

@@ -61,14 +61,17 @@ castx.charts = (() => {
     ctx.setLineDash([6 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
     ctx.font = `${11 * uPlot.pxRatio}px sans-serif`;
     ctx.textAlign = "right";
-    for (const [name, level] of Object.entries(panel.levels)) {
-      const y = plot.valToPos(level, "y", true);
+    const line = 12 * uPlot.pxRatio;
+    let above = -Infinity;
+    for (const [name, level] of Object.entries(panel.levels).sort(([, one], [, other]) => other - one)) {
+      const y = plot.valToPos(level, "y", true), close = y - above < line;
       if (y < bbox.top || y > bbox.top + bbox.height) continue;
       ctx.beginPath();
       ctx.moveTo(bbox.left, y);
       ctx.lineTo(bbox.left + bbox.width, y);
       ctx.stroke();
-      ctx.fillText(name, bbox.left + bbox.width - 4, y - 4);
+      ctx.fillText(name, bbox.left + bbox.width - 4, close ? y + line : y - 4); // not over the name above
+      above = y;
     }
     ctx.restore();
   };

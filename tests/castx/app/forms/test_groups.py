@@ -31,8 +31,11 @@ def test_each_table_is_a_group_with_its_values():
     assert fields("bodies 2: die")["material"]["value"] == "mine"
     assert fields("bodies 2: die")["material"]["key"] == "bodies[1].material"
     assert fields("time")["end"]["value"] == "5" and fields("time")["end"]["given"]
-    assert fields("interfaces 1 heat")["closed"]["value"] == "2000"
-    assert found["interfaces 1 heat"]["given"] and not found["interfaces 1 contact"]["given"]
+    assert fields("interfaces 1: bar/die, heat")["closed"]["value"] == "2000"
+    assert (
+        found["interfaces 1: bar/die, heat"]["given"]
+        and not found["interfaces 1: bar/die, contact"]["given"]
+    )
 
 
 def test_keys_of_a_geometry_are_those_of_its_sort():
