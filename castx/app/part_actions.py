@@ -206,7 +206,7 @@ def choices() -> Answer:
 
 
 def usual_of(key: HeatKey[Any]) -> str:
-    """Return what castings usually have for a key, in words; "": it is no single range.
+    """Return the usual range of a key in words, "" where it is no single range.
 
     Args:
         key: of a condition.

@@ -1,20 +1,37 @@
-"""What castx adds to Sphinx: docstrings are plain text, and names of files are links."""
+"""What castx adds to Sphinx: plain docstrings, links to files, a search without code objects."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from enum import Enum
 from typing import Any
 
 from docutils import nodes
 from pydantic import BaseModel
 from sphinx.application import Sphinx
+from sphinx.domains.python import PythonDomain
 from sphinx.util.nodes import make_refnode
 
 from docs.generator.docstrings import restructured_lines
 
 PLACE = re.compile(r"((?:castx|forms|meshes)/[\w/]+)\.py:([\w.]+)")
 _BEFORE_NAPOLEON = 400
+_NEVER_FOUND = -1
+"""Priority of objects that the search leaves out."""
+
+
+class UnsearchedPythonDomain(PythonDomain):
+    """The objects of the code, which links and the index have and the search has not.
+
+    A search shows objects before pages, and "castx" is in all of their names.
+    """
+
+    def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
+        """Yield the objects as Sphinx does, with a priority of their own."""
+        for *found, _ in super().get_objects():
+            name, shown, kind, page, anchor = found
+            yield name, shown, kind, page, anchor, _NEVER_FOUND
 
 
 def escape_docstring(
@@ -52,6 +69,7 @@ def link_places(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect the functions of this module."""
+    app.add_domain(UnsearchedPythonDomain, override=True)
     app.connect("autodoc-process-docstring", escape_docstring, _BEFORE_NAPOLEON)
     app.connect("autodoc-process-signature", hide_signature)
     app.connect("doctree-resolved", link_places)

@@ -14,7 +14,7 @@ from castx.input.json_schema import meanings
 
 pytestmark = pytest.mark.serial
 
-DEMOS = sorted(Path("demos").rglob("*.toml"))
+DEMOS = sorted([*Path("demos").rglob("*.toml"), *Path("validation").glob("*/case.toml")])
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def schema():
     return json.loads(json.dumps(found))
 
 
-@pytest.mark.parametrize("path", DEMOS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", DEMOS, ids=str)
 def test_demos_are_valid(schema, path):
     case = tomllib.loads(path.read_text())
     errors = jsonschema.Draft202012Validator(schema).iter_errors(case)
