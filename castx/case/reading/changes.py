@@ -70,8 +70,9 @@ def with_tables(case: Mapping[str, Any]) -> dict[str, Any]:
     Args:
         case: its keys and values.
     """
-    tables = {path[0] for path in (*ALLOWED, *KEPT) if len(path) > 1}
-    return {name: {} for name in sorted(tables)} | dict(case)
+    tables = {str(path[0]) for path in (*ALLOWED, *KEPT) if len(path) > 1}
+    empty: dict[str, Any] = {name: {} for name in sorted(tables)}
+    return empty | dict(case)
 
 
 def differences(old: Any, new: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Any]]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.report.moments import moments
-from castx.results.field_times import FRACTIONS, FULLY_SOLID
+from castx.results.field_times import FRACTIONS
 from castx.results.reading import Results
+from castx.results.states.snapshot import FULLY_SOLID
 
 OVER_TIME = "time [s]"
 """Label of most abscissas; diagrams with the same one show their numbers at one pointer."""
