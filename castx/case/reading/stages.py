@@ -32,7 +32,10 @@ def _time_problems(case: Case, index: int, stage: Stage) -> Iterator[Problem]:
         yield Problem((*place, "at"), f"must be later than the stage before it, at {before:g} s")
     end = case.time.end
     if stage.acts and stage.at >= end:
-        text = f"begins when the case ends already (time.end, {end:g} s); make that later"
+        text = (
+            f"begins when the case ends already (time.end, {end:g} s); make that later, or leave "
+            "the stage out"
+        )
         yield Problem((*place, "at"), text)
     elif stage.at > end:
         text = f"the cycle would end after the case does (time.end, {end:g} s); make that later"
