@@ -237,8 +237,8 @@ def optimise(
     for name in dict.fromkeys((study.goal, *(limit.of for limit in study.limits))):
         answer = table.found[best][name]
         console.print(f"{with_unit(name, answer.unit)}: {answer.shown:.5g}", markup=False)
-    if not found.within:
-        console.print("no run keeps all limits; this one is nearest", markup=False)
+    for text in found.remarks:
+        console.print(text, markup=False)
     say_runs(console, runner, len(table.runs))
     console.print(f"written: {runner.folder / PAGE}, {found.case_file}", markup=False)
 

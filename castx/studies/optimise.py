@@ -107,12 +107,25 @@ class Optimised:
         best: the index of the best one.
         within: whether it keeps all limits.
         case_file: the case with its numbers.
+        spent: whether the search ended because all its runs were spent.
     """
 
     table: StudyTable
     best: int
     within: bool
     case_file: Path
+    spent: bool
+
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks on the best run, in words."""
+        found = [] if self.within else ["No run keeps all limits; this one is nearest."]
+        if self.spent:
+            found.append(
+                f"The search had not settled when its {len(self.table.runs)} runs were spent: more "
+                "(runs) go on from there, and may find better numbers."
+            )
+        return found
 
 
 def optimise(runner: Runner, study: Optimise) -> Optimised:
@@ -127,9 +140,11 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
     """
     refuse_unusable(runner.case_file, runner.overrides, study.inputs, "optimise")
     trials = _Trials(runner, study)
+    spent = False
     try:
         _evolve(trials) if study.method == EVOLUTION else _fold(trials)
     except _Enough:
+        spent = True
         if trials.refusal:
             raise CaseError(trials.refusal) from None
     if not np.isfinite(trials.costs).any():
@@ -148,14 +163,15 @@ def optimise(runner: Runner, study: Optimise) -> Optimised:
         trials.found,
     )
     case_file = runner.case_file.with_suffix(".optimised.toml")
-    found = Optimised(table, best, trials.costs[best] < FORBIDDEN, case_file)
+    found = Optimised(table, best, trials.costs[best] < FORBIDDEN, case_file, spent)
     store_text(runner.folder / TABLE, table.text())
     content = changed_content(runner.case_file, runner.overrides, values[best])
     store_text(case_file, HEAD + toml_text(content))
     store_text(runner.folder / RESULT, json.dumps(_json(found, study), indent=2) + "\n")
     within = np.array(trials.costs) < FORBIDDEN
     name = runner.case_file.stem
-    store_text(runner.folder / PAGE, optimised_page(name, study, table, within, best))
+    page = optimised_page(name, study, table, within, best, found.remarks)
+    store_text(runner.folder / PAGE, page)
     return found
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
@@ -18,7 +20,12 @@ BEYOND = "#b5b8be"
 
 
 def optimised_page(
-    name: str, study: Optimise, table: StudyTable, within: BoolArray, best: int
+    name: str,
+    study: Optimise,
+    table: StudyTable,
+    within: BoolArray,
+    best: int,
+    remarks: Sequence[str],
 ) -> str:
     """Return the page of a study.
 
@@ -28,6 +35,7 @@ def optimised_page(
         table: the runs, in the order in which they were made.
         within: whether each keeps all limits, (runs,).
         best: index of the best one.
+        remarks: on it, in words.
     """
     runs = table.runs
     failed = sum(not run.is_finished for run in runs)
@@ -37,7 +45,7 @@ def optimised_page(
         name=name,
         told=f"{len(runs)} runs, {study.method}, {failed} failed.",
         goal=f"the {study.direction} of {study.goal!r}",
-        remark="" if within[best] else "No run keeps all limits; this one is nearest.",
+        remark=" ".join(remarks),
         numbers=best_numbers(table, best),
         answers=best_answers(study, table, best),
         picture=picture(table, study, within, best),

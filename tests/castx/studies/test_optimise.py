@@ -61,6 +61,18 @@ def test_a_limit_is_kept(tmp_path):
 def test_a_limit_that_cannot_be_kept_is_told(tmp_path):
     found = best(tmp_path, runs=20, limits=[{"of": "hot", "most": -100.0}])
     assert not found.within and found.table.values[found.best][0] < 650.0
+    assert found.remarks[0] == "No run keeps all limits; this one is nearest."
+
+
+def test_a_search_that_has_not_settled_says_so(tmp_path):
+    """With more runs it goes on, and makes those only that it lacks."""
+    short, settled = Formulas(bowl), Formulas(bowl)
+    first = best(tmp_path, short, method="nelder-mead", runs=8)
+    (told,) = first.remarks
+    assert first.spent and told.startswith("The search had not settled when its 8 runs were spent")
+    last = best(tmp_path, settled, method="nelder-mead", runs=60)
+    assert not last.spent and last.remarks == []
+    assert len(settled.made) == len({run.digest for run in last.table.runs}) - len(short.made)
 
 
 def test_the_most_lies_at_an_end(tmp_path):

@@ -54,8 +54,9 @@ def test_answers_stand_with_their_limits():
 
 
 def test_the_page_tells_all_and_escapes_it():
-    text = optimised_page("bar <b>", study(), table(), np.array([True, False, True]), 0)
+    text = optimised_page("bar <b>", study(), table(), np.array([True, False, True]), 0, [])
     assert "bar &lt;b&gt;" in text and "1 failed" in text and "broken: why &amp; how" in text
     assert text.count("data:image/png;base64,") == 1 and "this one is nearest" not in text
-    text = optimised_page("bar", study(), table(), np.zeros(3, dtype=bool), 0)
-    assert "No run keeps all limits" in text
+    told = ["No run keeps all limits; this one is nearest.", "More may find better ones."]
+    text = optimised_page("bar", study(), table(), np.zeros(3, dtype=bool), 0, told)
+    assert " ".join(told) in text
