@@ -81,7 +81,7 @@ ORDER = [
     "app/scenes",
     "app",
     "command/watches",
-    "command",
+    "command command/beside",
     "__init__ __main__",
 ]
 PLACE = {name: place for place, names in enumerate(ORDER) for name in names.split()}

@@ -4,6 +4,5 @@ Public: `run.run`, `cli.execute`, `check.check_case`,
 `listing.material_list`, `listing.material_table`, `listing.interface_list`,
 `listing.interface_table`, `progress.Progress`,
 `terminal.EnduringConsole`, `verify.verify`,
-`verify.verification_list`, `validate.validate`, `validate.experiment_list`,
-`sensitivity.run_sensitivity`, `estimate.run_estimate`.
+`verify.verification_list`, `validate.validate`, `validate.experiment_list`.
 """

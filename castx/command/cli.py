@@ -6,7 +6,7 @@ import gc
 import logging
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from enum import IntEnum
 from pathlib import Path
@@ -15,7 +15,6 @@ from typing import Annotated, cast
 from mpi4py import MPI
 
 import typer
-from rich.console import RenderableType
 
 from castx.command.foreign import verify
 from castx.command.look_up import interfaces, materials
@@ -182,32 +181,18 @@ def run(
     estimate: Annotated[
         bool, typer.Option("--estimate", help="Estimate errors by a coarser mesh and larger steps.")
     ] = False,
+    adapt: Annotated[
+        int, typer.Option(metavar="N", min=0, max=5, help="Mesh again by the errors, N times.")
+    ] = 0,
     overrides: Overrides = None,
 ) -> None:
     """Solve a case and write its results folder."""
     with kept():
+        from castx.command.beside.choice import chosen
         from castx.command.run import restart_command
-        from castx.command.run import run as run_case_file
         from castx.environment import blas_advantage, blas_warning
 
-    if estimate and sensitivity is not None:
-        raise typer.BadParameter("--estimate and --sensitivity are runs of their own: take one")
-    tables: list[Callable[[Path], RenderableType]] = []
-    solve: Callable[..., Path] = run_case_file
-    if profile:
-        from castx.command.listing import profile_table
-
-        tables.append(profile_table)
-    if sensitivity is not None:
-        from castx.command.sensitivity import run_sensitivity, sensitivity_table
-
-        solve = run_sensitivity
-        tables.append(sensitivity_table)
-    if estimate:
-        from castx.command.estimate import estimate_table, run_estimate
-
-        solve = run_estimate
-        tables.append(estimate_table)
+    solve, tables = chosen(sensitivity, adapt, estimate=estimate, profile=profile)
     comm, console = output_of(context)
     show_details(comm, log or ())
     if comm.rank == 0 and (warning := blas_warning(blas_advantage())):

@@ -80,8 +80,8 @@ def restart_command(options: Mapping[str, Any]) -> str:
         options: those of `castx run` by the names of its parameters.
     """
     words = ["castx", "run", str(options["case_file"])]
-    for key in ("output", "time_limit", "sensitivity"):
-        if options[key] is not None:
+    for key in ("output", "time_limit", "sensitivity", "adapt"):
+        if options[key] not in (None, 0):
             words += [f"--{key.replace('_', '-')}", str(options[key])]
     words += [f"--{key}" for key in ("estimate", "profile") if options[key]]
     for override in options["overrides"] or ():

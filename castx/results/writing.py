@@ -299,7 +299,12 @@ def lost_rows(folder: Path, notes: Mapping[str, Any]) -> dict[str, int]:
 
 
 def wanted_fields(case: Case) -> list[str]:
-    """Return the fields to write: those of the case, or those of the default that the run has.
+    """Return the names of the fields to write."""
+    return [name for entry in wanted_entries(case) for name in written_names(entry, case)]
+
+
+def wanted_entries(case: Case) -> list[str]:
+    """Return the entries of output.fields, or those of the default that the run has.
 
     The pipe is a part of the shape, and so of the default where castings have one.
     """
@@ -307,10 +312,9 @@ def wanted_fields(case: Case) -> list[str]:
     lacking = set() if asked else NOT_BY_DEFAULT.get(case.coupling.scheme, set())
     piped = (EMPTIED,) if not asked and piped_metals(case) else ()
     return [
-        name
+        entry
         for entry in (*case.output.fields, *piped)
         if (case.coupling.scheme != "thermal" or entry not in MECHANICAL) and entry not in lacking
-        for name in written_names(entry, case)
     ]
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from castx.arrays import FloatArray
+
 MILLIMETRES = 1e3
 """Units of the gmsh model in a metre."""
 
@@ -76,6 +78,19 @@ class SizeRule:
     body: str | None = None
     surface: str | None = None
     within: Box | None = None
+
+
+@dataclass(frozen=True)
+class SizeMap:
+    """Sizes of cells over space, linear in tetrahedra such as those of an earlier mesh.
+
+    Args:
+        corners: of the tetrahedra, (tetrahedra, 4, 3) [m].
+        sizes: at their corners, (tetrahedra, 4) [m].
+    """
+
+    corners: FloatArray
+    sizes: FloatArray
 
 
 @dataclass(frozen=True)
@@ -173,6 +188,7 @@ class CadPart:
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         rules: sizes at places.
+        size_map: further sizes, over space.
         most_cells: that a mesh may have.
         mould: made round the solids.
         symmetry: planes that cut everything.
@@ -191,6 +207,7 @@ class CadPart:
     interface_size: float | None = None
     growth: float = 0.4
     rules: tuple[SizeRule, ...] = ()
+    size_map: SizeMap | None = None
     most_cells: float = 2e6
     mould: Mould | None = None
     symmetry: tuple[SymmetryPlane, ...] = ()

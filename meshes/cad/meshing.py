@@ -9,6 +9,7 @@ import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.meshes.cad.background import mapped_cells, set_field
 from castx.meshes.cad.cells import cell_qualities, solid_volumes
 from castx.meshes.cad.curvature import curved_cells
 from castx.meshes.cad.description import MILLIMETRES, CadPart
@@ -21,7 +22,6 @@ from castx.meshes.cad.sizes import (
     crowded_cells,
     estimated_cells,
     samples_of,
-    set_field,
     size_grid,
     wanted_sizes,
 )
@@ -68,6 +68,7 @@ def generate(
     grid = size_grid(part, wishes)
     _refuse_crowds(part, samples, wishes.sizes[: len(samples.areas)], grid)
     _refuse_many(part, samples, wishes.sizes[: len(samples.areas)], volumes)
+    _refuse_fine_map(part)
     set_field(part, grid, volumes, scratch)
     _mesh_all()
 
@@ -114,6 +115,15 @@ def _refuse_many(
             f"about {cells:.1e} cells, and geometry.most_cells allows {part.most_cells:.1e}; make "
             f"all sizes {factor:.2g} times as large, geometry.across or geometry.curvature "
             "smaller, or geometry.growth larger"
+        )
+
+
+def _refuse_fine_map(part: CadPart) -> None:
+    cells = 0.0 if part.size_map is None else mapped_cells(part.size_map, part.size)
+    if cells > part.most_cells:
+        raise ValueError(
+            f"geometry.size_map asks for about {cells:.1e} cells, and geometry.most_cells allows "
+            f"{part.most_cells:.1e}; allow more, or make fewer rounds of --adapt"
         )
 
 

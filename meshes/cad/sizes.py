@@ -30,8 +30,6 @@ MOST = 3000
 """Samples behind which walls are looked for."""
 MOST_PAIRS = 6e7
 """Of such samples with all others."""
-NO_SIZE = 1e22
-"""What gmsh takes for no size."""
 STEPS = 64
 """Of the grid of sizes along the longest extent, at most."""
 
@@ -328,33 +326,6 @@ def _growing(grid: FloatArray, slope: float) -> FloatArray:
             np.minimum(grid[here], grid[there] + rise, out=grid[here])
         if np.array_equal(before, grid):
             return grid
-
-
-def set_field(part: CadPart, grid: SizeGrid, volumes: Mapping[int, str], scratch: str) -> None:
-    """Give gmsh the sizes as its background field.
-
-    Args:
-        part: what is meshed.
-        grid: of sizes.
-        volumes: body of each volume.
-        scratch: a file to write.
-    """
-    field = gmsh.model.mesh.field
-    grid.write(scratch)
-    fields = [field.add("Structured")]
-    field.setString(fields[0], "FileName", scratch)
-    field.setNumber(fields[0], "TextFormat", 0)
-    for rule in part.rules:
-        if rule.body is not None:
-            fields.append(field.add("Constant"))
-            inside = [volume for volume, body in volumes.items() if body == rule.body]
-            field.setNumbers(fields[-1], "VolumesList", inside)
-            field.setNumber(fields[-1], "VIn", rule.size * MILLIMETRES)
-            field.setNumber(fields[-1], "VOut", NO_SIZE)
-    least = field.add("Min")
-    field.setNumbers(least, "FieldsList", fields)
-    field.setAsBackgroundMesh(least)
-    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
 def estimated_cells(

@@ -69,6 +69,17 @@ def _interface_size(value: Any) -> float | None:
     return None if value is None else Quantity(LENGTH, above=0.0).read(value)
 
 
+def _size_map(value: Any) -> Path | None:
+    if value is None:
+        return None
+    if not isinstance(value, str | Path) or not str(value).endswith(".vtu") or "\0" in str(value):
+        raise CaseError(
+            "the path of a VTU file with sizes is needed, relative to the case file; "
+            "castx run --adapt writes some"
+        )
+    return Path(value)
+
+
 def _unit(value: Any) -> float:
     if not isinstance(value, str):
         raise CaseError('a unit of length is needed: "mm", "inch", …')
@@ -93,6 +104,8 @@ class CadGeometry(Description):
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         sizes: at places.
+        size_map: file with sizes over space, as `castx run --adapt` writes them, relative to the
+            case file, after loading absolute; the least of all sizes holds.
         refinement: by which all sizes are divided, those by walls and curvature too.
         most_cells: that the mesh may have.
         mould: made round the solids.
@@ -115,6 +128,7 @@ class CadGeometry(Description):
     interface_size: Annotated[float | None, PlainValidator(_interface_size)] = None
     growth: Annotated[float, Quantity(PURE_NUMBER, least=0.05, most=2.0)] = 0.4
     sizes: tuple[LocalSize, ...] = Field((), max_length=_MOST_SURFACES)
+    size_map: Annotated[Path | None, PlainValidator(_size_map)] = None
     refinement: Annotated[float, Quantity(PURE_NUMBER, least=0.1, most=20.0)] = 1.0
     most_cells: Annotated[float, Quantity(PURE_NUMBER, least=1.0, most=1e9)] = 2e6
     mould: CadMould | None = None
@@ -156,5 +170,6 @@ class CadGeometry(Description):
                 "file": None if self.file is None else folder / self.file,
                 "files": tuple(folder / path for path in self.files),
                 "parts": {body: folder / path for body, path in self.parts.items()},
+                "size_map": None if self.size_map is None else folder / self.size_map,
             }
         )

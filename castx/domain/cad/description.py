@@ -8,6 +8,7 @@ from math import radians
 from castx.case.cad.geometry import CadGeometry
 from castx.case.cad.mould import CadMould
 from castx.case.cad.selectors import FaceSelector
+from castx.domain.cad.size_map import read_size_map
 from castx.meshes.cad.description import (
     CadFile,
     CadPart,
@@ -26,6 +27,9 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
     Args:
         cad: of the case.
         body_names: names that the solids must get; None: any.
+
+    Raises:
+        MeshError: sizes over space cannot be read.
     """
     finer, on_interface = cad.refinement, cad.interface_size
     return CadPart(
@@ -41,6 +45,7 @@ def part_of(cad: CadGeometry, body_names: Sequence[str] | None) -> CadPart:
         interface_size=None if on_interface is None else on_interface / finer,
         growth=cad.growth / finer,
         rules=tuple(SizeRule(s.size / finer, s.body, s.surface, s.within) for s in cad.sizes),
+        size_map=None if cad.size_map is None else read_size_map(cad.size_map, finer),
         most_cells=cad.most_cells,
         mould=None if cad.mould is None else _mould(cad.mould),
         symmetry=tuple(SymmetryPlane(*plane) for plane in cad.symmetry),

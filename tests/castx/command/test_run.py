@@ -36,16 +36,16 @@ def test_the_folder_is_that_of_the_case_or_the_given_one(comm, case_file, shared
 def test_the_command_that_goes_on_has_all_options():
     options = {
         "case_file": Path("my case.toml"), "output": None, "time_limit": "8 h", "sensitivity": None,
-        "estimate": True, "profile": False, "overrides": ["time.end=4", "name='x y'"],
+        "estimate": True, "profile": False, "overrides": ["time.end=4", "name='x y'"], "adapt": 0,
     }  # fmt: skip
     said = restart_command(options)
     assert shlex.split(said) == [
         "castx", "run", "my case.toml", "--time-limit", "8 h", "--estimate", "--set", "time.end=4",
         "--set", "name='x y'", "--restart",
     ]  # fmt: skip
-    more = {"output": Path("out"), "sensitivity": "coherency", "overrides": None}
+    more = {"output": Path("out"), "sensitivity": "coherency", "overrides": None, "adapt": 2}
     said = restart_command({**options, **more})
-    assert "--output out --time-limit '8 h' --sensitivity coherency --estimate" in said
+    assert "--output out --time-limit '8 h' --sensitivity coherency --adapt 2 --estimate" in said
 
 
 def test_a_relative_folder_is_that_of_the_present_one(case_file, monkeypatch):
@@ -149,9 +149,7 @@ def test_an_output_that_cannot_be_written_is_refused(comm, case_file, said):
 
 
 @pytest.mark.ranks
-def test_a_run_that_does_not_converge_leaves_its_last_state(
-    comm, case_file, shared_tmp_path, said
-):
+def test_a_run_that_does_not_converge_leaves_its_last_state(comm, case_file, shared_tmp_path, said):
     folder = shared_tmp_path / "out"
     arguments = ["run", str(case_file), "--output", str(folder)]
     for override in ("solver.mechanics.snes_max_it=0", "time.smallest_step=0.05"):

@@ -35,6 +35,9 @@ def test_files_are_relative_to_a_folder():
     cad = CadGeometry.read({"files": ["a.brep"], "size": 1, "unit": "inch"})
     assert cad.unit == pytest.approx(0.0254)
     assert cad.relative_to(Path("/case")).sources == [(Path("/case/a.brep"), None)]
+    assert cad.relative_to(Path("/case")).size_map is None
+    mapped = CadGeometry.read({"file": "a.step", "size": 1, "size_map": "b/sizes.vtu"})
+    assert mapped.relative_to(Path("/case")).size_map == Path("/case/b/sizes.vtu")
 
 
 def test_ends_of_names():
@@ -63,6 +66,7 @@ def test_ends_of_names():
         ({**STEP, "size": 0}, "size: must be positive"),
         ({**STEP, "curvature": 2}, "curvature: must be at least 3"),
         ({**STEP, "across": -1}, "across: a whole number from 0 to 20"),
+        ({**STEP, "size_map": "a.csv"}, "size_map: the path of a VTU file with sizes is needed"),
         ({**STEP, "growth": 0}, "growth: must be at least 0.05"),
         ({**STEP, "most_cells": 0}, "most_cells: must be at least 1"),
         ({**STEP, "interface_size": 1}, "interface_size: must not exceed size, 0.004 m"),

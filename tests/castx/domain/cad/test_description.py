@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from math import radians
 
+import numpy as np
 import pytest
 
 from castx.case.cad.geometry import CadGeometry
 from castx.domain.cad.description import part_of
+from castx.domain.cad.size_map import write_size_map
 from castx.meshes.cad.description import (
     CadFile,
     CadPart,
@@ -70,7 +72,17 @@ def test_every_key_reaches_the_mesher():
         SizeRule(2.0, surface="s"),
         SizeRule(1.0, within=((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))),
     )
+    assert part.size_map is None
     assert part_of(cad, None).bodies is None
+
+
+def test_sizes_over_space_are_read_and_refined(tmp_path):
+    points, file = np.vstack([np.zeros(3), np.eye(3)]), tmp_path / "sizes.vtu"
+    write_size_map(file, points, np.array([[0, 1, 2, 3]]), np.array([1.0, 2.0, 3.0, 4.0]))
+    given = {"file": "a.step", "size": 6, "size_map": str(file), "refinement": 2}
+    size_map = part_of(CadGeometry.read(given), None).size_map
+    assert size_map.sizes.tolist() == [[0.5, 1.0, 1.5, 2.0]]
+    np.testing.assert_array_equal(size_map.corners, [points])
 
 
 def test_refinement_divides_every_size():

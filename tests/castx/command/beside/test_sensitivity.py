@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.command.beside.sensitivity import run_sensitivity, sensitivity_table
 from castx.command.cli import execute
 from castx.command.run import run
-from castx.command.sensitivity import run_sensitivity, sensitivity_table
 from castx.errors import CaseError, ConvergenceError
 from castx.report.summary.registry import findings
 from castx.results.files.sensitivity import read_sensitivity
@@ -90,10 +90,8 @@ def test_one_that_cannot_rise_is_run_lower_alone(comm, alloy_file, shared_tmp_pa
     assert runs[0].frozen == {"casting": None} and runs[0].reached == 0.25
 
 
-def test_another_run_that_fails_is_said_in_its_row(
-    comm, alloy_file, shared_tmp_path, monkeypatch
-):
-    from castx.command import beside_runs
+def test_another_run_that_fails_is_said_in_its_row(comm, alloy_file, shared_tmp_path, monkeypatch):
+    from castx.command.beside import runs
 
     def failing(case, *others):
         found = sensitivity_run(case, *others)
@@ -101,8 +99,8 @@ def test_another_run_that_fails_is_said_in_its_row(
             raise ConvergenceError("no solution")
         return found
 
-    sensitivity_run = beside_runs.run_case
-    monkeypatch.setattr(beside_runs, "run_case", failing)
+    sensitivity_run = runs.run_case
+    monkeypatch.setattr(runs, "run_case", failing)
     short = [*THIN, "time.end=0.25"]
     folder = run_sensitivity(alloy_file, short, output=shared_tmp_path / "out", comm=comm)
     assert len(read_sensitivity(folder).runs) == 3

@@ -14,7 +14,7 @@ from castx.case.case import Case
 from castx.case.coherency import coherencies
 from castx.case.reading.read import load_case
 from castx.case.reading.with_coherency import with_coherency
-from castx.command.beside_runs import run_beside
+from castx.command.beside.runs import run_beside
 from castx.command.run import with_output
 from castx.command.terminal import VariedNumber
 from castx.errors import CaseError

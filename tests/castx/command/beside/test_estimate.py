@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from castx.command.beside.estimate import MESH, STEPS, estimate_table, run_estimate
 from castx.command.cli import execute
-from castx.command.estimate import MESH, STEPS, estimate_table, run_estimate
 from castx.command.run import run
 from castx.errors import CaseError
 from castx.report.summary.registry import findings

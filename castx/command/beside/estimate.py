@@ -14,7 +14,7 @@ from rich.table import Table
 from castx.case.case import Case
 from castx.case.reading.coarser import with_coarser_mesh, with_larger_steps
 from castx.case.reading.read import load_case
-from castx.command.beside_runs import run_beside
+from castx.command.beside.runs import run_beside
 from castx.command.run import with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank

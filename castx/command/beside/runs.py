@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 from mpi4py import MPI
@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 
 def run_beside(
     case: Case,
-    others: Sequence[Case],
+    others: Iterable[Case],
     comm: MPI.Intracomm,
     restart: bool = False,
     time_limit: float | None = None,
@@ -35,7 +35,7 @@ def run_beside(
 
     Args:
         case: the case.
-        others: with results folders of their own.
+        others: with results folders of their own; each is asked for once those before have ended.
         comm: the ranks to run on.
         restart: go on from the checkpoints, of the others where they have one.
         time_limit: wall clock time of all runs together [s].

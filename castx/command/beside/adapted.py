@@ -1,0 +1,132 @@
+"""Runs in meshes that follow the errors of the run before, and how their numbers change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import count as count_from
+from pathlib import Path
+
+from mpi4py import MPI
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from castx.case.case import Case
+from castx.case.reading.adapted import error_fields, with_fields, with_size_map
+from castx.case.reading.read import load_case
+from castx.command.beside.next_sizes import write_next_sizes
+from castx.command.beside.runs import run_beside
+from castx.command.run import with_output
+from castx.errors import CaseError
+from castx.ranks import on_first_rank
+from castx.report.summary.finding import Finding
+from castx.report.summary.registry import findings
+from castx.results.files.folder import RECORD, keep_results
+from castx.results.reading import Results
+from castx.results.writing import wanted_entries
+
+
+def run_adapted(
+    path: Path,
+    overrides: Sequence[str] = (),
+    *,
+    rounds: int,
+    output: Path | None = None,
+    comm: MPI.Intracomm,
+    restart: bool = False,
+    time_limit: float | None = None,
+    profile: bool = False,
+) -> Path:
+    """Run a case, then in meshes adapted to its errors; return its results folder; collective.
+
+    The other runs stand in folders inside it, adapted_1 and so on, with the sizes of their cells
+    in sizes_1.vtu beside them.
+
+    Args:
+        path: the case file.
+        overrides: values in place of those of the file.
+        rounds: how often the mesh is adapted.
+        output: results folder in place of that of the file.
+        comm: the ranks to run on.
+        restart: go on from the checkpoints, of the other runs where they have one.
+        time_limit: wall clock time of all runs together [s].
+        profile: write into run.json what the parts of each run have cost.
+
+    Raises:
+        CaseError: the case is not meshed from CAD, or as in `castx.run`.
+        MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a run
+            in an adapted mesh does not converge, there is none behind it.
+    """
+    case = load_case(path, overrides)
+    if case.geometry.cad is None:
+        raise CaseError(
+            "--adapt meshes CAD parts again; the meshes of files stay as they are, and those of "
+            "generators follow geometry.size and geometry.interface_size"
+        )
+    case = with_fields(case, list(dict.fromkeys([*wanted_entries(case), *error_fields(case)])))
+    case = with_output(case, case.output.folder if output is None else output)
+    if not restart:
+        on_first_rank(comm, lambda: _keep_earlier(case.output.folder))
+    return run_beside(case, _adapted(case, rounds, comm), comm, restart, time_limit, profile)
+
+
+def _adapted(case: Case, rounds: int, comm: MPI.Intracomm) -> Iterator[Case]:
+    """Yield the case in each next mesh, once the run in the one before it has ended."""
+    present, folder = case, case.output.folder
+    for count in range(1, rounds + 1):
+        if not on_first_rank(comm, lambda: _finished(present.output.folder)):  # noqa: B023
+            return
+        sizes = folder / f"sizes_{count}.vtu"
+        on_first_rank(comm, lambda: write_next_sizes(present, sizes))  # noqa: B023
+        present = with_output(with_size_map(case, sizes), folder / _name(count))
+        yield present
+
+
+def _keep_earlier(folder: Path) -> None:
+    """Keep results in adapted meshes of an earlier run aside."""
+    for count in count_from(1):
+        if not (folder / _name(count)).is_dir():
+            return
+        keep_results(folder / _name(count))
+
+
+def _name(count: int) -> str:
+    return f"adapted_{count}"
+
+
+def _finished(folder: Path) -> bool:
+    return bool(Results(folder).record["exit"]["reason"] == "finished")
+
+
+def adapted_table(folder: Path) -> Table:
+    """Return a table of the numbers of a run in its own mesh and in the adapted ones.
+
+    Args:
+        folder: results of the run itself.
+    """
+    runs = [Results(folder)]
+    while (folder / _name(len(runs)) / RECORD).is_file():
+        runs.append(Results(folder / _name(len(runs))))
+    numbers = [{found.name: found for found in findings(run)} for run in runs]
+    table = Table("number", box=SIMPLE_HEAD, caption=f"castx report {runs[-1].folder}")
+    for count, run in enumerate(runs):
+        cells = sum(int(body["cells"]) for body in run.record["bodies"].values())
+        table.add_column(f"{_name(count) if count else 'own mesh'}\n{cells} cells", justify="right")
+    table.add_column("last change", justify="right")
+    for name, finding in numbers[0].items():
+        values = [of_run.get(name) for of_run in numbers]
+        table.add_row(name, *(_text(finding, value) for value in values), _change(values))
+    return table
+
+
+def _text(finding: Finding, other: Finding | None) -> str:
+    return "" if other is None else replace(finding, value=other.value).number
+
+
+def _change(values: Sequence[Finding | None]) -> str:
+    """Return by how much the last mesh has changed a number, in percent of what it was."""
+    before, last = values[-2:] if len(values) > 1 else (None, None)
+    if before is None or last is None or before.value == 0.0 or before.unit in ("°C", "%"):
+        return ""
+    return f"{100.0 * (last.value / before.value - 1.0):+.1f} %"
