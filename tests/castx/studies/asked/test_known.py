@@ -46,7 +46,8 @@ DATA = {
         ("materials.alloy.conductivity.liquid", 0.8, 1.2, True, "AlSi7Mg"),
         ("materials.AlCu4[5].x", 0, 0, False, None),
         ("materials.alloy.tensile_strength", 0, 0, False, None),  # the case has its own
-        ("materials.alloy.latent_heat", 0, 0, False, None),  # no range
+        ("materials.alloy.latent_heat", 389e3, 464e3, False, "AlSi7Mg"),
+        ("materials.alloy.density", 0, 0, False, None),  # no range
         ("materials.own.density", 0, 0, False, None),
         ("interfaces[0].heat.closed", 500.0, 3000.0, False, "aluminium-steel-coated"),
         ("interfaces.0.heat.open", 0, 0, False, None),
