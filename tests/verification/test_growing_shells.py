@@ -81,7 +81,7 @@ def test_half_of_the_size_halves_the_error(comm, shared_tmp_path, dimension, kin
 
 
 @pytest.mark.parametrize("dimension", [3, 2], ids=["sphere", "cylinder"])
-@pytest.mark.parametrize("kind", ["q1p0", "gls"])
+@pytest.mark.parametrize("kind", ["q1p0", "gls", "osgs"])
 def test_a_shell_that_grows_under_pressure(comm, shared_tmp_path, dimension, kind):
     """The solid is hardly compressible: to 1 % at 30 cells across the shell."""
     found, answer = grown(comm, shared_tmp_path, dimension, kind, 0.49, 30)

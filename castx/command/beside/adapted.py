@@ -116,6 +116,8 @@ def adapted_table(folder: Path) -> Table:
     table.add_column("last change", justify="right")
     for name, finding in numbers[0].items():
         values = [of_run.get(name) for of_run in numbers]
+        if len({found.value for found in values if found is not None}) == 1 < len(values):
+            continue  # of the material, not of the mesh
         table.add_row(name, *(_text(finding, value) for value in values), _change(values))
     return table
 
