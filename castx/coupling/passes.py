@@ -8,6 +8,8 @@ from dataclasses import replace
 from castx.coupling.agreement import ROUNDED
 from castx.coupling.change import StepChange, ThermalChange
 from castx.coupling.relaxation import goes_round
+from castx.errors import ConvergenceError
+from castx.solvers.diagnosis import CIRCLING, COUPLING
 
 SETTLED = 1e-6
 """Change of a pass from which on further ones say nothing of the size of the next step: with a
@@ -78,3 +80,18 @@ class Passes:
         """
         self._hopeless = self._hopeless + 1 if self._too_much(change) else 0
         return replace(change, agreed=False) if self._hopeless == HOPELESS else None
+
+    def failure(self) -> ConvergenceError:
+        """Return the error of passes that do not agree, with what would help."""
+        count, still = len(self.changes), f"change by {self.changes[-1]:.2g} of their values"
+        if self.go_round:
+            return ConvergenceError(
+                f"the interfaces no longer came closer to each other in {count} passes: their "
+                f"resistances still {still}",
+                CIRCLING,
+            )
+        return ConvergenceError(
+            f"the interfaces did not agree in {count} passes (coupling.passes): their resistances "
+            f"still {still}",
+            COUPLING,
+        )

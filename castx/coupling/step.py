@@ -30,7 +30,6 @@ from castx.equilibrium.problem import MechanicalProblem
 from castx.errors import ConvergenceError
 from castx.profiling import RunPart, booked_as
 from castx.solvers.counters import StepCounters
-from castx.solvers.diagnosis import COUPLING
 from castx.solvers.finite import require_finite
 from castx.stateful import Arrays, Saved, Stateful, restore_parts, saved_parts
 from castx.transfer.pair_state import PairState
@@ -145,11 +144,7 @@ class CoupledProblem:
                 return given_up
             wanted = relaxation.next(tried, _concatenated(found))
             guess, factors = thermal, scaling(found, wanted)
-        raise ConvergenceError(
-            f"the interfaces did not agree in {len(passes.changes)} passes (coupling.passes): "
-            f"their resistances still change by {passes.changes[-1]:.2g} of their values",
-            COUPLING,
-        )
+        raise passes.failure()
 
     def step_errors(self) -> StepErrors:
         """Return the errors of the trial step; collective.

@@ -10,6 +10,8 @@ from castx.errors import ConvergenceError
 
 HEAT, MECHANICS, COUPLING = "the heat problem", "the mechanical equilibrium", "the interfaces"
 """Problems that can fail, by the names that messages have for them."""
+CIRCLING = "interfaces that open and close again"
+"""Likewise, where more passes change nothing."""
 
 ADVICE = {
     HEAT: (
@@ -22,13 +24,20 @@ ADVICE = {
         "where it freezes or bends?",
         "let a cold law be reached more gently: a higher yield stress near the melting point, a "
         "coherency below 1, a larger liquid viscosity",
-        "another contact.method, or a linear solver that is exact: solver.linear = \"direct\"",
+        'another contact.method, or a linear solver that is exact: solver.linear = "direct"',
         "allow more iterations: solver.mechanics = { snes_max_it = 100 }",
     ),
     COUPLING: (
         "allow more passes (coupling.passes), or agree less exactly (coupling.tolerance)",
         "let the heat transfer depend on the contact pressure more gently: a smaller exponent or a "
         "larger resistance",
+    ),
+    CIRCLING: (
+        "look for a body that may lean on one wall or on another: friction in its contact, a "
+        "support, or finer cells where it freezes",
+        "agree less exactly (coupling.tolerance)",
+        "let the heat transfer depend on gap and contact pressure more gently: a larger resistance "
+        "of what is closed",
     ),
     "": (),
 }

@@ -74,5 +74,5 @@ def test_passes(comm, data):
 @pytest.mark.serial
 def test_without_acceleration_it_fails(comm, monkeypatch):
     monkeypatch.setattr("castx.coupling.relaxation.AITKEN_BOUNDS", (1.0, 1.0))
-    with pytest.raises(ConvergenceError, match="the interfaces did not agree in 12 passes"):
+    with pytest.raises(ConvergenceError, match="no longer came closer to each other in 12 passes"):
         list(simulation(comm, bars(FEEDBACK)))

@@ -10,6 +10,7 @@ import pytest
 from castx.coupling.agreement import ROUNDED
 from castx.coupling.passes import HOPELESS, SETTLED, Passes
 from castx.coupling.relaxation import ROUND
+from castx.solvers.diagnosis import CIRCLING, COUPLING
 
 pytestmark = pytest.mark.serial
 
@@ -54,3 +55,11 @@ def test_a_step_is_given_up_after_passes_one_after_the_other_that_change_too_muc
         assert passes.given_up(change) is None
     given_up = passes.given_up(change)
     assert given_up is not None and not given_up.agreed and given_up.skin == change.skin
+
+
+def test_a_failure_says_whether_more_passes_would_help():
+    few, stuck = after(0.5, 0.2).failure(), after(*[0.3] * 2 * ROUND).failure()
+    assert few.problem == COUPLING and "in 2 passes (coupling.passes)" in str(few)
+    assert "0.2 of their values" in str(few)
+    assert stuck.problem == CIRCLING and "coupling.passes" not in str(stuck)
+    assert f"in {2 * ROUND} passes" in str(stuck) and "0.3 of their values" in str(stuck)

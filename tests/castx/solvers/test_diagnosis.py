@@ -6,7 +6,7 @@ import pytest
 from castx.errors import ConvergenceError
 from castx.heat.body import ThermalBody
 from castx.mechanics.displacement import DisplacementFormulation
-from castx.solvers.diagnosis import COUPLING, HEAT, MECHANICS, FailedTry, diagnosis
+from castx.solvers.diagnosis import CIRCLING, COUPLING, HEAT, MECHANICS, FailedTry, diagnosis
 from tests.castx.checkpoint.test_file import casting
 from tests.coupled_cases import cylinder, merged, states
 
@@ -32,7 +32,7 @@ def test_the_words_of_a_diagnosis():
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize("problem", ["", HEAT, MECHANICS, COUPLING])
+@pytest.mark.parametrize("problem", ["", HEAT, MECHANICS, COUPLING, CIRCLING])
 def test_there_is_advice_for_every_problem(problem):
     text = diagnosis(0.0, [FailedTry(0.1, ConvergenceError("x", problem))])
     assert text.count("\n- ") >= 1
