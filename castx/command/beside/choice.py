@@ -9,7 +9,6 @@ from pathlib import Path
 import typer
 from rich.console import RenderableType
 
-from castx.command.run import run
 from castx.command.terminal import VariedNumber
 
 Solve = Callable[..., Path]
@@ -34,6 +33,8 @@ def chosen(
         raise typer.BadParameter(
             "--adapt, --estimate and --sensitivity are runs of their own: take one"
         )
+    from castx.command.run import run
+
     solve: Solve = run
     tables: list[MakeTable] = []
     if profile:
