@@ -312,7 +312,11 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
         for body in case.bodies
         if body.law != "rigid"
     }
-    lines = [law_above_solidus(name, found) for name, found in materials.items() if found.melts]
+    lines = [
+        law_above_solidus(body.name, material, poured=body.is_poured(material))
+        for body in case.bodies
+        if (material := materials.get(body.name)) is not None and material.melts
+    ]
     for body in case.bodies:
         if body.feeding == DARCY:
             given = find_material(body.material, case.materials)
@@ -321,18 +325,25 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
     return lines
 
 
-def law_above_solidus(body: str, material: Material) -> str:
-    """Describe in words how a melting material behaves below full solidity."""
+def law_above_solidus(body: str, material: Material, *, poured: bool = True) -> str:
+    """Describe in words how a melting material behaves below full solidity.
+
+    Args:
+        body: its name.
+        material: of the body.
+        poured: whether it is liquid at the start; a chill melts only if it gets so hot.
+    """
     liquid = material.liquid
     if liquid is None:
         return f"{body}: {material.name} keeps its solid's law at every temperature, without liquid"
+    name = material.name if poured else f"should it melt, {material.name}"
     flow = "flows with its viscosity"
     if not liquid.is_newtonian:
         flow = f"creeps by {LIQUID_RULES[liquid.model].title}"
     if material.is_isothermal:
         place = f"ahead of its front at {material.solidus:g} °C; its coherency has no meaning there"
-        return f"{body}: {material.name} {flow} {place}"
-    return f"{body}: {material.name} {flow} below a solid fraction of {liquid.coherency:g}"
+        return f"{body}: {name} {flow} {place}"
+    return f"{body}: {name} {flow} below a solid fraction of {liquid.coherency:g}"
 
 
 def formulation_of(mesh: CastingMesh, body: Body) -> str:

@@ -207,9 +207,7 @@ class _View:
     marks: FloatArray
 
 
-def _view(
-    shells: Sequence[Shell], paint: Paint, eye: FloatArray, marks: Sequence[Mark]
-) -> _View:
+def _view(shells: Sequence[Shell], paint: Paint, eye: FloatArray, marks: Sequence[Mark]) -> _View:
     """Return the picture of all bodies from one side."""
     screen, flat = _screen(eye), abs(eye[2]) == 1.0
     axes = np.eye(3)[: 2 if flat else 3][::-1]  # upwards before sidewards
@@ -286,9 +284,7 @@ def _polygons(corners: FloatArray) -> pyvista.PolyData:
     return polygons
 
 
-def _aim(
-    plotter: pyvista.Plotter, points: FloatArray, screen: FloatArray, eye: FloatArray
-) -> None:
+def _aim(plotter: pyvista.Plotter, points: FloatArray, screen: FloatArray, eye: FloatArray) -> None:
     """Let the picture show just all points."""
     frame = np.concatenate([screen, eye[None, :]])
     low, high = (points @ frame.T).min(axis=0), (points @ frame.T).max(axis=0)

@@ -65,7 +65,7 @@ def process_rows(events: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str
     """
     for event in events:
         if "stage" in event and event["cycle"] == 1:
-            there = ', '.join(event['bodies'])
+            there = ", ".join(event["bodies"])
             yield f"stage {event['stage']}", f"from {event['time']:g} s: {there}"
     drawn = {body: event for event in events for body in event.get("ejection", {})}
     for body, event in drawn.items():

@@ -10,7 +10,7 @@ import pytest
 
 from castx.case.reading.read import read_case
 from castx.contact.choice import Contact, common_method
-from castx.coupling.building import build_problem, law_above_solidus
+from castx.coupling.building import build_problem, law_above_solidus, laws_above_solidus
 from castx.domain.source import gmsh_session
 from castx.errors import CaseError, MeshError
 from castx.materials.description import Liquid
@@ -94,8 +94,10 @@ CHANGES: list[tuple[str, Any]] = [
     ("interfaces.0.heat", {"law": "limited", "gas_conductivity": 0.05, "coating": COATING}),
     ("interfaces.0.heat.radiation", {"emissivities": [0.3, 0.8]}),
     ("interfaces.0.heat.patches", [{"within": {"z": [0, 0.02]}, "closed": 500.0}]),
-    ("interfaces.0.heat.patches",
-     [{"within": {"z": [0, 0.02]}, "radiation": {"emissivities": [1, 1]}}]),
+    (
+        "interfaces.0.heat.patches",
+        [{"within": {"z": [0, 0.02]}, "radiation": {"emissivities": [1, 1]}}],
+    ),
     ("interfaces.0.heat", {"law": "none"}),
     ("interfaces.0.heat", {"law": "none", "radiation": {"emissivities": [0.3, 0.8]}}),
     ("interfaces.0.heat", {"law": "solid-fraction", "closed": 1500.0, "open": 100.0}),
@@ -103,8 +105,10 @@ CHANGES: list[tuple[str, Any]] = [
     ("boundaries.0.displacement.normal", 1e-5),
     ("boundaries.2.heat.coefficient", 400.0),
     ("boundaries.2.heat.coefficient", {"over": "temperature", "table": [[0, 500], [700, 400]]}),
-    ("boundaries.2.heat.coefficient",
-     {"over": "temperature", "table": [[0, 500], [700, 400]], "of": "surface"}),
+    (
+        "boundaries.2.heat.coefficient",
+        {"over": "temperature", "table": [[0, 500], [700, 400]], "of": "surface"},
+    ),
     ("boundaries.2.heat.ambient", 40.0),
     ("boundaries.2.heat", {"type": "radiation", "emissivity": 0.9, "ambient": 30.0}),
     ("boundaries.3.heat.value", 1e5),
@@ -229,6 +233,8 @@ def test_the_law_above_the_solidus_is_named():
         "has no meaning there"
     )
     assert law_above_solidus("core", copper) == text
+    chill = text.replace("Cu-pure", "should it melt, Cu-pure")
+    assert law_above_solidus("core", copper, poured=False) == chill
     alloy = find_material("AlSi7Mg", {})
     text = "core: AlSi7Mg flows with its viscosity below a solid fraction of 0.9"
     assert law_above_solidus("core", alloy) == text
@@ -239,6 +245,15 @@ def test_the_law_above_the_solidus_is_named():
         description = alloy.description.model_copy(update={"liquid": liquid})
         text = f"core: AlSi7Mg creeps by {rule.title} below a solid fraction of 0.6"
         assert law_above_solidus("core", replace(alloy, description=description)) == text
+
+
+def test_a_chill_is_not_said_to_flow(comm):
+    data = changed(changed(base(), "bodies.1.material", "Cu-pure"), "bodies.1.formulation", "mixed")
+    run = coupled_cases.simulation(comm, data)
+    for temperature, said in ((20.0, True), (1200.0, False)):
+        hot = changed(data, "bodies.1.temperature", temperature)
+        lines = laws_above_solidus(read_case(hot, coupled_cases.Path("case.toml")), run.mesh)
+        assert any("core: should it melt, Cu-pure" in line for line in lines) is said
 
 
 def test_methods_of_contact_cannot_be_mixed():
@@ -253,9 +268,7 @@ def test_initial_gap_at_the_pairs(comm):
         "along": "z", "table": [[0.0, 0.0], [0.04, 4e-5]],
     }  # fmt: skip
     run = coupled_cases.simulation(comm, data)
-    problem = build_problem(
-        read_case(data, coupled_cases.Path("case.toml")), run.mesh, run.pairs
-    )
+    problem = build_problem(read_case(data, coupled_cases.Path("case.toml")), run.mesh, run.pairs)
     heights = run.pairs["casting/core"].points[:, 1]
     assert problem.states[0].gap == pytest.approx(1e-3 * heights, abs=1e-12)
 
