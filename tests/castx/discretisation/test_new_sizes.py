@@ -39,6 +39,7 @@ def test_there_are_as_many_cells_as_asked_for(growth):
     squares = np.exp(-8.0 * middles[:, 0])
     found = ErringMesh(points, cells, squares, FILLING, slope=10.0).next_sizes(growth)
     assert counted(points, cells, found) == pytest.approx(growth * len(cells), rel=0.01)
+    assert np.all(found <= np.sqrt(simplex_volumes(points, cells).max() / FILLING) * (1 + 1e-9))
     assert np.corrcoef(points[:, 0], found)[0, 1] > 0.8
 
 
