@@ -66,9 +66,7 @@ def run(
         KeyboardInterrupt: a signal or the time limit asked to stop; the last accepted state is on
             disk.
     """
-    case = load_case(Path(path), overrides)
-    if output is not None:
-        case = with_output(case, Path(output))
+    case = asked_case(path, overrides, output)
     ranks = MPI.COMM_WORLD if comm is None else comm
     return run_case(case, ranks, restart, time_limit, profile)
 
@@ -87,6 +85,21 @@ def restart_command(options: Mapping[str, Any]) -> str:
     for override in options["overrides"] or ():
         words += ["--set", override]
     return shlex.join([*words, "--restart"])
+
+
+def asked_case(path: str | Path, overrides: Sequence[str], output: str | Path | None) -> Case:
+    """Return a case as the command line asks for it.
+
+    Args:
+        path: the case file.
+        overrides: values in place of those of the file.
+        output: results folder in place of that of the file.
+
+    Raises:
+        CaseError: the case cannot be accepted.
+    """
+    case = load_case(Path(path), overrides)
+    return case if output is None else with_output(case, Path(output))
 
 
 def with_output(case: Case, folder: Path) -> Case:

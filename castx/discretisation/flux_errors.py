@@ -11,6 +11,7 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.case import Case
+from castx.case.fields.heat import FLUX_ERROR
 from castx.discretisation.cell_errors import CellErrors, described_error, squared
 from castx.discretisation.cell_flux import CellHeatFlux, potentials_of
 from castx.materials.conduction_potential import ConductionPotential
@@ -18,9 +19,6 @@ from castx.stateful import Arrays, Saved, part_of, saved_parts
 
 if TYPE_CHECKING:
     from castx.domain.mesh import BodyMesh, CastingMesh
-
-FLUX_ERROR = "heat_flux_error"
-"""Name of the field."""
 
 
 class TemperatureState(Protocol):

@@ -6,6 +6,8 @@ from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField
 from castx.input.units import PURE_NUMBER, TEMPERATURE, Dimension
 
 ENTHALPY = Dimension("an enthalpy per volume", "J/m^3", ("J/m^3", "MJ/m^3"))
+FLUX_ERROR = "heat_flux_error"
+"""Name of the error of the heat flux by the mesh."""
 
 FIELDS = (
     OutputField(
@@ -64,7 +66,7 @@ FIELDS = (
         ),
     ),
     OutputField(
-        name="heat_flux_error",
+        name=FLUX_ERROR,
         title="Error of the heat flux by the mesh",
         unit="W/m²",
         place=FieldPlace.CELL,

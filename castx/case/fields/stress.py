@@ -9,6 +9,9 @@ from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField
 from castx.foundry.cracking import principal_values
 from castx.input.units import PURE_NUMBER, STRESS
 
+STRESS_ERROR = "stress_error"
+"""Name of the error of the stress by the mesh."""
+
 
 def von_mises(stress: FloatArray) -> FloatArray:
     """Return √(3/2)‖s‖ [Pa] of stresses (n, 6) in the order xx, yy, zz, xy, xz, yz."""
@@ -94,7 +97,7 @@ FIELDS = (
         ),
     ),
     OutputField(
-        name="stress_error",
+        name=STRESS_ERROR,
         title="Error of the stress by the mesh",
         unit="Pa",
         place=FieldPlace.CELL,

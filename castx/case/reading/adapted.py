@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from castx.case.case import Case
+from castx.case.fields.heat import FLUX_ERROR
+from castx.case.fields.stress import STRESS_ERROR
 from castx.case.reading.read import read_case
-
-STRESS_ERROR, FLUX_ERROR = "stress_error", "heat_flux_error"
 
 
 def error_fields(case: Case) -> tuple[str, ...]:

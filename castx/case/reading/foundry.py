@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from castx.case.bodies import DARCY, Body
 from castx.case.case import Case
+from castx.case.fields.heat import FLUX_ERROR
 from castx.errors import CaseError
 from castx.foundry.alloy import FEEDING, NEEDED, OF_THE_MUSH, missing
 from castx.input.problems import Problem, Refusal, among
@@ -41,7 +42,7 @@ def foundry_problems(case: Case) -> Iterator[Problem]:
     if "emptied" in case.output.fields and not any(case.loads.gravity):
         text = "missing; the field emptied needs to know what is up: gravity = [0, 0, -9.81]"
         yield Problem(("loads", "gravity"), text)
-    for name in ("heat_flux", "heat_flux_error"):
+    for name in ("heat_flux", FLUX_ERROR):
         if name in case.output.fields and case.coupling.scheme == "mechanical":
             text = f'there is no {name} in a run with coupling.scheme = "mechanical"; leave it out'
             yield Problem(("output", "fields", case.output.fields.index(name)), text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import count as count_from
+from itertools import takewhile
 from pathlib import Path
 
 from mpi4py import MPI
@@ -14,16 +15,16 @@ from rich.table import Table
 
 from castx.case.case import Case
 from castx.case.reading.adapted import error_fields, with_fields, with_size_map
-from castx.case.reading.read import load_case
 from castx.command.beside.next_sizes import write_next_sizes
-from castx.command.beside.runs import run_beside
-from castx.command.run import with_output
+from castx.command.beside.runs import cells_of_all, run_beside
+from castx.command.run import asked_case, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.finding import Finding
 from castx.report.summary.registry import findings
 from castx.results.files.folder import RECORD, keep_results
 from castx.results.reading import Results
+from castx.results.record import Reason
 from castx.results.writing import wanted_entries
 
 
@@ -58,16 +59,17 @@ def run_adapted(
         MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a run
             in an adapted mesh does not converge, there is none behind it.
     """
-    case = load_case(path, overrides)
+    case = asked_case(path, overrides, output)
     if case.geometry.cad is None:
         raise CaseError(
             "--adapt meshes CAD parts again; the meshes of files stay as they are, and those of "
             "generators follow geometry.size and geometry.interface_size"
         )
-    case = with_fields(case, list(dict.fromkeys([*wanted_entries(case), *error_fields(case)])))
-    case = with_output(case, case.output.folder if output is None else output)
+    folder = case.output.folder
+    fields = list(dict.fromkeys([*wanted_entries(case), *error_fields(case)]))
+    case = with_output(with_fields(case, fields), folder)
     if not restart:
-        on_first_rank(comm, lambda: _keep_earlier(case.output.folder))
+        on_first_rank(comm, lambda: [keep_results(there) for there in _adapted_folders(folder)])
     return run_beside(case, _adapted(case, rounds, comm), comm, restart, time_limit, profile)
 
 
@@ -83,12 +85,10 @@ def _adapted(case: Case, rounds: int, comm: MPI.Intracomm) -> Iterator[Case]:
         yield present
 
 
-def _keep_earlier(folder: Path) -> None:
-    """Keep results in adapted meshes of an earlier run aside."""
-    for count in count_from(1):
-        if not (folder / _name(count)).is_dir():
-            return
-        keep_results(folder / _name(count))
+def _adapted_folders(folder: Path) -> list[Path]:
+    """Return the folders with results in adapted meshes, inside those of the run itself."""
+    named = (folder / _name(count) for count in count_from(1))
+    return list(takewhile(lambda there: (there / RECORD).is_file(), named))
 
 
 def _name(count: int) -> str:
@@ -96,7 +96,7 @@ def _name(count: int) -> str:
 
 
 def _finished(folder: Path) -> bool:
-    return bool(Results(folder).record["exit"]["reason"] == "finished")
+    return bool(Results(folder).record["exit"]["reason"] == Reason.FINISHED)
 
 
 def adapted_table(folder: Path) -> Table:
@@ -105,14 +105,12 @@ def adapted_table(folder: Path) -> Table:
     Args:
         folder: results of the run itself.
     """
-    runs = [Results(folder)]
-    while (folder / _name(len(runs)) / RECORD).is_file():
-        runs.append(Results(folder / _name(len(runs))))
+    runs = [Results(there) for there in (folder, *_adapted_folders(folder))]
     numbers = [{found.name: found for found in findings(run)} for run in runs]
     table = Table("number", box=SIMPLE_HEAD, caption=f"castx report {runs[-1].folder}")
     for count, run in enumerate(runs):
-        cells = sum(int(body["cells"]) for body in run.record["bodies"].values())
-        table.add_column(f"{_name(count) if count else 'own mesh'}\n{cells} cells", justify="right")
+        mesh = _name(count) if count else "own mesh"
+        table.add_column(f"{mesh}\n{cells_of_all(run)} cells", justify="right")
     table.add_column("last change", justify="right")
     for name, finding in numbers[0].items():
         values = [of_run.get(name) for of_run in numbers]

@@ -13,9 +13,8 @@ from rich.table import Table
 
 from castx.case.case import Case
 from castx.case.reading.coarser import with_coarser_mesh, with_larger_steps
-from castx.case.reading.read import load_case
-from castx.command.beside.runs import run_beside
-from castx.command.run import with_output
+from castx.command.beside.runs import cells_of_all, run_beside
+from castx.command.run import asked_case, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.estimated import error_texts
@@ -59,9 +58,7 @@ def run_estimate(
     Raises:
         CaseError, MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`.
     """
-    case = load_case(path, overrides)
-    if output is not None:
-        case = with_output(case, output)
+    case = asked_case(path, overrides, output)
     folder = case.output.folder
     steps = with_output(with_larger_steps(case, RATIO), folder / STEPS)
     mesh = None
@@ -95,7 +92,7 @@ def estimated(case: Case, mesh: Case | None, steps: Case) -> Estimate:
 def _coarser_mesh(own: Results, mesh: Case, dimension: int) -> Coarser | None:
     """Return the run in a coarser mesh, or nothing where it is hardly coarser."""
     other = Results(mesh.output.folder)
-    ratio = float((_cells(own) / _cells(other)) ** (1.0 / dimension))
+    ratio = float((cells_of_all(own) / cells_of_all(other)) ** (1.0 / dimension))
     if ratio < LEAST_RATIO:
         log.warning(
             "errors by the mesh are not estimated: its cells cannot be made larger than by a "
@@ -104,10 +101,6 @@ def _coarser_mesh(own: Results, mesh: Case, dimension: int) -> Coarser | None:
         )
         return None
     return _given(other, own, ratio)
-
-
-def _cells(run: Results) -> int:
-    return sum(int(body["cells"]) for body in run.record["bodies"].values())
 
 
 def _given(other: Results, own: Results, ratio: float) -> Coarser:

@@ -10,7 +10,9 @@ import numpy as np
 
 from castx.arrays import FloatArray, LongArray
 from castx.case.case import Case
-from castx.case.reading.adapted import FLUX_ERROR, STRESS_ERROR, error_fields
+from castx.case.fields.heat import FLUX_ERROR
+from castx.case.fields.stress import STRESS_ERROR
+from castx.case.reading.adapted import error_fields
 from castx.discretisation.new_sizes import ErringMesh, simplex_volumes
 from castx.domain.cad.size_map import write_size_map
 from castx.materials.lookup import find_material
@@ -76,12 +78,14 @@ def _cells_of(results: Results, case: Case, body: str) -> _BodyCells:
     (named,) = (each for each in case.bodies if each.name == body)
     material = find_material(named.material, case.materials)
     last = max(time for time in results.times if body in results.bodies_at(time))
-    errors: dict[str, FloatArray] = {}
-    for name in error_fields(case):
-        field = results.field(name, body, last)
-        volumes = simplex_volumes(field.points, field.cells)
-        errors[name] = np.asarray(volumes * field.values**2 / _WEIGHTS[name](material))
-    return _BodyCells(field.points, field.cells, errors)
+    fields = {name: results.field(name, body, last) for name in error_fields(case)}
+    mesh = next(iter(fields.values()))
+    volumes = simplex_volumes(mesh.points, mesh.cells)
+    errors = {
+        name: np.asarray(volumes * field.values**2 / _WEIGHTS[name](material))
+        for name, field in fields.items()
+    }
+    return _BodyCells(mesh.points, mesh.cells, errors)
 
 
 def _stiffness(material: Material) -> float:

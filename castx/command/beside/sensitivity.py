@@ -12,10 +12,9 @@ from rich.table import Table
 
 from castx.case.case import Case
 from castx.case.coherency import coherencies
-from castx.case.reading.read import load_case
 from castx.case.reading.with_coherency import with_coherency
 from castx.command.beside.runs import run_beside
-from castx.command.run import with_output
+from castx.command.run import asked_case, with_output
 from castx.command.terminal import VariedNumber
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
@@ -61,9 +60,7 @@ def run_sensitivity(
         MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a
             run with another coherency does not converge, its row says so instead.
     """
-    case = load_case(path, overrides)
-    if output is not None:
-        case = with_output(case, output)
+    case = asked_case(path, overrides, output)
     others = list(_others(case))  # refused before anything is solved
     folder = run_beside(case, others, comm, restart, time_limit, profile)
     on_first_rank(comm, lambda: write_sensitivity(folder, compared([case, *others])))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.fields.feeding import EMPTIED
-from castx.discretisation.flux_errors import FLUX_ERROR, flux_errors_of
+from castx.case.fields.heat import FLUX_ERROR
+from castx.discretisation.flux_errors import flux_errors_of
 from castx.foundry.followed.last_liquid import last_liquid_of
 from castx.foundry.pools.feeders import feeders_of
 from castx.foundry.pools.feeding_path import FEEDING_PATH, Pores, feeding_reach_of

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from castx.case.fields.heat import FLUX_ERROR
 from castx.case.reading.read import read_case
-from castx.discretisation.flux_errors import FLUX_ERROR, FluxErrors, flux_errors_of
+from castx.discretisation.flux_errors import FluxErrors, flux_errors_of
 from castx.errors import CaseError
 from tests.castx.fakes import FakeSnapshot, slab_mesh
 
