@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from castx.arrays import FloatArray, LongArray
+from castx.meshes.linear_mesh import handedness
 
 ORDER = 1.0
 """p of stress and heat flux that are constant in the cells."""
@@ -52,6 +53,7 @@ class ErringMesh:
     ) -> None:
         self.points, self.cells = points, cells
         self._dimension = points.shape[1]
+        self._power = 2.0 * ORDER + self._dimension
         self._volumes = simplex_volumes(points, cells)
         self._sizes = (self._volumes / filling) ** (1.0 / self._dimension)
         self._logs = np.log(np.maximum(squares, np.finfo(float).tiny))
@@ -76,8 +78,7 @@ class ErringMesh:
         def beyond(level: float) -> float:
             return self._count(self._with(level)) - wanted
 
-        power = 2.0 * ORDER + self._dimension
-        lowest = float(self._logs[self._erring].min()) + power * np.log(SMALLEST)
+        lowest = float(self._logs[self._erring].min()) + self._power * np.log(SMALLEST)
         if beyond(lowest) <= 0.0:
             return self._with(lowest)
         highest = float(self._logs.max())
@@ -87,7 +88,7 @@ class ErringMesh:
 
     def _with(self, level: float) -> FloatArray:
         """Return gently growing sizes at the points for ln c."""
-        shrunk = np.exp((level - self._logs) / (2.0 * ORDER + self._dimension))
+        shrunk = np.exp((level - self._logs) / self._power)
         return self._gentle(self._at_points(self._sizes * np.clip(shrunk, SMALLEST, 1.0)))
 
     def _at_points(self, sizes: FloatArray) -> FloatArray:
@@ -113,8 +114,7 @@ class ErringMesh:
 
 def simplex_volumes(points: FloatArray, cells: LongArray) -> FloatArray:
     """Return the volumes of simplices, (cells,), those of triangles areas."""
-    sides = points[cells[:, 1:]] - points[cells[:, :1]]
-    return np.asarray(np.abs(np.linalg.det(sides)) / factorial(points.shape[1]))
+    return np.asarray(np.abs(handedness(points, cells)) / factorial(points.shape[1]))
 
 
 def _edges(cells: LongArray) -> tuple[LongArray, LongArray]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import gmsh
 import numpy as np
 
+from castx.meshes.cad.cells import tetrahedron_volumes
 from castx.meshes.cad.curvature import FILLING
 from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeMap
 from castx.meshes.cad.sizes import SizeGrid
@@ -15,12 +16,7 @@ NO_SIZE = 1e22
 """What gmsh takes for no size."""
 
 
-def set_field(
-    part: CadPart,
-    grid: SizeGrid,
-    volumes: Mapping[int, str],
-    scratch: str,
-) -> None:
+def set_field(part: CadPart, grid: SizeGrid, volumes: Mapping[int, str], scratch: str) -> None:
     """Give gmsh the least of all sizes as its background field.
 
     Args:
@@ -69,7 +65,6 @@ def mapped_cells(size_map: SizeMap, largest: float) -> float:
         size_map: the sizes.
         largest: size of cells where the map allows larger ones [m].
     """
-    sides = size_map.corners[:, 1:] - size_map.corners[:, :1]
-    volumes = np.abs(np.linalg.det(sides)) / 6.0
+    volumes = tetrahedron_volumes(size_map.corners)
     sizes = np.minimum(size_map.sizes, largest).mean(axis=1)
     return float(np.sum(volumes / (FILLING * sizes**3)))

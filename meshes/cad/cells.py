@@ -70,7 +70,11 @@ def node_points() -> FloatArray:
 def cell_volumes(points: FloatArray, tag: int) -> FloatArray:
     """Return the volumes of the tetrahedra of a volume [m³]."""
     nodes = gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1].astype(np.int64)
-    corners = points[nodes.reshape(-1, 4)]
+    return tetrahedron_volumes(points[nodes.reshape(-1, 4)])
+
+
+def tetrahedron_volumes(corners: FloatArray) -> FloatArray:
+    """Return the volumes of tetrahedra with these corners (tetrahedra, 4, 3) [m³]."""
     sides = corners[:, 1:] - corners[:, :1]
     return np.asarray(np.abs(np.linalg.det(sides)) / 6.0)
 
