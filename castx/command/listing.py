@@ -239,7 +239,7 @@ def sourced_text(number: SourcedNumber) -> Text:
     if not isinstance(number.value, dict):
         return Text(f"{', '.join(values)} {unit}".strip())
     over = number.value["over"]
-    head = ARGUMENTS[over].dimension.unit.replace("degC", "°C")
+    head = ARGUMENTS[over].dimension.shown
     arguments = (f"{row[0]:.5g}" for row in number.value["table"])
     return cells_text(list(zip(arguments, values, strict=True)), unit, head)
 

@@ -152,7 +152,7 @@ class Quantity:
 
     def json_schema(self) -> dict[str, Any]:
         """Return the JSON schema of the entry."""
-        unit = self.dimension.unit.replace("degC", "°C")
+        unit = self.dimension.shown
         said = " ".join(part for part in (self.dimension.name, f"[{unit}]" if unit else "") if part)
         bounds = self._range()
         said += f", {bounds}" if bounds else ""

@@ -43,6 +43,11 @@ class Dimension:
     difference: bool = True
 
     @property
+    def shown(self) -> str:
+        """SI unit as it is shown, with °C."""
+        return self.unit.replace("degC", "°C")
+
+    @property
     def example(self) -> str:
         """A number with a unit as it may stand in a case file."""
         return f'"2 {self.units[0] if self.units else self.unit}"' if self.unit else "2"
@@ -230,7 +235,7 @@ def _unit(text: str, dimension: Dimension) -> pint.Unit:
 
 
 def _in_unit(dimension: Dimension) -> str:
-    return f" in {dimension.unit.replace('degC', '°C')}" if dimension.unit else ""
+    return f" in {dimension.shown}" if dimension.unit else ""
 
 
 def _or_text(dimension: Dimension) -> str:

@@ -95,5 +95,5 @@ class PlainQuantity(Quantity):
 
 def unit_text(dimension: Dimension) -> str:
     """Return the SI unit of a dimension as people write it, "" for a pure number."""
-    text = dimension.unit.replace("degC", "°C").replace("*", " ")
+    text = dimension.shown.replace("*", " ")
     return text.replace("^2", "²").replace("^3", "³")

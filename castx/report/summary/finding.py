@@ -87,5 +87,10 @@ def place_text(place: Sequence[float], model: str) -> str:
         model: geometric model, which names the axes.
     """
     axes = parts("displacement", model)
-    found = (f"{axis} {round(1e3 * x, 1) + 0.0:.1f}" for axis, x in zip(axes, place, strict=False))
+    found = (f"{axis} {millimetres_text(x)}" for axis, x in zip(axes, place, strict=False))
     return ", ".join(found) + " mm"
+
+
+def millimetres_text(length: float) -> str:
+    """Return a coordinate [m] in tenths of a millimetre, without the sign of a zero."""
+    return f"{round(1e3 * length, 1) + 0.0:.1f}"

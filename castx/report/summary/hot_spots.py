@@ -8,6 +8,7 @@ from typing import Any
 
 from castx.input.units import seconds_text
 from castx.meshes.generators.declaration import PLANE_MODELS
+from castx.report.summary.finding import millimetres_text
 from castx.results.states.quantities import parts
 
 MOST_ROWS = 10
@@ -54,7 +55,7 @@ def hot_spot_table(spots: Sequence[Mapping[str, Any]], model: str) -> HotSpotTab
             str(spot["pool"]) + ("" if spot["parent"] is None else f", part of {spot['parent']}"),
             seconds_text(spot["isolated"]),
             "not yet" if spot["ended"] is None else seconds_text(spot["ended"]),
-            ", ".join(f"{round(1e3 * x, 1) + 0.0:.1f}" for x in spot["place"]),
+            ", ".join(millimetres_text(x) for x in spot["place"]),
             f"{factor * spot['volume']:.3g}",
             "unknown" if spot["deficit"] is None else f"{factor * spot['deficit']:.3g}",
         )

@@ -59,7 +59,7 @@ def _of_condition(content: Mapping[str, Any], keys: list[str]) -> str:
 def _of_key(key: HeatKey[Any]) -> str:
     entry: Any = key.entry
     dimension = getattr(getattr(entry, "value", entry), "dimension", None)
-    return "" if dimension is None else str(dimension.unit.replace("degC", "°C"))
+    return "" if dimension is None else str(dimension.shown)
 
 
 @cache

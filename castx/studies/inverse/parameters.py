@@ -108,7 +108,7 @@ class SoughtValues:
         (unit,) = {one.unit for one in self.asked.knots or ()}
         over = str(self.asked.over)
         plain = LENGTH if over in AXES else ARGUMENTS[over].dimension
-        return unit or plain.unit.replace("degC", "°C")
+        return unit or plain.shown
 
     @property
     def abscissa(self) -> str:
