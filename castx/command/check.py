@@ -128,10 +128,11 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
             console.print(remark, markup=False, style="yellow")
         for text in shut_in(case, free_areas(case, mesh_summary(mesh))):
             console.print(text, markup=False, style="yellow")
-        materials = {
-            body.name: find_material(body.material, case.materials) for body in case.bodies
+        poured = {
+            body.name
+            for body in case.bodies
+            if body.is_poured(find_material(body.material, case.materials))
         }
-        poured = {body.name for body in case.bodies if body.is_poured(materials[body.name])}
         for walls in thin_walls(case, mesh):
             if walls.body in poured:  # castx check tells those of the mould too
                 console.print(walls.text, markup=False, style="yellow")

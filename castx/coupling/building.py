@@ -307,15 +307,15 @@ def laws_above_solidus(case: Case, mesh: CastingMesh) -> list[str]:
     """
     if case.coupling.scheme == "thermal":
         return []
-    materials = {
-        body.name: _solved_material(mesh, body, find_material(body.material, case.materials))
+    solved = [
+        (body, _solved_material(mesh, body, find_material(body.material, case.materials)))
         for body in case.bodies
         if body.law != "rigid"
-    }
+    ]
     lines = [
         law_above_solidus(body.name, material, poured=body.is_poured(material))
-        for body in case.bodies
-        if (material := materials.get(body.name)) is not None and material.melts
+        for body, material in solved
+        if material.melts
     ]
     for body in case.bodies:
         if body.feeding == DARCY:
