@@ -4,9 +4,8 @@ import tomllib
 
 import pytest
 
-from tests.cad_files import write_cad
-from tests.castx.app.browser import Browser, found_browser
-from tests.castx.app.served import served
+from tests.castx.app.browser import found_browser
+from tests.castx.app.opened import opened_folder
 
 pytestmark = [
     pytest.mark.serial,
@@ -37,19 +36,8 @@ ENTER = """(([key, value]) => {
 @pytest.fixture
 def opened(tmp_path, monkeypatch):
     """A browser in which the page of a folder with one case is open, and the folder."""
-    folder = tmp_path / "work"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    write_cad(folder / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["bar"])
-    (folder / "bar.toml").write_text(CASE)
-    with (
-        served(folder, claim=False) as page,
-        Browser(found_browser() or "", tmp_path / "profile") as browser,
-    ):
-        browser.open(page.address)
-        browser.wait_for("document.body && document.body.dataset.ready === 'yes'")
-        yield browser, folder
-        assert browser.errors == []
+    with opened_folder(tmp_path, monkeypatch, {"bar.toml": CASE}) as found:
+        yield found
 
 
 def test_a_field_of_a_form_is_written_into_the_case_file_and_refused_beside(opened):

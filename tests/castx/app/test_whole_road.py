@@ -5,9 +5,8 @@ import tomllib
 import pytest
 
 from castx.results.reading import Results
-from tests.cad_files import write_cad
-from tests.castx.app.browser import Browser, found_browser
-from tests.castx.app.served import served
+from tests.castx.app.browser import found_browser
+from tests.castx.app.opened import opened_folder
 
 pytestmark = [
     pytest.mark.serial,
@@ -29,18 +28,8 @@ def tab(browser, name):
 @pytest.fixture
 def opened(tmp_path, monkeypatch):
     """A browser with the page of a folder that holds one STEP file and nothing else."""
-    folder = tmp_path / "work"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    write_cad(folder / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 60, 20, 20)], ["bar"])
-    with (
-        served(folder, claim=False) as page,
-        Browser(found_browser() or "", tmp_path / "profile") as browser,
-    ):
-        browser.open(page.address)
-        browser.wait_for("document.body && document.body.dataset.ready === 'yes'")
-        yield browser, folder
-        assert browser.errors == []
+    with opened_folder(tmp_path, monkeypatch, {}) as found:
+        yield found
 
 
 @pytest.mark.slow
