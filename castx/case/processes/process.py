@@ -101,11 +101,11 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
     for key, item in own.items():
         problems += item_problems(("material", key), item, _KEYS, _OWN.get(key))
     classes = content.get("classes", {})
-    for name, key, item in _of_classes(classes):
-        problems += item_problems(("classes", name, key), item, _KEYS, _UNITS.get(key))
-        if key not in given or name not in content.get("interfaces", {}):
+    for of_class, key, item in _of_classes(classes):
+        problems += item_problems(("classes", of_class, key), item, _KEYS, _UNITS.get(key))
+        if key not in given or of_class not in content.get("interfaces", {}):
             text = "is of a number of the process, for a class that has an interface"
-            problems.append(Problem(("classes", name, key), text))
+            problems.append(Problem(("classes", of_class, key), text))
     unknown = set(content) - {*_ABOUT, *_UNITS, "interfaces", "material", "classes"}
     problems += [Problem((key,), "unknown key") for key in sorted(unknown)]
     if problems:
@@ -122,8 +122,8 @@ def read_process(name: str, content: dict[str, Any], file: str) -> CastingProces
         {key: item["source"] for key, item in given.items()},
         {key: plain(item) for key, item in own.items()},
         {
-            name: {key: (float(item["value"]), item["source"]) for key, item in rows.items()}
-            for name, rows in classes.items()
+            of_class: {key: (float(item["value"]), item["source"]) for key, item in rows.items()}
+            for of_class, rows in classes.items()
         },
     )
 

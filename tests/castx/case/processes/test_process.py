@@ -27,6 +27,7 @@ CONTENT = {
 @pytest.mark.parametrize("name", process_names())
 def test_what_a_process_names_is_in_the_databases(name):
     process = casting_process(name)
+    assert process.name == name
     assert set(process.sources) == set(process.numbers) and all(process.sources.values())
     assert database_entry(process.alloy).material_class in process.interfaces
     assert process.mould in database_names() or process.material
@@ -45,6 +46,7 @@ def test_a_class_of_alloys_has_numbers_of_its_own():
     own = {"superheat": NUMBER | {"value": 35, "source": "a book"}}
     process = read_process("mine", CONTENT | {"classes": {"aluminium": own}}, "mine.toml")
     of_class = process.of_class("aluminium")
+    assert process.name == of_class.name == "mine"
     assert (of_class.numbers["superheat"], of_class.sources["superheat"]) == (35.0, "a book")
     assert of_class.numbers["ambient"] == 20.0
     assert process.of_class("zinc") == process and process.numbers["superheat"] == 20.0
