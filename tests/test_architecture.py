@@ -79,6 +79,7 @@ ORDER = [
     "app/text",
     "app/forms",
     "app/scenes",
+    "app/runs",
     "app",
     "command/watches",
     "command command/beside",

@@ -9,7 +9,8 @@ from castx.app.checking import checked
 from castx.app.commands import Commands
 from castx.app.forms.actions import path_of, shown_forms, with_added, with_field
 from castx.app.part_actions import PartActions, choices, new_arguments
-from castx.app.progress import RunProgress
+from castx.app.runs.expected import expectation
+from castx.app.runs.progress import RunProgress
 from castx.app.scenes.asking import Scenes
 from castx.app.session import Session
 from castx.app.text.arguments import Asked, number_of, text_of, word_of
@@ -59,6 +60,7 @@ class Actions:
             "form": shown_forms,
             "mesh": self.mesh,
             "moment": self.moment,
+            "expect": self.expect,
             "set": self.set,
             "add": lambda asked: self.save({**asked, "text": with_added(asked)}),
         }
@@ -112,6 +114,13 @@ class Actions:
         """Return the last moment of a run, as it is drawn."""
         folder = self.workplace.path(text_of(asked, "results"))
         return self._scenes.moment(folder, text_of(asked, "field"))
+
+    def expect(self, asked: Asked) -> Answer:
+        """Return the time that a run of a text will take, by earlier ones of the folder."""
+        path = self.workplace.case_path(text_of(asked, "path"))
+        names = self.workplace.files()["results"]
+        folders = ((name, self.workplace.path(name)) for name in names)
+        return expectation(text_of(asked, "text"), path, number_of(asked, "cells"), folders)
 
     def _checked(self, name: str, text: str) -> Answer:
         return checked(text, self.workplace.case_path(name))

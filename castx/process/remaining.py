@@ -56,10 +56,22 @@ class Remaining:
         """
         counters = snapshot.counters
         solid = 1.0 if freezing is None else snapshot.totals.get(freezing, 1.0)
-        self._steps.append(_Step(snapshot.time, counters.step, counters.wall, solid))
-        self._passed += counters.step
-        self._wall += counters.wall
-        self._cycle = snapshot.process.cycle
+        self.take(snapshot.time, counters.step, counters.wall, solid, snapshot.process.cycle)
+
+    def take(self, end: float, size: float, wall: float, solid: float, cycle: int = 1) -> None:
+        """Take over an accepted step by its numbers.
+
+        Args:
+            end: of the step [s].
+            size: of the step [s].
+            wall: wall clock time that it took [s].
+            solid: solid fraction of the casting that freezes; 1: none does.
+            cycle: to which it belongs.
+        """
+        self._steps.append(_Step(end, size, wall, solid))
+        self._passed += size
+        self._wall += wall
+        self._cycle = cycle
 
     def wall(self) -> float | None:
         """Return the wall clock time left [s]; None: nothing can be said yet."""

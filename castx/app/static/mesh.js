@@ -15,7 +15,7 @@ castx.hideMoulds = (names, hidden) => {
 castx.meshes = (() => {
   const { at, make, server, editor } = castx;
   const SIZES = ["size", "interface_size", "across", "curvature", "growth", "refinement", "narrowest", "most_cells"];
-  const state = { path: "", faces: [], picked: null, bodies: [] };
+  const state = { path: "", faces: [], picked: null, bodies: [], cells: 0 };
   let view = null;
 
   const shown = (face) => !view.hidden.has(state.faces[face].bodies[0]);
@@ -62,6 +62,8 @@ castx.meshes = (() => {
       view ??= Object.assign(new castx.FaceView(at("mesh-canvas"), pick), { colour, shown, mesh: true });
       const names = found.bodies.map(({ name }) => name), fresh = path !== state.path || names.join() !== state.bodies.join();
       Object.assign(state, { path, faces: found.faces, bodies: names, picked: null });
+      state.cells = found.bodies.reduce((sum, body) => sum + body.cells, 0);
+      castx.run.expectSoon();
       if (fresh) castx.hideMoulds(names, view.hidden);
       view.load(points, counts, !fresh, found.flat);
       castx.boxes(at("mesh-bodies"), names, view, (name) => ` ${found.bodies.find((body) => body.name === name).cells}`);
@@ -80,8 +82,9 @@ castx.meshes = (() => {
 
   at("do-mesh").addEventListener("click", () => castx.trying(draw));
   editor.onChange(({ path }) => {
+    state.cells = 0;
     if (path !== state.path) at("mesh-view").hidden = true;
     else at("mesh-state").textContent = "the mesh below is that of before the last change";
   });
-  return { shown: (yes) => { if (yes) castx.trying(sizes); }, draw, state, view: () => view };
+  return { shown: (yes) => { if (yes) castx.trying(sizes); }, draw, state, view: () => view, cells: () => state.cells };
 })();

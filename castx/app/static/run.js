@@ -3,7 +3,8 @@
 
 castx.run = (() => {
   const { at, make, server, editor } = castx;
-  const seen = { command: "", said: 0, version: 0, results: "", running: false, left: "", run: {} };
+  // `own` is the folder of the case, `other` one that was chosen in its place, `results` the one that is shown.
+  const seen = { command: "", said: 0, version: 0, path: "", own: "", other: "", results: "", running: false, run: {}, ofCase: {}, folders: [], asked: 0 };
   let plots = [], listening = new AbortController();
 
   // Letters of a line of the output, so that the command breaks its lines where the page would.
@@ -15,6 +16,7 @@ castx.run = (() => {
 
   const begin = async (command, asked = {}) => {
     await editor.saved();
+    if (command !== "report") seen.other = "";
     castx.tabs.show("Run"); // first, so that the width of its output is known
     await server.ask("command", { command, path: editor.state.path, digest: editor.state.digest, columns: columns(), ...asked });
     await tick();
@@ -31,13 +33,15 @@ castx.run = (() => {
 
   // What can be done now: a case has to be open, a run to have left something.
   const offer = () => {
-    const free = !seen.running, open = editor.state.path !== "", { known, checkpoint, exit } = seen.run;
-    const resumed = checkpoint && exit !== "finished", done = exit === "finished" && !at("do-show").hidden;
+    // Run and Resume are of the case, reports of what is shown.
+    if (!seen.other) seen.ofCase = seen.run;
+    const free = !seen.running, open = editor.state.path !== "", { known, checkpoint, exit } = seen.ofCase;
+    const resumed = checkpoint && exit !== "finished", done = seen.run.exit === "finished" && !at("do-show").hidden;
     at("do-check").disabled = at("do-run").disabled = !free || !open;
     at("do-restart").disabled = !free || !open || !checkpoint;
-    at("do-report").disabled = !free || !known;
+    at("do-report").disabled = !free || !seen.run.known;
     at("do-run").textContent = known ? "Run anew" : "Run";
-    at("do-run").title = known ? `What is in ${seen.results} is kept beside it under a number` : "";
+    at("do-run").title = known ? `What is in ${seen.own} is kept beside it under a number` : "";
     at("do-run").className = resumed || done ? "" : "main";
     at("do-show").className = done ? "main" : "";
     at("do-restart").className = resumed ? "main" : "";
@@ -45,11 +49,10 @@ castx.run = (() => {
 
   const say = ({ text, name, ended, code, stopping, lines, said }) => {
     const said_ = at("said");
-    if (text !== seen.command || said < seen.said) { said_.textContent = ""; Object.assign(seen, { command: text, left: "" }); }
+    if (text !== seen.command || said < seen.said) { said_.textContent = ""; seen.command = text; }
     at("command").hidden = false;
     at("command").textContent = `${text}    – ${ended ? ending(code) : stopping ? "stopping after its step" : "running"}`;
     if (lines.length) {
-      seen.left = lines.map((line) => / left (\S+)$/.exec(line)?.[1]).findLast(Boolean) ?? seen.left;
       const low = said_.scrollTop + said_.clientHeight >= said_.scrollHeight - 20;
       said_.append(lines.join("\n") + "\n");
       if (low) said_.scrollTop = said_.scrollHeight;
@@ -58,8 +61,13 @@ castx.run = (() => {
     const refused = ended && code !== 0 && code !== STOPPED;
     at("ending").hidden = !refused;
     if (refused) at("ending").textContent = refusal(said_.textContent);
-    if (seen.running && ended) castx.finished?.(name, code);
+    if (seen.running && ended) {
+      if (name === "run") { seen.other = ""; castx.trying(castx.list); }
+      castx.finished?.(name, code);
+      expectSoon();
+    }
     seen.running = !ended;
+    if (!ended) at("expected").textContent = "";
     at("do-stop").disabled = ended || stopping;
   };
 
@@ -72,8 +80,14 @@ castx.run = (() => {
     plots = castx.charts.draw(at("curves"), pages, listening.signal);
   };
 
+  const clock = (seconds) => {
+    const whole = Math.max(Math.round(seconds), 0), two = (x) => String(x).padStart(2, "0");
+    return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`;
+  };
+  const remains = (left) => (left === null || left === undefined ? "time left unknown yet" : `about ${clock(left)} left`);
+
   const show = (run) => {
-    const known = run.version !== 0 && run.time !== undefined, end = editor.state.case?.end;
+    const known = run.version !== 0 && run.time !== undefined, end = run.end || (seen.other ? 0 : editor.state.case?.end);
     seen.run = { known, checkpoint: run.checkpoint, exit: run.exit };
     at("do-show").hidden = !run.report;
     at("run-bar").hidden = !known;
@@ -84,15 +98,41 @@ castx.run = (() => {
     }
     if (end) at("run-bar").value = Math.min(run.time / end, 1);
     const solid = Object.entries(run.solid).map(([name, share]) => `${name} ${(100 * share).toFixed(1)} % solid`);
-    const goes = seen.running && !run.exit, how = goes ? `running${seen.left ? `, ${seen.left} left` : ""}` : run.exit || "no end is recorded: it was killed, or runs elsewhere";
+    const goes = seen.running && !run.exit && !seen.other, how = goes ? `running, ${remains(run.left)}` : run.exit || "no end is recorded: it was killed, or runs elsewhere";
     at("run-state").textContent = [`${seen.results}: t = ${castx.text(run.time)} s${end ? ` of at most ${castx.text(end)} s` : ""}`,
       `${run.steps} steps`, ...solid, how + (run.message ? `: ${run.message.split("\n")[0]}` : "")].join(", ");
     if (run.curves) draw(run.curves);
   };
 
+  // The folders with results: that of the case first, then all others, such as those kept under a number.
+  const offerResults = () => {
+    const { own, other, folders } = seen, others = folders.filter((name) => name !== own);
+    const options = [own, ...others].map((name) => make("option", { value: name, selected: name === (other || own) }, name === own ? `${own || "none"} (of this case)` : name));
+    at("results-of").replaceChildren(...options);
+    at("results-state").textContent = other ? "of another run; Run and Resume are those of the case that is open" : "";
+  };
+  const listed = (folders) => { seen.folders = folders; offerResults(); };
+
+  // How long a run would take, asked when the text, its mesh or the runs of the folder have changed.
+  const expect = async () => {
+    const { path } = editor.state, mine = ++seen.asked;
+    if (!path || seen.running) at("expected").textContent = "";
+    if (!path || seen.running || at("run").hidden) return;
+    const { text } = await server.ask("expect", { path, text: editor.text(), cells: castx.meshes?.cells() ?? 0 });
+    if (mine === seen.asked) at("expected").textContent = text ? `Time that a run will take: ${text}` : "";
+  };
+  let waiting = null;
+  const expectSoon = () => { clearTimeout(waiting); waiting = setTimeout(() => castx.trying(expect), 300); };
+  editor.onChange(({ path }) => {
+    if (path !== seen.path) Object.assign(seen, { path, other: "" });
+    expectSoon();
+  });
+
   const tick = async () => {
-    const results = editor.state.case?.results ?? "";
-    if (results !== seen.results) Object.assign(seen, { results, version: 0 });
+    const own = editor.state.case?.results ?? "";
+    if (own !== seen.own) Object.assign(seen, { own, other: "" });
+    const results = seen.other || own;
+    if (results !== seen.results) { Object.assign(seen, { results, version: 0 }); offerResults(); }
     const inside = results && !results.startsWith("..");
     const { path, digest } = editor.state;
     const answer = await server.ask("state", { since: seen.said, version: seen.version, path, digest, ...(inside ? { results } : {}) });
@@ -101,10 +141,10 @@ castx.run = (() => {
     if (answer.run !== null) {
       show(answer.run);
       seen.version = answer.run.version;
-      castx.moments.follow(results, answer.run.version, !seen.running);
+      castx.moments.follow(results, answer.run.version, !seen.running || seen.other !== "");
     } else {
       seen.run = {};
-      if (results) at("run-state").textContent = `Results would lie in ${results}, outside of this folder: run it from the command line.`;
+      at("run-state").textContent = !results ? "No run yet." : `Results would lie in ${results}, outside of this folder: run it from the command line.`;
     }
     offer();
   };
@@ -123,9 +163,14 @@ castx.run = (() => {
   // After a run that has come to its end its report is written and opened, if that is wished.
   const finished = async (name, code) => {
     if (code !== 0 || !at("with-report").checked) return;
-    if (name === "run" && seen.results && !seen.results.startsWith("..")) await begin("report", { path: seen.results });
+    if (name === "run" && seen.own && !seen.own.startsWith("..")) await begin("report", { path: seen.own });
     if (name === "report") await open();
   };
 
-  return { tick, begin, finished, columns, seen };
+  at("results-of").addEventListener("change", ({ target }) => {
+    seen.other = target.value === seen.own ? "" : target.value;
+    castx.trying(tick);
+  });
+
+  return { tick, begin, finished, columns, seen, listed, expect, expectSoon };
 })();

@@ -19,6 +19,7 @@ castx.tabs = (() => {
     [...at("tabs").children].forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
     castx.forms.shown(name === "Case");
     castx.meshes.shown(name === "Mesh");
+    if (name === "Run") castx.run.expectSoon();
     window.dispatchEvent(new Event("resize"));
   };
   at("tabs").append(...panels.map(({ dataset }) => make("button", { role: "tab", onclick: () => show(dataset.tab) }, dataset.tab)));
@@ -36,6 +37,7 @@ castx.tabs = (() => {
     const option = (name) => make("option", { value: name, selected: name === now }, name);
     at("case").replaceChildren(make("option", { value: "" }, files.cases.length ? "choose a case file" : "no case file here"), ...files.cases.map(option));
     castx.parts?.list(files.parts);
+    castx.run.listed(files.results);
     return files;
   };
   castx.list = list;

@@ -132,3 +132,62 @@ def test_a_click_on_a_face_writes_its_selector_into_the_case_file(opened):
     text = (folder / "bar.toml").read_text()
     assert text.startswith("# by hand\n")
     assert tomllib.loads(text)["geometry"]["surfaces"] == {"top": {"normal": "+z"}}
+
+
+def test_the_time_of_a_run_is_unknown_until_one_has_come_to_its_end(opened):
+    browser, folder = opened
+    expected = "castx.at('expected').textContent"
+    browser.value("castx.tabs.show('Run')")
+    browser.wait_for(f"{expected}.includes('unknown: make the mesh first')")
+    browser.value("castx.tabs.show('Mesh'), castx.at('do-mesh').click()")
+    browser.wait_for("castx.at('mesh-state').textContent.startsWith('made in')")
+    browser.value("castx.tabs.show('Run')")
+    browser.wait_for(f"{expected}.includes('no run of this folder has come to its end')")
+    thermal = CASE.replace("[time]", '[coupling]\nscheme = "thermal"\n[time]')
+    (folder / "bar.toml").write_text(thermal)
+    browser.value("castx.open('bar.toml')")
+    browser.wait_for("castx.at('text').value.includes('thermal')")
+    browser.value("castx.at('with-report').checked = false, castx.at('do-run').click()")
+    browser.wait_for("castx.at('command').textContent.endsWith('done')")
+    browser.wait_for(f"{expected}.includes('results/bar took')")
+    # a finer mesh is not known, and takes longer once it is
+    (folder / "bar.toml").write_text(thermal.replace("10 mm", "7 mm"))
+    browser.wait_for(f"{expected}.includes('unknown: make the mesh first')")
+    browser.value("castx.tabs.show('Mesh'), castx.at('do-mesh').click()")
+    browser.wait_for("castx.at('mesh-state').textContent.startsWith('made in')")
+    browser.value("castx.tabs.show('Run')")
+    browser.wait_for(f"/about .* cells: results.bar took/.test({expected})")
+
+
+def test_older_results_are_opened_and_the_case_keeps_its_own(opened):
+    browser, folder = opened
+    thermal = CASE.replace("[time]", '[coupling]\nscheme = "thermal"\n[time]')
+    (folder / "bar.toml").write_text(thermal)
+    browser.value("castx.open('bar.toml')")
+    browser.wait_for("castx.at('text').value.includes('thermal')")
+    run = "castx.at('with-report').checked = false, castx.at('do-run').click()"
+    done = "castx.at('command').textContent.endsWith('done')"
+    state = "castx.at('run-state').textContent"
+    browser.value(run)
+    browser.wait_for(f"{done} && {state}.startsWith('results/bar: t = 1 s')")
+    (folder / "bar.toml").write_text(thermal.replace("end = 1", "end = 0.5"))
+    browser.wait_for("castx.at('text').value.includes('end = 0.5') && !castx.run.seen.running")
+    browser.value(run)
+    browser.wait_for(f"{done} && {state}.startsWith('results/bar: t = 0.5 s of at most 0.5')")
+    names = "[...castx.at('results-of').options].map((o) => o.value)"
+    browser.wait_for(f"{names}.includes('results/bar.1')")
+    assert browser.value(f"{names}[0]") == "results/bar"
+    browser.choose("#results-of", "results/bar.1")
+    browser.wait_for(f"{state}.startsWith('results/bar.1: t = 1 s of at most 1 s')")
+    browser.wait_for("castx.moments.state.time === 1")
+    assert browser.value("castx.at('curves').querySelectorAll('canvas').length") > 0
+    assert "Run and Resume" in browser.value("castx.at('results-state').textContent")
+    # its report is written beside it, and a new run is that of the case
+    browser.press("#do-report")
+    browser.wait_for(f"{done} && castx.at('command').textContent.includes('report results/bar.1')")
+    assert (folder / "results/bar.1/report.html").is_file()
+    assert not (folder / "results/bar/report.html").exists()
+    browser.value(run)
+    browser.wait_for(f"{done} && {state}.startsWith('results/bar: t = 0.5 s')")
+    browser.wait_for(f"{names}.includes('results/bar.2')")
+    assert browser.value("castx.at('results-of').value") == "results/bar"

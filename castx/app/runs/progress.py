@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import math
 import threading
 from pathlib import Path
 from typing import Any
 
+from castx.case.control import Time
 from castx.errors import CaseError
+from castx.process.remaining import Remaining
 from castx.report.page.charts import merged, run_sections
-from castx.results.files.folder import HISTORY, RECORD
+from castx.results.files.folder import CASE, HISTORY, RECORD
 from castx.results.reading import Results
 
 LONGEST = 100_000_000
@@ -65,7 +69,34 @@ def read_run(folder: Path) -> dict[str, Any]:
         "exit": run.record["exit"]["reason"],
         "message": run.record["exit"]["message"],
         "time": float(run.history["time"][-1]),
+        "end": run.record["end"],
+        "left": None if run.record["exit"]["reason"] else left_of(run),
         "steps": len(run.history["time"]) - 1,
         "solid": solid,
         "curves": merged({run.case["name"]: run_sections(run)}),
     }
+
+
+def left_of(run: Results) -> float | None:
+    """Return the wall clock time that a run will still take [s]; None: that is not known yet."""
+    history, steps = run.history, len(run.history["time"])
+    if "wall" not in history or "step" not in history:
+        return None
+    remaining = Remaining(run.record["end"], _largest_step(run.folder))
+    solid = [history.get(f"{name}.solid_fraction") for name in run.freezing[:1]]
+    cycles = history.get("cycle")
+    for row in range(1, steps):
+        remaining.take(
+            float(history["time"][row]), float(history["step"][row]), float(history["wall"][row]),
+            1.0 if not solid or solid[0] is None else float(solid[0][row]),
+            1 if cycles is None else int(cycles[row]),
+        )  # fmt: skip
+    return remaining.wall()
+
+
+def _largest_step(folder: Path) -> float:
+    """Return the largest step of a run by the case that lies in its folder [s]."""
+    try:
+        return float(Time.read(json.loads((folder / CASE).read_text())["time"]).largest_step)
+    except (OSError, ValueError, KeyError, TypeError):
+        return math.inf

@@ -1,0 +1,4 @@
+"""Runs on the page: how far one is, and how long one will take.
+
+Public: `progress.RunProgress`, `expected.expectation`.
+"""
