@@ -166,7 +166,7 @@ def _build_equilibrium(
         InterfaceRows(found.nodes, contact.treatment, found.shares, found.facets)
         for contact, found in zip(contacts, pairs, strict=True)
     ]
-    tied = [InterfaceRows(found.tied, Treatment.TIED) for found in pairs if found.tied]
+    tied = [InterfaceRows(each, Treatment.TIED) for found in pairs for each in found.tied]
     transform = ConstraintTransform(
         bodies.layout, bodies.layout_names, bodies.parts[0].dimension, bodies.fixed,
         [*rows, *tied], [body.axial for body in bodies.parts],

@@ -17,6 +17,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from castx.case.contact import BY_NODES, Pairing
 from castx.contact.choice import Contact
 from castx.domain.mesh import CastingMesh
 from castx.meshes.linear_mesh import LinearMesh
@@ -40,6 +41,7 @@ from tests.elastic_bodies import (
 from tests.partitions import PARTITION, scattered
 
 YOUNG, SIDE, FINE = 70e9, 0.02, 1e-9
+BY_FACES = Pairing(kind="node-to-face", surfaces=("lower", "upper"))
 
 
 def meshed(
@@ -61,7 +63,9 @@ def block(cut: bool, space: bool) -> LinearMesh:
     return swept(made, np.array([0.0, 0.01]), lambda under, z: under)
 
 
-def pulled_block(comm, folder: Path, forms: dict[str, str], space: bool):
+def pulled_block(
+    comm, folder: Path, forms: dict[str, str], space: bool, rule: Pairing = BY_NODES
+):  # fmt: skip
     """Return a block of one or two tied bodies in equilibrium, pulled aside, unevenly hot."""
     names = list(forms)
     surfaces = [plane("low", 1, -SIDE, FINE), plane("high", 1, SIDE, FINE), everything_else("side")]
@@ -73,7 +77,7 @@ def pulled_block(comm, folder: Path, forms: dict[str, str], space: bool):
         )
         for name in names
     }  # fmt: skip
-    ties = [Contact("upper", "lower", "tied")] * (len(names) - 1)
+    ties = [Contact("upper", "lower", "tied", pairing=rule)] * (len(names) - 1)
     made = problem(mesh, bodies, {"lower": [fixed("low", "all")]}, ties, tolerance=1e-11)
     heat(made, lambda x: 20.0 + 1e3 * x[:, 0] + 2e3 * x[:, 1])
     made.equilibrium.solve(0.0)
@@ -116,14 +120,25 @@ def test_a_body_cut_in_two_moves_as_one(comm, shared_tmp_path, space, monkeypatc
 
 
 @pytest.mark.ranks
+@pytest.mark.parametrize("rule", [BY_NODES, BY_FACES])
 @pytest.mark.parametrize("quadratic", ["lower", "upper"])
-def test_edges_that_are_tied_to_a_linear_body_stay_straight(comm, shared_tmp_path, quadratic):
+def test_edges_that_are_tied_to_a_linear_body_stay_straight(comm, shared_tmp_path, quadratic, rule):
     forms = {"lower": "displacement", "upper": "displacement"} | {quadratic: "taylor-hood"}
-    made = pulled_block(comm, shared_tmp_path, forms, False)
+    made = pulled_block(comm, shared_tmp_path, forms, False, rule)
     assert np.abs(on_the_cut(comm, made, quadratic)[1]).max() < 1e-20
     assert (
         comm.allreduce(np.abs(made.bodies[quadratic].midsides.solution.x.array).max(), max) > 1e-8
     )
+
+
+@pytest.mark.ranks
+def test_edges_of_both_bodies_are_straight_where_their_meshes_do_not_match(comm, shared_tmp_path):
+    forms = {"lower": "taylor-hood", "upper": "taylor-hood"}
+    made = pulled_block(comm, shared_tmp_path, forms, True, BY_FACES)
+    for name in forms:
+        assert np.abs(on_the_cut(comm, made, name)[1]).max() < 1e-20
+        most = np.abs(made.bodies[name].midsides.solution.x.array).max()
+        assert comm.allreduce(most, max) > 1e-8
 
 
 FRICTION, PRESSURE, DRAWN = 0.2, 10e6, 1e-4

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from castx.case.contact import Pairing
 from castx.contact.choice import Contact
 from castx.proof.verification.contact.pressed_blocks import (
     HEIGHT,
@@ -64,6 +65,16 @@ def test_quadratic_bodies_pass_it(comm, model, formulations, method):
     """On both sides, and opposite a linear body on either: mid-sides bear their part."""
     laws = {name: {"formulation": of} for name, of in zip(YOUNG, formulations, strict=True)}
     check_patch(comm, model, laws, Contact("upper", "base", method))
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("method", AT_ONCE)
+@pytest.mark.parametrize("model", ["3d", "plane-strain", "axisymmetric"])
+@pytest.mark.parametrize("formulations", QUADRATIC)
+def test_quadratic_bodies_pass_it_from_node_to_face(comm, model, formulations, method):
+    laws = {name: {"formulation": of} for name, of in zip(YOUNG, formulations, strict=True)}
+    rule = Pairing(kind="node-to-face", surfaces=("base", "upper"))
+    check_patch(comm, model, laws, Contact("upper", "base", method, pairing=rule))
 
 
 def check_patch(comm, model, laws, contact):

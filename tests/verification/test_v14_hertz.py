@@ -33,8 +33,9 @@ pytestmark = pytest.mark.sampled
 
 
 def touching(
-    comm, folder: Path, method: str, elements: int, model: str = "plane-strain", upper: str = ""
-):
+    comm, folder: Path, method: str, elements: int, model: str = "plane-strain",
+    forms: tuple[str, str] = ("", ""),
+):  # fmt: skip
     """Return the solved problem with so many elements on the half-width.
 
     Args:
@@ -43,17 +44,17 @@ def touching(
         method: of the contact.
         elements: on the half-width.
         model: geometric model.
-        upper: formulation of the upper cylinder; that of the lower one unless given.
+        forms: formulations of the upper and the lower cylinder, linear displacements unless given.
     """
     size = HALF_WIDTH / elements
     names = list(YOUNG)
     mesh = drawn(comm, model, names, folder / "hertz.msh", lambda: draw_rollers(size, model))
-    form = "displacement" if model == "3d" else "mixed"
+    linear = "displacement" if model == "3d" else "mixed"
     end = pushed("upper end", 0.5 * LOAD / RADIUS["upper"])
     loads = {"upper": (end,), "lower": ()}
     bodies = {
-        name: body(elastic(E, POISSON), loads=loads[name], formulation=formulation)
-        for (name, E), formulation in zip(YOUNG.items(), (upper or form, form), strict=True)
+        name: body(elastic(E, POISSON), loads=loads[name], formulation=form or linear)
+        for (name, E), form in zip(YOUNG.items(), forms, strict=True)
     }
     rule = Pairing(kind="node-to-face", surfaces=("upper skin", "lower skin"))
     held = {"upper": [], "lower": [fixed("lower end")]}
@@ -91,9 +92,15 @@ def test_pressure_and_width(comm, shared_tmp_path, method, model):
 
 @pytest.mark.parametrize("method", ["condensed", "multipliers", "augmented-lagrangian"])
 @pytest.mark.parametrize("model", ["plane-strain", "3d"])
-def test_pressure_and_width_under_a_quadratic_cylinder(comm, shared_tmp_path, method, model):
-    made = touching(comm, shared_tmp_path, method, 10, model, "taylor-hood")
-    check_pressure(comm, made, model)
+@pytest.mark.parametrize("forms", [("taylor-hood", ""), ("", "taylor-hood"), ("taylor-hood",) * 2])
+def test_pressure_and_width_of_quadratic_cylinders(comm, shared_tmp_path, forms, method, model):
+    check_pressure(comm, touching(comm, shared_tmp_path, method, 10, model, forms), model)
+
+
+@pytest.mark.parametrize("method", ["condensed", "multipliers"])
+def test_pressure_and_width_of_mixed_tetrahedra(comm, shared_tmp_path, method):
+    made = touching(comm, shared_tmp_path, method, 10, "3d", ("mixed", "mixed"))
+    check_pressure(comm, made, "3d")
 
 
 def check_pressure(comm, made, model):

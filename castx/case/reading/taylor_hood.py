@@ -29,13 +29,6 @@ def taylor_hood_problems(case: Case) -> Iterator[Problem]:
                 key = "method" if name == contact.method else "fallback"
                 text = f"{has}, which is not solved block by block; use {DEFAULT!r} in place of"
                 yield Problem((*place, key), f"{text} {name!r}")
-        if contact.pairing == "node-to-face" and interface.primary in quadratic:
-            text = f"{interface.primary!r} has the formulation 'taylor-hood' and faces nodes of"
-            cure = (
-                f"name the bodies the other way round if {interface.secondary!r} is linear, or "
-                'mesh both with common nodes for pairing = "node-to-node"'
-            )
-            yield Problem((*place, "pairing"), f"{text} another mesh; {cure}")
     for index, boundary in enumerate(case.boundaries):
         clamp = boundary.clamp
         if boundary.body in quadratic and clamp is not None and clamp.stiffness is not None:

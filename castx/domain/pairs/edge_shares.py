@@ -150,6 +150,29 @@ def _shares(
     return np.asarray(shares / shares.sum(axis=1, keepdims=True))
 
 
+def weighted_points(
+    facets: SurfaceFacets, model: str, places: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the points of a quadrature on flat facets.
+
+    Args:
+        facets: of a surface.
+        model: geometric model.
+        places: of the points in the reference facet, shape (points, dimension).
+        weights: of them there, shape (points,).
+
+    Returns:
+        Shape functions of the corners (points, corners), places [m] (facets, points, dimension) and
+        areas [m²] (facets, points), of the full turn when axisymmetric.
+    """
+    shapes = facets.kind.shape_functions(places)[0]
+    points = np.einsum("qa,fad->fqd", shapes, facets.points)
+    weight = (
+        weights * points[:, :, 0] if model == "axisymmetric" else np.tile(weights, (len(points), 1))
+    )
+    return shapes, points, weight * (facets.areas.sum(axis=1) / weight.sum(axis=1))[:, None]
+
+
 def _integrals(
     facets: SurfaceFacets, model: str, functions: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
@@ -161,13 +184,8 @@ def _integrals(
         functions: returns their values from those of the corners' shape functions, both of shape
             (points, functions).
     """
-    places, weights = facets.kind.quadrature(DEGREE)
-    shapes = facets.kind.shape_functions(places)[0]
-    points = np.einsum("qa,fad->fqd", shapes, facets.points)
-    weight = (
-        weights * points[:, :, 0] if model == "axisymmetric" else np.tile(weights, (len(points), 1))
-    )
-    weight = weight * (facets.areas.sum(axis=1) / weight.sum(axis=1))[:, None]
+    rule = facets.kind.quadrature(DEGREE)
+    shapes, points, weight = weighted_points(facets, model, *rule)
     values = functions(shapes)
     areas = np.einsum("fq,qe->fe", weight, values)
     moments = np.einsum("fq,qe,fqd->fed", weight, values, points)

@@ -29,6 +29,7 @@ CLAMP = {"boundaries__0__on": "casting/top", "boundaries__0__clamp": {"force": "
         {**QUADRATIC, "interfaces__0__contact": {"method": "none"}},
         {**QUADRATIC, "interfaces__0__contact": {"method": "multipliers"}},
         {**QUADRATIC, **FACING},
+        {**QUADRATIC, **MOULD, **FACING},
         {**QUADRATIC, "coupling__scheme": "thermal", "interfaces__0__contact": BLOCKS},
         {**QUADRATIC, **CLAMP},
         {**QUADRATIC, "solver__linear": "direct"},
@@ -52,10 +53,6 @@ def test_accepted(changes):
         (
             {**QUADRATIC, "interfaces__0__contact": {"fallback": ["penalty", "block-iterative"]}},
             r"interfaces\[0\]\.contact\.fallback.*in place of 'block-iterative'",
-        ),
-        (
-            {**MOULD, **FACING},
-            r"interfaces\[0\]\.contact\.pairing.*name the bodies the other way round",
         ),
         ({**QUADRATIC, "solver__linear": "iterative"}, r'solver\.linear.*use "direct"'),
         (

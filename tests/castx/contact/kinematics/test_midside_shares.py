@@ -12,8 +12,8 @@ from castx.contact.kinematics.midside_shares import quadratic_pairs
 from castx.domain.pairs.node_pairs import node_pairs
 from castx.domain.pairs.patches import pairs_by_patch
 from castx.mechanics.midsides.midsides import Midsides
-from tests.castx.domain.interface_meshes import MESHES, NAMES
-from tests.elastic_bodies import everywhere
+from tests.castx.domain.interface_meshes import MESHES, NAMES, pairs_by
+from tests.elastic_bodies import everywhere, sorted_by_place
 from tests.partitions import PARTITION, scattered, thinly_scattered
 
 SHARP = math.radians(40)
@@ -69,7 +69,7 @@ def test_only_quadratic_bodies_have_shares(comm, quadratic):
     midsides = {quadratic: Midsides(mesh.bodies[quadratic], mesh.model)}
     found = quadratic_pairs(mesh, node_pairs(mesh, *NAMES), Pairing(), False, midsides)
     assert [shares.body for shares in found.shares] == [quadratic]
-    assert found.tied is None
+    assert found.tied == ()
     assert quadratic_pairs(mesh, found.nodes, Pairing(), False, {}).shares == ()
 
 
@@ -81,7 +81,7 @@ def test_tied_mid_sides_face_each_other(comm, name, cut, monkeypatch):
         monkeypatch.setattr(PARTITION, cut)
     mesh = MESHES[name](comm)
     midsides = {name: Midsides(mesh.bodies[name], mesh.model) for name in NAMES}
-    tied = quadratic_pairs(mesh, node_pairs(mesh, *NAMES), Pairing(), True, midsides).tied
+    (tied,) = quadratic_pairs(mesh, node_pairs(mesh, *NAMES), Pairing(), True, midsides).tied
     assert tied.name == "mid-sides of casting/mid-sides of mould"
     there = middles(comm, mesh, midsides["mould"], "mould")[tied.primary_nodes]
     np.testing.assert_allclose(tied.points, there, atol=1e-12)
@@ -95,7 +95,40 @@ def test_tied_mid_sides_face_each_other(comm, name, cut, monkeypatch):
 def test_mid_sides_tied_to_a_linear_body_face_nothing(comm, quadratic):
     mesh = MESHES["box"](comm)
     midsides = {quadratic: Midsides(mesh.bodies[quadratic], mesh.model)}
-    tied = quadratic_pairs(mesh, node_pairs(mesh, *NAMES), Pairing(), True, midsides).tied
+    (tied,) = quadratic_pairs(mesh, node_pairs(mesh, *NAMES), Pairing(), True, midsides).tied
     assert (tied.secondary, tied.primary) == (f"mid-sides of {quadratic}", "")
     facets = comm.allreduce(len(tied.areas))
     assert facets == 2 * (4 + 2)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("tied", [False, True])
+def test_bodies_from_node_to_face_have_mid_sides_of_their_own(comm, tied):
+    """On surfaces that match each body has the area that the other has, edge by edge."""
+    mesh = MESHES["box in space"](comm)
+    midsides = {name: Midsides(mesh.bodies[name], mesh.model) for name in NAMES}
+    rule = Pairing(kind="node-to-face", surfaces=("mould", "casting"))
+    found = quadratic_pairs(mesh, pairs_by(rule, mesh, *NAMES), rule, tied, midsides)
+    if tied:
+        assert found.shares == ()
+        for name, pairs in zip(NAMES, found.tied, strict=True):
+            assert (pairs.secondary, pairs.primary) == (f"mid-sides of {name}", "")
+            places = middles(comm, mesh, midsides[name], name)[pairs.secondary_nodes]
+            np.testing.assert_allclose(pairs.points, places, atol=1e-12)
+        casting, mould = (comm.allreduce(len(pairs.areas)) for pairs in found.tied)
+        assert casting == mould > 100
+        return
+    own, other = found.shares
+    assert [(part.name, part.sign) for part in (own, other)] == [
+        ("mid-sides of casting", 1.0), ("mid-sides of mould", -1.0)
+    ]  # fmt: skip
+    of_edges = []
+    for name, part in zip(NAMES, (own, other), strict=True):
+        places = middles(comm, mesh, midsides[name], name)
+        vectors = np.zeros_like(places)
+        np.add.at(vectors, part.midsides, part.areas[:, None] * part.normals)
+        vectors = comm.allreduce(vectors)
+        here = np.linalg.norm(vectors, axis=1) > 0
+        of_edges.append(sorted_by_place(places[here], vectors[here])[1])
+    size = np.abs(of_edges[0]).max()
+    np.testing.assert_allclose(of_edges[1], of_edges[0], atol=1e-9 * size)
