@@ -130,7 +130,7 @@ def _points(
 
 def _with_pairs(mesh: CastingMesh, found: FacetPairs) -> BoolArray:
     """Return which labels have a pair, on any rank; collective."""
-    return np.any(mesh.comm.allgather(found.pairs >= 0), axis=0)
+    return np.asarray(np.any(mesh.comm.allgather(found.pairs >= 0), axis=0))
 
 
 def _count(facets: SurfaceFacets, opposite: SurfaceFacets) -> int:

@@ -16,8 +16,8 @@ from tests.partitions import PARTITION, scattered, thinly_scattered
 
 pytestmark = pytest.mark.ranks
 
-NAMES = ("upper", "base")
-RULE = Pairing(kind="node-to-face", surfaces=("under", "over"))
+NAMES, SURFACES = ("upper", "base"), ("under", "over")
+RULE = Pairing(kind="node-to-face", surfaces=SURFACES)
 LENGTH, DEPTH, APART = 0.04, 0.03, 1e-6
 
 
@@ -37,7 +37,7 @@ def draw(space: bool, sizes: tuple[float, float], lengths: tuple[float, float]) 
         parts.append((whole, sides))
     geo.synchronize()
     d = 3 if space else 2
-    for name, surface, (whole, sides) in zip(NAMES, RULE.surfaces, parts, strict=True):
+    for name, surface, (whole, sides) in zip(NAMES, SURFACES, parts, strict=True):
         gmsh.model.addPhysicalGroup(d, [whole], name=name)
         gmsh.model.addPhysicalGroup(d - 1, sides[:1], name=surface)
         gmsh.model.addPhysicalGroup(d - 1, sides[1:], name=f"{name} side")
