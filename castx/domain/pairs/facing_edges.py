@@ -129,7 +129,7 @@ def _points(
 
 
 def _with_pairs(mesh: CastingMesh, found: FacetPairs) -> BoolArray:
-    """Return which labels have a pair, on any rank; collective."""
+    """Return a mask of the labels of an interface that have a pair on any rank; collective."""
     return np.asarray(np.any(mesh.comm.allgather(found.pairs >= 0), axis=0))
 
 
