@@ -120,7 +120,7 @@ class DarcyFormulation(PressureFormulation):
         """Find permeability, fed nodes and first pores of a trial step; collective."""
         material, content = self._material, self._content
         c, before = material.conditions, material.start_volume
-        born = (c.share - c.start_share) * c.solid_compressibility * before.mean_stress
+        born = (c.strained_share - c.start_share) * c.solid_compressibility * before.mean_stress
         material.thermal_strain.x.array[:] = content.begin(solid_fraction, c.contraction - born)
         start = 1.0 - content.start.solid
         permeability = step_permeability(
@@ -272,11 +272,12 @@ class DarcyFormulation(PressureFormulation):
             False: the residual stays.
         """
         content, (_, stretched, missing) = self._content, self._balance()
-        supply = self._supply(missing)
+        fed = self._supply(missing)
         pores = np.where(self._pores.open, missing / content.volumes, content.frozen_pores)
+        born = self._material.conditions.born_later(self.mean_stress())
         self._material.commit(self.mean_stress())
-        content.commit(stretched, self._flow.drained(self.forms), supply, pores, self._stress())
-        self._levels.commit(supply)
+        content.commit(stretched, self._flow.drained(self.forms), fed, pores, self._stress(), born)
+        self._levels.commit(fed)
         self._pores.commit()
         self._arms.commit()
         return False

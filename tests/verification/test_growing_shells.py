@@ -70,24 +70,28 @@ def grown(comm, folder, dimension, kind, poisson, across):
 @pytest.mark.parametrize("dimension", [3, 2], ids=["sphere", "cylinder"])
 @pytest.mark.parametrize("kind", ["q1p0", "gls", pytest.param("osgs", marks=pytest.mark.slow)])
 def test_half_of_the_size_halves_the_error(comm, shared_tmp_path, dimension, kind):
-    """Of the motion while the shell grows and when it is unloaded, and of the core pressure."""
+    """Of the motion while the shell grows and when it is unloaded, and of the core pressure.
+
+    The motion is found to 1 % at 30 cells across the shell.
+    """
     errors = []
-    for across in (15, 30):
+    for across in (30, 60):
         found, answer = grown(comm, shared_tmp_path, dimension, kind, 0.33, across)
         motion = np.abs(found.motion - answer.motion)[[-2, -1]] / np.abs(answer.motion).max()
         pressure = abs(found.pressure[-2] / answer.pressure[-2] - 1.0)
         errors.append([*motion, pressure])
+    assert max(errors[0][:2]) < 0.01
     assert (np.array(errors[1]) < 0.65 * np.array(errors[0])).all()
 
 
 @pytest.mark.parametrize("dimension", [3, 2], ids=["sphere", "cylinder"])
 @pytest.mark.parametrize("kind", ["q1p0", "gls", "osgs"])
 def test_a_shell_that_grows_under_pressure(comm, shared_tmp_path, dimension, kind):
-    """The solid is hardly compressible: to 1 % at 30 cells across the shell."""
+    """The solid is hardly compressible: to 0.5 and 1 % at 30 cells across the shell."""
     found, answer = grown(comm, shared_tmp_path, dimension, kind, 0.49, 30)
     assert answer.motion[-1] < 0.12 * answer.motion[-2], "what is left of the motion"
     scale = np.abs(answer.motion).max()
-    np.testing.assert_allclose(found.motion, answer.motion, atol=0.01 * scale, rtol=0.0)
+    np.testing.assert_allclose(found.motion, answer.motion, atol=0.005 * scale, rtol=0.0)
     np.testing.assert_allclose(found.pressure[1:], answer.pressure[1:], rtol=0.01)
 
 

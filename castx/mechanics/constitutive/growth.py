@@ -25,7 +25,8 @@ grows,
 
     w_m = ∫ w |dε| / ∫ |dε|,   dε = ∫ w dc dV / ∫ w dV.
 
-What melts takes its stress away with it.
+A change of the pressure meets the same share, dθ = w_m dp/K + de^θ: solid that is born late in a
+step has seen little of it. What melts takes its stress away with it.
 
 A plateau of an alloy, freezing at one temperature, passes through a node as a front: the share
 rises there from w_a ahead of it to w_b behind it in no length, while the mean w of the node creeps
@@ -108,27 +109,35 @@ class CellVolume(NamedTuple):
         return CellVolume(*(change(values) for values in self))
 
     def grown(
-        self, start: FloatArray, end: FloatArray, compressibility: FloatArray, change: FloatArray
+        self,
+        start: FloatArray,
+        end: FloatArray,
+        strained: FloatArray,
+        compressibility: FloatArray,
+        change: FloatArray,
     ) -> FloatArray:
-        """Return E at the end of the next step, shape (cells,).
+        """Return E in the next step, shape (cells,).
 
         New solid is born at the volume that the cell has, and under its pressure, so that neither
-        changes by its birth:
+        changes by its birth. In the step θ = w_m p/K + E, with
 
-            E = (w_0/w) E_n + (1 − w_0/w)(θ_n − w_0 p_n/K) + de^θ − (w − w_0) p_n/K,
+            E = (w_0/w) E_n + (1 − w_0/w)(θ_n − w_0 p_n/K) + de^θ − (w_m − w_0) p_n/K,
 
         and what melts leaves its volume in the cell. Without any solid E_n is θ_n.
 
         Args:
             start: w_0 of the cells, shape (cells,).
             end: w of the cells, shape (cells,).
+            strained: w_m of the cells, shape (cells,).
             compressibility: 1/K of the solid [1/Pa], shape (cells,).
             change: de^θ, shape (cells,).
         """
         elastic = compressibility * self.mean_stress
         old = np.divide(start, end, out=np.ones_like(end), where=end > start)
         born = self.dilatation - start * elastic
-        return np.asarray(old * self.free + (1 - old) * born + change - (end - start) * elastic)
+        return np.asarray(
+            old * self.free + (1 - old) * born + change - (strained - start) * elastic
+        )
 
 
 class Growth(NamedTuple):

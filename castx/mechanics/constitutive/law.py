@@ -60,6 +60,7 @@ class Conditions(NamedTuple):
         liquid_flow: of another liquid at the points.
         start_share: w_0 in the cells, shape (cells,).
         share: w in the cells, shape (cells,).
+        strained_share: w_m in the cells, which the strain of the step meets, shape (cells,).
         solid_compressibility: 1/K of the solid in the cells [1/Pa], shape (cells,).
         contraction: de^θ over the step, shape (cells,).
         nodes: metal of the nodes at the end of the step.
@@ -72,14 +73,24 @@ class Conditions(NamedTuple):
     liquid_flow: FlowProperties | None
     start_share: FloatArray
     share: FloatArray
+    strained_share: FloatArray
     solid_compressibility: FloatArray
     contraction: FloatArray
     nodes: MetalNodes
 
     @property
     def compressibility(self) -> FloatArray:
-        """w/K of the cells [1/Pa], shape (cells,)."""
-        return np.asarray(self.share * self.solid_compressibility)
+        """w_m/K of the cells [1/Pa], shape (cells,)."""
+        return np.asarray(self.strained_share * self.solid_compressibility)
+
+    def born_later(self, mean_stress: FloatArray) -> FloatArray:
+        """Return -(w - w_m) p/K, with which θ = w p/K + E is that of the step, shape (cells,).
+
+        Args:
+            mean_stress: p at the end of the step [Pa], shape (cells,).
+        """
+        later = self.share - self.strained_share
+        return np.asarray(-later * self.solid_compressibility * mean_stress)
 
     @property
     def coherent(self) -> BoolArray:
@@ -209,7 +220,8 @@ class Law:
             flow = solid_flow(self.material, self.name, shear_modulus, at_points, step)
         return Conditions(
             shear_modulus, flow, shares, viscous, flowing,
-            places.volume_means(first.share), share, compressibility,
+            places.volume_means(first.share), share,
+            np.minimum(places.volume_means(grown.strained), share), compressibility,
             grown.contraction(places), end,
         )  # fmt: skip
 

@@ -113,7 +113,7 @@ class MaterialPoints:
         self._contracted = self._volume.contracted + c.contraction
         self.compressibility.x.array[:] = c.compressibility
         self.thermal_strain.x.array[:] = self._volume.grown(
-            c.start_share, c.share, c.solid_compressibility, c.contraction
+            c.start_share, c.share, c.strained_share, c.solid_compressibility, c.contraction
         )
         return c
 
@@ -255,7 +255,7 @@ class MaterialPoints:
         liquid = ~self.conditions.coherent
         if pooled is not None:
             liquid = liquid | self.points.cells_to_volumes(pooled)
-        kept = np.where(liquid, dilatation, free)
+        kept = np.where(liquid, dilatation, free + self.conditions.born_later(mean_stress))
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free

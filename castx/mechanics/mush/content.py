@@ -147,6 +147,7 @@ class MeltContent:
         supply: FloatArray,
         pores: FloatArray,
         stress: FloatArray,
+        born: FloatArray | float = 0.0,
     ) -> None:
         """Accept the trial step; collective.
 
@@ -156,6 +157,7 @@ class MeltContent:
             supply: what feeders have, likewise.
             pores: φ, likewise.
             stress: p [Pa], likewise.
+            born: change of e by solid that the strain of the step has not met, shape (cells,).
         """
         own, start, weight = slice(self.owned), self.start, self.weight
         volume = self.volumes * (1.0 - start.pores[own]) + start.stretched[own]
@@ -168,7 +170,7 @@ class MeltContent:
         surplus = start.surplus[own] + flow + supply - self._asked()
         found = (surplus, pores, stretched, stress)
         self.start = MeltNodes(self.solid, *(self._with_ghosts(values) for values in found))
-        self.strain = self._trial_strain
+        self.strain = self._trial_strain + born
 
     def _with_ghosts(self, owned: FloatArray) -> FloatArray:
         values = np.zeros(len(self.solid))

@@ -235,11 +235,11 @@ BORN = E * COOLING / (1 - NU)
 
 
 def held_bar(share: float, along: float, cooling: float = COOLING) -> float:
-    """Return σ_xx of a bar of one step, with a share of G, cooled and stretched [Pa].
+    """Return σ_xx of a bar of one step, with a share of G and 1/K, cooled and stretched [Pa].
 
     Free across, held out of the plane: s = 2 G dev(ε), p = K (tr ε + 3 α ΔT), s_yy + p = 0.
     """
-    G, K = share * E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))
+    G, K = share * E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU)) / share
     across = (2 / 3 * G * along - K * (along + 3 * cooling)) / (4 / 3 * G + K)
     mean = K * (along + across + 3 * cooling)
     return 2 * G * (along - (along + across) / 3) + mean
@@ -266,8 +266,8 @@ def test_a_solid_is_born_under_the_pressure_that_acts(comm):
     np.testing.assert_allclose(mean, 2 * 2e6 * rate, rtol=1e-6)
     made.equilibrium.commit()
     cooled(made, 600.0, 1.0)
-    # ε_xx = ε_zz = 0 and σ_yy = 0, with half of G in the step, and K (tr ε - E) for the pressure.
-    G, K = 0.5 * E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))
+    # ε_xx = ε_zz = 0 and σ_yy = 0, with half of G and of 1/K in the step, and K (tr ε - E) for p.
+    G, K = 0.5 * E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU)) / 0.5
     volume = -mean[0] / K
     across = K * volume / (4 / 3 * G + K)
     expected = K * (across - volume) - 2 / 3 * G * across

@@ -196,15 +196,18 @@ SOFT = np.array([2e-11, 1e-11, 1.5e-11])
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize(("start", "end"), [(0.0, 0.3), (0.2, 0.9), (0.0, 1.0)])
-def test_new_solid_is_born_at_the_volume_and_under_the_pressure_that_are_there(start, end):
+@pytest.mark.parametrize(
+    ("start", "mean", "end"), [(0.0, 0.1, 0.3), (0.2, 0.9, 0.9), (0.0, 0.5, 1.0)]
+)
+def test_new_solid_is_born_at_the_volume_and_under_the_pressure_that_are_there(start, mean, end):
     """With the same pressure behind the step the cell wants the volume that it has.
 
-    Solid that was there before wants its own, so that the mean of both is wanted.
+    Solid that was there before wants its own, so that the mean of both is wanted. A change of the
+    pressure meets the share that is there meanwhile.
     """
     shares = np.full(3, start), np.full(3, end)
-    free = VOLUME.grown(*shares, SOFT, np.zeros(3))
-    wanted = free + end * SOFT * VOLUME.mean_stress
+    free = VOLUME.grown(*shares, np.full(3, mean), SOFT, np.zeros(3))
+    wanted = free + mean * SOFT * VOLUME.mean_stress
     own = VOLUME.free + start * SOFT * VOLUME.mean_stress
     expected = start / end * own + (1 - start / end) * VOLUME.dilatation
     np.testing.assert_allclose(wanted, expected, rtol=1e-12)
@@ -212,9 +215,10 @@ def test_new_solid_is_born_at_the_volume_and_under_the_pressure_that_are_there(s
 
 @pytest.mark.serial
 def test_what_melts_leaves_its_volume_and_contraction_is_added():
-    shares, change = (np.full(3, 0.8), np.full(3, 0.3)), np.array([1e-4, 0.0, -1e-4])
+    shares = np.full(3, 0.8), np.full(3, 0.3), np.full(3, 0.3)
+    change = np.array([1e-4, 0.0, -1e-4])
     free = VOLUME.grown(*shares, SOFT, change)
     stored = 0.5 * SOFT * VOLUME.mean_stress
     np.testing.assert_allclose(free, VOLUME.free + stored + change, rtol=1e-12)
-    same = VOLUME.grown(np.zeros(3), np.zeros(3), SOFT, np.zeros(3))
+    same = VOLUME.grown(*np.zeros((3, 3)), SOFT, np.zeros(3))
     np.testing.assert_array_equal(same, VOLUME.free)

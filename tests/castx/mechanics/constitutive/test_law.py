@@ -64,6 +64,17 @@ def test_a_liquid_has_its_viscosity_over_the_step_and_no_volume_strain(points):
     assert np.all(cold.contraction == 0.0) and not cold.coherent.any()
 
 
+def test_pressure_of_a_step_meets_the_solid_that_is_there_meanwhile(points):
+    """θ = w_m p/K + E in the step, and θ = w p/K + E of what is left behind it."""
+    law = Law(metal(viscosity=VISCOSITY, coherency=0.6), 560.0, PLASTIC)
+    pressure = np.full(points.cells, -3e7)
+    for start, end, mean in ((0.6, 0.8, 0.25), (0.7, 0.9, 0.5), (0.9, 0.7, 0.25), (1.0, 1.0, 1.0)):
+        c = at(points, law, end, start=start)
+        np.testing.assert_allclose(c.compressibility, mean / K, rtol=1e-9)
+        behind = c.share / K * pressure + c.born_later(pressure)
+        np.testing.assert_allclose(behind, mean / K * pressure, rtol=1e-9)
+
+
 def test_the_share_of_the_solid_rises_from_coherency_to_full_solidity(points):
     law = Law(metal(viscosity=VISCOSITY, coherency=0.6), 560.0, PLASTIC)
     for fraction, share in ((0.5, 0.0), (0.6, 0.0), (0.7, 0.25), (0.9, 0.75), (1.0, 1.0)):

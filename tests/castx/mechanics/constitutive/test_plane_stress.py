@@ -30,7 +30,7 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
         G * one, yield_stress * one, hardening * one, (), none, PowerLaw(viscous * one, 0.3 * one)
     )
     return Conditions(
-        G * one, flow, Shares.between(one, one, one), None, None, one, one,
+        G * one, flow, Shares.between(one, one, one), None, None, one, one, one,
         np.full(COUNT, 1 / K), none, MetalNodes(one, none, none),
     )  # fmt: skip
 

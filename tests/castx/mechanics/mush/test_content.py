@@ -89,6 +89,14 @@ def test_a_trial_step_is_rewound_and_restored(comm):
     np.testing.assert_array_equal(other.missing(none, none), found.missing(none, none))
 
 
+def test_solid_that_was_born_late_in_a_step_keeps_its_volume_behind_it(comm):
+    found, x = content(comm)
+    begun(found, 0.3 + 0.4 * x)
+    none, born = np.zeros(found.owned), np.linspace(1e-4, 2e-4, len(found.strain))
+    found.commit(none, none, none, none, none, born)
+    np.testing.assert_array_equal(found.begin(0.3 + 0.5 * x, 0.5 * born), 1.5 * born)
+
+
 @pytest.mark.ranks
 def test_mean_pressure_of_what_is_left_melt(comm):
     found, x = content(comm)
