@@ -20,7 +20,8 @@ class RunningArms:
     """Arm spacing λ2 = C_λ ((t − t_L)/(T_L − T))^n of the nodes, t_L the passing of the liquidus.
 
     The rate is the mean one since the liquidus, in the first step its own, with T_L − T no less
-    than `LEAST_COOLING`. Arms never grow finer, and what melts again loses them.
+    than `LEAST_COOLING`, and the slowest one in a step, in which the temperature is linear. Arms
+    never grow finer, and what melts again loses them.
 
     Args:
         metal: of the body.
@@ -52,6 +53,11 @@ class RunningArms:
         since = np.where(elapsed > 0.0, elapsed + step, own)
         since = np.where(mushy, since, 0.0)
         ratio = since / np.maximum(below, LEAST_COOLING)
+        # Largest where the node passes the least cooling: a step that passes it by would miss it.
+        passes = cools & (below > LEAST_COOLING) & (below - cooled < LEAST_COOLING)
+        beyond = np.divide(below - LEAST_COOLING, cooled, out=np.zeros_like(below), where=passes)
+        at_least = (since - step * beyond) / LEAST_COOLING
+        ratio = np.where(passes, np.maximum(ratio, at_least), ratio)
         spacing = np.where(mushy, np.maximum(spacing, metal.spacing * ratio**metal.exponent), 0.0)
         self._trial = temperature.copy(), since, spacing
         known = spacing[self._corners]

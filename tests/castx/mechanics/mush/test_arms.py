@@ -56,6 +56,15 @@ def test_rest_just_below_the_liquidus_makes_no_coarse_arms():
         assert found[-1] == pytest.approx(4e-5 * (2.0 / 1.0) ** (1 / 3), rel=0.02)
 
 
+@pytest.mark.parametrize("step", [0.5, 2.0, 3.0])
+def test_arms_do_not_hang_on_steps_that_pass_the_least_cooling(step):
+    """0.05 K/s to 0.5 K below the liquidus, then 0.5 K/s: 11 s over the first kelvin."""
+    times = 10.0 + step * np.arange(-4, 5)
+    course = np.interp(times, [-50.0, 10.0, 40.0], [602.5, 599.5, 584.5]).tolist()
+    found = followed(arms(), course, step)
+    assert found[-1] == pytest.approx(4e-5 * 11.0 ** (1 / 3), rel=1e-9)
+
+
 def test_constant_spacing():
     metal = MushMetal(0.06, 1e-3, 1e5, 0.98, 4e-5, 0.0, 600.0)
     assert followed(arms(metal), [605.0, 550.0], 1.0) == [4e-5, 4e-5]
