@@ -93,7 +93,8 @@ class PairChanges:
             f: its residual, filled anew if it has changed.
 
         Returns:
-            Whether a pair or a gate has changed, on any rank.
+            Whether a pair, a gate or a pore has changed, on any rank. A pore that opens is far from
+            its pressure, of which the balance of forces notices little.
         """
         balance, active, limits = self._balance, self._balance.active, self._balance.convergence
         improved = balance.assembly.improve_pressures()
@@ -116,7 +117,8 @@ class PairChanges:
             balance.contact.hold(active.held)
         gripped = balance.supports.change(active.closed, not changed)
         if not changed and not gripped:
-            return limits.is_met(f) and self._release_bodies(x, f)
+            released = limits.is_met(f) and self._release_bodies(x, f)
+            return released or balance.assembly.pores_changed
         balance.sum_up_again(x, f)
         return True
 

@@ -158,6 +158,12 @@ class BodyAssembly:
         improved = [body.improve_pressures() for body in self.bodies]
         return bool(self.layout.comm.allreduce(any(improved), op=MPI.LOR))
 
+    @property
+    def pores_changed(self) -> bool:
+        """Whether pores of any body have opened or closed at the present iterate; collective."""
+        here = any(body.formulation.pores_changed for body in self.bodies)
+        return bool(self.layout.comm.allreduce(here, op=MPI.LOR))
+
     def displacement_rows(self) -> FloatArray:
         """Return 1 at the owned unknowns that are displacements, else 0."""
         rows = np.zeros(self.layout.size_local)

@@ -133,7 +133,8 @@ class DarcyFormulation(PressureFormulation):
         self._flow.begin(tau_d, np.where(empty, 0.0, 1.0))
         self._fed.begin(start, self._resistance.cut_off)
         freezes = solid_fraction > content.start.solid
-        self._pores.begin(start, freezes, tau_d > 0.0, self._fed.nodes, empty)
+        melts = (start <= 0.0) & (solid_fraction < 1.0)
+        self._pores.begin(start, freezes, melts, tau_d > 0.0, self._fed.nodes, empty)
         comm = self._unknowns.mesh.mesh.comm
         self._mushy = bool(comm.allreduce(bool((start > 0.0).any()), op=MPI.LOR))
         # Rows of given pressures count like the flow to their nodes, or the volume of a level.
@@ -238,6 +239,11 @@ class DarcyFormulation(PressureFormulation):
         _, _, missing = self._balance()
         return self._pores.change(missing, self._content.volumes, self._stress())
 
+    @property
+    def pores_changed(self) -> bool:
+        """Whether pores on this rank have opened or closed at the iterate of the last call."""
+        return self._pores.changed
+
     def mean_stress(self) -> FloatArray:
         """Return the means of the nodal pressures of the cells [Pa], shape (cells,)."""
         return np.asarray(self.nodal_pressure()[self._corner].mean(axis=1))
@@ -273,7 +279,8 @@ class DarcyFormulation(PressureFormulation):
         """
         content, (_, stretched, missing) = self._content, self._balance()
         fed = self._supply(missing)
-        pores = np.where(self._pores.open, missing / content.volumes, content.frozen_pores)
+        opened = np.where(self._pores.open, missing / content.volumes, 0.0)
+        pores = content.frozen_pores + opened
         born = self._material.conditions.born_later(self.mean_stress())
         self._material.commit(self.mean_stress())
         content.commit(stretched, self._flow.drained(self.forms), fed, pores, self._stress(), born)

@@ -302,6 +302,11 @@ class Formulation(ABC):
         """Take the pressures of this rank for the multipliers; return whether there are any."""
         return False
 
+    @property
+    def pores_changed(self) -> bool:
+        """Whether pores on this rank have opened or closed at the iterate of the last call."""
+        return False
+
     @abstractmethod
     def mean_stress(self) -> FloatArray:
         """Return the mean stress of the cells for the stresses of `update` [Pa], shape (cells,)."""

@@ -1,6 +1,7 @@
 """Pores of a mush as a complementarity of nodes: where they open, and where melt fills them.
 
-At nodes that are not solid at the start of a step, with R the volume that nothing fills,
+At nodes that are not solid at the start of a step, or at its end, with R the volume that nothing
+fills,
 
     p ≤ Δp_c,   R = φ V ≥ 0,   (Δp_c − p) R = 0,
 
@@ -10,6 +11,10 @@ exceeds Δp_c, and closes where R is negative. Melt that no feeder reaches has n
 walls until a pore opens: one of its highest nodes begins open where it freezes, the one with most
 melt, and where it rests its highest nodes keep the pressure of the last step as long as R = 0. All
 highest nodes open would hold a pool without weight at the cavity pressure throughout.
+
+There is no gas in a pore. Hydrogen by Sieverts' law would make Δp_c a function of φ and of what the
+melt around has left: here, where a node opens and closes by it, and in `castx.mechanics.darcy`,
+where the rows of open nodes hold p at it.
 """
 
 from __future__ import annotations
@@ -26,6 +31,10 @@ from castx.stateful import Arrays, Saved
 
 NEGATIVE = 1e-12
 """Pore fraction below which a pore is closed: rounding of volumes."""
+LACKING = 1e-9
+"""Share of its volume that a node of melt that rests has to lack before it opens, or to have too
+much of before its pressure rises: rounding of the flow, which is fast in melt without solid. What
+lacks less is not lost: the next step finds it."""
 LEVEL = 1e-9
 """Difference of heads relative to the largest one by which two nodes are equally high."""
 EXCEEDING = 1e-9
@@ -47,6 +56,7 @@ class PoreSet:
     Attributes:
         open: owned nodes with pores in the trial step, shape (owned,).
         resting: owned nodes that keep their pressure in it, likewise.
+        changed: whether the last call of `change` has changed any on this rank.
     """
 
     def __init__(self, body: BodyMesh, potential: FloatArray, cavitation: float) -> None:
@@ -61,11 +71,13 @@ class PoreSet:
         self._may: BoolArray = self.open
         self.resting: BoolArray = self.open
         self._changes: IntArray = np.zeros(self._owned, dtype=np.int32)
+        self.changed = False
 
     def begin(
         self,
         liquid: FloatArray,
         freezes: BoolArray,
+        melts: BoolArray,
         conducts: BoolArray,
         fed: BoolArray,
         empty: BoolArray,
@@ -75,18 +87,20 @@ class PoreSet:
         Args:
             liquid: liquid fraction of the local nodes at its start, shape (nodes,).
             freezes: whether their solid fraction rises in the step, shape (nodes,).
+            melts: whether they are solid at its start and no longer at its end, likewise.
             conducts: whether melt flows in the cells, shape (cells,).
             fed: local nodes that feeders keep at their pressure, shape (nodes,).
             empty: whether a node of the cells has lost its melt, shape (cells,).
         """
         own = slice(self._owned)
-        self._may = (liquid > 0.0)[own] & ~fed[own]
-        self.open = self._committed & self._may
+        self._may = ((liquid > 0.0) | melts)[own] & ~fed[own]
+        self.open = self._committed & self._may & ~melts[own]
         self.resting = self._may & False
         self.open |= self._left(conducts, empty) & self._may
         first, resting = self._tops(liquid, freezes, conducts, fed)
         self.open, self.resting = self.open | (first & self._may), resting & self._may
         self._changes[:] = 0
+        self.changed = False
 
     def _left(self, conducts: BoolArray, empty: BoolArray) -> BoolArray:
         """Return the owned nodes beside cells without melt that no cell connects to others."""
@@ -155,15 +169,16 @@ class PoreSet:
             volumes: V of the owned nodes [m³], likewise.
             stress: p of the owned nodes [Pa], likewise.
         """
-        slack = NEGATIVE * volumes
+        slack, moved = NEGATIVE * volumes, LACKING * volumes
         closes = self.open & (missing < -slack) & (self._changes < MOST_CHANGES)
         exceeds = (stress > self._cavitation + self._slack) & ~self.resting
-        opens = self._may & ~self.open & (exceeds | (self.resting & (missing > slack)))
-        leaves = self.resting & (opens | (missing < -slack))
+        opens = self._may & ~self.open & (exceeds | (self.resting & (missing > moved)))
+        leaves = self.resting & (opens | (missing < -moved))
         changed = closes | opens | leaves
         self.open, self.resting = (self.open & ~closes) | opens, self.resting & ~leaves
         self._changes += changed
-        return bool(changed.any())
+        self.changed = bool(changed.any())
+        return self.changed
 
     @property
     def open_at_start(self) -> BoolArray:

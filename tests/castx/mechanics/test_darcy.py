@@ -81,6 +81,7 @@ def test_jacobian_with_open_pores(comm):
     part.solution.x.array[:] = 1e-3 * random_field(part, 0.7)
     opened = part.improve_pressures()
     assert comm.allreduce(opened, MPI.LOR)
+    assert part.formulation.pores_changed == opened
     assert differs(comm, part) < 1e-6
 
 
@@ -116,6 +117,33 @@ def test_steps_are_rewound_and_restored(comm):
     other.solution.x.array[:] = part.solution.x.array
     freeze(other, 0.15)
     np.testing.assert_array_equal(other.residual(), first)
+
+
+def test_solid_that_melts_keeps_its_pores_and_its_melt_bears_no_more(comm):
+    """A fifth of the slab freezes with pores, and melts again under a pull: p is Δp_c there."""
+    part = mushy(comm)
+    part.solution.x.array[:] = 1e-3 * random_field(part, 0.7)
+    part.improve_pressures()
+    part.residual()
+    part.commit()
+    freeze(part, 0.3)
+    part.residual()
+    part.commit()
+    content = part.formulation._content
+    own, before = slice(content.owned), content.start
+    freeze(part, 0.1)
+    again = (before.solid >= 1.0)[own] & (content.solid < 1.0)[own]
+    assert comm.allreduce(bool((again & (before.pores[own] > 0.0)).any()), MPI.LOR)
+    part.solution.x.array[part.formulation._rows] = 1e9
+    part.solution.x.scatter_forward()
+    part.improve_pressures()
+    opened = part.formulation._pores.open
+    assert opened[again].all()
+    missing = part.formulation._balance()[2] / content.volumes
+    part.commit()
+    np.testing.assert_allclose(
+        content.start.pores[own][again], (before.pores[own] + missing)[again], rtol=1e-12
+    )
 
 
 def test_totals_of_the_ledger(comm):
