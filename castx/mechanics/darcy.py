@@ -255,17 +255,7 @@ class DarcyFormulation(PressureFormulation):
 
     def liquid_totals(self) -> dict[str, float] | None:
         """Return the volumes of the ledger, pores, and the mean pressure of what is left melt."""
-        ledger = self._content.ledger
-        return {
-            "feeding_demand": ledger.demand,
-            "fed_volume": ledger.fed,
-            "opened_volume": ledger.opened,
-            "yielded_volume": ledger.yielded,
-            "unfed_volume": self._content.porosity(),
-            "pocket_pressure": self._content.mean_pressure(self._stress()),
-            "melt_suction": self._content.largest_suction(self._stress()),
-            **self._levels.totals(),
-        }
+        return self._content.totals(self._stress()) | self._levels.totals()
 
     def pores(self) -> FloatArray:
         """Return means of the pores over the cells, as shares, shape (cells,)."""

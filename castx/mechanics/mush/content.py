@@ -203,6 +203,23 @@ class MeltContent:
         here = float(stress[melt].max(initial=0.0))
         return float(self._body.mesh.comm.allreduce(here, op=MPI.MAX))
 
+    def totals(self, stress: FloatArray) -> dict[str, float]:
+        """Return the ledger, the pores and what p is in the melt, by their columns; collective.
+
+        Args:
+            stress: p of the owned nodes [Pa], shape (owned,).
+        """
+        ledger = self.ledger
+        return {
+            "feeding_demand": ledger.demand,
+            "fed_volume": ledger.fed,
+            "opened_volume": ledger.opened,
+            "yielded_volume": ledger.yielded,
+            "unfed_volume": self.porosity(),
+            "pocket_pressure": self.mean_pressure(stress),
+            "melt_suction": self.largest_suction(stress),
+        }
+
     def rewind(self) -> None:
         """Return to the start of the step."""
         self.solid, self._trial_strain = self.start.solid, self.strain
