@@ -117,3 +117,18 @@ KINDS = {kind.name: kind for kind in (LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON
 def kinds_of_dimension(dimension: int) -> list[CellKind]:
     """Return the kinds of cells of a dimension."""
     return [kind for kind in KINDS.values() if kind.dimension == dimension]
+
+
+def linear_means(places: FloatArray, values: FloatArray, model: str) -> FloatArray:
+    """Return the means of linear fields over triangles or tetrahedra, shape (cells,).
+
+    Args:
+        places: of the corners [m], shape (cells, corners, gdim).
+        values: at the corners, shape (cells, corners).
+        model: geometric model, in an axisymmetric one outer corners count for more.
+    """
+    if model != "axisymmetric":
+        return np.asarray(values.mean(axis=1))
+    radii = places[:, :, 0]
+    total = radii.sum(axis=1, keepdims=True)
+    return np.asarray(((total + radii) / (4.0 * total) * values).sum(axis=1))

@@ -15,6 +15,7 @@ from dolfinx.common import IndexMap
 from dolfinx.mesh import Mesh, meshtags
 
 from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.domain.cell_kinds import linear_means
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
 from castx.forms.nodal import nodal_area_vector, nodal_measure
@@ -213,21 +214,6 @@ def cell_means(body: BodyMesh, model: str, values: FloatArray) -> FloatArray:
     """
     corners = body.nodes.dofmap.list
     return linear_means(body.points[corners], values[corners], model)
-
-
-def linear_means(places: FloatArray, values: FloatArray, model: str) -> FloatArray:
-    """Return the means of linear fields over triangles or tetrahedra, shape (cells,).
-
-    Args:
-        places: of the corners [m], shape (cells, corners, gdim).
-        values: at the corners, shape (cells, corners).
-        model: geometric model, as for `cell_means`.
-    """
-    if model != "axisymmetric":
-        return np.asarray(values.mean(axis=1))
-    radii = places[:, :, 0]
-    total = radii.sum(axis=1, keepdims=True)
-    return np.asarray(((total + radii) / (4.0 * total) * values).sum(axis=1))
 
 
 def bounding_box(points: FloatArray, comm: MPI.Intracomm) -> tuple[FloatArray, FloatArray]:

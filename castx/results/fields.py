@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from castx.arrays import FloatArray
+from castx.case.fields.motion import DEVIATION
 from castx.foundry.followed import histories
 from castx.foundry.followed.foundry_fields import entry_of, is_of_foundry
 from castx.foundry.stress.cracks import COLD_CRACKS
-from castx.foundry.stress.stage_ends import DEVIATION
 from castx.results.field_copies import FieldCopies, between
 from castx.results.field_files import field_files
 from castx.results.field_times import FieldTimes

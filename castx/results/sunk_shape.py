@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.case.fields.feeding import EMPTIED
-from castx.domain.measures import linear_means
+from castx.domain.cell_kinds import linear_means
 from castx.results.reading import cells_of
 
 LEAST = 1e-9

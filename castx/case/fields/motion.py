@@ -5,6 +5,9 @@ from __future__ import annotations
 from castx.case.fields.declaration import FieldColours, FieldPlace, OutputField
 from castx.input.units import LENGTH
 
+DEVIATION = "deviation"
+"""Name of the field of distances from the nominal surface."""
+
 FIELDS = (
     OutputField(
         name="displacement",
@@ -16,7 +19,7 @@ FIELDS = (
         mechanical=True,
     ),
     OutputField(
-        name="deviation",
+        name=DEVIATION,
         title="Deviation from the nominal surface",
         unit="m",
         place=FieldPlace.NODE,
@@ -27,8 +30,7 @@ FIELDS = (
             colours="RdBu_r",
             factor=1000.0,
             caption=(
-                "After the best-fit motion; positive outward. In plane pictures one "
-                "cell wide."
+                "After the best-fit motion; positive outward. In plane pictures one cell wide."
             ),
             rank=7,
         ),

@@ -15,6 +15,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.bodies import Body
 from castx.case.case import Case
+from castx.case.fields.motion import DEVIATION
 from castx.foundry.alloy import Alloy
 from castx.foundry.arm_spacing import yield_strength
 from castx.foundry.cracking import brittle_strain_ratio
@@ -31,7 +32,7 @@ from castx.foundry.pools.feeding_path import FEEDING_PATH
 from castx.foundry.pools.hot_spots import POOL, HotSpots
 from castx.foundry.porosity import dimensionless_niyama, pore_fraction
 from castx.foundry.stress.cracks import BRITTLE, COLD_CRACKS, MARGIN, Cracks
-from castx.foundry.stress.stage_ends import DEVIATION, StageEnds
+from castx.foundry.stress.stage_ends import StageEnds
 from castx.foundry.stress.strains import BodyStrains
 from castx.foundry.suction import (
     CUT_OFFS,

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from castx.domain.mesh import CastingMesh
 
 NOT_FED = MappingProxyType[str, FeedingSurfaces]({})
-DEVIATION = "deviation"
-"""Name of the field of distances from the nominal surface."""
 
 
 class SolidState(Protocol):
@@ -140,9 +138,7 @@ class StageEnds:
                 "stage": last.stage,
                 "cycle": last.cycle,
                 "time": last.time,
-                "bodies": {
-                    name: self._body(name, last) for name in last.stress
-                },
+                "bodies": {name: self._body(name, last) for name in last.stress},
             }
         return [self._found[stage] for stage in sorted(self._found)]
 
@@ -172,4 +168,3 @@ class StageEnds:
     def resume(self, found: Sequence[Mapping[str, Any]]) -> None:
         """Go on behind the ends that an earlier part of the run has described."""
         self._found = {int(end["stage"]): dict(end) for end in found}
-

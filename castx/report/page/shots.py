@@ -13,7 +13,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from castx.arrays import FloatArray
-from castx.foundry.stress.stage_ends import DEVIATION
+from castx.case.fields.motion import DEVIATION
 from castx.input.units import seconds_text
 from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -104,3 +106,9 @@ def test_one_run_has_its_report_and_several_their_comparison(tmp_path, monkeypat
     assert write_page([first, second], tmp_path / "c.html") == tmp_path / "c.html"
     with pytest.raises(CaseError, match="leave --output out"):
         write_page([first], tmp_path / "c.html")
+
+
+def test_pages_load_no_solvers():
+    code = "import sys, castx.report.page.comparison; print(list(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"dolfinx", "gmsh", "petsc4py.PETSc", "ufl"} & set(eval(found.stdout))
