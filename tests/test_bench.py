@@ -128,6 +128,27 @@ def test_cases_that_are_written_out_are_accepted():
     assert load_case(cylinder.CASE, [f"geometry.size={size}"]).geometry.model == "3d"
 
 
+def test_elements_are_compared_in_cases_that_are_accepted(tmp_path):
+    bench = script("cost_per_digit")
+    for part in bench.PARTS.values():
+        made = {(element, size): case for element, size, case in bench.cases(part, tmp_path)}
+        assert set(part.reference) <= set(made)
+        assert len({case.time.fixed_step for case in made.values()}) == 1
+        forms = {element: case.bodies[0].formulation for (element, _), case in made.items()}
+        assert "taylor-hood" in forms.values() and None in forms.values()
+    assert bench.digits([0.1, -0.01, 0.005, 0.005]) == pytest.approx(1.523, abs=1e-3)
+
+
+def test_paths_are_those_of_meshes_and_steps(tmp_path):
+    bench = script("path_dependence")
+    cases = bench.hubs(tmp_path)
+    assert len({case.geometry.file for case in cases.values()}) == len(bench.SIZES) == 3
+    changes = [case.time.temperature_change for case in cases.values()]
+    assert changes == [20.0, 10.0] * 3
+    own = bench.of_file(BENCH.parent / "demos" / "cylinder.toml")
+    assert [case.time.largest_step for case in own.values()] == [2.0, 1.0]
+
+
 @pytest.mark.parametrize("name", ["constitutive", "contact"])
 def test_those_that_build_their_problem_themselves_measure_a_tiny_one(name, capsys):
     found = script(name)

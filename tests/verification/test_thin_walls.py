@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from ufl import SpatialCoordinate
 
 from castx.equilibrium.problem import MechanicalProblem
 from tests.elastic_bodies import (
@@ -27,15 +28,17 @@ from tests.elastic_bodies import (
     stresses,
 )
 
-LENGTH, HEIGHT = 0.02, 0.001
+LENGTH, HEIGHT, WIDE = 0.02, 0.001, 0.01
 YOUNG, POISSON, EXPANSION, DIFFERENCE = 70e9, 0.33, 2e-5, 100.0
 MODELS = ("plane-strain", "plane-stress", "3d")
 
 
-def wall(comm, model: str, supports, **description) -> MechanicalProblem:
-    """Return a wall of cells as large as it is high."""
-    depth = {"depth": HEIGHT} if model == "3d" else {}
-    mesh = generated(comm, model, "slab", ["casting"], length=LENGTH, width=HEIGHT, size=HEIGHT,
+def wall(
+    comm, model: str, supports, size: float = HEIGHT, wide: float = HEIGHT, **description
+) -> MechanicalProblem:
+    """Return a wall of cells as large as it is high, or of a size."""
+    depth = {"depth": wide} if model == "3d" else {}
+    mesh = generated(comm, model, "slab", ["casting"], length=LENGTH, width=HEIGHT, size=size,
                      **depth)  # fmt: skip
     metal = elastic(YOUNG, POISSON, EXPANSION)
     described = body(metal, formulation="taylor-hood", **description)
@@ -75,6 +78,26 @@ def test_a_plate_bends_by_its_temperature_without_stress(comm, model):
     assert deflection(comm, made, 0.0) == pytest.approx(exact, rel=1e-6)
     hindered = YOUNG * EXPANSION * DIFFERENCE
     assert np.abs(stresses(comm, made, "casting")[:, :2]).max() < 1e-6 * hindered
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("model", MODELS[1:])
+def test_two_cells_hold_the_stress_by_a_parabola(comm, model):
+    """All that two lines have of a parabola: 15/16 of its product with the exact one."""
+    made = wall(comm, model, [fixed("wall")], HEIGHT / 2, WIDE)
+    heat(made, lambda x: 20.0 + DIFFERENCE * 4 * x[:, 1] / HEIGHT * (1 - x[:, 1] / HEIGHT))
+    made.equilibrium.solve(0.0)
+    part = made.bodies["casting"]
+    places = part.points.evaluate(part.points.expression(SpatialCoordinate(part.mesh.mesh)))
+    # Ends and, in space, sides bulge.
+    inner = np.abs(places[:, 0] - LENGTH / 2) < LENGTH / 4
+    if model == "3d":
+        inner &= np.abs(places[:, 2] - WIDE / 2) < WIDE / 4
+    hot = 1 - np.abs(2 * places[inner, 1] / HEIGHT - 1)
+    pulled_by = YOUNG * EXPANSION * DIFFERENCE * (0.5 - hot)
+    deviator = pulled_by / (1 - POISSON) / 3 if model == "3d" else pulled_by * 2 / 3
+    found = part.material.response.stress[inner, 0]
+    np.testing.assert_allclose(found, deviator, atol=0.01 * np.abs(deviator).max())
 
 
 @pytest.mark.ranks
