@@ -100,9 +100,9 @@ PARTS = {
         "geometry.refinement",
         {
             "tetrahedra, mixed": ((), (0.8, 1.0, 1.4, 2.0)),
-            "tetrahedra, taylor-hood": ((QUADRATIC,), (0.8, 1.0, 1.4)),
+            "tetrahedra, taylor-hood": ((QUADRATIC,), (0.8,)),
         },
-        (("tetrahedra, mixed", 2.0), ("tetrahedra, taylor-hood", 1.4)),
+        (("tetrahedra, mixed", 2.0),),
         "lug",
     ),
 }  # fmt: skip
@@ -124,7 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def lines_of(name: str, folder: Path) -> list[Line]:
-    """Run a part in all its meshes, print its lines and return them, without the finest ones."""
+    """Run a part in all its meshes, print its lines; return all but that of the finest mesh."""
     part = PARTS[name]
     found = {
         (element, size): measured(case, folder / f"{name} {element} {size:g}")
@@ -146,7 +146,7 @@ def lines_of(name: str, folder: Path) -> list[Line]:
             f"{line.element}, {line.size:g} | {line.cells:.0f} | {line.cpu:.0f} | {shown} | "
             f"{digits(line.errors):.1f}"
         )
-    return [line for line in lines if (line.element, line.size) not in part.reference]
+    return [line for line in lines if (line.element, line.size) != part.reference[0]]
 
 
 def cases(part: Part, folder: Path) -> Iterator[tuple[str, float, Case]]:

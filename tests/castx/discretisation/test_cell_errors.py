@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from castx.discretisation.cell_errors import CellErrors, described_error, squared
+from castx.proof.verification.contact.shrink_fit import ShrinkFit, fitted_case
 from castx.proof.verification.solids.hollow import Hollow, draw_section, pressed_case
 from castx.proof.verification.states import drawn_mesh, states
 from tests.castx.fakes import cylinder_mesh, slab_mesh
@@ -103,3 +104,30 @@ def test_the_estimate_is_the_error_of_pressed_hollow_bodies(
     assert found["error"] == pytest.approx(true, rel=0.1)
     assert 0.05 < found["relative"] < 0.2
     np.testing.assert_allclose(field, errors.of(stress), rtol=1e-12)
+
+
+def fitted_stress(fit, x):
+    """Return Lamé's stress in the hub of a shrink fit in plane stress, (…, 6)."""
+    r = np.linalg.norm(x, axis=-1)
+    hoop = fit.hoop_stress(r)
+    radial = 2 * fit.pressure * fit.inner**2 / (fit.outer**2 - fit.inner**2) - hoop
+    cosine, sine = x[..., 0] / r, x[..., 1] / r
+    found = np.zeros((*r.shape, 6))
+    found[..., 0] = radial * cosine**2 + hoop * sine**2
+    found[..., 1] = radial * sine**2 + hoop * cosine**2
+    found[..., 3] = (radial - hoop) * cosine * sine
+    return found
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("formulation", ["mixed", "displacement", "taylor-hood"])
+@pytest.mark.parametrize("fit", [ShrinkFit(), ShrinkFit(inner=0.01, outer=0.045)])
+def test_the_estimate_is_the_error_of_a_shrink_fit(comm, fit, formulation):
+    data = fitted_case(fit, fit.inner / 4)
+    for described in data["bodies"]:
+        described["formulation"] = formulation
+    for state in states(comm, data):
+        stress = state.cellwise("casting", "stress")
+    body, model = state.mesh.bodies["casting"], state.mesh.model
+    true = true_error(body, model, stress, partial(fitted_stress, fit))
+    assert CellErrors(body, model).described(stress)["error"] == pytest.approx(true, rel=0.1)
