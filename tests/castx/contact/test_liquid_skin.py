@@ -88,10 +88,10 @@ def tried(made, time, state, base=None):
 def relief(stretched: float) -> float:
     """Return what a bar shrinks that was born under the pull of the liquid, once it is free [m].
 
-    Of the mean stress 2 η ε̇; in plane strain by 1 + ν', with half of G in the step in which it is
-    born.
+    Of the mean stress 2 η ε̇; in plane strain by 1 + ν', with half of G and of 1/K in the step in
+    which it is born.
     """
-    K, G = 7e9 / (3 * (1 - 2 * 0.33)), 0.5 * 7e9 / (2 * 1.33)
+    K, G = 7e9 / (3 * (1 - 2 * 0.33)) / 0.5, 0.5 * 7e9 / (2 * 1.33)
     poisson = (3 * K - 2 * G) / (2 * (3 * K + G))
     return (1 + poisson) * 2 * VISCOSITY * stretched / (3 * K)
 
