@@ -36,7 +36,7 @@ from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.q1p0 import Q1P0Formulation
-from castx.mechanics.rigid_modes import rigid_modes
+from castx.mechanics.rigid_modes import modes_of_parts
 from castx.mechanics.taylor_hood import TaylorHoodFormulation
 from castx.solvers.counters import StepCounters
 from castx.solvers.inner.arrow_schur import ArrowSchur
@@ -358,7 +358,7 @@ def _floating(
     motions, weights, held, layout = [], [], [], bodies.layout
     for b, body in enumerate(bodies.parts):
         volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
-        for mode in rigid_modes(body.unknowns):
+        for mode in modes_of_parts(body.unknowns):
             motions.append(transform.unknowns(_extended(layout, b, mode)))
             weights.append(transform.forces_on_unknowns(_extended(layout, b, volumes * mode)))
             held.append(_strained(bodies.parts, b, mode))

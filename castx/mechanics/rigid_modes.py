@@ -9,6 +9,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.domain.measures import bounding_box
 from castx.mechanics.formulation import BodyUnknowns
+from castx.mechanics.liquid.regions import CellRegions
 
 Box = tuple[FloatArray, FloatArray]
 
@@ -41,6 +42,26 @@ def rigid_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:
     for mode, motion in zip(modes, motions, strict=True):
         mode[:, :d] = motion
     return modes.reshape(len(motions), owned * size)
+
+
+def modes_of_parts(unknowns: BodyUnknowns) -> FloatArray:
+    """Return the rigid motions of each connected part of a body, as `rigid_modes`; collective.
+
+    Parts have no node in common: the core inside of a casting with an open top, cut off from the
+    mould outside of it, is one of the body "mould".
+    """
+    modes = rigid_modes(unknowns)
+    regions = CellRegions(unknowns.mesh)
+    nodes = regions.cell_nodes
+    count, part = regions.find(np.ones(len(nodes), dtype=bool))
+    if count == 1:
+        return modes
+    of_node = np.full(len(unknowns.mesh.parent_vertices), -1)
+    of_node[nodes] = part[:, None]
+    owned = of_node[: len(_points(unknowns))]
+    single = modes.reshape(len(modes), len(owned), unknowns.block_size)
+    parts = [np.where((owned == p)[:, None], single, 0.0) for p in range(count)]
+    return np.concatenate(parts).reshape(count * len(modes), -1)
 
 
 def near_null_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:

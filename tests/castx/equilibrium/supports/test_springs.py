@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gmsh
 import numpy as np
 import pytest
 
@@ -13,6 +14,7 @@ from tests.contact_methods import AT_ONCE
 from tests.elastic_bodies import (
     blocks,
     body,
+    drawn,
     elastic,
     everywhere,
     fixed,
@@ -56,6 +58,32 @@ def test_a_free_body_has_all_rigid_motions(comm, model, motions):
         everywhere(comm, u), everywhere(comm, strain * (x - 0.02)), atol=1e-9 * strain
     )
     assert made.equilibrium.support_force() < 1e-8 * 70e6 * 0.02
+
+
+def two_squares():
+    """Draw a body of two squares with sides of 1 cm that lie 1 cm apart."""
+    occ = gmsh.model.occ
+    tags = [occ.addRectangle(x, 0.0, 0.0, 0.01, 0.01) for x in (0.0, 0.02)]
+    occ.synchronize()
+    gmsh.model.addPhysicalGroup(2, tags, name="mould")
+    gmsh.model.addPhysicalGroup(1, [4], name="far")
+    gmsh.model.addPhysicalGroup(1, [2], name="near")
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.004)
+    gmsh.model.mesh.generate(2)
+
+
+@pytest.mark.ranks
+def test_each_part_of_a_body_that_lies_apart_floats(comm, shared_tmp_path):
+    """One part is stretched, the other without a load: neither drifts away."""
+    mesh = drawn(comm, "plane-strain", ["mould"], shared_tmp_path / "apart.msh", two_squares)
+    loads = (pulled("near", 70e6, 0.0), pulled("far", -70e6, 0.0))
+    made = problem(mesh, {"mould": body(elastic(*SOLID), loads=loads)}, {})
+    made.equilibrium.solve(0.0)
+    assert len(found(made).motions) == 6
+    x, u = places(made, "mould")[:, 0], motion(made, "mould")[:, 0]
+    strain = 70e6 / SOLID[0] * (1 - SOLID[1] ** 2)
+    expected = np.where(x < 0.015, strain * (x - 0.005), 0.0)
+    np.testing.assert_allclose(u, expected, atol=1e-3 * strain * 0.005)  # weak springs: 2e-4
 
 
 @pytest.mark.parametrize("method", AT_ONCE)
