@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from castx.case.boundaries import Boundary, ClampCondition
+from castx.case.cad.cost import first_run_time
 from castx.case.case import Case
 from castx.case.caveats import caveats, shut_in
 from castx.case.coherency import coherencies, sensitivity_command
@@ -23,7 +23,7 @@ from castx.case.reading.read import load_case
 from castx.case.skin import skins
 from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
-from castx.command.watches.ranges import outside_used_range, ranges_text, temperature_range
+from castx.command.watches.ranges import material_remarks, material_warnings
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of, laws_above_solidus
 from castx.coupling.thin_walls import thin_walls
@@ -92,6 +92,8 @@ def check_case(
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     shut = shut_in(case, free_areas(case, summary))
     thin = [walls.text for walls in thin_walls(case, mesh)]
+    for text in material_remarks(case):
+        console.print(text, markup=False)
     of_case = (*material_warnings(case), *caveats(case), *unusual(case))
     warnings = (*areas, *hidden, *of_case, *shut, *thin)
     for warning in warnings:
@@ -126,8 +128,15 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         mesh = build_mesh(case.geometry, [b.name for b in case.bodies], comm)
         for remark in () if mesh.report is None else mesh.report.remarks:
             console.print(remark, markup=False, style="yellow")
-        for text in shut_in(case, free_areas(case, mesh_summary(mesh))):
+        summary = mesh_summary(mesh)
+        for text in shut_in(case, free_areas(case, summary)):
             console.print(text, markup=False, style="yellow")
+        cells = sum(body.cells for body in summary.bodies)
+        console.print(
+            f"{cells} cells: a run takes {first_run_time(cells)} on one processor; cells of half "
+            "the size are eight times as many, for results",
+            markup=False, highlight=False,
+        )  # fmt: skip
         poured = {
             body.name
             for body in case.bodies
@@ -349,21 +358,3 @@ def heat_text(heat: InterfaceHeat | None) -> str:
     patches = f", other on {len(heat.patches)} of its parts" if heat.patches else ""
     origin = f" of {heat.entry}" if heat.entry else ""
     return f"{heat.law}{origin}{radiation}{patches}"
-
-
-def material_warnings(case: Case) -> Iterator[str]:
-    """Yield warnings of materials whose data end within the temperatures of the case."""
-    low, high = temperature_range(case)
-    bodies: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for body in case.bodies:
-        material = find_material(body.material, case.materials)
-        found = outside_used_range(case, body, material, low, high)
-        if found:
-            bodies[body.material, ranges_text(found)].append(body.name)
-    for (name, ranges), of_it in bodies.items():
-        gets = "the body gets" if len(of_it) == 1 else "the bodies get"
-        yield (
-            f"{name} ({', '.join(of_it)}) has data for less than the temperatures of the case, "
-            f"{low:g} to {high:g} °C: {ranges}; beyond, the last value is used, and a run says "
-            f"whether {gets} there"
-        )

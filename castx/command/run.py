@@ -157,7 +157,7 @@ def _solve(
     ranges, forces = RangeWatch(case, comm), ForceWatch(case, comm)
     deformation, temperatures = DeformationWatch(case, comm), TemperatureWatch(case, comm)
     progress = Progress(simulation.end, comm, largest=case.time.largest_step)
-    with results, checkpoints, forces, progress:
+    with results, checkpoints, forces, ranges, progress:
         for snapshot in simulation.states(after_failed_try=interruption.after_try):
             results.write(snapshot)
             checkpoints.write_when_due()

@@ -113,6 +113,11 @@ class OutsideRange(NamedTuple):
 
     property: str
     valid: tuple[float, float]
+    asked: tuple[float, float]
+
+    def beyond(self) -> float:
+        """Distance of the farthest temperature from the range [K]."""
+        return max(self.valid[0] - self.asked[0], self.asked[1] - self.valid[1])
 
 
 def unit_of(name: str) -> Unit | None:
@@ -222,7 +227,7 @@ def outside_range(
         start = max(lowest, liquidus) if flowing else lowest
         end = highest if flowing or name in _BOTH_PHASES else min(highest, solidus)
         if valid is not None and start <= end and not (valid[0] <= start and end <= valid[1]):
-            result.append(OutsideRange(name, valid))
+            result.append(OutsideRange(name, valid, (start, end)))
     return result
 
 

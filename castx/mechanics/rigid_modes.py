@@ -61,7 +61,7 @@ def modes_of_parts(unknowns: BodyUnknowns) -> FloatArray:
     owned = of_node[: len(_points(unknowns))]
     single = modes.reshape(len(modes), len(owned), unknowns.block_size)
     parts = [np.where((owned == p)[:, None], single, 0.0) for p in range(count)]
-    return np.concatenate(parts).reshape(count * len(modes), -1)
+    return np.asarray(np.concatenate(parts).reshape(count * len(modes), -1))
 
 
 def near_null_modes(unknowns: BodyUnknowns, box: Box | None = None) -> FloatArray:

@@ -44,6 +44,7 @@ class NewCase:
         interface_size: of the cells on faces that bodies share [m]; None: as elsewhere.
         tolerance: up to which faces are removed and gaps closed [m]; None: as usual.
         narrowest: width of the narrowest faces that are left in [m]; None: all are.
+        growth: of the sizes of cells over a distance; None: as usual.
         boxes: lowest and highest corner of each solid [m].
     """
 
@@ -58,6 +59,7 @@ class NewCase:
     mould: str | None = None
     tolerance: float | None = None
     narrowest: float | None = None
+    growth: float | None = None
     boxes: Mapping[str, Box] = field(default_factory=dict)
 
     @property
@@ -188,6 +190,11 @@ def geometry_text(case: NewCase) -> str:
         text += (
             f'interface_size = "{1e3 * case.interface_size:.3g} mm"       # CHOOSE: cells in the '
             "skin that carries a gap; castx check says what they change\n"
+        )
+    if case.growth is not None:
+        text += (
+            f"growth = {case.growth:g}                      # CHOOSE: of cells away from walls and "
+            "faces; 0.4 has finer ones in the mould\n"
         )
     if case.tolerance is not None:
         text += (

@@ -1,7 +1,8 @@
 """Warnings of temperatures outside the range for which the data of a material are valid.
 
 Outside its range a table continues with its last value. `castx check` compares the ranges with the
-temperatures named in the case, a run with the temperatures that occur, once for each material.
+temperatures named in the case and those that bodies may reach by contact with hotter ones, a run
+with the temperatures that occur, once for each material and at the end.
 
 Nodes of coarse sand beside a casting fall below all temperatures of a case, by 7 K at worst in a
 mould at 20 °C round iron: tetrahedra with obtuse angles conduct from cold to hot there. No sand is
@@ -11,7 +12,11 @@ as cold, and no data are wanted for it, so that a run asks for none below what c
 from __future__ import annotations
 
 import logging
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Self
 
 from mpi4py import MPI
 
@@ -20,6 +25,7 @@ import numpy as np
 from castx.case.bodies import Body
 from castx.case.boundaries import HeatCondition
 from castx.case.case import Case
+from castx.command.watches.contact_temperature import contact_temperature
 from castx.input.units import seconds_text
 from castx.materials.description import MaterialDescription
 from castx.materials.flow import PLASTIC, VISCOPLASTIC
@@ -41,8 +47,44 @@ _ELASTIC = {"young_modulus", "poisson_ratio", "expansion"}
 _HARDENING = {"yield_stress", "hardening", *KINEMATIC_KEYS}
 
 
+@dataclass
+class LeftRange:
+    """How far a material was outside the ranges of its data, and for how long.
+
+    Attributes:
+        time: during which some node of it was [s].
+        distance: of the farthest temperature [K].
+        share: largest one of the nodes of a body.
+        body: that was outside farthest.
+    """
+
+    time: float = 0.0
+    distance: float = 0.0
+    share: float = 0.0
+    body: str = ""
+
+    def note(self, body: str, found: Sequence[OutsideRange], share: float) -> None:
+        """Take over the state of a body after a step."""
+        distance = max(item.beyond() for item in found)
+        if distance > self.distance:
+            self.distance, self.body = distance, body
+        self.share = max(self.share, share)
+
+    @property
+    def text(self) -> str:
+        """Time, largest distance and share in words."""
+        share = 100.0 * self.share
+        most = f"{share:.2g} %" if share >= 0.1 else "0.1 %"
+        return (
+            f"for {seconds_text(self.time, 2)}, by {self.distance:.2g} K at most (in {self.body}), "
+            f"in no more than {most} of the nodes of a body at a time"
+        )
+
+
 class RangeWatch:
     """Warns once for each material when its temperature leaves the range of a property in use.
+
+    At the end it says for how long, how far and where that was.
 
     Args:
         case: what is run.
@@ -54,23 +96,53 @@ class RangeWatch:
         self._materials = {
             body.material: find_material(body.material, case.materials) for body in case.bodies
         }
-        self._warned: set[str] = set()
-        self._coldest = coldest_possible(case)
+        self._left: dict[str, LeftRange] = {}
+        self._coldest, self._time = coldest_possible(case), 0.0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for material, left in self._left.items() if self._comm.rank == 0 else ():
+            _log.warning("%s has left its data %s", material, left.text)
 
     def check(self, snapshot: Snapshot) -> None:
         """Compare the temperatures after an accepted step with the ranges; collective."""
-        if len(self._warned) == len(self._materials):
-            return
+        passed, self._time = max(snapshot.time - self._time, 0.0), snapshot.time
+        outside: set[str] = set()
         for body, (low, high) in zip(self._case.bodies, self._extremes(snapshot), strict=True):
-            if body.material in self._warned or body.name not in snapshot.mesh.bodies:
+            if body.name not in snapshot.mesh.bodies:
                 continue
             near = max(NEAR, SHARE * (high - low))
             least = max(low + near, min(self._coldest, high))
             within = least, max(high - near, least)
-            found = outside_used_range(self._case, body, self._materials[body.material], *within)
-            if found:
-                self._warned.add(body.material)
+            material = self._materials[body.material]
+            found = outside_used_range(self._case, body, material, *within)
+            if not found:
+                continue
+            if body.material not in self._left:
                 self._warn(f"at t = {seconds_text(snapshot.time)}", body, found, low, high)
+            left = self._left.setdefault(body.material, LeftRange())
+            left.time += 0.0 if body.material in outside else passed
+            outside.add(body.material)
+            left.note(body.name, outside_used_range(self._case, body, material, low, high),
+                      self._share(snapshot, body, found))  # fmt: skip
+
+    def _share(self, snapshot: Snapshot, body: Body, found: Sequence[OutsideRange]) -> float:
+        """Return the share of the nodes of a body that is outside a range; collective."""
+        hot = min((f.valid[1] for f in found if f.asked[1] > f.valid[1]), default=np.inf)
+        cold = max((f.valid[0] for f in found if f.asked[0] < f.valid[0]), default=-np.inf)
+        temperature = snapshot.nodal(body.name, "temperature")
+        owned = snapshot.mesh.bodies[body.name].nodes.dofmap.index_map.size_local
+        beyond = (temperature[:owned] > hot) | (temperature[:owned] < cold)
+        both = np.array([np.count_nonzero(beyond), owned])
+        self._comm.Allreduce(MPI.IN_PLACE, both, MPI.SUM)
+        return float(both[0] / max(both[1], 1))
 
     def _extremes(self, snapshot: Snapshot) -> Iterator[tuple[float, float]]:
         """Yield the lowest and the highest temperature of each body on all ranks [°C]."""
@@ -91,7 +163,7 @@ class RangeWatch:
         if self._comm.rank == 0:
             _log.warning(
                 "%s %s (%s) is at %.4g to %.4g °C, outside what its data hold for: %s; beyond, "
-                "the last value is used (said once for each material)",
+                "the last value is used (said once for each material, and at the end)",
                 when, body.material, body.name, low, high, ranges_text(found),
             )  # fmt: skip
 
@@ -108,6 +180,29 @@ def temperature_range(case: Case) -> tuple[float, float]:
         if table is not None:
             found += [float(table.values.min()), float(table.values.max())]
     return min(found, default=20.0), max(found, default=20.0)
+
+
+def hottest(case: Case, body: Body, material: Material) -> float:
+    """Return the highest temperature that a body may reach [°C], by an estimate.
+
+    Metal that is poured, bodies with a source of heat and those of unknown temperature may reach
+    all that the case names; others their own, those of all conditions, and that of thick bodies
+    which touch.
+
+    Args:
+        case: the case.
+        body: one of its bodies.
+        material: of the body.
+    """
+    _, most = temperature_range(case)
+    contact, bounds = contact_temperature(case, body), body.temperature.bounds
+    unknown = bounds is None or body.heat_source is not None or body.temperature_history is not None
+    if unknown or contact is None or body.is_poured(material):
+        return most
+    named = [float(t.values.max()) for heat in _heat_conditions(case) for t in heat.temperatures]
+    named += [float(s.spray.ambient.values.max()) for s in case.stages if s.spray is not None]
+    assert bounds is not None
+    return min(max([bounds[1], contact, *named]), most)
 
 
 def coldest_possible(case: Case) -> float:
@@ -184,3 +279,45 @@ def used_properties(case: Case, body: Body, material: MaterialDescription) -> se
     if body.law == PLASTIC or (viscous and rule.threshold):
         used |= _HARDENING
     return used
+
+
+def material_warnings(case: Case) -> Iterator[str]:
+    """Yield warnings of materials whose data end within the temperatures that bodies may have."""
+    low, high = temperature_range(case)
+    for name, ranges, names in _out_of_range(case, reached=True):
+        yield (
+            f"{name} ({names}) has data for less than the temperatures of the case, {low:g} to "
+            f"{high:g} °C: {ranges}; beyond, the last value is used, and a run says whether it "
+            "gets there, how far and for how long"
+        )
+
+
+def material_remarks(case: Case) -> Iterator[str]:
+    """Yield materials with less data than the case has temperatures, which hardly get there."""
+    warned = {names for _, _, names in _out_of_range(case, reached=True)}
+    for name, ranges, names in _out_of_range(case, reached=False):
+        if names not in warned:
+            yield (
+                f"{name} ({names}) has less data than the case has temperatures: {ranges}; where "
+                "it is thick, hot metal takes it no farther than that, and a run warns of cores "
+                "and pins that get beyond"
+            )
+
+
+def _out_of_range(case: Case, reached: bool) -> Iterator[tuple[str, str, str]]:
+    """Yield materials that leave their data, the ranges of these, and the bodies of each.
+
+    Args:
+        case: the case.
+        reached: whether only what bodies may reach by contact counts.
+    """
+    low, high = temperature_range(case)
+    bodies: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for body in case.bodies:
+        material = find_material(body.material, case.materials)
+        most = hottest(case, body, material) if reached else high
+        found = outside_used_range(case, body, material, min(low, most), most)
+        if found:
+            bodies[body.material, ranges_text(found)].append(body.name)
+    for (name, ranges), of_it in bodies.items():
+        yield name, ranges, ", ".join(of_it)

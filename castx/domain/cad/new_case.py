@@ -60,6 +60,12 @@ CURE = (
 """What helps where nothing that is tried makes a mesh."""
 FIRST_CELLS = 1e5
 """Cells of a first mesh, with which a step takes seconds."""
+AFFORDABLE = 10_000
+"""Cells of a first mesh beyond which those away from walls and faces grow faster."""
+GROWN = 1.0
+"""By how much their sizes grow then over a distance."""
+WORTH = 0.9
+"""Share of the cells that a faster growth has to leave at most, else cells grow as usual."""
 
 
 @dataclass(frozen=True)
@@ -155,14 +161,44 @@ def new_case(
         mould, text = _mould(_around(drawn, wanted), margin, wanted)
         say(f"meshing it again, in {'its' if lone else 'a'} mould")
         report, attempt = _survey(cad_file, mould, say, attempt)
-        return _as_case(report, file, _tries(cad_file)[attempt], margin, text)
+        report, made = _affordable(report, _tries(cad_file, mould)[attempt], say)
+        return _as_case(report, file, made, margin, text)
     if wanted.split is not None or wanted.open_top:
         names = ", ".join(name for name, _ in drawn.bodies)
         raise CaseError(
             "--split and --top act on a mould that castx new makes, where a file has none; "
             f"{cad_file} has the bodies {names}"
         )
-    return drawn
+    report, made = _affordable(report, _tries(cad_file)[attempt], say)
+    return _as_case(report, file, made, None, None)
+
+
+def _affordable(
+    report: Report, made: CadPart, say: Callable[[str], None]
+) -> tuple[Report, CadPart]:
+    """Return a mesh with fewer cells away from walls, where there are many, and its part.
+
+    Args:
+        report: of the mesh as it is.
+        made: its part.
+        say: gets lines about what goes on.
+    """
+    cells = report.quality.cells
+    if cells <= AFFORDABLE:
+        return report, made
+    grown = replace(made, growth=GROWN)
+    try:
+        with TemporaryDirectory() as folder:
+            found = meshed_apart(grown, Path(folder) / "mesh.msh", BUDGET)
+    except SizesError:
+        return report, made
+    if found.quality.cells > WORTH * cells:
+        return report, made
+    say(
+        f"{cells} cells; {found.quality.cells} with growth = {GROWN:g}, by which walls and faces "
+        "keep theirs, and those in the mould and in thick places are larger"
+    )
+    return found, grown
 
 
 def _around(case: NewCase, wanted: Wanted) -> Box:
@@ -199,6 +235,7 @@ def _as_case(
         mould=text,
         tolerance=made.tolerance if made.tolerance == TOLERANCE else None,
         narrowest=made.narrowest or None,
+        growth=None if made.growth == GROWTH else made.growth,
         boxes=report.boxes,
     )
 
@@ -269,12 +306,13 @@ def with_interface_size(case: NewCase) -> NewCase:
 
 def _finest(case: NewCase) -> float:
     """Return the size at interfaces with which a mesh has as many cells as it may [m]."""
+    growth = case.growth or GROWTH
     least = sum(volume for _, volume in case.bodies) / case.size**3
     area = 2.0 * sum(area for *_, area in case.interfaces)  # both sides
 
     def excess(size: float) -> float:
         layers = 0.5 * (size**-2 - case.size**-2) - (case.size - size) / case.size**3
-        return EDGES * area * layers / GROWTH - (MOST_GROWTH[3] - 1.0) * least
+        return EDGES * area * layers / growth - (MOST_GROWTH[3] - 1.0) * least
 
     least_size = 1e-3 * case.size
     if excess(least_size) <= 0.0:

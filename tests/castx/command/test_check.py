@@ -23,13 +23,11 @@ from castx.command.check import (
     free_text,
     heat_text,
     interface_text,
-    material_warnings,
     size_text,
 )
 from castx.command.cli import execute
 from castx.command.watches.ranges import temperature_range
 from castx.domain.summary import BodySummary, MeshSummary
-from tests.castx.case.cad.test_process_template import CORED, HALVES, case_of
 from tests.castx.domain.interface_meshes import pairs_by
 from tests.elastic_bodies import blocks
 from tests.partitions import PARTITION, on_the_last
@@ -41,7 +39,8 @@ def test_check_names_what_the_mesh_has_and_warns(comm, case_file, said):
     text = said()
     for name in ("casting/top", "mould/outside", "displacement normal", "9 pairs", "condensed"):
         assert name in text
-    assert "warning: steel-H13 (mould) has data for less than the temperatures of the case" in text
+    assert "steel-H13 (mould) has less data than the case has temperatures" in text
+    assert "warning: steel-H13" not in text
     assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in text
 
 
@@ -144,17 +143,6 @@ def test_clamps_are_told_with_the_pressure_they_mean():
 )  # fmt: skip
 def test_heat_is_told_in_words(heat, text):
     assert heat_text(None if heat is None else InterfaceHeat.read(heat)) == text
-
-
-def test_halves_of_one_material_are_warned_of_once():
-    def told(new):
-        _, case = case_of(new, "gravity-die")
-        return [text for text in material_warnings(case) if text.startswith("steel-H13")]
-
-    (halves,), (whole,) = told(HALVES), told(CORED)
-    assert halves.startswith("steel-H13 (mould-low, mould-high) has data for less")
-    assert halves.endswith("a run says whether the bodies get there")
-    assert whole.startswith("steel-H13 (die) has data") and whole.endswith("the body gets there")
 
 
 def test_bodies_that_touch_without_an_interface_are_named():

@@ -21,9 +21,10 @@ def test_outside_range_looks_at_each_phase_where_it_is() -> None:
     assert names == ["conductivity.solid", "expansion"]
     wet = alloy(conductivity={"solid": 160.0, "liquid": [[600, 80], [650, 85]]}, expansion=2e-5)
     assert wet.outside_range(20.0, 640.0) == []
-    assert wet.outside_range(20.0, 700.0) == [("conductivity.liquid", (600.0, 650.0))]
+    (entry,) = wet.outside_range(20.0, 700.0)
+    assert entry[:2] == ("conductivity.liquid", (600.0, 650.0)) and entry.beyond() == 50.0
     (entry,) = material.outside_range(50.0, 400.0)
-    assert entry == ("expansion", (100.0, 500.0))
+    assert entry == ("expansion", (100.0, 500.0), (50.0, 400.0)) and entry.beyond() == 50.0
 
 
 def test_rows_hold_every_number() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -12,10 +13,18 @@ import pytest
 from castx.arrays import FloatArray
 from castx.case.case import Case
 from castx.case.reading.read import load_case, read_case
-from castx.command.watches.ranges import RangeWatch, coldest_possible, used_properties
+from castx.command.watches.ranges import (
+    RangeWatch,
+    coldest_possible,
+    material_remarks,
+    material_warnings,
+    used_properties,
+)
 from castx.materials.description import MaterialDescription
 from castx.materials.inelastic import FLOW_RULES
 from castx.materials.lookup import find_material
+from tests.castx.case.cad.test_process_template import CORED, HALVES
+from tests.castx.case.cad.test_process_template import case_of as new_case_of
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, Formula, cylinder_mesh
 from tests.partitions import PARTITION, on_the_last
@@ -78,6 +87,64 @@ def test_a_part_of_a_kelvin_outside_is_none(comm, heard, ends, warned):
     for snapshot in snapshots(comm, ends):
         watch.check(snapshot)
     assert sum("steel-H13" in text for text in heard) == warned * (comm.rank == 0)
+
+
+@pytest.mark.ranks
+def test_the_end_says_for_how_long_how_far_and_where(comm, heard):
+    """The mould is 40 mm high: of (200, 640) a tenth is beyond 600 °C, and 1 s to 3 s are."""
+    with RangeWatch(case_of(), comm) as watch:
+        for snapshot in snapshots(comm, (200, 590), (200, 605), (200, 640), (200, 610), (200, 500)):
+            watch.check(snapshot)
+    if comm.rank > 0:
+        assert heard == []
+        return
+    (_, end) = heard
+    assert end.startswith(
+        "steel-H13 has left its data for 3 s, by 40 K at most (in mould), in no more than "
+    )
+    share = float(re.search(r"than ([0-9.]+) % of the nodes", end)[1])
+    assert 5.0 < share < 20.0
+
+
+@pytest.mark.serial
+def test_nothing_is_said_at_the_end_of_what_has_not_left_its_data(comm, heard):
+    with RangeWatch(case_of(), comm) as watch:
+        for snapshot in snapshots(comm, (200, 590)):
+            watch.check(snapshot)
+    assert heard == []
+
+
+def told(case):
+    """Return warnings and remarks on the material of the mould."""
+    found = material_warnings(case), material_remarks(case)
+    return [[text for text in texts if text.startswith("steel-H13")] for texts in found]
+
+
+@pytest.mark.serial
+def test_a_die_that_hot_metal_takes_no_farther_is_no_warning():
+    for new, names in ((HALVES, "mould-low, mould-high"), (CORED, "die")):
+        warned, (remark,) = told(new_case_of(new, "gravity-die")[1])
+        assert warned == []
+        assert remark.startswith(f"steel-H13 ({names}) has less data than the case has")
+        assert "young_modulus, poisson_ratio, expansion (20 to 600 °C)" in remark
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"bodies__0__temperature": 1200},
+        {"bodies__1__temperature": 610},
+        {"bodies__1__heat_source": 1e6, "bodies__0__temperature": 700},
+        {"boundaries__0__heat": {**FROST, "ambient": 650}},
+        {"bodies__0__material": "steel-H13", "bodies__0__temperature": 700},
+    ],
+    ids=["hotter metal", "a hot die", "a heated die", "hot gas", "the same material"],
+)
+def test_a_die_that_leaves_its_data_is_warned_of(changes):
+    (warning,), remarks = told(case_of(**changes))
+    assert remarks == [] and "has data for less than the temperatures of the case" in warning
+    assert warning.endswith("a run says whether it gets there, how far and for how long")
 
 
 @pytest.mark.serial

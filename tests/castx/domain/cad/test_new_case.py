@@ -76,6 +76,26 @@ def test_walls_that_alone_ask_for_many_cells_are_taken_as_they_come(tmp_path, mo
     assert "\nacross = 0 " in case_text(new_case(path, tmp_path / "a.toml"))
 
 
+def test_many_cells_grow_faster_away_from_walls(tmp_path, monkeypatch):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 80, 60, 4)])
+    said, counts = [], []
+    for affordable in (1e5, 500):
+        monkeypatch.setattr(new_case_module, "AFFORDABLE", affordable)
+        case = new_case(path, tmp_path / "a.toml", say=said.append)
+        (tmp_path / "a.toml").write_text(case_text(case))
+        geometry = load_case(tmp_path / "a.toml").geometry
+        mesh = named_mesh(geometry, ["bar", "mould"])
+        counts.append([int((mesh.bodies == body).sum()) for body in (0, 1)])
+        assert geometry.cad.growth == (case.growth or 0.4)
+    assert case.growth == 1.0 and "\ngrowth = 1 " in case_text(case)
+    (bar, mould), (grown_bar, grown_mould) = counts
+    assert grown_mould < 0.9 * mould and grown_bar > 0.95 * bar
+    assert said[-1].startswith(f"{bar + mould} cells; {grown_bar + grown_mould} with growth = 1")
+    # where little is gained, all is left as it is
+    monkeypatch.setattr(new_case_module, "WORTH", 0.1)
+    assert new_case(path, tmp_path / "a.toml").growth is None
+
+
 def bow_tie(occ):
     """A prism whose section crosses itself, so that its two halves have opposite volumes."""
     corners = [occ.addPoint(*p) for p in ((0, 0, 0), (20, 10, 0), (20, 0, 0), (0, 10, 0))]
@@ -195,7 +215,7 @@ def test_a_mould_parts_at_a_round_number(tmp_path, monkeypatch, low, high, place
     report = SimpleNamespace(
         bodies=[SimpleNamespace(name="part", cad=1e-5)], interfaces=[], size=0.01, extent=0.1,
         surfaces=[SimpleNamespace(name="part/outside", cad=1e-2)],
-        boxes={"part": ((0.0, 0.0, low), (0.1, 0.1, high))},
+        boxes={"part": ((0.0, 0.0, low), (0.1, 0.1, high))}, quality=SimpleNamespace(cells=900),
     )  # fmt: skip
     monkeypatch.setattr(new_case_module, "_survey", lambda *_: (report, 0))
     case = new_case(tmp_path / "a.step", tmp_path / "a.toml", Wanted("sand", split="z"))
