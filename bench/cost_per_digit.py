@@ -26,7 +26,7 @@ import numpy as np
 
 from castx.case.case import Case
 from castx.case.reading.read import load_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.report.style import DOTS_PER_INCH, figure
 from castx.results.reading import Results
 
@@ -181,7 +181,7 @@ def measured(case: Case, folder: Path) -> dict[str, float]:
 def run_to(case: Case, folder: Path) -> None:
     """Run a case into a folder."""
     output = case.output.model_copy(update={"folder": folder})
-    run_case(case.model_copy(update={"output": output}), MPI.COMM_SELF)
+    run_case(case.model_copy(update={"output": output}), RunSettings(MPI.COMM_SELF))
 
 
 def answers(run: Results) -> dict[str, float]:

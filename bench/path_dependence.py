@@ -25,7 +25,7 @@ import numpy as np
 
 from castx.case.case import Case
 from castx.case.reading.read import load_case, read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.domain.source import gmsh_session
 from castx.results.reading import Results
 
@@ -152,7 +152,7 @@ def answered(case: Case, folder: Path) -> dict[str, float]:
     kept = folder / "answers.json"
     if not kept.is_file():
         output = case.output.model_copy(update={"folder": folder.resolve() / "run"})
-        run_case(case.model_copy(update={"output": output}), MPI.COMM_SELF)
+        run_case(case.model_copy(update={"output": output}), RunSettings(MPI.COMM_SELF))
         kept.write_text(json.dumps(numbers(Results(folder / "run"))))
     loaded: dict[str, float] = json.loads(kept.read_text())
     return loaded

@@ -189,7 +189,7 @@ def run(
     """Solve a case and write its results folder."""
     with kept():
         from castx.command.beside.choice import chosen
-        from castx.command.run import restart_command
+        from castx.command.run import RunSettings, asked_case, restart_command
         from castx.environment import blas_advantage, blas_warning
 
     solve, tables = chosen(sensitivity, adapt, estimate=estimate, profile=profile)
@@ -200,10 +200,8 @@ def run(
     limit = None if time_limit is None else seconds("--time-limit", time_limit)
     try:
         with naming(case_file):
-            folder = solve(
-                case_file, overrides or (), output=output, comm=comm, restart=restart,
-                time_limit=limit, profile=profile,
-            )  # fmt: skip
+            case = asked_case(case_file, overrides or (), output)
+            folder = solve(case, RunSettings(comm, restart, limit, profile))
     except KeyboardInterrupt as error:  # typer would not say why
         told = f"interrupted: {error}".removesuffix(": ")
         if isinstance(error, Interrupted):  # behind a checkpoint

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,23 @@ from castx.results.files.folder import claimed_folder
 from castx.results.writing import ResultsWriter
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """Settings of a run beside its case: ranks, restart, time limit, costs.
+
+    Attributes:
+        comm: the ranks to run on.
+        restart: go on from the checkpoint in the results folder, on any number of ranks.
+        time_limit: wall clock time before which to stop [s], of all runs of the command together.
+        profile: write into run.json what the parts of the run have cost.
+    """
+
+    comm: MPI.Intracomm
+    restart: bool = False
+    time_limit: float | None = None
+    profile: bool = False
 
 
 def run(
@@ -68,7 +86,7 @@ def run(
     """
     case = asked_case(path, overrides, output)
     ranks = MPI.COMM_WORLD if comm is None else comm
-    return run_case(case, ranks, restart, time_limit, profile)
+    return run_case(case, RunSettings(ranks, restart, time_limit, profile))
 
 
 def restart_command(options: Mapping[str, Any]) -> str:
@@ -108,29 +126,22 @@ def with_output(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"output": output})
 
 
-def run_case(
-    case: Case,
-    comm: MPI.Intracomm,
-    restart: bool = False,
-    time_limit: float | None = None,
-    profile: bool = False,
-) -> Path:
+def run_case(case: Case, settings: RunSettings) -> Path:
     """Run a case and return its results folder; collective.
 
     Args:
         case: the case.
-        comm: the ranks to run on.
-        restart: go on from the checkpoint in the results folder, on any number of ranks.
-        time_limit: wall clock time before which to stop [s].
-        profile: write into run.json what the parts of the run have cost.
+        settings: of the run.
 
     Raises:
         CaseError, MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `run`.
     """
-    costs = Profile(comm) if profile else None
-    with Interruption(comm, time_limit) as interruption, claimed_folder(case, comm) as folder:
+    comm = settings.comm
+    costs = Profile(comm) if settings.profile else None
+    limit = settings.time_limit
+    with Interruption(comm, limit) as interruption, claimed_folder(case, comm) as folder:
         checkpoint = Checkpoint(folder, comm)
-        header = header_to_restart_from(case, checkpoint) if restart else None
+        header = header_to_restart_from(case, checkpoint) if settings.restart else None
         simulation = Simulation.from_case(case, comm)
         for doubt in unusual(case) if comm.rank == 0 else ():
             _log.warning(doubt)

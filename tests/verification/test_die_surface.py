@@ -13,7 +13,7 @@ import pytest
 from scipy.special import erfcx
 
 from castx.case.reading.read import read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.results.reading import Results
 
 CONDUCTIVITY, CAPACITY = 28.0, 3.9e6
@@ -29,7 +29,7 @@ def surface(comm, folder, case):
     """Return times and temperatures of the surface of a die in a run."""
     described = {**case, **THERMAL, "output": {"folder": str(folder / "out")}}
     case = read_case(described, folder / "die.toml")
-    probes = Results(run_case(case, comm)).probes
+    probes = Results(run_case(case, RunSettings(comm))).probes
     return probes["time"], probes["surface.temperature"]
 
 

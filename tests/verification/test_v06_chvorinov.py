@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from castx.case.reading.read import read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.heat.body import HeatBody
 from castx.proof.verification.heat.chvorinov import (
     LATENT,
@@ -89,7 +89,7 @@ def test_the_field_modulus_is_volume_over_surface(comm, shared_tmp_path, half):
         "output": {"folder": str(shared_tmp_path / "out"), "fields": ["modulus"]},
     }  # fmt: skip
     case = read_case(described, shared_tmp_path / "v6.toml")
-    field = Results(run_case(case, comm)).field("modulus", "casting")
+    field = Results(run_case(case, RunSettings(comm))).field("modulus", "casting")
     middle = np.isclose(field.points[:, 0], half)
     assert field.values[middle] == pytest.approx(half, rel=0.05)
     assert np.nanmax(field.values) == pytest.approx(field.values[middle].max(), rel=1e-6)

@@ -17,7 +17,7 @@ from castx.case.case import Case
 from castx.case.reading.adapted import error_fields, with_fields, with_size_map
 from castx.command.beside.next_sizes import write_next_sizes
 from castx.command.beside.runs import cells_of_all, run_beside
-from castx.command.run import asked_case, with_output
+from castx.command.run import RunSettings, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.finding import Finding
@@ -28,38 +28,22 @@ from castx.results.record import Reason
 from castx.results.writing import wanted_entries
 
 
-def run_adapted(
-    path: Path,
-    overrides: Sequence[str] = (),
-    *,
-    rounds: int,
-    output: Path | None = None,
-    comm: MPI.Intracomm,
-    restart: bool = False,
-    time_limit: float | None = None,
-    profile: bool = False,
-) -> Path:
+def run_adapted(case: Case, settings: RunSettings, *, rounds: int) -> Path:
     """Run a case, then in meshes adapted to its errors; return its results folder; collective.
 
     The other runs stand in folders inside it, adapted_1 and so on, with the sizes of their cells
     in sizes_1.vtu beside them.
 
     Args:
-        path: the case file.
-        overrides: values in place of those of the file.
+        case: the case.
+        settings: of all runs.
         rounds: how often the mesh is adapted.
-        output: results folder in place of that of the file.
-        comm: the ranks to run on.
-        restart: go on from the checkpoints, of the other runs where they have one.
-        time_limit: wall clock time of all runs together [s].
-        profile: write into run.json what the parts of each run have cost.
 
     Raises:
         CaseError: the case is not meshed from CAD, or as in `castx.run`.
         MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a run
             in an adapted mesh does not converge, there is none behind it.
     """
-    case = asked_case(path, overrides, output)
     if case.geometry.cad is None:
         raise CaseError(
             "--adapt meshes CAD parts again; the meshes of files stay as they are, and those of "
@@ -68,9 +52,10 @@ def run_adapted(
     folder = case.output.folder
     fields = list(dict.fromkeys([*wanted_entries(case), *error_fields(case)]))
     case = with_output(with_fields(case, fields), folder)
-    if not restart:
+    comm = settings.comm
+    if not settings.restart:
         on_first_rank(comm, lambda: [keep_results(there) for there in _adapted_folders(folder)])
-    return run_beside(case, _adapted(case, rounds, comm), comm, restart, time_limit, profile)
+    return run_beside(case, _adapted(case, rounds, comm), settings)
 
 
 def _adapted(case: Case, rounds: int, comm: MPI.Intracomm) -> Iterator[Case]:

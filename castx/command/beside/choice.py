@@ -5,20 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
 import typer
 from rich.console import RenderableType
 
 from castx.command.terminal import VariedNumber
 
-Solve = Callable[..., Path]
+if TYPE_CHECKING:
+    from castx.case.case import Case
+    from castx.command.run import RunSettings
+
+Solve: TypeAlias = "Callable[[Case, RunSettings], Path]"
 MakeTable = Callable[[Path], RenderableType]
 
 
 def chosen(
     sensitivity: VariedNumber | None, adapt: int, *, estimate: bool, profile: bool
 ) -> tuple[Solve, list[MakeTable]]:
-    """Return the function that solves a case file, and those of the tables behind it.
+    """Return the function that solves a case, and those of the tables behind it.
 
     Args:
         sensitivity: number that is varied.
@@ -33,9 +38,9 @@ def chosen(
         raise typer.BadParameter(
             "--adapt, --estimate and --sensitivity are runs of their own: take one"
         )
-    from castx.command.run import run
+    from castx.command.run import run_case
 
-    solve: Solve = run
+    solve: Solve = run_case
     tables: list[MakeTable] = []
     if profile:
         from castx.command.listing import profile_table

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from pathlib import Path
-
-from mpi4py import MPI
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
@@ -14,7 +11,7 @@ from rich.table import Table
 from castx.case.case import Case
 from castx.case.reading.coarser import with_coarser_mesh, with_larger_steps
 from castx.command.beside.runs import cells_of_all, run_beside
-from castx.command.run import asked_case, with_output
+from castx.command.run import RunSettings, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.estimated import error_texts
@@ -32,33 +29,18 @@ MESH, STEPS = "estimate_mesh", "estimate_steps"
 log = logging.getLogger(__name__)
 
 
-def run_estimate(
-    path: Path,
-    overrides: Sequence[str] = (),
-    *,
-    output: Path | None = None,
-    comm: MPI.Intracomm,
-    restart: bool = False,
-    time_limit: float | None = None,
-    profile: bool = False,
-) -> Path:
+def run_estimate(case: Case, settings: RunSettings) -> Path:
     """Run a case, then in a coarser mesh and in larger steps; return its results; collective.
 
     The other runs stand in folders inside it, and what all have given in estimate.json.
 
     Args:
-        path: the case file.
-        overrides: values in place of those of the file.
-        output: results folder in place of that of the file.
-        comm: the ranks to run on.
-        restart: go on from the checkpoints, of the other runs where they have one.
-        time_limit: wall clock time of all runs together [s].
-        profile: write into run.json what the parts of each run have cost.
+        case: the case.
+        settings: of all runs.
 
     Raises:
         CaseError, MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`.
     """
-    case = asked_case(path, overrides, output)
     folder = case.output.folder
     steps = with_output(with_larger_steps(case, RATIO), folder / STEPS)
     mesh = None
@@ -67,8 +49,8 @@ def run_estimate(
     except CaseError as error:
         log.warning("errors by the mesh are not estimated: %s", error)
     others = [other for other in (mesh, steps) if other is not None]
-    run_beside(case, others, comm, restart, time_limit, profile)
-    on_first_rank(comm, lambda: write_estimate(folder, estimated(case, mesh, steps)))
+    run_beside(case, others, settings)
+    on_first_rank(settings.comm, lambda: write_estimate(folder, estimated(case, mesh, steps)))
     return folder
 
 

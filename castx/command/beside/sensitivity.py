@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mpi4py import MPI
-
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
@@ -14,7 +12,7 @@ from castx.case.case import Case
 from castx.case.coherency import coherencies
 from castx.case.reading.with_coherency import with_coherency
 from castx.command.beside.runs import run_beside
-from castx.command.run import asked_case, with_output
+from castx.command.run import RunSettings, with_output
 from castx.command.terminal import VariedNumber
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
@@ -32,38 +30,23 @@ SHIFTS = (-0.05, 0.05)
 """By what coherency is moved."""
 
 
-def run_sensitivity(
-    path: Path,
-    overrides: Sequence[str] = (),
-    *,
-    output: Path | None = None,
-    comm: MPI.Intracomm,
-    restart: bool = False,
-    time_limit: float | None = None,
-    profile: bool = False,
-) -> Path:
+def run_sensitivity(case: Case, settings: RunSettings) -> Path:
     """Run a case, then with another coherency, and return its results folder; collective.
 
     The other runs stand in folders inside it, and what all have given in sensitivity.json.
 
     Args:
-        path: the case file.
-        overrides: values in place of those of the file.
-        output: results folder in place of that of the file.
-        comm: the ranks to run on.
-        restart: go on from the checkpoints, of the other runs where they have one.
-        time_limit: wall clock time of all runs together [s].
-        profile: write into run.json what the parts of each run have cost.
+        case: the case.
+        settings: of all runs.
 
     Raises:
         CaseError: no body has a coherency, or as in `castx.run`.
         MeshError, ConvergenceError, StorageError, KeyboardInterrupt: as in `castx.run`; where a
             run with another coherency does not converge, its row says so instead.
     """
-    case = asked_case(path, overrides, output)
     others = list(_others(case))  # refused before anything is solved
-    folder = run_beside(case, others, comm, restart, time_limit, profile)
-    on_first_rank(comm, lambda: write_sensitivity(folder, compared([case, *others])))
+    folder = run_beside(case, others, settings)
+    on_first_rank(settings.comm, lambda: write_sensitivity(folder, compared([case, *others])))
     return folder
 
 

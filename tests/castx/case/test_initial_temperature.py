@@ -10,7 +10,7 @@ import pyvista
 
 from castx.case.initial_temperature import read_initial_temperature
 from castx.case.reading.read import read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.errors import CaseError
 from tests.coupled_cases import ALUMINIUM, cylinder, merged, nodal, places, simulation
 
@@ -182,7 +182,7 @@ def test_field_of_another_program(comm, shared_tmp_path):
 def test_our_own_results_hand_over(comm, shared_tmp_path):
     """The last state of a run is the start of another: to single rounding on the same mesh."""
     data = with_temperatures(670.0, ALONG_Z, output={"folder": str(shared_tmp_path / "first")})
-    run_case(read_case(data, shared_tmp_path / "case.toml"), comm)
+    run_case(read_case(data, shared_tmp_path / "case.toml"), RunSettings(comm))
     *_, last = simulation(comm, data)
     file = "first/fields/mould.hdf"
     again = with_temperatures(670.0, {"file": file, "field": "temperature"})

@@ -257,11 +257,11 @@ from mpi4py import MPI
 import castx.command.run
 from castx.command.cli import execute
 from castx.errors import CaseError
-def fail(*arguments, comm, **options):
-    if comm.rank == 1:
+def fail(*arguments):
+    if MPI.COMM_WORLD.rank == 1:
         raise CaseError("on one rank")
-    comm.Barrier()
-castx.command.run.run = fail
+    MPI.COMM_WORLD.Barrier()
+castx.command.run.asked_case = fail
 sys.exit(execute(["run", "case.toml"], MPI.COMM_WORLD))
 """
 

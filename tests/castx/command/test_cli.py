@@ -66,22 +66,22 @@ def test_wrong_arguments_are_refused(comm, said):
 @pytest.mark.parametrize(
     "error, code", [(ConvergenceError("no step"), 3), (KeyboardInterrupt(), 130)]
 )
-def test_exit_codes_of_the_other_endings(comm, monkeypatch, said, error, code):
-    def fail(*arguments, **options):
+def test_exit_codes_of_the_other_endings(comm, case_file, monkeypatch, said, error, code):
+    def fail(case, settings):
         raise error
 
-    monkeypatch.setattr(castx.command.run, "run", fail)
-    assert execute(["run", "case.toml"], comm) == code
+    monkeypatch.setattr(castx.command.run, "run_case", fail)
+    assert execute(["run", str(case_file)], comm) == code
     assert "Traceback" not in said()
 
 
 @pytest.mark.serial
-def test_a_bug_shows_its_traceback(comm, monkeypatch, capsys):
-    def fail(*arguments, **options):
+def test_a_bug_shows_its_traceback(comm, case_file, monkeypatch, capsys):
+    def fail(case, settings):
         raise ZeroDivisionError("oh")
 
-    monkeypatch.setattr(castx.command.run, "run", fail)
-    assert execute(["run", "case.toml"], comm) == 1
+    monkeypatch.setattr(castx.command.run, "run_case", fail)
+    assert execute(["run", str(case_file)], comm) == 1
     assert "ZeroDivisionError: oh" in capsys.readouterr().err
 
 
@@ -198,11 +198,11 @@ def test_a_bug_on_one_rank_ends_all_of_them(tmp_path, failure):
         "from mpi4py import MPI\n"
         "import castx.command.run\n"
         "from castx.command.cli import execute\n"
-        "def fail(*arguments, comm, **options):\n"
-        "    if comm.rank == 1:\n"
+        "def fail(*arguments):\n"
+        "    if MPI.COMM_WORLD.rank == 1:\n"
         f"        raise {failure}\n"
-        "    comm.Barrier()\n"
-        "castx.command.run.run = fail\n"
+        "    MPI.COMM_WORLD.Barrier()\n"
+        "castx.command.run.asked_case = fail\n"
         "sys.exit(execute(['run', 'case.toml'], MPI.COMM_WORLD))\n"
     )
     process = start("mpirun", "-n", "2", sys.executable, str(script))

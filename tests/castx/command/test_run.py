@@ -15,7 +15,7 @@ import pytest
 
 from castx.case.reading.read import load_case
 from castx.command.cli import execute
-from castx.command.run import restart_command, run, run_case, with_output
+from castx.command.run import RunSettings, restart_command, run, run_case, with_output
 from castx.errors import CaseError
 from castx.profiling import RunPart
 from castx.results.reading import Results
@@ -100,7 +100,7 @@ def test_a_finished_run_has_nothing_to_go_on_with(comm, case_file, shared_tmp_pa
     before = (folder / "history.csv").read_bytes()
     comm.Barrier()
     case = with_output(load_case(case_file, ["time.end=0.05"]), folder)
-    assert run_case(case, comm, restart=True) == folder
+    assert run_case(case, RunSettings(comm, restart=True)) == folder
     assert (folder / "history.csv").read_bytes() == before
 
 

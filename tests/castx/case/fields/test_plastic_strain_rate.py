@@ -9,7 +9,7 @@ import pytest
 
 from castx.case.fields.plastic_strain_rate import FIELDS
 from castx.case.reading.read import read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.results.reading import Results
 from tests.castx.case.fields.samples import KnownState, displayed
 from tests.castx.process.test_stages import FLOWING
@@ -38,7 +38,7 @@ def case(folder):
 def written(tmp_path_factory):
     comm = MPI.COMM_WORLD
     folder = comm.bcast(tmp_path_factory.mktemp("rate"))
-    return Results(run_case(case(folder / "out"), comm))
+    return Results(run_case(case(folder / "out"), RunSettings(comm)))
 
 
 def differences(found, body):
@@ -74,9 +74,9 @@ def test_a_run_that_goes_on_has_the_rates_of_one_that_was_never_interrupted(
 ):
     folder = shared_tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
-        run_case(case(folder), comm, time_limit=1e-6)
+        run_case(case(folder), RunSettings(comm, time_limit=1e-6))
     comm.Barrier()
-    run_case(case(folder), comm, restart=True)
+    run_case(case(folder), RunSettings(comm, restart=True))
     found, expected = differences(Results(folder), "casting")
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-9)
     assert found == pytest.approx(differences(written, "casting")[0], rel=1e-4, abs=1e-8)

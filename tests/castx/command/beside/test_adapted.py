@@ -9,6 +9,7 @@ import pytest
 from castx.command.beside import adapted
 from castx.command.beside.adapted import adapted_table, run_adapted
 from castx.command.cli import execute
+from castx.command.run import RunSettings, asked_case
 from castx.errors import ConvergenceError
 from castx.results.reading import Results
 from tests.castx.command.beside.two_blocks import two_blocks_case
@@ -59,7 +60,7 @@ def test_a_mesh_that_does_not_converge_has_none_behind_it(comm, tmp_path, monkey
         return solved(case, *others)
 
     monkeypatch.setitem(adapted.run_beside.__globals__, "run_case", failing)
-    run_adapted(case, rounds=3, output=folder, comm=comm)
+    run_adapted(asked_case(case, (), folder), RunSettings(comm), rounds=3)
     assert (folder / "adapted_1").is_dir() and not (folder / "adapted_2").exists()
     assert [column.header for column in adapted_table(folder).columns][-1] == "last change"
 
@@ -68,8 +69,8 @@ def test_a_mesh_that_does_not_converge_has_none_behind_it(comm, tmp_path, monkey
 def test_results_in_meshes_of_an_earlier_run_are_kept_aside(comm, tmp_path):
     case, folder = two_blocks_case(comm, tmp_path), tmp_path / "out"
     short = ["time.end=0.5"]
-    run_adapted(case, short, rounds=2, output=folder, comm=comm)
-    run_adapted(case, short, rounds=1, output=folder, comm=comm)
+    run_adapted(asked_case(case, short, folder), RunSettings(comm), rounds=2)
+    run_adapted(asked_case(case, short, folder), RunSettings(comm), rounds=1)
     assert (folder / "adapted_2.1" / "run.json").is_file()
     assert len(adapted_table(folder).columns) == 4, "names, own mesh, one more, change"
 

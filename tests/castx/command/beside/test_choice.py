@@ -10,14 +10,14 @@ from castx.command.beside.choice import chosen
 from castx.command.beside.estimate import estimate_table, run_estimate
 from castx.command.beside.sensitivity import run_sensitivity, sensitivity_table
 from castx.command.listing import profile_table
-from castx.command.run import run
+from castx.command.run import run_case
 from castx.command.terminal import VariedNumber
 
 pytestmark = pytest.mark.serial
 
 
 def test_each_option_has_its_run_and_its_table():
-    assert chosen(None, 0, estimate=False, profile=False) == (run, [])
+    assert chosen(None, 0, estimate=False, profile=False) == (run_case, [])
     assert chosen(None, 0, estimate=True, profile=True) == (
         run_estimate, [profile_table, estimate_table],
     )  # fmt: skip

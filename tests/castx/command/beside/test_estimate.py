@@ -6,7 +6,7 @@ import pytest
 
 from castx.command.beside.estimate import MESH, STEPS, estimate_table, run_estimate
 from castx.command.cli import execute
-from castx.command.run import run
+from castx.command.run import RunSettings, asked_case, run
 from castx.errors import CaseError
 from castx.report.summary.registry import findings
 from castx.results.files.estimate import read_estimate
@@ -52,7 +52,7 @@ def test_errors_come_from_runs_of_their_own(comm, case_file, shared_tmp_path, sa
 def test_a_step_that_never_counts_changes_nothing(comm, case_file, shared_tmp_path):
     """The estimate of a run in equal steps, one large one, is that of its mesh alone."""
     one = ["time.end=0.1", "time.fixed_step=0.1", "time.first_step=0.1"]
-    folder = run_estimate(case_file, one, output=shared_tmp_path / "out", comm=comm)
+    folder = run_estimate(asked_case(case_file, one, shared_tmp_path / "out"), RunSettings(comm))
     found = read_estimate(folder)
     assert found.steps.values == pytest.approx(found.values, rel=1e-12)
     assert found.mesh.values != pytest.approx(found.values, rel=1e-3)

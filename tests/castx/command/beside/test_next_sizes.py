@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from castx.case.reading.adapted import error_fields, with_fields
 from castx.case.reading.read import load_case
 from castx.command.beside.next_sizes import write_next_sizes
-from castx.command.run import run_case, with_output
+from castx.command.run import RunSettings, run_case, with_output
 from castx.domain.cad.size_map import read_size_map
 from castx.meshes.cad.curvature import FILLING
 from castx.results.reading import Results
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.serial
 def test_sizes_are_small_where_errors_are_large(comm, tmp_path):
     case = load_case(two_blocks_case(comm, tmp_path), ())
     case = with_output(with_fields(case, ["temperature", *error_fields(case)]), tmp_path / "out")
-    run_case(case, comm)
+    run_case(case, RunSettings(comm))
     write_next_sizes(case, tmp_path / "sizes.vtu")
     found = read_size_map(tmp_path / "sizes.vtu", 1.0)
     places = found.corners.reshape(-1, 3)

@@ -7,7 +7,7 @@ import pytest
 
 from castx.command.beside.sensitivity import run_sensitivity, sensitivity_table
 from castx.command.cli import execute
-from castx.command.run import run
+from castx.command.run import RunSettings, asked_case, run
 from castx.errors import CaseError, ConvergenceError
 from castx.report.summary.registry import findings
 from castx.results.files.sensitivity import read_sensitivity
@@ -84,7 +84,9 @@ def test_another_name_is_refused(comm, case_file, said):
 
 def test_one_that_cannot_rise_is_run_lower_alone(comm, alloy_file, shared_tmp_path):
     short = [*THIN, "time.end=0.25", setting(1.0)]
-    folder = run_sensitivity(alloy_file, short, output=shared_tmp_path / "out", comm=comm)
+    folder = run_sensitivity(
+        asked_case(alloy_file, short, shared_tmp_path / "out"), RunSettings(comm)
+    )
     runs = read_sensitivity(folder).runs
     assert [found.coherency["casting"] for found in runs] == [0.95, 1.0]
     assert runs[0].frozen == {"casting": None} and runs[0].reached == 0.25
@@ -102,7 +104,9 @@ def test_another_run_that_fails_is_said_in_its_row(comm, alloy_file, shared_tmp_
     sensitivity_run = runs.run_case
     monkeypatch.setattr(runs, "run_case", failing)
     short = [*THIN, "time.end=0.25"]
-    folder = run_sensitivity(alloy_file, short, output=shared_tmp_path / "out", comm=comm)
+    folder = run_sensitivity(
+        asked_case(alloy_file, short, shared_tmp_path / "out"), RunSettings(comm)
+    )
     assert len(read_sensitivity(folder).runs) == 3
 
 
@@ -112,7 +116,7 @@ def test_a_restart_goes_on_with_all_of_them(comm, alloy_file, shared_tmp_path):
     short = [*THIN, "time.end=0.5"]
     run(alloy_file, short, output=folder, comm=comm)
     longer = [*THIN, "time.end=1"]
-    run_sensitivity(alloy_file, longer, output=folder, comm=comm, restart=True)
+    run_sensitivity(asked_case(alloy_file, longer, folder), RunSettings(comm, restart=True))
     assert [found.reached for found in read_sensitivity(folder).runs] == [1.0, 1.0, 1.0]
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from castx.case.output import Measurement
 from castx.case.reading.read import read_case
-from castx.command.run import run_case
+from castx.command.run import RunSettings, run_case
 from castx.errors import CaseError
 from castx.input.problems import Refusal
 from castx.results.files.measurements import (
@@ -146,7 +146,7 @@ def compared(tmp_path_factory):
     data = cylinder(geometry__size="6 mm", time__end=0.2, measurements=[keys], output=output)
     case = read_case(data, folder / "case.toml")
     assert case.measurements[0].file == folder / "tc.csv"
-    return Results(run_case(case, MPI.COMM_SELF))
+    return Results(run_case(case, RunSettings(MPI.COMM_SELF)))
 
 
 @pytest.mark.serial
