@@ -37,6 +37,8 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
     if feeders is not None:
         pairs = (on.split("/") for on in feeders)
         feeders = tuple(surface for name, surface in pairs if name == body.name)
+    liquidus, capacity = alloy.path.liquidus, material.description.heat_capacity
+    latent = 0.0 if capacity is None else material.latent_heat / float(capacity(liquidus, 0.0))
     return MushMetal(
         melt.contraction,
         melt.viscosity,
@@ -44,8 +46,9 @@ def mush_metal(case: Case, body: Body, material: Material, formulation: str) -> 
         1.0 - alloy.cut_off,
         arms.coefficient,
         arms.exponent,
-        alloy.path.liquidus,
+        liquidus,
         feeders,
+        latent,
     )
 
 

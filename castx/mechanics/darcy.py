@@ -126,7 +126,7 @@ class DarcyFormulation(PressureFormulation):
         permeability = step_permeability(
             self._resistance, start[self._corner], (1.0 - solid_fraction)[self._corner]
         )
-        spacing = self._arms.begin(temperature, material.step_size)
+        spacing = self._arms.begin(temperature, solid_fraction, material.step_size)
         empty = content.emptied[self._corner].any(axis=1)
         flows = permeability * spacing**2 * material.step_size / self._metal.viscosity
         tau_d: FloatArray = np.asarray(np.where(empty, 0.0, flows), dtype=np.float64)

@@ -35,11 +35,12 @@ class RunningArms:
         self._state: Nodes = (np.full_like(none, np.inf), none, none)
         self._trial: Nodes = self._state
 
-    def begin(self, temperature: FloatArray, step: float) -> FloatArray:
+    def begin(self, temperature: FloatArray, solid: FloatArray, step: float) -> FloatArray:
         """Return the spacing in the cells in a trial step [m], shape (cells,).
 
         Args:
             temperature: of the nodes at its end [°C], shape (nodes,).
+            solid: their solid fractions then, likewise.
             step: its size [s].
         """
         metal = self._metal
@@ -49,14 +50,14 @@ class RunningArms:
         before = np.where(np.isinf(before), temperature, before)
         below, cooled = metal.liquidus - temperature, before - temperature
         mushy, cools = below > 0.0, cooled > 0.0
-        own = np.divide(step * below, cooled, out=np.zeros_like(below), where=cools)
-        since = np.where(elapsed > 0.0, elapsed + step, own)
-        since = np.where(mushy, since, 0.0)
+        inside = step * self._share_below(before, temperature, solid)
+        since = np.where(mushy, elapsed + inside, 0.0)
         ratio = since / np.maximum(below, LEAST_COOLING)
         # Largest where the node passes the least cooling: a step that passes it by would miss it.
         passes = cools & (below > LEAST_COOLING) & (below - cooled < LEAST_COOLING)
-        beyond = np.divide(below - LEAST_COOLING, cooled, out=np.zeros_like(below), where=passes)
-        at_least = (since - step * beyond) / LEAST_COOLING
+        lower = np.minimum(below, cooled)
+        beyond = np.divide(below - LEAST_COOLING, lower, out=np.zeros_like(below), where=passes)
+        at_least = (since - inside * beyond) / LEAST_COOLING
         ratio = np.where(passes, np.maximum(ratio, at_least), ratio)
         spacing = np.where(mushy, np.maximum(spacing, metal.spacing * ratio**metal.exponent), 0.0)
         self._trial = temperature.copy(), since, spacing
@@ -66,6 +67,29 @@ class RunningArms:
             np.divide(known.sum(axis=1), count, out=np.full(len(count), metal.spacing),
                       where=count > 0)
         )  # fmt: skip
+
+    def _share_below(
+        self, before: FloatArray, temperature: FloatArray, solid: FloatArray
+    ) -> FloatArray:
+        """Return the share of a step in which nodes are below the liquidus, shape (nodes,).
+
+        Heat goes evenly: melt cools fast to its liquidus, and slowly below. A node that is mushy
+        from the start of a run, whose liquidus nobody has seen, has been so for as long as its
+        present rate takes.
+
+        Args:
+            before: temperature at the start [°C], shape (nodes,).
+            temperature: at the end, likewise.
+            solid: f at the end, likewise.
+        """
+        metal = self._metal
+        below, above = metal.liquidus - temperature, before - metal.liquidus
+        unseen, cooled = (self._state[1] <= 0.0) & (above <= 0.0), before - temperature
+        heat = np.maximum(below, 0.0) + metal.latent * solid
+        whole = heat + np.maximum(above, 0.0)
+        share = np.divide(heat, whole, out=np.ones_like(heat), where=above > 0.0)
+        age = np.divide(below, cooled, out=np.zeros_like(heat), where=cooled > 0.0)
+        return np.where(unseen, age, share)
 
     def commit(self) -> None:
         """Accept the trial state as the start of the next step."""

@@ -24,6 +24,7 @@ class MushMetal:
         exponent: n; 0: the spacing is C_λ.
         liquidus: [°C].
         feeders: names of the surfaces that feed; None: all free ones.
+        latent: latent heat over the heat capacity of the melt [K].
     """
 
     contraction: float
@@ -34,6 +35,7 @@ class MushMetal:
     exponent: float
     liquidus: float
     feeders: tuple[str, ...] | None = None
+    latent: float = 0.0
 
     def resistance(self) -> MushResistance:
         """Return the resistance of a mush whose arms are one metre apart."""

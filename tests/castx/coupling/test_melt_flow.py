@@ -42,6 +42,7 @@ def test_numbers_reach_the_mechanics():
     assert (metal.viscosity, metal.cavitation, metal.liquidus) == (1e-3, 3e3, 600.0)
     assert (metal.spacing, metal.exponent) == (4e-5, 0.25)
     assert metal.feeders == ("top", "far")
+    assert metal.latent == pytest.approx(4e5 / 1000.0)
     assert "40 µm at 1 K/s" in words_of("casting", metal)
 
 

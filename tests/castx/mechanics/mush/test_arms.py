@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,7 @@ def arms(metal: MushMetal = METAL) -> RunningArms:
 def followed(run: RunningArms, temperatures: list[float], step: float) -> list[float]:
     found = []
     for temperature in temperatures:
-        found.append(float(run.begin(np.full(2, temperature), step)[0]))
+        found.append(float(run.begin(np.full(2, temperature), np.zeros(2), step)[0]))
         run.commit()
     return found
 
@@ -65,6 +67,20 @@ def test_arms_do_not_hang_on_steps_that_pass_the_least_cooling(step):
     assert found[-1] == pytest.approx(4e-5 * 11.0 ** (1 / 3), rel=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.5, 2.0, 3.0])
+def test_arms_do_not_hang_on_steps_that_pass_the_liquidus(step):
+    """10 K/s in the melt, 0.4 K/s in a mush that frees 24 K in each kelvin, as it freezes."""
+    metal = replace(METAL, latent=240.0)
+    times = 11.0 + step * np.arange(-1, 8)
+    course = np.interp(times, [0.0, 10.0, 60.0], [700.0, 600.0, 580.0])
+    run = arms(metal)
+    for temperature in course:
+        solid = np.full(2, max(0.0, (600.0 - temperature) / 10.0))
+        found = float(run.begin(np.full(2, temperature), solid, step)[0])
+        run.commit()
+    assert found == pytest.approx(4e-5 * 2.5 ** (1 / 3), rel=1e-9)
+
+
 def test_constant_spacing():
     metal = MushMetal(0.06, 1e-3, 1e5, 0.98, 4e-5, 0.0, 600.0)
     assert followed(arms(metal), [605.0, 550.0], 1.0) == [4e-5, 4e-5]
@@ -74,6 +90,6 @@ def test_a_step_that_is_rewound_or_restored_leaves_nothing():
     run, other = arms(), arms()
     followed(run, [601.0, 598.0], 1.0)
     other.restore({name: saved.values for name, saved in run.saved().items()})
-    run.begin(np.full(2, 500.0), 1.0)
+    run.begin(np.full(2, 500.0), np.zeros(2), 1.0)
     run.rewind()
     assert followed(run, [597.0], 1.0) == followed(other, [597.0], 1.0)
