@@ -20,6 +20,7 @@ from castx.proof.foreign.registry import FOREIGN_CASES
 from castx.proof.verification.registry import VERIFICATIONS
 from castx.transfer.conditions.registry import heat_conditions
 from castx.transfer.registry import gap_heat_laws
+from docs.generator import api
 from docs.generator.rooms import rooms, rows
 from docs.generator.tables import pages, with_tables
 from tests.test_architecture import ORDER
@@ -159,6 +160,29 @@ def test_the_case_of_the_readme_can_be_run(tmp_path):
     (case,) = re.findall(r"```toml\n(.*?)```", (PROJECT / "README.md").read_text(), re.DOTALL)
     (tmp_path / "case.toml").write_text(case)
     assert [body.name for body in load_case(tmp_path / "case.toml").bodies] == ["casting", "mould"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "heat transfer coefficient AlSi steel die",
+        "stop run go on",
+        "STEP file report",
+        "how long run take",
+        "ParaView fields",
+    ],
+)
+def test_a_question_is_answered_in_a_paragraph_that_has_its_words(words):
+    paragraphs = (PROJECT / "docs/manual/questions.md").read_text().lower().split("\n\n")
+    assert [p for p in paragraphs if all(word.lower() in p for word in words.split())]
+
+
+def test_the_search_leaves_out_the_pages_of_the_code(tmp_path, monkeypatch):
+    monkeypatch.setattr(api, "PAGES", tmp_path)
+    api.write_pages()
+    pages = list(tmp_path.glob("*.rst"))
+    assert len(pages) > 20
+    assert not [path.name for path in pages if not path.read_text().startswith(":nosearch:\n\n")]
 
 
 def test_the_readme_is_short():

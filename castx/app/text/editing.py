@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -105,7 +106,8 @@ def _changed(text: str, wanted: dict[str, Any], path: KeyPath, value: Any) -> st
         place = max(written, key=lambda place: len(place.path))
         if place.path == path and value is None:
             return "\n".join([*lines[: place.first], *lines[place.last :]]) + "\n"
-        new = _rewritten(lines, place, _at(wanted, place.path))
+        before = _at(content_of(text), place.path)
+        new = _rewritten(lines, place, before, _at(wanted, place.path))
         return "\n".join([*lines[: place.first], new, *lines[place.last :]]) + "\n"
     inside = [str(key) for key in path[len(nearest.path) :]]
     at = _end_of(lines, nearest)
@@ -141,8 +143,11 @@ def _end_of(lines: Sequence[str], place: TextPlace) -> int:
     return at
 
 
-def _rewritten(lines: Sequence[str], place: TextPlace, value: Any) -> str:
-    """Return the line of a value with another one, and the comment behind it."""
+def _rewritten(lines: Sequence[str], place: TextPlace, before: Any, value: Any) -> str:
+    """Return the line of a value with another one, and the comment behind it.
+
+    Where the comment names what has changed, such as the entry of a database, it follows.
+    """
     first, last = lines[place.first], lines[place.last - 1]
     key = first[: _equals(first)].rstrip()
     comment = ""
@@ -151,7 +156,19 @@ def _rewritten(lines: Sequence[str], place: TextPlace, value: Any) -> str:
             if letter == "#" and _is_toml(last[:at]):
                 comment = last[len(last[:at].rstrip()) :]
                 break
+    for old, new in _renamed(before, value):
+        comment = new.join(re.split(rf"(?<![\w-]){re.escape(old)}(?![\w-])", comment))
     return f"{key} = {toml_value(value)}{comment}"
+
+
+def _renamed(before: Any, value: Any) -> Iterator[tuple[str, str]]:
+    """Yield texts of a value, or inside of it, that have become other texts."""
+    if isinstance(before, str) and isinstance(value, str):
+        if before and before != value:
+            yield before, value
+    elif isinstance(before, dict) and isinstance(value, dict):
+        for key in before.keys() & value.keys():
+            yield from _renamed(before[key], value[key])
 
 
 def _equals(line: str) -> int:

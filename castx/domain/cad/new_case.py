@@ -61,7 +61,8 @@ CURE = (
 FIRST_CELLS = 1e5
 """Cells of a first mesh, with which a step takes seconds."""
 AFFORDABLE = 10_000
-"""Cells of a first mesh beyond which those away from walls and faces grow faster."""
+"""Cells of a first mesh beyond which those away from walls and faces grow faster; beyond twice as
+many walls are taken as they come."""
 GROWN = 1.0
 """By how much their sizes grow then over a distance."""
 WORTH = 0.9
@@ -176,29 +177,41 @@ def new_case(
 def _affordable(
     report: Report, made: CadPart, say: Callable[[str], None]
 ) -> tuple[Report, CadPart]:
-    """Return a mesh with fewer cells away from walls, where there are many, and its part.
+    """Return a mesh with fewer cells where there are many, and its part.
+
+    Cells away from walls and faces grow faster first. Where that leaves twice as many as a first
+    run can afford, walls are taken as they come: they have one cell across all the same, and bend
+    no worse with one that is longer.
 
     Args:
         report: of the mesh as it is.
         made: its part.
         say: gets lines about what goes on.
     """
+    if report.quality.cells > AFFORDABLE:
+        text = "by which walls and faces keep theirs, and those in the mould are larger"
+        report, made = _with_fewer(report, made, replace(made, growth=GROWN), say, text)
+    if report.quality.cells > 2 * AFFORDABLE and made.across > 0:
+        text = "by which walls have one across all the same, but longer ones"
+        report, made = _with_fewer(report, made, replace(made, across=0), say, text)
+    return report, made
+
+
+def _with_fewer(
+    report: Report, made: CadPart, other: CadPart, say: Callable[[str], None], text: str
+) -> tuple[Report, CadPart]:
+    """Return the mesh of another part with its part, if that has far fewer cells."""
     cells = report.quality.cells
-    if cells <= AFFORDABLE:
-        return report, made
-    grown = replace(made, growth=GROWN)
     try:
         with TemporaryDirectory() as folder:
-            found = meshed_apart(grown, Path(folder) / "mesh.msh", BUDGET)
+            found = meshed_apart(other, Path(folder) / "mesh.msh", BUDGET)
     except SizesError:
         return report, made
     if found.quality.cells > WORTH * cells:
         return report, made
-    say(
-        f"{cells} cells; {found.quality.cells} with growth = {GROWN:g}, by which walls and faces "
-        "keep theirs, and those in the mould and in thick places are larger"
-    )
-    return found, grown
+    key = "growth = 1" if other.growth != made.growth else "across = 0"
+    say(f"{cells} cells; {found.quality.cells} with {key}, {text}")
+    return found, other
 
 
 def _around(case: NewCase, wanted: Wanted) -> Box:

@@ -209,7 +209,8 @@ def shot(
         beside=scales[1] if len(scales) > 1 else None,
     )  # fmt: skip
     if place is not None and not shown.outside:
-        image = ringed(image, view, moved_place(state, shown.bodies, place, factor))
+        point = moved_place(state, shown.bodies, place, factor)
+        image = ringed(image, view, point) if is_drawn(view, point) else image
     title = topic.title + (f", displacements {factor:g} times" if factor else "")
     bars = tuple(bar(topic, scale) for scale in scales)
     return Shot(title, png(trimmed(image)), bars, topic.field, time)
@@ -294,6 +295,14 @@ def moved_place(
         nearest = grids[0].find_closest_point(point)
         return np.asarray(point + factor * grids[0]["displacement"][nearest], dtype=np.float64)
     return point
+
+
+def is_drawn(view: View, point: FloatArray) -> bool:
+    """Return whether a place lies in the half that a cut leaves, or there is no cut.
+
+    A cut shows enough of the castings, and so may leave out a place near their front.
+    """
+    return view.cut is None or bool(point[1] >= view.cut)
 
 
 def ringed(image: Image, view: View, point: FloatArray) -> Image:

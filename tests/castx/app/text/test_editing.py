@@ -93,3 +93,14 @@ def test_values_are_read_as_toml_or_as_text():
     assert [value_of(text) for text in ("20", '"a"', "20 degC", "[[0, 1]]")] == [
         20, "a", "20 degC", [[0, 1]]
     ]  # fmt: skip
+
+
+def test_a_comment_follows_the_entry_that_it_names():
+    line = 'heat = { from = "iron-sand" }     # castx interfaces iron-sand; not iron-sand-coated'
+    text = f"[[interfaces]]\n{line}\n"
+    found = with_value(text, ("interfaces", 0, "heat", "from"), "bronze-sand")
+    assert found.splitlines()[1] == (
+        'heat = { from = "bronze-sand" }     # castx interfaces bronze-sand; not iron-sand-coated'
+    )
+    kept = with_value("law = 3 # law of 3\n", ("law",), 4)
+    assert kept == "law = 4 # law of 3\n", "numbers in a comment may be of something else"

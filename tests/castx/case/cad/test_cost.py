@@ -12,8 +12,8 @@ pytestmark = pytest.mark.serial
     [
         (500, "less than a minute"),
         (3000, "some 1 to 5 minutes"),
-        (20_000, "some 8 to 30 minutes"),
-        (400_000, "some 3 to 10 hours"),
+        (20_000, "some 7 to 30 minutes"),
+        (400_000, "some 2 to 10 hours"),
     ],
 )
 def test_the_time_in_words(cells, words):

@@ -79,7 +79,7 @@ def test_walls_that_alone_ask_for_many_cells_are_taken_as_they_come(tmp_path, mo
 def test_many_cells_grow_faster_away_from_walls(tmp_path, monkeypatch):
     path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 80, 60, 4)])
     said, counts = [], []
-    for affordable in (1e5, 500):
+    for affordable in (1e5, 4000):
         monkeypatch.setattr(new_case_module, "AFFORDABLE", affordable)
         case = new_case(path, tmp_path / "a.toml", say=said.append)
         (tmp_path / "a.toml").write_text(case_text(case))
@@ -91,6 +91,10 @@ def test_many_cells_grow_faster_away_from_walls(tmp_path, monkeypatch):
     (bar, mould), (grown_bar, grown_mould) = counts
     assert grown_mould < 0.9 * mould and grown_bar > 0.95 * bar
     assert said[-1].startswith(f"{bar + mould} cells; {grown_bar + grown_mould} with growth = 1")
+    # walls as they come have a cell across all the same
+    monkeypatch.setattr(new_case_module, "AFFORDABLE", 100)
+    assert new_case(path, tmp_path / "a.toml", say=said.append).across == 0
+    assert "with across = 0, by which walls have one across all the same" in said[-1]
     # where little is gained, all is left as it is
     monkeypatch.setattr(new_case_module, "WORTH", 0.1)
     assert new_case(path, tmp_path / "a.toml").growth is None

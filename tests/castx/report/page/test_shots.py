@@ -135,6 +135,23 @@ def test_a_cut_goes_through_the_place_and_through_the_casting(body, y, cut):
     assert view.cut == pytest.approx(cut)
 
 
+@pytest.mark.parametrize("y, ringed", [(2.5, True), (2.9, True), (1.31, True), (1.0, False)])
+def test_a_place_that_is_cut_away_has_no_ring(monkeypatch, y, ringed):
+    run = results()
+    run.model, run.grids = "3d", blocks
+    points = []
+    monkeypatch.setattr(
+        "castx.report.page.shots.ringed", lambda image, view, point: points.append(point) or image
+    )
+    finding = Finding(
+        "Stress at the end", "casting", 3e8, "MPa", "", place=[1.0, y, 1.0],
+        shown=Shown("von_mises", ("casting",), 2.0),
+    )  # fmt: skip
+    with display():
+        assert finding_shot(run, finding) is not None
+    assert [point.tolist() for point in points] == [[1.0, y, 1.0]] * ringed
+
+
 @pytest.mark.parametrize("y, cut", [(2.5, 2.496), (1.0, 1.3)])
 def test_a_cut_moves_with_the_place_in_a_picture_with_displacements(y, cut):
     state = blocks()
