@@ -210,3 +210,18 @@ def test_refused(comm, mesh_file):
     data["interfaces"][0]["heat"] = {"law": "perfect"}
     with pytest.raises(CaseError, match=r'heat\.law.*"perfect" joins the nodes of matching meshes'):
         final_state(comm, data)
+
+
+@pytest.mark.parametrize("bodies", [("casting", "mould"), ("mould", "casting")])
+def test_quadratic_bodies_as_linear_ones(comm, mesh_file, bodies):
+    """Freezing in a mould, both of quadratic displacements: heat and gap are those of matching."""
+    end = {"time": {"end": 10.0}}
+    data = unmatched(mesh_file, end, bodies=bodies)
+    for body in data["bodies"]:
+        body["formulation"] = "taylor-hood"
+    found = final_state(comm, data).totals
+    wanted = final_state(comm, cylinder(end, size=0.004)).totals
+    gap = wanted["casting/mould.mean_gap"]
+    assert found["/".join(bodies) + ".mean_gap"] == pytest.approx(gap, rel=0.05)
+    assert found["casting.heat_in"] == pytest.approx(wanted["casting.heat_in"], rel=0.01)
+    assert found["casting.force_error"] < 1e-3
