@@ -280,7 +280,11 @@ def _mould(box: Box, margin: float, wanted: Wanted) -> tuple[Mould, str]:
     parts = [f"box = {text}"]
     if split is not None:
         parts.append(f'split = "{AXES[split[0]]} = {1e3 * split[1]:.5g} mm"')
-    line = f"mould = {{ {', '.join(parts)} }}      # a block round the part\n"
+    process = None if wanted.process is None else casting_process(wanted.process)
+    what = "a block round the part"
+    if process is not None and "shell" in process.numbers:
+        what += "; a shell is lighter in pockets and cools sooner: draw it in CAD for results"
+    line = f"mould = {{ {', '.join(parts)} }}      # {what}\n"
     return Mould(margin=0.0 if block else margin, box=block, split=split), line
 
 

@@ -42,6 +42,14 @@ def test_a_lone_solid_gets_a_mould(tmp_path):
     assert case.interfaces == (("bar", "mould", pytest.approx(18e-4)),)
 
 
+@pytest.mark.parametrize("process, told", [("investment", True), ("gravity-die", False)])
+def test_a_block_in_place_of_a_shell_is_told(tmp_path, process, told):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)])
+    text = case_text(new_case(path, tmp_path / "bar.toml", Wanted(process)))
+    assert "# a block round the part" in text
+    assert ("a shell is lighter in pockets and cools sooner" in text) == told
+
+
 def test_cells_in_the_skin_follow_from_it_as_far_as_the_mesh_may_grow(tmp_path):
     path = write_cad(tmp_path / "two.step", two_blocks, ["casting", "die"])
     plain = new_case(path, tmp_path / "a.toml")
