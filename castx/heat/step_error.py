@@ -34,6 +34,9 @@ from castx.transfer.pair_state import PairState
 INSTANT = 1e-6
 """Part of a step in which the rates of its start are taken."""
 
+SMALL = 1e3
+"""Largest error of an enthalpy by which what errors store is measured [J/m³]."""
+
 
 @dataclass(frozen=True)
 class HeatError:
@@ -78,7 +81,7 @@ class TriedStep:
 
 
 class HeatStepError:
-    """Errors of the nodal enthalpies, committed and trial.
+    """Errors of the heat that nodes store over their volumes, committed and trial.
 
     Args:
         balance: of all bodies.
@@ -118,13 +121,12 @@ class HeatStepError:
         balance.evaluate(x)
         balance.assemble_jacobian(x)
         uniform, made = self._committed
-        self._trial = np.array(
-            [
-                self._carried(unknowns.volumes * uniform + added, tried.step),
-                self._carried(unknowns.volumes * made + substep * added, tried.step),
-            ]
+        per_substep, made = (
+            self._carried(unknowns.volumes * uniform + added, tried.step),
+            self._carried(unknowns.volumes * made + substep * added, tried.step),
         )
-        per_substep, made = self._trial
+        end = tried.states[-1]
+        self._trial = np.array([self._stored(end, per_substep), self._stored(end, made)])
         return HeatError(self._kelvin(made), self._kelvin(substep * per_substep), tried.substeps)
 
     def _leaving_at_start(
@@ -152,6 +154,18 @@ class HeatStepError:
         for vector in (nodal, right, found):
             vector.destroy()
         return np.asarray(enthalpies)
+
+    def _stored(self, enthalpies: FloatArray, error: FloatArray) -> FloatArray:
+        """Return the heat that errors of enthalpies store over the volumes [J/m³]; collective.
+
+        Where latent heat is found inside cells it is not the error itself: carried on in its place
+        it would grow without end where the cells round a node store less than the node.
+        """
+        unknowns, comm = self._balance.unknowns, self._balance.layout.comm
+        largest = comm.allreduce(float(np.abs(error).max(initial=0.0)), op=MPI.MAX)
+        share = min(1.0, SMALL / largest) if largest > 0.0 else 1.0
+        changed = unknowns.stored(enthalpies) - unknowns.stored(enthalpies - share * error)
+        return np.asarray(changed / (share * unknowns.volumes))
 
     def _kelvin(self, error: FloatArray) -> float:
         """Return the largest error of a temperature by errors of enthalpies; collective.

@@ -181,3 +181,22 @@ def test_ranks_find_the_same_errors(comm, kind):
         assert error.made == pytest.approx(expected.made, rel=1e-6)
         assert error.uniform == pytest.approx(expected.uniform, rel=1e-6)
         assert error.substeps == 2
+
+
+@pytest.mark.serial
+def test_errors_of_latent_heat_inside_cells_do_not_grow_by_themselves():
+    """Steps too short to add anything leave them as they are, while an alloy of 5 K freezes."""
+    mesh = mesh_of()
+    steep = ALLOY | {"solidus": 600.0, "liquidus": 605.0}
+    bodies = [
+        HeatBody("casting", material(steep), HOT, inside=True),
+        HeatBody("mould", material(PLAIN_STEEL), COLD),
+    ]
+    pairs = node_pairs(mesh, "casting", "mould")
+    exchanges = [HeatExchange("casting/mould", pairs, "law", LAYER)]
+    heat = HeatProblem(mesh, bodies, exchanges, ())
+    before = advance(heat, mesh, [0.5] * 16)[-1][1].made
+    after = [error.made for _, error in advance(heat, mesh, [1e-6] * 30, time=8.0)]
+    heat.destroy()
+    assert before > 0.5
+    np.testing.assert_allclose(after, before, rtol=0.02)
