@@ -57,7 +57,8 @@ def _suction(
     if value > ATMOSPHERE * (1.0 + 1e-6):
         sentence += (
             " It is more than a vacuum pulls: unless the melt is so clean that it bears that, the "
-            "part beyond comes from the viscosity of the model, liquid.viscosity."
+            "part beyond is of the model: of its liquid.viscosity, or of coarse cells with liquid "
+            "and solid nodes."
         )
     body = of.split("/")[0]
     yield Finding(
