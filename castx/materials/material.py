@@ -274,9 +274,9 @@ class Material:
                 f"add to [materials.{self.name}] of the case"
             )
 
-    def outside_range(self, lowest: float, highest: float) -> list[OutsideRange]:
-        """Return the properties that temperatures from lowest to highest [°C] take out of range."""
-        return outside_range(self.description, self.sources, lowest, highest)
+    def outside_range(self, lowest: float, highest: float, near: float = 0.0) -> list[OutsideRange]:
+        """Return the properties that temperatures [°C] take out of range by more than near [K]."""
+        return outside_range(self.description, self.sources, lowest, highest, near)
 
     def properties(self) -> list[Property]:
         """Return all properties with unit, source and range, in the order of the case format."""

@@ -212,12 +212,14 @@ def outside_range(
     sources: Mapping[str, Source],
     lowest: float,
     highest: float,
+    near: float,
 ) -> list[OutsideRange]:
     """Return the properties that temperatures from lowest to highest [°C] take out of range.
 
     A property of the solid is not asked above the solidus, one of the liquid not below the
     liquidus: that each goes on unchanged through the freezing range is part of the model. Without
-    a stated range a table is valid between its ends and a number everywhere.
+    a stated range a table is valid between its ends and a number everywhere. Temperatures may lie
+    outside by as much as near [K].
     """
     solidus, liquidus = description.freezing_range or (highest, lowest)
     result = []
@@ -226,7 +228,9 @@ def outside_range(
         flowing = "liquid" in name.split(".")
         start = max(lowest, liquidus) if flowing else lowest
         end = highest if flowing or name in _BOTH_PHASES else min(highest, solidus)
-        if valid is not None and start <= end and not (valid[0] <= start and end <= valid[1]):
+        if valid is None or start > end:
+            continue
+        if start + near < valid[0] or end - near > valid[1]:
             result.append(OutsideRange(name, valid, (start, end)))
     return result
 

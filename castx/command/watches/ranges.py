@@ -119,10 +119,9 @@ class RangeWatch:
             if body.name not in snapshot.mesh.bodies:
                 continue
             near = max(NEAR, SHARE * (high - low))
-            least = max(low + near, min(self._coldest, high))
-            within = least, max(high - near, least)
+            least = max(low, min(self._coldest, high))
             material = self._materials[body.material]
-            found = outside_used_range(self._case, body, material, *within)
+            found = outside_used_range(self._case, body, material, least, high, near)
             if not found:
                 continue
             if body.material not in self._left:
@@ -130,8 +129,7 @@ class RangeWatch:
             left = self._left.setdefault(body.material, LeftRange())
             left.time += 0.0 if body.material in outside else passed
             outside.add(body.material)
-            left.note(body.name, outside_used_range(self._case, body, material, low, high),
-                      self._share(snapshot, body, found))  # fmt: skip
+            left.note(body.name, found, self._share(snapshot, body, found))
 
     def _share(self, snapshot: Snapshot, body: Body, found: Sequence[OutsideRange]) -> float:
         """Return the share of the nodes of a body that is outside a range; collective."""
@@ -227,7 +225,7 @@ def _heat_conditions(case: Case) -> list[HeatCondition]:
 
 
 def outside_used_range(
-    case: Case, body: Body, material: Material, low: float, high: float
+    case: Case, body: Body, material: Material, low: float, high: float, near: float = 0.0
 ) -> list[OutsideRange]:
     """Return the properties in use by a body that are not valid at all of some temperatures.
 
@@ -237,11 +235,12 @@ def outside_used_range(
         material: of the body.
         low: lowest temperature [°C].
         high: highest temperature [°C].
+        near: by what temperatures may lie outside a range [K].
     """
     used = used_properties(case, body, material.description)
     return [
         item
-        for item in material.outside_range(low, high)
+        for item in material.outside_range(low, high, near)
         if item.property.partition(".")[0] in used
     ]
 
