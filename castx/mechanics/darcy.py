@@ -271,8 +271,9 @@ class DarcyFormulation(PressureFormulation):
         fed = self._supply(missing)
         opened = np.where(self._pores.open, missing / content.volumes, 0.0)
         pores = content.frozen_pores + opened
-        born = self._material.conditions.born_later(self.mean_stress())
-        self._material.commit(self.mean_stress())
+        mean_stress = self.mean_stress()
+        born = self._material.conditions.born_later(mean_stress)
+        self._material.commit(mean_stress)
         content.commit(stretched, self._flow.drained(self.forms), fed, pores, self._stress(), born)
         self._levels.commit(fed)
         self._pores.commit()
