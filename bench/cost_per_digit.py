@@ -28,6 +28,7 @@ from castx.case.case import Case
 from castx.case.reading.read import load_case
 from castx.command.run import RunSettings, run_case
 from castx.report.style import DOTS_PER_INCH, figure
+from castx.results.files.run_json import number_of_cells
 from castx.results.reading import Results
 
 DEMOS = Path(__file__).parent.parent / "demos"
@@ -198,7 +199,7 @@ def answers(run: Results) -> dict[str, float]:
         "gap": float(history[f"{interface}.mean_gap"][-1]),
         "stress": end["stress"]["mean_von_mises"],
         "allowance": shape["allowance"][0],
-        "cells": sum(body["cells"] for body in run.record["bodies"].values()),
+        "cells": number_of_cells(run.record),
     }
 
 

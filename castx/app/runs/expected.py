@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
@@ -20,7 +20,7 @@ from castx.errors import CaseError
 from castx.input.toml_text import parse_toml
 from castx.input.units import seconds_text
 from castx.results.files.folder import CASE, RECORD
-from castx.results.files.run_json import completed, read_record
+from castx.results.files.run_json import completed, number_of_cells, read_record
 
 FINISHED = "finished"
 MOST_RUNS = 100
@@ -63,7 +63,7 @@ def past_run(folder: Path, name: str) -> PastRun | None:
         record = completed(read_record(folder / RECORD))
     except CaseError:
         return None
-    cells = _cells(record)
+    cells = number_of_cells(record)
     steps, wall = record["totals"]["steps"], record["wall"]
     if record["exit"]["reason"] != FINISHED or not (cells and steps and wall > 0.0):
         return None
@@ -82,13 +82,9 @@ def cells_of(folder: Path, geometry: Any) -> int:
     try:
         if json.loads((folder / CASE).read_text())["geometry"] != geometry:
             return 0
-        return _cells(completed(read_record(folder / RECORD)))
+        return number_of_cells(completed(read_record(folder / RECORD)))
     except (OSError, ValueError, KeyError, TypeError):  # CaseError is a ValueError
         return 0
-
-
-def _cells(record: Mapping[str, Any]) -> int:
-    return sum(body.get("cells", 0) for body in record["bodies"].values())
 
 
 def nearest(runs: Iterable[PastRun], case: str, scheme: str, cells: int) -> PastRun | None:

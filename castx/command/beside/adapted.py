@@ -16,13 +16,14 @@ from rich.table import Table
 from castx.case.case import Case
 from castx.case.reading.adapted import error_fields, with_fields, with_size_map
 from castx.command.beside.next_sizes import write_next_sizes
-from castx.command.beside.runs import cells_of_all, run_beside
+from castx.command.beside.runs import run_beside
 from castx.command.run import RunSettings, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.finding import Finding
 from castx.report.summary.registry import findings
 from castx.results.files.folder import RECORD, keep_results
+from castx.results.files.run_json import number_of_cells
 from castx.results.reading import Results
 from castx.results.record import Reason
 from castx.results.writing import wanted_entries
@@ -95,7 +96,7 @@ def adapted_table(folder: Path) -> Table:
     table = Table("number", box=SIMPLE_HEAD, caption=f"castx report {runs[-1].folder}")
     for count, run in enumerate(runs):
         mesh = _name(count) if count else "own mesh"
-        table.add_column(f"{mesh}\n{cells_of_all(run)} cells", justify="right")
+        table.add_column(f"{mesh}\n{number_of_cells(run.record)} cells", justify="right")
     table.add_column("last change", justify="right")
     for name, finding in numbers[0].items():
         values = [of_run.get(name) for of_run in numbers]

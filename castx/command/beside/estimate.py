@@ -10,13 +10,14 @@ from rich.table import Table
 
 from castx.case.case import Case
 from castx.case.reading.coarser import with_coarser_mesh, with_larger_steps
-from castx.command.beside.runs import cells_of_all, run_beside
+from castx.command.beside.runs import run_beside
 from castx.command.run import RunSettings, with_output
 from castx.errors import CaseError
 from castx.ranks import on_first_rank
 from castx.report.summary.estimated import error_texts
 from castx.report.summary.registry import findings
 from castx.results.files.estimate import Coarser, Estimate, read_estimate, write_estimate
+from castx.results.files.run_json import number_of_cells
 from castx.results.reading import Results
 
 RATIO = 2.0
@@ -74,7 +75,8 @@ def estimated(case: Case, mesh: Case | None, steps: Case) -> Estimate:
 def _coarser_mesh(own: Results, mesh: Case, dimension: int) -> Coarser | None:
     """Return the run in a coarser mesh, or nothing where it is hardly coarser."""
     other = Results(mesh.output.folder)
-    ratio = float((cells_of_all(own) / cells_of_all(other)) ** (1.0 / dimension))
+    cells, fewer = (number_of_cells(run.record) for run in (own, other))
+    ratio = float((cells / fewer) ** (1.0 / dimension))
     if ratio < LEAST_RATIO:
         log.warning(
             "errors by the mesh are not estimated: its cells cannot be made larger than by a "

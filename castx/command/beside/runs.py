@@ -13,7 +13,6 @@ from castx.command.run import RunSettings, run_case
 from castx.errors import ConvergenceError
 from castx.ranks import on_first_rank
 from castx.results.files.folder import CHECKPOINT
-from castx.results.files.run_tables import RunTables
 
 TOO_SHORT = 1e-3
 """Time limit that is left at least, so that a run without time ends after a step [s]."""
@@ -53,8 +52,3 @@ def run_beside(case: Case, others: Iterable[Case], settings: RunSettings) -> Pat
         except ConvergenceError as error:
             log.warning("%s: not converged: %s", other.output.folder.name, error)
     return folder
-
-
-def cells_of_all(run: RunTables) -> int:
-    """Return the number of cells of all bodies of a run."""
-    return sum(int(body["cells"]) for body in run.record["bodies"].values())

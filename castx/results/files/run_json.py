@@ -266,6 +266,11 @@ def completed(record: Mapping[str, Any]) -> dict[str, Any]:
     return known
 
 
+def number_of_cells(record: Mapping[str, Any]) -> int:
+    """Return the number of cells of all bodies of a run; those of unknown number count for none."""
+    return sum(int(body.get("cells", 0)) for body in record["bodies"].values())
+
+
 def _with_rest(whole: Any, known: Any) -> Any:
     """Return known entries with those of a record that are not known."""
     if isinstance(whole, Mapping) and isinstance(known, dict):

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from castx.errors import CaseError
-from castx.results.files.run_json import LARGEST, completed, read_record
+from castx.results.files.run_json import LARGEST, completed, number_of_cells, read_record
 
 pytestmark = pytest.mark.serial
 
@@ -38,6 +38,11 @@ def test_what_is_left_out_has_its_usual_value():
     assert found["bodies"]["casting"]["freezes"] == [577.0, 615]
     assert found["bodies"]["casting"]["symmetry"] == found["stage_ends"] == []
     assert found["versions"] == {}
+
+
+def test_cells_are_those_of_all_bodies_that_tell_them():
+    record = {"bodies": {"casting": {"cells": 7}, "mould": {"cells": 5}, "core": {}}}
+    assert number_of_cells(record) == 12
 
 
 @pytest.mark.parametrize(
