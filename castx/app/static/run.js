@@ -107,8 +107,13 @@ castx.run = (() => {
   // The folders with results: that of the case first, then all others, such as those kept under a number.
   const offerResults = () => {
     const { own, other, folders } = seen, others = folders.filter((name) => name !== own);
-    const options = [own, ...others].map((name) => make("option", { value: name, selected: name === (other || own) }, name === own ? `${own || "none"} (of this case)` : name));
-    at("results-of").replaceChildren(...options);
+    const names = [own, ...others], label = (name) => (name === own ? `${own || "none"} (of this case)` : name);
+    // A list that stays as it is keeps its elements: a choice may be under way in it.
+    const text = names.map(label).join("\n"), list = at("results-of");
+    if (text !== [...list.options].map((option) => option.textContent).join("\n")) {
+      list.replaceChildren(...names.map((name) => make("option", { value: name }, label(name))));
+    }
+    list.value = other || own;
     at("results-state").textContent = other ? "of another run; Run and Resume are those of the case that is open" : "";
   };
   const listed = (folders) => { seen.folders = folders; offerResults(); };
@@ -128,7 +133,7 @@ castx.run = (() => {
     expectSoon();
   });
 
-  const tick = async () => {
+  const ask = async () => {
     const own = editor.state.case?.results ?? "";
     if (own !== seen.own) Object.assign(seen, { own, other: "" });
     const results = seen.other || own;
@@ -147,6 +152,18 @@ castx.run = (() => {
       at("run-state").textContent = !results ? "No run yet." : `Results would lie in ${results}, outside of this folder: run it from the command line.`;
     }
     offer();
+  };
+
+  // One question at a time: an old answer must not be shown behind a newer one. The one that waits serves all who ask.
+  let last = Promise.resolve(), next = null;
+  const tick = () => {
+    next ??= last.then(() => {
+      next = null;
+      const asked = ask();
+      last = asked.catch(() => {});
+      return asked;
+    });
+    return next;
   };
 
   for (const [id, command, asked] of [["do-check", "check"], ["do-run", "run"], ["do-restart", "run", { restart: true }]]) {

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Self
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-PATIENCE = 40.0
+PATIENCE = 120.0  # s; a busy machine takes several times as long as an idle one
 
 
 def found_browser() -> str | None:
@@ -157,10 +157,13 @@ class Browser:
     def choose(self, element: str, value: str) -> None:
         """Choose one of the values of a list, as its keys do; its drop-down is no part of pages."""
         self.press(element)
-        found = f"document.querySelector({json.dumps(element)})"
-        chosen = self.value(f"({found}.value = {json.dumps(value)}, {found}.value)")
+        # in one go: between two of them the page may set the list back
+        chosen = self.value(
+            f"(() => {{ const e = document.querySelector({json.dumps(element)});"
+            f"e.value = {json.dumps(value)}; const chosen = e.value;"
+            "e.dispatchEvent(new Event('change')); return chosen; })()"
+        )
         assert chosen == value, f"{element} has no {value}"
-        self.value(f"{found}.dispatchEvent(new Event('change'))")
 
     def _key(self, key: str, code: str, number: int, **more: Any) -> None:
         pressed = {"key": key, "code": code, "windowsVirtualKeyCode": number}
