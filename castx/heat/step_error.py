@@ -34,8 +34,8 @@ from castx.transfer.pair_state import PairState
 INSTANT = 1e-6
 """Part of a step in which the rates of its start are taken."""
 
-SMALL = 1e3
-"""Largest error of an enthalpy by which what errors store is measured [J/m³]."""
+SMALL = 1e-6
+"""Largest change by which what errors store is measured, of the enthalpies of a material's data."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,7 @@ class HeatStepError:
     def __init__(self, balance: HeatBalance, solve: Callable[[PETSc.Vec, PETSc.Vec], None]) -> None:
         self._balance, self._solve = balance, solve
         self._capacities = [_solid_capacity(body) for body in balance.bodies]
+        self._small = SMALL * min(float(np.ptp(b.curve.enthalpies)) for b in balance.bodies)
         self._committed: FloatArray = np.zeros((2, balance.layout.size_local))
         self._trial = self._committed
 
@@ -163,7 +164,7 @@ class HeatStepError:
         """
         unknowns, comm = self._balance.unknowns, self._balance.layout.comm
         largest = comm.allreduce(float(np.abs(error).max(initial=0.0)), op=MPI.MAX)
-        share = min(1.0, SMALL / largest) if largest > 0.0 else 1.0
+        share = min(1.0, self._small / largest) if largest > 0.0 else 1.0
         changed = unknowns.stored(enthalpies) - unknowns.stored(enthalpies - share * error)
         return np.asarray(changed / (share * unknowns.volumes))
 
