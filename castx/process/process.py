@@ -21,7 +21,7 @@ from castx.results.states.snapshot import ProcessState
 from castx.stateful import Arrays, Saved, joined, part_of
 
 
-@dataclass(frozen=True)
+@dataclass
 class StageProblem:
     """The problem of one stage.
 
@@ -30,12 +30,19 @@ class StageProblem:
         pairs: their node pairs by the name of the interface.
         problem: heat and mechanics.
         rigid: the rigid bodies by name.
+        freed: the problem is no more.
     """
 
     mesh: CastingMesh
     pairs: Mapping[str, NodePairs]
     problem: CoupledProblem
     rigid: Mapping[str, RigidBody] = field(default_factory=dict)
+    freed: bool = field(default=False, init=False)
+
+    def destroy(self) -> None:
+        """Free the PETSc objects of the problem; its states cannot be read any more."""
+        self.freed = True
+        self.problem.destroy()
 
 
 @dataclass(frozen=True)
@@ -140,7 +147,7 @@ class Process:
 
     def _begin(self, number: int) -> None:
         self._number = number
-        self.now.problem.destroy()
+        self.now.destroy()
         self.now = self._build(self.phase.stage)
         gc.collect()  # on all ranks at once: what is freed may be collective
 
@@ -213,4 +220,4 @@ class Process:
 
     def destroy(self) -> None:
         """Free the PETSc objects."""
-        self.now.problem.destroy()
+        self.now.destroy()

@@ -71,7 +71,16 @@ class State:
 
     @property
     def problem(self) -> CoupledProblem:
-        """Heat and mechanics."""
+        """Heat and mechanics.
+
+        Raises:
+            RuntimeError: they were freed.
+        """
+        if self.now.freed:
+            raise RuntimeError(
+                f"the state at t = {self.time:g} s cannot be read any more: its problem was freed "
+                "by destroy(), or a new stage has begun; read what is needed before the next step"
+            )
         return self.now.problem
 
     def nodal(self, body: str, name: str) -> FloatArray:

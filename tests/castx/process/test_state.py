@@ -194,3 +194,10 @@ def test_suction_is_the_stress_of_the_liquid_that_a_wall_draws(comm):
     assert last.totals["upper/base.suction"] == pytest.approx(expected, rel=1e-3)
     assert last.paired("upper/base", "wall_suction") == pytest.approx(expected, rel=1e-3)
     assert np.all(last.paired("upper/base", "contact_pressure") < 1e-6)
+
+
+def test_a_state_whose_problem_was_freed_refuses_to_be_read():
+    last = list(coupled_cases.states(MPI.COMM_SELF, ring(SHORT)))[-1]
+    for read in (lambda: last.totals, lambda: last.nodal("casting", "temperature")):
+        with pytest.raises(RuntimeError, match=r"at t = 4 s .* was freed by destroy\(\)"):
+            read()
