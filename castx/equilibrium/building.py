@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from castx.arrays import BoolArray, FloatArray
+from castx.arrays import BoolArray
 from castx.case.contact import is_tied
 from castx.contact.building import contact_system
 from castx.contact.choice import Contact, common_method, fallbacks
@@ -20,8 +20,6 @@ from castx.contact.kinematics.rows import InterfaceRows, Treatment
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.methods.registry import METHODS
 from castx.contact.multipliers import MultiplierContact
-from castx.contact.system import ContactSystem
-from castx.domain.measures import nodal_volumes
 from castx.equilibrium.block_iterative import BlockIteration, arrow_blocks
 from castx.equilibrium.body_blocks import body_blocks, moving_together
 from castx.equilibrium.equilibrium import Equilibrium, Procedure
@@ -30,13 +28,13 @@ from castx.equilibrium.forces import MomentumBalance
 from castx.equilibrium.linear_system import InnerSolver
 from castx.equilibrium.newton import PREFIX, Newton
 from castx.equilibrium.supports.acting import Supports
+from castx.equilibrium.supports.floating import floating_motions
 from castx.equilibrium.supports.in_gates import InGate
-from castx.equilibrium.supports.springs import FIRM, WEAK, FloatingMotions
+from castx.equilibrium.supports.springs import FIRM, WEAK
 from castx.mechanics.assembly import BodyAssembly
 from castx.mechanics.body import BodyMechanics
 from castx.mechanics.fixed_directions import FixedDirections
 from castx.mechanics.q1p0 import Q1P0Formulation
-from castx.mechanics.rigid_modes import modes_of_parts
 from castx.mechanics.taylor_hood import TaylorHoodFormulation
 from castx.solvers.counters import StepCounters
 from castx.solvers.inner.arrow_schur import ArrowSchur
@@ -175,7 +173,10 @@ def _build_equilibrium(
     gaps = Gaps(bodies.layout, bodies.layout_names, touching, bodies.rigid)
     contact = contact_system(method, contacts, transform, bodies.layout_names, gaps, bodies.moduli)
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
-    floating = _floating(bodies, transform, contact, springs) if settings.support else None
+    floating = None
+    if settings.support:
+        together = _free_together(bodies, contacts)
+        floating = floating_motions(bodies.parts, transform, contact, springs, together)
     gates = [
         InGate(transform, gaps, b, body, settings.in_gate[body.name])
         for b, body in enumerate(bodies.parts)
@@ -349,38 +350,17 @@ def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> lis
     return moving_together(len(sizes), [(a, b) for a, b in ties if sizes[a] == sizes[b]])
 
 
-def _floating(
-    bodies: DeformableBodies,
-    transform: ConstraintTransform,
-    contact: ContactSystem,
-    stiffness: float,
-) -> FloatingMotions:
-    motions, weights, held, layout = [], [], [], bodies.layout
-    for b, body in enumerate(bodies.parts):
-        volumes = np.repeat(nodal_volumes(body.mesh, body.model), body.block_size)
-        for mode in modes_of_parts(body.unknowns):
-            motions.append(transform.unknowns(_extended(layout, b, mode)))
-            weights.append(transform.forces_on_unknowns(_extended(layout, b, volumes * mode)))
-            held.append(_strained(bodies.parts, b, mode))
-    return FloatingMotions(
-        contact.unknowns.extended(np.array(motions)),
-        contact.unknowns.extended(np.array(weights)),
-        stiffness,
-        layout.comm,
-        np.array(held),
-    )
-
-
-def _strained(parts: Sequence[BodyMechanics], b: int, mode: FloatArray) -> FloatArray:
-    """Return the elongation of the springs of all surfaces under a motion of one body."""
-    motions: list[FloatArray] = [np.zeros((p.owned_nodes, p.dimension)) for p in parts]
-    motions[b] = mode.reshape(-1, parts[b].block_size)[:, : parts[b].dimension]
-    found = [part.loads.held(motion) for part, motion in zip(parts, motions, strict=True)]
-    return np.concatenate(found)
-
-
-def _extended(layout: Layout, b: int, values: FloatArray) -> FloatArray:
-    """Return owned values of one body with zeros for the others."""
-    found = np.zeros(layout.size_local)
-    found[layout.local_slice(b)] = values
-    return found
+def _free_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
+    """Return the bodies, two or more, that are joined by contact and touch no rigid one."""
+    number = {name: b for b, name in enumerate(bodies.names)}
+    joined = [
+        (number[c.secondary], number[c.primary])
+        for c in contacts
+        if {c.secondary, c.primary} <= number.keys()
+    ]
+    on_rigid = {c.secondary for c in contacts if c.primary in bodies.rigid}
+    return [
+        group
+        for group in moving_together(len(bodies.names), joined)
+        if len(group) > 1 and not on_rigid & {bodies.names[b] for b in group}
+    ]

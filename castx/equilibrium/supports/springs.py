@@ -8,6 +8,7 @@ entries as there are motions, which is statically determinate, and the springs p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -15,9 +16,7 @@ from mpi4py import MPI
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
-
-CONSTRAINED = 1e-8
-"""Sum of squares above which constraint rows fix a motion that moves nodes by about one."""
+from castx.equilibrium.supports.falling import CONSTRAINED, BodiesTogether, completed
 
 TIE = 1e-6
 """Relative difference below which two entries fix a motion equally well."""
@@ -35,14 +34,14 @@ class SpringSupport:
         motions: rigid motions Z in the unknowns, shape (motions, owned).
         weights: W with WᵀZ = 1: amplitudes of the motions are Wᵀx, shape (motions, owned).
         pins: owned entries that fix the motions, no more.
-        stiffness: force per amplitude of each motion [N/m].
+        stiffness: force per amplitude of each motion [N/m], shape (motions,).
         comm: communicator of the unknowns.
     """
 
     motions: FloatArray
     weights: FloatArray
     pins: LongArray
-    stiffness: float
+    stiffness: FloatArray
     comm: MPI.Intracomm
 
     def amplitudes(self, x: FloatArray) -> FloatArray:
@@ -55,7 +54,7 @@ class SpringSupport:
 
     def force(self, x: FloatArray) -> FloatArray:
         """Return the owned part of the spring forces at x."""
-        return np.asarray(self.stiffness * self.amplitudes(x) @ self.weights)
+        return np.asarray((self.stiffness * self.amplitudes(x)) @ self.weights)
 
     def resultant(self, x: FloatArray) -> float:
         """Return the norm of the spring forces on the motions at x [N]."""
@@ -72,6 +71,8 @@ class FloatingMotions:
         comm: communicator of the unknowns.
         held: how far each motion strains other springs of this rank, which hold it like a
             constraint, shape (motions, springs); None: there are no others.
+        together: bodies that may fall together, by the motions of each; on springs of the stiffness
+            that bodies without any contact have.
     """
 
     def __init__(
@@ -81,7 +82,9 @@ class FloatingMotions:
         stiffness: float,
         comm: MPI.Intracomm,
         held: FloatArray | None = None,
+        together: Sequence[BodiesTogether] = (),
     ) -> None:
+        self._together = tuple(together)
         self.motions, self._comm = motions, comm
         self._held = np.zeros((len(motions), 0)) if held is None else held
         # Springs see the mean motion: a volume-weighted inner product that integrates to one.
@@ -104,17 +107,30 @@ class FloatingMotions:
             rows = np.concatenate((rows, constraint_values), axis=1)
         gram = self._comm.allreduce(rows @ rows.T, op=MPI.SUM)
         values, vectors = np.linalg.eigh(gram)
-        free = vectors[:, values < CONSTRAINED]
-        if free.shape[1] == 0:
+        free = vectors[:, values < CONSTRAINED].T
+        if len(free) == 0:
             return None
-        motions = free.T @ self.motions
+        falling, density = self._falling(gram)
+        free = completed(falling, free)
+        motions = free @ self.motions
         motions[:, constrained] = 0.0
-        weights = free.T @ self._weights
+        weights = (free * density) @ self._weights
         inner = self._comm.allreduce(weights @ motions.T, op=MPI.SUM)
         root = np.linalg.inv(np.linalg.cholesky(inner))
         motions, weights = root @ motions, root @ weights
-        pins = self._pins(motions)
-        return SpringSupport(motions, weights, pins, self._stiffness, self._comm)
+        stiffness = np.full(len(free), self._stiffness)
+        stiffness[: len(falling)] *= FIRM / WEAK
+        return SpringSupport(motions, weights, self._pins(motions), stiffness, self._comm)
+
+    def _falling(self, gram: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the motions in which bodies fall together, and by how much each weighs more."""
+        falling: FloatArray = np.zeros((0, len(gram)))
+        density: FloatArray = np.ones(len(gram))
+        for bodies in self._together:
+            found = bodies.falling(gram)
+            falling = np.concatenate([falling, found])
+            density *= bodies.density if len(found) else 1.0
+        return falling, density
 
     def _pins(self, motions: FloatArray) -> LongArray:
         """Return owned entries that together fix all motions, by pivoting on the largest.

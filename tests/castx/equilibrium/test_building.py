@@ -177,3 +177,14 @@ def test_fallbacks_are_built_when_they_are_needed(comm):
 def test_supports_can_be_left_out(comm, support):
     made = pressed(comm, Contact("upper", "base"), support=support)
     assert (made.equilibrium.balance.supports.motions is not None) == support
+
+
+def test_bodies_that_touch_no_rigid_one_may_fall_together():
+    """Neither a body alone nor the casting in rigid sand, or what touches that casting, does."""
+    bodies = SimpleNamespace(names=["die", "casting", "core", "pin", "lid"], rigid={"sand": None})
+    contacts = [
+        Contact("casting", "core"), Contact("die", "lid"), Contact("core", "sand", "rigid")
+    ]  # fmt: skip
+    assert building._free_together(bodies, contacts[:2]) == [[0, 4], [1, 2]]
+    assert building._free_together(bodies, contacts) == [[0, 4]]
+    assert building._free_together(bodies, []) == []
