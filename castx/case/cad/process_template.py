@@ -55,13 +55,14 @@ def _head(plan: Plan) -> str:
         "# temperatures in °C, or carry a unit. Then: castx check, castx run, castx report.",
     ]
     lines += [
-        f"#   {key} = {process.numbers[key]:g}: {_unmarked(text)}"
+        f"#   {key} = {process.numbers[key]:g}: {unmarked(text)}"
         for key, text in process.sources.items()
     ]
     return "\n".join(lines) + "\n"
 
 
-def _unmarked(source: str) -> str:
+def unmarked(source: str) -> str:
+    """Return a source without what is said of all of them at the top of a case."""
     return source.removeprefix("usual: ").removesuffix(
         "; representative value, source not established"
     )

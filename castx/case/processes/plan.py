@@ -64,19 +64,41 @@ class Plan:
     end: float
 
 
-def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modulus: float) -> Plan:
-    """Return the numbers of a first case.
+@dataclass(frozen=True)
+class ChosenMaterials:
+    """Materials of a process, of the database, and what lies between them.
 
-    Args:
-        process: the process.
-        alloy: of the database; None: that of the process.
-        mould: material of the database; None: that of the process.
-        modulus: volume over surface of the casting [m].
-
-    Raises:
-        CaseError: alloy or mould are not in the database, the alloy does not melt, or no interface
-            of the process is known for it.
+    Attributes:
+        process: with the numbers of the class of the alloy.
+        alloy: its name.
+        metal: its data.
+        mould: name of the material of the mould.
+        around: its data.
+        interface: entry of the database of interfaces.
     """
+
+    process: CastingProcess
+    alloy: str
+    metal: Material
+    mould: str
+    around: Material
+    interface: str
+
+    @property
+    def pouring(self) -> float:
+        """Temperature of the melt [°C], rounded to 5 K."""
+        assert self.metal.liquidus is not None
+        return 5.0 * round((self.metal.liquidus + self.process.numbers["superheat"]) / 5.0)
+
+    @property
+    def mould_law(self) -> str:
+        """Law of the mould, rigid where it would yield as grains and has no numbers for that."""
+        yields = self.process.mould_law != GRANULAR or self.around.description.granular is not None
+        return self.process.mould_law if yields else "rigid"
+
+
+def chosen(process: CastingProcess, alloy: str | None, mould: str | None) -> ChosenMaterials:
+    """Return the materials of a process, arguments and errors as of `plan_of`."""
     alloy, mould = alloy or process.alloy, mould or process.mould
     metal = _known(alloy, "--alloy")
     around = (
@@ -93,21 +115,42 @@ def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modul
             f"no heat transfer between {of_class} and the mould of {process.name} is known; "
             f"{known}; castx interfaces lists all there are"
         )
-    interface, process = process.interfaces[of_class], process.of_class(of_class)
-    pouring = float(_rounded(metal.liquidus + process.numbers["superheat"], 5.0))
-    cooling = _Cooling(process, metal, around, interface, pouring, modulus)
-    freezing = cooling.time_to(metal.solidus)
-    if "release_factor" in process.numbers:
-        hot = 0.8 * metal.solidus
-        release = process.numbers["release_factor"] * freezing
+    interface = process.interfaces[of_class]
+    return ChosenMaterials(process.of_class(of_class), alloy, metal, mould, around, interface)
+
+
+def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modulus: float) -> Plan:
+    """Return the numbers of a first case.
+
+    Args:
+        process: the process.
+        alloy: of the database; None: that of the process.
+        mould: material of the database; None: that of the process.
+        modulus: volume over surface of the casting [m].
+
+    Raises:
+        CaseError: alloy or mould are not in the database, the alloy does not melt, or no interface
+            of the process is known for it.
+    """
+    of = chosen(process, alloy, mould)
+    numbers, solidus = of.process.numbers, of.metal.solidus
+    assert solidus is not None
+    cooling = _Cooling(of, modulus)
+    freezing = cooling.time_to(solidus)
+    if "release_factor" in numbers:
+        hot = 0.8 * solidus
+        release = numbers["release_factor"] * freezing
     else:
-        hot = process.numbers["release_temperature"] * metal.solidus
+        hot = numbers["release_temperature"] * solidus
         release = cooling.time_to(hot)
     end = release + cooling.time_in_air(hot)
-    times = (float(f"{time:.2g}") for time in (freezing, release, end))
-    yields = process.mould_law != GRANULAR or around.description.granular is not None
-    law = process.mould_law if yields else "rigid"
-    return Plan(process, alloy, mould, law, interface, pouring, *times)
+    times = (rounded(time) for time in (freezing, release, end))
+    return Plan(of.process, of.alloy, of.mould, of.mould_law, of.interface, of.pouring, *times)
+
+
+def rounded(value: float) -> float:
+    """Return a number with two digits."""
+    return float(f"{value:.2g}")
 
 
 def _known(name: str, option: str) -> Material:
@@ -116,30 +159,22 @@ def _known(name: str, option: str) -> Material:
     return find_material(name, {})
 
 
-def _rounded(value: float, step: float) -> float:
-    return step * round(value / step)
-
-
 @dataclass(frozen=True)
 class _Cooling:
-    process: CastingProcess
-    metal: Material
-    mould: Material
-    interface: str
-    pouring: float
+    of: ChosenMaterials
     modulus: float
 
     def _heat(self, temperature: float) -> float:
         """Return the heat per volume from the pouring down to a temperature [J/m³]."""
-        hot, cold = self.metal.enthalpy.enthalpy(np.array([self.pouring, temperature]))
+        hot, cold = self.of.metal.enthalpy.enthalpy(np.array([self.of.pouring, temperature]))
         return float(hot - cold)
 
     def time_to(self, temperature: float) -> float:
         """Return when the casting has a temperature in its mould [s]."""
-        numbers = self.process.numbers
+        numbers = self.of.process.numbers
         heat = self.modulus * self._heat(temperature)
-        mean = 0.5 * ((self.metal.liquidus or self.pouring) + temperature)
-        closed = float(interface_entry(self.interface).heat["closed"])
+        mean = 0.5 * ((self.of.metal.liquidus or self.of.pouring) + temperature)
+        closed = float(interface_entry(self.of.interface).heat["closed"])
         if "shell" in numbers:
             conductivity, _ = self._of_mould(numbers["mould_temperature"])
             resistance = GAP_FACTOR / closed + numbers["shell"] / conductivity
@@ -152,14 +187,14 @@ class _Cooling:
 
     def _of_mould(self, temperature: float) -> tuple[float, float]:
         """Return conductivity [W/m/K] and heat capacity [J/m³/K] of the mould."""
-        description = self.mould.description
+        description = self.of.around.description
         assert description.conductivity is not None
-        low, high = self.mould.enthalpy.enthalpy(np.array([temperature, temperature + 50.0]))
+        low, high = self.of.around.enthalpy.enthalpy(np.array([temperature, temperature + 50.0]))
         return float(description.conductivity.solid(temperature)), float(high - low) / 50.0
 
     def time_in_air(self, hot: float) -> float:
         """Return the time in which the casting cools in air from a temperature to cold [s]."""
-        high, low = self.metal.enthalpy.enthalpy(np.array([hot, COLD]))
+        high, low = self.of.metal.enthalpy.enthalpy(np.array([hot, COLD]))
         capacity = float(high - low) / (hot - COLD)
         decay = math.log((hot - AIR) / (COLD - AIR))
-        return self.modulus * capacity / self.process.numbers["air_coefficient"] * decay
+        return self.modulus * capacity / self.of.process.numbers["air_coefficient"] * decay

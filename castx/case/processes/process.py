@@ -2,7 +2,8 @@
 
 Each number there is a table { value, unit, source }, and `[classes.zinc.KEY]` holds one that is
 another for a class of alloys. A process releases the casting a multiple of its freezing time after
-the pouring, or when it has cooled to a share of its solidus in °C.
+the pouring, or when it has cooled to a share of its solidus in °C; a strand leaves its mould when
+it has gone through its length, `castx.case.processes.strand`.
 """
 
 from __future__ import annotations
@@ -19,13 +20,24 @@ from castx.input.sourced import file_content, item_problems, plain, text_problem
 
 _ABOUT = ("summary", "alloy", "mould", "mould_law", "release")
 _KEYS = ("value", "unit", "source")
+ZONES = ("foot", "upper", "lower")
+"""Spray zones below the mould of a strand, each with a length and its water."""
 _UNITS = {
     "superheat": "K", "mould_temperature": "°C", "wall": "", "shell": "m",
     "outside_coefficient": "W/m²/K", "ambient": "°C", "release_factor": "",
     "release_temperature": "", "ejection_delay": "s", "air_coefficient": "W/m²/K",
+    "mould_length": "m", "speed_factor": "m²/s", "taper": "1/m", "shell_constant": "m/s^0.5",
+    "machine_radius": "", "rolled_width": "m",
+    **{f"{zone}_{key}": unit for zone in ZONES
+       for key, unit in (("length", "m"), ("water", "L/m²/s"))},
 }  # fmt: skip
 _ALWAYS = ("superheat", "mould_temperature", "outside_coefficient", "ambient", "air_coefficient")
-_EITHER = (("wall", "shell"), ("release_factor", "release_temperature"))
+_EITHER = (("wall", "shell"), ("release_factor", "release_temperature", "mould_length"))
+_OF_STRANDS = (
+    "speed_factor", "taper", "shell_constant", "machine_radius", "rolled_width",
+    *(f"{zone}_{key}" for zone in ZONES for key in ("length", "water")),
+)  # fmt: skip
+"""What a process with `mould_length` needs beside it."""
 _OWN = {"density": "kg/m³", "heat_capacity": "J/kg/K", "conductivity": "W/m/K"}
 
 
@@ -58,6 +70,11 @@ class CastingProcess:
     sources: Mapping[str, str]
     material: Mapping[str, Any]
     classes: Mapping[str, Mapping[str, tuple[float, str]]]
+
+    @property
+    def is_strand(self) -> bool:
+        """Whether the casting runs through its mould."""
+        return "mould_length" in self.numbers
 
     def of_class(self, name: str) -> CastingProcess:
         """Return the process with the numbers of a class of alloys."""
@@ -137,7 +154,10 @@ def _of_classes(classes: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
 def _missing(content: Mapping[str, Any]) -> list[Problem]:
     needed = [key for key in (*_ALWAYS, "interfaces") if key not in content]
     found = [Problem((key,), "missing; this key is needed") for key in needed]
-    for pair in _EITHER:
-        if sum(key in content for key in pair) != 1:
-            found.append(Problem((pair[0],), f"either this or {pair[1]} is needed"))
+    for first, *others in _EITHER:
+        if sum(key in content for key in (first, *others)) != 1:
+            found.append(Problem((first,), f"either this or {' or '.join(others)} is needed"))
+    if "mould_length" in content:
+        without = [key for key in _OF_STRANDS if key not in content]
+        found += [Problem((key,), "missing; a strand needs it") for key in without]
     return found

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from castx.case.processes.names import process_names
 from castx.command.cli import execute
 from tests.cad_files import write_cad
 
@@ -52,4 +53,19 @@ def test_an_unknown_process_is_refused_with_those_there_are(comm, shared_tmp_pat
     text = said()
     assert "no process 'sandd'" in text and "sand" in text and "investment" in text
     assert execute(["new", "--help"], comm) == 0
-    assert "high-pressure-die" in said()
+    shown = re.sub(r"[\s│]", "", said())
+    assert all(name in shown for name in process_names())
+
+
+@pytest.mark.serial
+def test_a_strand_is_told_with_its_speed_and_times(comm, shared_tmp_path, said):
+    def bar(occ):
+        face = occ.addRectangle(0, 0, 0, 60, 60, roundedRadius=5)
+        return [tag for dim, tag in occ.extrude([(2, face)], 0, 0, 80) if dim == 3]
+
+    part = write_cad(shared_tmp_path / "bar.step", bar)
+    assert execute(["new", str(part), "--process", "continuous"], comm) == 0
+    text = said().replace("\n", " ")
+    assert "bar: a strand of 60 × 60 mm along z" in text and "m/min: " in text
+    assert execute(["check", str(part.with_suffix(".toml"))], comm) == 0
+    assert "the case can be run" in said().replace("\n", " ")

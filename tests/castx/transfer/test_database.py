@@ -28,7 +28,7 @@ PROMISED = {
     "aluminium-chill-iron", "aluminium-copper-cooled", "aluminium-graphite", "bronze-sand",
     "iron-sand-green", "iron-sand-coated", "iron-chill-iron", "steel-sand", "steel-sand-coated",
     "steel-investment-shell", "magnesium-steel-squeeze", "magnesium-steel-high-pressure",
-    "zinc-steel-high-pressure",
+    "zinc-steel-high-pressure", "steel-copper-cooled",
 }  # fmt: skip
 UNITS = {
     "closed": "W/m²/K", "gas_conductivity": "W/m/K", "roughness": "m", "coating.thickness": "m",

@@ -41,7 +41,9 @@ def case_of(new, name, alloy=None):
     return plan, load_case(tomllib.loads(text))
 
 
-@pytest.mark.parametrize("name", process_names())
+@pytest.mark.parametrize(
+    "name", [name for name in process_names() if not casting_process(name).is_strand]
+)
 def test_halves_of_a_mould_let_go_and_the_casting_cools(name):
     plan, case = case_of(HALVES, name)
     casting, low, high = case.bodies

@@ -60,6 +60,12 @@ def test_a_class_of_alloys_has_numbers_of_its_own():
         (("superheat", "unit"), "degC", 'superheat.unit.*must be "K"'),
         (("wall",), None, "wall: either this or shell is needed"),
         (("shell",), {"value": 1, "unit": "m", "source": "usual"}, "either this or shell"),
+        (
+            ("mould_length",),
+            {"value": 1, "unit": "m", "source": "usual"},
+            "release_factor: either this or release_temperature or mould_length",
+        ),
+        (("foot_water",), NUMBER | {"unit": "L"}, 'foot_water.unit.*must be "L/m²/s"'),
         (("summary",), "", "summary.*missing"),
         (("superheet",), NUMBER, "superheet: unknown key"),
         (("classes",), {"zinc": {"superheat": NUMBER}}, "classes.zinc.superheat.*an interface"),
@@ -82,6 +88,16 @@ def test_faults_are_named(path, value, text):
         inner[path[-1]] = value
     with pytest.raises(CaseError, match=text):
         read_process("mine", content, "mine.toml")
+
+
+def test_a_strand_needs_its_numbers():
+    length = {"value": 0.7, "unit": "m", "source": "usual"}
+    content = {key: item for key, item in CONTENT.items() if key != "release_factor"}
+    with pytest.raises(CaseError, match="speed_factor: missing; a strand needs it") as caught:
+        read_process("mine", content | {"mould_length": length}, "mine.toml")
+    assert "upper_water: missing" in str(caught.value) and "taper: missing" in str(caught.value)
+    strands = [name for name in process_names() if casting_process(name).is_strand]
+    assert strands == ["continuous"]
 
 
 def test_an_unknown_process_is_refused_with_those_there_are():

@@ -11,8 +11,8 @@ import pytest
 from castx.case.cad.template import case_text
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
+from castx.domain.cad import first_mesh as first_mesh_module
 from castx.domain.cad import new_case as new_case_module
-from castx.domain.cad.guarded import SizesError, meshed_apart
 from castx.domain.cad.new_case import Wanted, new_case, with_interface_size, write_new_case
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
@@ -80,7 +80,7 @@ def test_walls_that_alone_ask_for_many_cells_are_taken_as_they_come(tmp_path, mo
 
     path = write_cad(tmp_path / "thin.step", thin, ["part", "pin"])
     assert "\nacross = 1 " in case_text(new_case(path, tmp_path / "a.toml"))
-    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 3e3)
+    monkeypatch.setattr("castx.domain.cad.first_mesh.FIRST_CELLS", 3e3)
     assert "\nacross = 0 " in case_text(new_case(path, tmp_path / "a.toml"))
 
 
@@ -88,7 +88,7 @@ def test_many_cells_grow_faster_away_from_walls(tmp_path, monkeypatch):
     path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 80, 60, 4)])
     said, counts = [], []
     for affordable in (1e5, 4000):
-        monkeypatch.setattr(new_case_module, "AFFORDABLE", affordable)
+        monkeypatch.setattr(first_mesh_module, "AFFORDABLE", affordable)
         case = new_case(path, tmp_path / "a.toml", say=said.append)
         (tmp_path / "a.toml").write_text(case_text(case))
         geometry = load_case(tmp_path / "a.toml").geometry
@@ -100,11 +100,11 @@ def test_many_cells_grow_faster_away_from_walls(tmp_path, monkeypatch):
     assert grown_mould < 0.9 * mould and grown_bar > 0.95 * bar
     assert said[-1].startswith(f"{bar + mould} cells; {grown_bar + grown_mould} with growth = 1")
     # walls as they come have a cell across all the same
-    monkeypatch.setattr(new_case_module, "AFFORDABLE", 100)
+    monkeypatch.setattr(first_mesh_module, "AFFORDABLE", 100)
     assert new_case(path, tmp_path / "a.toml", say=said.append).across == 0
     assert "with across = 0, by which walls have one across all the same" in said[-1]
     # where little is gained, all is left as it is
-    monkeypatch.setattr(new_case_module, "WORTH", 0.1)
+    monkeypatch.setattr(first_mesh_module, "WORTH", 0.1)
     assert new_case(path, tmp_path / "a.toml").growth is None
 
 
@@ -229,7 +229,9 @@ def test_a_mould_parts_at_a_round_number(tmp_path, monkeypatch, low, high, place
         surfaces=[SimpleNamespace(name="part/outside", cad=1e-2)],
         boxes={"part": ((0.0, 0.0, low), (0.1, 0.1, high))}, quality=SimpleNamespace(cells=900),
     )  # fmt: skip
-    monkeypatch.setattr(new_case_module, "_survey", lambda *_: (report, 0))
+    part = CadPart((CadFile("a.step"),), 0.01, across=0)
+    found = first_mesh_module.FirstMesh(report, part)
+    monkeypatch.setattr(new_case_module, "survey", lambda *_: found)
     case = new_case(tmp_path / "a.step", tmp_path / "a.toml", Wanted("sand", split="z"))
     assert f'split = "z = {1e3 * place:.5g} mm"' in case.mould
 
@@ -247,48 +249,6 @@ def test_what_does_not_go_together_is_refused(tmp_path, wanted, text):
         write_new_case(path, tmp_path / "a.toml", wanted)
 
 
-def filleted(occ):
-    """A block whose upper edge is rounded by a hundredth of a millimetre."""
-    block = occ.addBox(0, 0, 0, 40, 20, 10)
-    occ.synchronize()
-    edges = gmsh.model.getEntitiesInBoundingBox(-1, -1, 9, 41, 1, 11, dim=1)
-    ((_, part),) = occ.fillet([block], [edges[0][1]], [0.01])
-    return [part]
-
-
-def test_tiny_fillets_are_refused_at_once_with_a_cure_that_works(tmp_path, monkeypatch):
-    path = write_cad(tmp_path / "crank.step", filleted)
-    part = CadPart((CadFile(str(path)),), 0.004, across=0, most_cells=2e4)
-    with pytest.raises(MeshError, match=r"a radius of 1e-05 m .* geometry.tolerance = 4e-05"):
-        meshed_apart(part, tmp_path / "a.msh", 60.0)
-    assert meshed_apart(replace(part, tolerance=4e-5), tmp_path / "a.msh", 60.0).quality.cells > 100
-    monkeypatch.setattr("castx.domain.cad.new_case.FIRST_CELLS", 7e3)
-    said = []
-    case = new_case(path, tmp_path / "a.toml", say=said.append)
-    assert 'tolerance = "0.1 mm"' in case_text(case) and case.across == 0
-    assert said == [
-        "meshing crank.step, coarsely, to see its bodies and faces",
-        "that makes no first mesh; next: walls as they come",
-        "that makes no first mesh; next: without faces narrower than 0.1 mm",
-        "meshing it again, in its mould",
-    ]
-
-
-def test_what_makes_no_mesh_is_tried_without_narrow_faces_and_then_refused(tmp_path, monkeypatch):
-    asked = []
-
-    def meshed(part, *_):
-        asked.append((part.across, part.tolerance, part.narrowest))
-        raise SizesError("the cells are flat")
-
-    monkeypatch.setattr(new_case_module, "meshed_apart", meshed)
-    path, said = write_cad(tmp_path / "crank.step", filleted), []
-    with pytest.raises(MeshError, match=r"flat\. It is refused without .* 3 mm too.* in CAD, and"):
-        new_case(path, tmp_path / "a.toml", say=said.append)
-    assert asked == [(1, 1e-6, 0), (0, 1e-6, 0), (0, 1e-4, 0), (0, 1e-6, 1e-3), (0, 1e-6, 3e-3)]
-    assert said[-1].endswith("next: without grooves, threads and roundings of less than 3 mm")
-
-
 def grooved(occ):
     """A shaft of 30 mm with 12 grooves of 0.2 x 0.2 mm."""
     shaft = occ.addCylinder(0, 0, 0, 0, 0, 30, 10)
@@ -301,7 +261,7 @@ def grooved(occ):
 
 
 def test_a_grooved_shaft_gets_a_case_without_its_grooves(tmp_path, monkeypatch):
-    monkeypatch.setattr(new_case_module, "FIRST_CELLS", 1e4)
+    monkeypatch.setattr(first_mesh_module, "FIRST_CELLS", 1e4)
     path, said = write_cad(tmp_path / "shaft.step", grooved), []
     write_new_case(path, tmp_path / "a.toml", Wanted("gravity-die"), said.append)
     text = (tmp_path / "a.toml").read_text()

@@ -1,0 +1,264 @@
+"""A first case file for a strand that is cast continuously: a slice that travels with it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from castx.case.cad.mould import AXES
+from castx.case.cad.process_template import unmarked
+from castx.case.cad.template import Box, NewCase
+from castx.case.processes.strand import SPRAYED, StrandPlan, StrandSection, Zone
+from castx.transfer.database import interface_entry
+
+CUT = "cut"
+"""Name of the face at which a slice is cut out of its strand."""
+
+FIELDS = (
+    "temperature", "solid_fraction", "displacement", "von_mises", "gap", "solidification_time",
+    "passing_times",
+)  # fmt: skip
+"""That are written: the usual ones, and when solid fractions pass."""
+PASSING = (0.7, 1.0)
+"""Solid fractions whose passing is written: the usual end of the shell, and the end of the pool."""
+
+
+@dataclass(frozen=True)
+class Slice:
+    """A slice of a strand in its mould, as it is meshed.
+
+    Attributes:
+        case: bodies, interfaces and surfaces.
+        section: of the whole strand.
+        block: lowest and highest corner of the mould [m].
+        planes: axis and place of planes of symmetry [m], and whether what is above stays; the first
+            one is that of the slice.
+        quarter: whether the others are the middle planes of the section.
+        places: of probes: "core", "edge", and the walls "face-x", ... [m].
+    """
+
+    case: NewCase
+    section: StrandSection
+    block: Box
+    planes: tuple[tuple[int, float, bool], ...]
+    quarter: bool
+    places: Mapping[str, Sequence[float]]
+
+    @property
+    def thickness(self) -> float:
+        """Of the slice, from its lower end at that of the mould [m]."""
+        axis, place, _ = self.planes[0]
+        return place - self.block[0][axis]
+
+    @property
+    def strand(self) -> str:
+        """Name of the strand."""
+        return self.case.castings[0]
+
+    @property
+    def mould(self) -> str:
+        """Name of the mould."""
+        return next(name for name, _ in self.case.bodies if name != self.strand)
+
+    def dimensions(self, plan: StrandPlan, density: float) -> Iterator[str]:
+        """Yield the strand, its speed and its times in words.
+
+        Args:
+            plan: of the strand.
+            density: of the alloy [kg/m³].
+        """
+        section, speed = self.section, plan.speed
+        extents = " × ".join(f"{1e3 * extent:.4g}" for extent in section.extents)
+        yield (
+            f"{self.strand}: a strand of {extents} mm along {AXES[section.axis]}, "
+            f"{1e4 * section.area:.4g} cm², {density * section.area:.3g} kg/m"
+        )
+        yield (
+            f"{60.0 * speed:.2g} m/min: {plan.plan.release:g} s in the mould, sprays to "
+            f"{plan.air:g} s and {plan.air * speed:.2g} m, solid after some "
+            f"{plan.plan.freezing:g} s and {plan.plan.freezing * speed:.2g} m"
+        )
+        if not self.quarter:
+            yield "its quarters are not alike, so that all of the section is meshed"
+
+
+def strand_text(cut: Slice, strand: StrandPlan) -> str:
+    """Return the case file of a slice of a strand.
+
+    Args:
+        cut: the slice.
+        strand: numbers of the process.
+    """
+    parts = [
+        _head(strand), _geometry(cut), *_bodies(cut, strand), _interface(cut, strand),
+        *_boundaries(cut, strand), *_stages(cut, strand), *_probes(cut), _end(strand),
+    ]  # fmt: skip
+    return "\n".join(parts)
+
+
+def _head(strand: StrandPlan) -> str:
+    process, speed = strand.plan.process, strand.speed
+    lines = [
+        f"# {process.name}: {process.summary}.",
+        f"# Distances along the strand are {60.0 * speed:.3g} m/min times the time, from the "
+        f"meniscus: {speed:.4g} m/s. No",
+        "# heat flows along it, flat cuts stay flat, and the melt has the pressure of the pool.",
+        "# Shell, pool and gaps along the strand: docs/manual/continuous.md.",
+        "# Numbers of the process are usual ones, those below; interfaces and materials are of the",
+        "# databases, with their sources. Change what you know better. Lengths are in metres,",
+        "# temperatures in °C, or carry a unit. Then: castx check, castx run, castx report.",
+    ]
+    lines += [
+        f"#   {key} = {process.numbers[key]:g}: {unmarked(text)}"
+        for key, text in process.sources.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _geometry(cut: Slice) -> str:
+    case, axis = cut.case, cut.section.axis
+    corners = ", ".join(f"[{', '.join(f'{x:.7g}' for x in corner)}]" for corner in cut.block)
+    planes = ", ".join(
+        f'"{AXES[number]} {">" if above else "<"} {1e3 * place:.6g} mm"'
+        for number, place, above in cut.planes
+    )
+    said = "the slice, one cell thick"
+    said += ", and a quarter of it" if cut.quarter else "; a symmetric one takes more planes"
+    return (
+        f'[geometry]\nmodel = "3d"\nfile = {json.dumps(case.file, ensure_ascii=False)}\n'
+        f'size = "{1e3 * case.size:.3g} mm"                 # CHOOSE: largest cells, in the core\n'
+        f'interface_size = "{1e3 * cut.thickness:.3g} mm"       # CHOOSE: cells of the shell\n'
+        "across = 0                      # one cell along the strand\n"
+        "curvature = 8                   # CHOOSE: cells round a full circle\n"
+        f"growth = {case.growth or 0.4:g}                    # CHOOSE: of cells towards the core\n"
+        f"mould = {{ box = [{corners}] }}      # a tube round the strand\n"
+        f"symmetry = [{planes}]      # {said}\n"
+        f'surfaces = {{ {CUT} = {{ normal = "-{AXES[axis]}" }} }}\n'
+    )
+
+
+def _bodies(cut: Slice, strand: StrandPlan) -> Iterator[str]:
+    plan = strand.plan
+    yield (
+        f'[[bodies]]\nname = "{cut.strand}"\nmaterial = "{plan.alloy}"\n'
+        f'temperature = {plan.pouring:g}\nlaw = "thermo-elasto-viscoplastic"\n'
+        'feeding = "darcy"               # melt comes along the strand, and has the pressure of '
+        "its pool\n"
+    )
+    yield (
+        f'[[bodies]]\nname = "{cut.mould}"\nmaterial = "{plan.mould}"\n'
+        f"temperature = {plan.process.numbers['mould_temperature']:g}\n"
+        f'law = "{plan.mould_law}"                   # its walls move by the taper alone\n'
+    )
+
+
+def _interface(cut: Slice, strand: StrandPlan) -> str:
+    entry = strand.plan.interface
+    return (
+        f'[[interfaces]]\nbodies = ["{cut.strand}", "{cut.mould}"]\n'
+        f'heat = {{ from = "{entry}" }}     # castx interfaces {entry}\n'
+    )
+
+
+def _boundaries(cut: Slice, strand: StrandPlan) -> Iterator[str]:
+    numbers = strand.plan.process.numbers
+    pressure = ", ".join(f"[{time:g}, {value:g}]" for time, value in strand.pressure)
+    borne = "; rolls bear it below the mould" if strand.rolls else ""
+    yield (
+        f'[[boundaries]]\non = "{cut.strand}/{CUT}"\n'
+        'displacement = { normal = "uniform" }     # the strand is free to shorten\n'
+        f"pressure = [{pressure}]     # of the pool, by its height{borne}\n"
+    )
+    yield (
+        f'[foundry]\nfeeders = ["{cut.strand}/{CUT}"]\n'
+        f"passing_times = {json.dumps(PASSING)}         # of solid, as far from the meniscus as "
+        "the strand then is\n"
+    )
+    yield (
+        f'[[boundaries]]\non = "{cut.mould}/outside"\n'
+        f'heat = {{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
+        f"ambient = {numbers['ambient']:g} }}\n{_taper(cut, strand)}"
+    )
+
+
+def _taper(cut: Slice, strand: StrandPlan) -> str:
+    """Return the motion of the walls in a quarter, in which a rigid one can make it."""
+    if not cut.quarter:
+        return "# No taper: walls on all sides cannot move inwards as one rigid body.\n"
+    rows = [
+        f"{AXES[axis]} = [[0, 0], [{strand.plan.release:g}, {-strand.taper * extent:.3g}]]"
+        for axis, extent in zip(cut.section.across, cut.section.extents, strict=True)
+    ]
+    return (
+        f"displacement = {{ {', '.join(rows)} }}     # taper of each wall, in metres over the "
+        "time in the mould\n"
+    )
+
+
+def _stages(cut: Slice, strand: StrandPlan) -> Iterator[str]:
+    ambient = strand.plan.process.numbers["ambient"]
+    for number, zone in enumerate(strand.zones):
+        removed = f'remove = ["{cut.mould}"]\n' if number == 0 else ""
+        table = ", ".join(
+            f"[{at:g}, {h:g}]" for at, h in zip(SPRAYED, zone.coefficients, strict=True)
+        )
+        heat = (
+            '{ type = "convection", coefficient = { over = "temperature", of = "surface", '
+            f"table = [{table}] }}, ambient = {ambient:g} }}"
+        )
+        yield _stage(cut, zone.start, strand.speed, removed, [heat], _water(zone))
+    emissivity = interface_entry(strand.plan.interface).heat["radiation"]["emissivities"][0]
+    air = strand.plan.process.numbers["air_coefficient"]
+    radiant = [
+        f'{{ type = "radiation", emissivity = {emissivity:g}, ambient = 20 }}',
+        f'{{ type = "convection", coefficient = {air:g}, ambient = 20 }}',
+    ]  # fmt: skip
+    yield _stage(cut, strand.air, strand.speed, "", radiant, "air")
+
+
+def _water(zone: Zone) -> str:
+    return (
+        f"{zone.name} zone, {zone.water:g} L/m²/s: Sasaki and others, Tetsu-to-Hagané 65 (1979) "
+        "90, radiation included"
+    )
+
+
+def _stage(
+    cut: Slice, at: float, speed: float, removed: str, heat: Sequence[str], what: str
+) -> str:
+    rows = "".join(f"    {row},\n" for row in heat)
+    return (
+        f'[[stages]]                      # from {at * speed:.3g} m on: {what}\nat = "{at:g} s"\n'
+        f'{removed}[[stages.boundaries]]\non = "{cut.strand}/{cut.mould}"\nheat = [\n{rows}]\n'
+    )
+
+
+def _probes(cut: Slice) -> Iterator[str]:
+    """Yield probes of the core, and of surface and gap at walls and at an edge."""
+    interface = f"{cut.strand}/{cut.mould}"
+    for name, place in cut.places.items():
+        if name == "core":
+            inside = ["temperature", "solid_fraction"]
+            yield _probe(name, f'body = "{cut.strand}"', place, inside)
+            continue
+        surface = f'body = "{cut.strand}"\nbelow = "{interface}"'
+        yield _probe(name, surface, place, ["temperature"])
+        across = ["gap", "heat_transfer_coefficient"]
+        yield _probe(f"gap-{name}", f'interface = "{interface}"', place, across)
+
+
+def _probe(name: str, of: str, place: Sequence[float], quantities: Sequence[str]) -> str:
+    at = ", ".join(f"{x:.6g}" for x in place)
+    return (
+        f'[[probes]]\nname = "{name}"\n{of}\nat = [{at}]\nquantities = {json.dumps(quantities)}\n'
+    )
+
+
+def _end(strand: StrandPlan) -> str:
+    end = strand.plan.end
+    return (
+        f"[output]\nfields = {json.dumps(FIELDS)}\n\n"
+        f'[time]\nend = "{end:g} s"                   # {end * strand.speed:.3g} m: until it is '
+        "solid, by estimate; later until it is cold\n"
+    )

@@ -1,0 +1,93 @@
+"""Speed, times, water and pressure of a strand, beside numbers worked out by hand."""
+
+import math
+
+import pytest
+
+from castx.case.processes.process import casting_process
+from castx.case.processes.strand import (
+    SPRAYED,
+    StrandSection,
+    liquid_density,
+    spray_coefficient,
+    strand_plan_of,
+)
+from castx.errors import CaseError
+from castx.materials.lookup import find_material
+from castx.materials.material import Material
+
+pytestmark = pytest.mark.serial
+
+BILLET = StrandSection(2, 0.0169, 0.52, (0.13, 0.13))
+SLAB = StrandSection(2, 0.25 * 1.5, 3.5, (1.5, 0.25))
+CONTINUOUS = casting_process("continuous")
+
+
+def test_a_billet_runs_at_the_speed_of_its_perimeter_over_its_area():
+    strand = strand_plan_of(CONTINUOUS, None, None, BILLET)
+    assert 60.0 * strand.speed == pytest.approx(2.0)  # 60 · 0.0011 · 0.52/0.0169 = 2.03 m/min
+    assert strand.plan.release == 21.0  # 0.7 m at 2 m/min
+    assert [zone.start for zone in strand.zones] == [21.0, 30.0, 75.0]  # 9 s, 45 s, 60 s
+    assert strand.air == 135.0
+    assert [zone.water for zone in strand.zones] == [8.0, 2.5, 1.7]
+    assert strand.plan.freezing == 340.0  # (65/3.5)² = 345 s
+    assert strand.plan.end == 450.0  # 1.3 times that
+    assert strand.taper == pytest.approx(0.5 * 0.009 * 0.7)
+    steel = find_material("316L", {})
+    assert strand.plan.pouring == pytest.approx(steel.liquidus + 30.0, abs=2.5)
+    assert strand.plan.interface == "steel-copper-cooled" and not strand.rolls
+
+
+def test_the_pool_presses_by_its_height_on_the_bow():
+    strand = strand_plan_of(CONTINUOUS, None, None, BILLET)
+    density = liquid_density(find_material("316L", {}))
+    radius = 40 * 0.13
+    assert strand.pressure[0] == (0.0, 0.0)
+    for time, pressure in strand.pressure[1:]:
+        arc = strand.speed * time
+        assert pressure == pytest.approx(density * 9.81 * radius * math.sin(arc / radius), rel=5e-3)
+    time, pressure = strand.pressure[-1]
+    assert strand.speed * time == pytest.approx(0.5 * math.pi * radius, rel=1e-3)
+    assert pressure == pytest.approx(density * 9.81 * radius, rel=5e-3)
+
+
+def test_rolls_bear_the_pressure_of_a_wide_strand_below_its_mould():
+    strand = strand_plan_of(CONTINUOUS, None, None, SLAB)
+    assert strand.rolls
+    (time, pressure), (after, none) = strand.pressure[-2:]
+    assert time == pytest.approx(strand.plan.release, rel=0.02) and none == 0.0 < pressure
+    assert after == pytest.approx(time + 1.0)
+    assert strand.speed < strand_plan_of(CONTINUOUS, None, None, BILLET).speed
+
+
+def test_molten_steel_is_lighter_than_cold_steel():
+    """By expansion up to the solidus, 20.5e-6 over 1365 K, and the shrinkage, 0.038."""
+    steel = find_material("316L", {})
+    expected = 7955.0 * (1.0 - 0.038) / (1.0 + 20.5e-6 * 1365.0) ** 3
+    assert liquid_density(steel) == pytest.approx(expected, rel=1e-6)
+    plain = Material("plain", steel.description.model_copy(update={"expansion": None}))
+    assert liquid_density(plain) == pytest.approx(7955.0 * (1.0 - 0.038))
+
+
+def test_water_takes_what_was_measured():
+    """In SI the formula is 708 W^0.75 T^-1.2 + 0.116 kW/m²/K."""
+    for water in (1.7, 8.0):
+        for temperature in SPRAYED:
+            known = 1e3 * (708.0 * water**0.75 * temperature**-1.2 + 0.116)
+            assert spray_coefficient(water, temperature) == pytest.approx(known, rel=5e-3)
+    foot = strand_plan_of(CONTINUOUS, None, None, BILLET).zones[0]
+    assert foot.coefficients[0] == float(f"{spray_coefficient(8.0, 700.0):.2g}")
+    assert sorted(foot.coefficients, reverse=True) == list(foot.coefficients)
+
+
+@pytest.mark.parametrize(
+    "alloy, text",
+    [
+        ("AlSi7Mg", "no heat transfer between aluminium and the mould of continuous is known"),
+        ("steel-H13", "has no latent heat"),
+        ("G20", "--alloy: no material 'G20'"),
+    ],
+)
+def test_what_is_not_known_is_refused(alloy, text):
+    with pytest.raises(CaseError, match=text):
+        strand_plan_of(CONTINUOUS, alloy, None, BILLET)
