@@ -11,10 +11,13 @@ depression at which melt lets go (`Material.wall_suction`) and w the share of th
 that bears stress (`Material.bearing_share`), of two bodies the smaller one. That share of a pull
 comes from the solid; the rest is due to the viscosity of the liquid, a number that keeps the
 problem solvable. The solid surface, w = 1, leaves its wall without being pulled, a liquid never
-does, and everything is continuous between them. Where melt flows through the mush its pressure
-decides, see `castx.mechanics.mush.wall`. A pair that has let go is free until it closes by itself;
-where all its metal has melted again it closes at once. One that was given a gap that is positive
-without any displacement is never held: there is no metal at that wall.
+does, and everything is continuous between them. A pair that has let go is free until it closes by
+itself; where all its metal has melted again it closes at once. One that was given a gap that is
+positive without any displacement is never held: there is no metal at that wall.
+
+Where melt flows through the mush its pressure decides, see `castx.mechanics.mush.wall`. That alone
+brings back what melts again, too: a wall draws nothing across a gap, and a skin that came back at
+once would open pores behind it, by which it lets go in the next step.
 """
 
 from __future__ import annotations
@@ -91,16 +94,28 @@ class LiquidSkin:
 
         Returns:
             Pulls that liquid bears [N], shape (rows,), infinite where no metal of one side bears
-            stress, and whether that is so.
+            stress, and whether metal comes back to the wall there from any gap.
         """
-        largest = np.zeros(len(self._can_hold))
-        self._fill([_pressures_of_pull(body) for body in self._bodies])
+        pulls = [_pressures_of_pull(body) for body in self._bodies]
+        returns = [
+            np.isinf(pull) & (body.formulation.wall_melt is None)
+            for body, pull in zip(self._bodies, pulls, strict=True)
+        ]
+        largest, molten = self._largest(pulls), self._largest(returns) > 0.0
+        return np.where(self._can_hold, largest * self._areas, 0.0), self._can_hold & molten
+
+    def _largest(self, nodal: Sequence[FloatArray | BoolArray]) -> FloatArray:
+        """Return nodal values at all rows, of two bodies the larger one, (rows,); collective.
+
+        Where a node faces several the smallest of theirs counts.
+        """
+        found = np.zeros(len(self._can_hold))
+        self._fill(nodal)
         for side in self._sides:
             values, own = side.get(self._values), side.weights > 0.0
             here = np.where(own, values, np.inf).min(axis=1)
-            largest[side.rows] = np.maximum(largest[side.rows], here)
-        pulls = np.where(self._can_hold, largest * self._areas, 0.0)
-        return pulls, self._can_hold & np.isinf(largest)
+            found[side.rows] = np.maximum(found[side.rows], here)
+        return found
 
     def felt(self, forces: FloatArray, held: BoolArray) -> FloatArray:
         """Return contact forces as liquid at the wall feels them: means round pairs; collective.
@@ -148,7 +163,7 @@ class LiquidSkin:
         moved, whole = self._layout.comm.allreduce(sums).T
         return float(np.max(moved / np.where(whole > 0, whole, 1.0), initial=0.0))
 
-    def _fill(self, nodal: Sequence[FloatArray]) -> None:
+    def _fill(self, nodal: Sequence[FloatArray | BoolArray]) -> None:
         """Give the first unknown of each node a value of its body."""
         for b, (body, values) in enumerate(zip(self._bodies, nodal, strict=True)):
             own = self._values.array[self._layout.local_slice(b)]

@@ -272,6 +272,21 @@ def test_a_skin_half_solid_bears_half_the_pull(comm):
             np.testing.assert_allclose(state.gap, PULL, rtol=1e-4)
 
 
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_pressure_alone_brings_back_the_melt_of_a_mush(comm, model):
+    """A bar that has let go stays away as it melts, where one without flow is put back."""
+    for mush in (None, MUSH):
+        made = drawn_apart(comm, model=model, mush=mush)
+        step(made, 0.0, SOLID)
+        apart = step(made, 1.0, SOLID)
+        assert not apart.closed.any()
+        molten = step(made, 1.0, LIQUID)
+        assert (molten.closed == (mush is None)).all()
+        if mush is not None:
+            np.testing.assert_allclose(molten.gap, apart.gap, atol=1e-3 * PULL)
+
+
 def alloy_of(coherency):
     """Return the alloy with another coherency."""
     return ALLOY | {"liquid": {**ALLOY["liquid"], "coherency": coherency}}
