@@ -17,6 +17,7 @@ from castx.case.cad.cost import first_run_time
 from castx.case.case import Case
 from castx.case.caveats import caveats, shut_in
 from castx.case.coherency import coherencies, sensitivity_command
+from castx.case.feeding import feeding_texts
 from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
@@ -86,7 +87,7 @@ def check_case(
         if described.contact.pairing == "node-to-face":
             console.print(faces_text(described, pairs[described.name], comm), markup=False)
     _show_course(case, stages, console)
-    for line in coherency_texts(case):
+    for line in (*coherency_texts(case), *feeding_texts(case)):
         console.print(line, markup=False)
     areas = area_warnings(case.interfaces, pairs, comm)
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)

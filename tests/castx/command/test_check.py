@@ -52,6 +52,7 @@ def test_check_refuses_a_mush_without_nodal_pressures_with_a_cure(comm, case_fil
     assert execute([*given, "--set", "geometry.cells=quadrilaterals"], comm) == 2
     text = said()
     assert "needs formulation 'mixed'" in text and "mesh it with triangles" in text
+    assert 'casting: melt flows through its mush (feeding = "darcy"), fed by all free' in text
 
 
 @pytest.mark.ranks
