@@ -145,9 +145,15 @@ def _boundary(on: str, area: float, role: Mapping[str, int], plan: Plan) -> str:
             f'    {{ type = "radiation", emissivity = {emissivity:g}, ambient = 20 }},\n'
             '    { type = "convection", coefficient = 10, ambient = 20 },\n]\n'
         )
+    outside = (
+        f'{{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
+        f"ambient = {numbers['ambient']:g} }}"
+    )
+    if "outside_emissivity" not in numbers:
+        return head + f"heat = {outside}\n"
     return head + (
-        f'heat = {{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
-        f"ambient = {numbers['ambient']:g} }}\n"
+        f'heat = [\n    {{ type = "radiation", emissivity = {numbers["outside_emissivity"]:g}, '
+        f"ambient = {numbers['ambient']:g} }},\n    {outside},\n]\n"
     )
 
 

@@ -7,8 +7,14 @@ down to a temperature in
 
 with the coefficient h at its surface, the effusivity b = √(k ρ c) of the mould, and the mean
 difference ΔT between casting and mould; f = 2 since a gap opens. The first term is that of an
-interface, the second Chvorinov's, see `castx.foundry.modulus`. A shell has its resistance and that
-of its outside in 1/h, and no second term. In air t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
+interface, the second Chvorinov's, see `castx.foundry.modulus`. Through a shell and its outside goes
+
+    q = (T − T_a)/(f/h + d/k + 1/(a h_o)), h_o = h_a + ε σ (T_o⁴ − T_a⁴)/(T_o − T_a)
+
+per area of the casting, with the thickness d of the shell and the temperature T_o of its outside,
+a times as large; t is the sum of dE/q, where E has the heat of the casting and, below the
+temperature at which it was poured into, that of the shell. In air
+t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
 """
 
 from __future__ import annotations
@@ -17,21 +23,26 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from castx.case.processes.process import CastingProcess
 from castx.errors import CaseError
 from castx.input.problems import among
+from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.database import database_entry, database_names
 from castx.materials.description import MaterialDescription
 from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
 from castx.transfer.database import interface_entry
+from castx.transfer.radiation import STEFAN_BOLTZMANN
 
 COLD = 60.0
 """Temperature at which a casting counts as cold [°C]."""
 AIR = 20.0
 """Temperature of the air in which a casting cools at last [°C]."""
+POINTS = 100
+"""At which the flux through a shell is found, from the pouring down."""
 GAP_FACTOR = 2.0
 """By how much an air gap lengthens what a touching interface would take."""
 
@@ -62,6 +73,19 @@ class Plan:
     freezing: float
     release: float
     end: float
+
+
+@dataclass(frozen=True)
+class ShellSize:
+    """Size of a mould round a casting that is a shell or taken for one.
+
+    Attributes:
+        volume: of the mould over the surface of the casting [m].
+        outside: its outer surface over that of the casting.
+    """
+
+    volume: float
+    outside: float
 
 
 @dataclass(frozen=True)
@@ -119,7 +143,13 @@ def chosen(process: CastingProcess, alloy: str | None, mould: str | None) -> Cho
     return ChosenMaterials(process.of_class(of_class), alloy, metal, mould, around, interface)
 
 
-def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modulus: float) -> Plan:
+def plan_of(
+    process: CastingProcess,
+    alloy: str | None,
+    mould: str | None,
+    modulus: float,
+    shell: ShellSize | None = None,
+) -> Plan:
     """Return the numbers of a first case.
 
     Args:
@@ -127,6 +157,7 @@ def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modul
         alloy: of the database; None: that of the process.
         mould: material of the database; None: that of the process.
         modulus: volume over surface of the casting [m].
+        shell: of a process with one; None: an even one.
 
     Raises:
         CaseError: alloy or mould are not in the database, the alloy does not melt, or no interface
@@ -135,7 +166,9 @@ def plan_of(process: CastingProcess, alloy: str | None, mould: str | None, modul
     of = chosen(process, alloy, mould)
     numbers, solidus = of.process.numbers, of.metal.solidus
     assert solidus is not None
-    cooling = _Cooling(of, modulus)
+    if shell is None:
+        shell = ShellSize(numbers.get("shell", 0.0), 1.0)
+    cooling = _Cooling(of, modulus, shell)
     freezing = cooling.time_to(solidus)
     if "release_factor" in numbers:
         hot = 0.8 * solidus
@@ -163,6 +196,7 @@ def _known(name: str, option: str) -> Material:
 class _Cooling:
     of: ChosenMaterials
     modulus: float
+    shell: ShellSize
 
     def _heat(self, temperature: float) -> float:
         """Return the heat per volume from the pouring down to a temperature [J/m³]."""
@@ -176,14 +210,42 @@ class _Cooling:
         mean = 0.5 * ((self.of.metal.liquidus or self.of.pouring) + temperature)
         closed = float(interface_entry(self.of.interface).heat["closed"])
         if "shell" in numbers:
-            conductivity, _ = self._of_mould(numbers["mould_temperature"])
-            resistance = GAP_FACTOR / closed + numbers["shell"] / conductivity
-            resistance += 1.0 / numbers["outside_coefficient"]
-            return heat * resistance / (mean - numbers["ambient"])
+            return self._through_shell(temperature, GAP_FACTOR / closed)
         warm = mean - numbers["mould_temperature"]
         conductivity, capacity = self._of_mould(numbers["mould_temperature"])
         through = GAP_FACTOR * heat / (closed * warm)
         return through + 0.25 * math.pi * (heat / warm) ** 2 / (conductivity * capacity)
+
+    def _through_shell(self, temperature: float, face: float) -> float:
+        """Return when the casting has a temperature in its shell [s].
+
+        Args:
+            temperature: [°C].
+            face: resistance between casting and shell [m²K/W].
+        """
+        numbers, poured = self.of.process.numbers, self.of.pouring
+        conductivity, capacity = self._of_mould(numbers["mould_temperature"])
+        inside = face + numbers["shell"] / conductivity
+        steps = np.linspace(poured, temperature, POINTS)
+        heat = self.modulus * np.array([self._heat(float(at)) for at in steps])
+        given = np.maximum(numbers["mould_temperature"] - steps, 0.0)
+        heat += self.shell.volume * capacity * given
+        flux = np.array([self._flux(float(at), inside) for at in steps])
+        return float(np.sum(np.diff(heat) * 0.5 * (1.0 / flux[1:] + 1.0 / flux[:-1])))
+
+    def _flux(self, temperature: float, inside: float) -> float:
+        """Return the flux per area of a casting through its shell to the outside [W/m²]."""
+        numbers, surface = self.of.process.numbers, self.shell.outside
+        ambient = numbers["ambient"]
+
+        def excess(outer: float) -> float:
+            away = numbers["outside_coefficient"] * (outer - ambient)
+            fourth = (outer - ABSOLUTE_ZERO) ** 4 - (ambient - ABSOLUTE_ZERO) ** 4
+            away += numbers.get("outside_emissivity", 0.0) * STEFAN_BOLTZMANN * fourth
+            return surface * away - (temperature - outer) / inside
+
+        outer = float(brentq(excess, ambient, temperature))
+        return (temperature - outer) / inside
 
     def _of_mould(self, temperature: float) -> tuple[float, float]:
         """Return conductivity [W/m/K] and heat capacity [J/m³/K] of the mould."""

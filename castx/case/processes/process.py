@@ -24,10 +24,10 @@ ZONES = ("foot", "upper", "lower")
 """Spray zones below the mould of a strand, each with a length and its water."""
 _UNITS = {
     "superheat": "K", "mould_temperature": "°C", "wall": "", "shell": "m",
-    "outside_coefficient": "W/m²/K", "ambient": "°C", "release_factor": "",
-    "release_temperature": "", "ejection_delay": "s", "air_coefficient": "W/m²/K",
-    "mould_length": "m", "speed_factor": "m²/s", "taper": "1/m", "shell_constant": "m/s^0.5",
-    "machine_radius": "", "rolled_width": "m",
+    "outside_coefficient": "W/m²/K", "outside_emissivity": "", "ambient": "°C",
+    "release_factor": "", "release_temperature": "", "ejection_delay": "s",
+    "air_coefficient": "W/m²/K", "mould_length": "m", "speed_factor": "m²/s", "taper": "1/m",
+    "shell_constant": "m/s^0.5", "machine_radius": "", "rolled_width": "m",
     **{f"{zone}_{key}": unit for zone in ZONES
        for key, unit in (("length", "m"), ("water", "L/m²/s"))},
 }  # fmt: skip

@@ -14,8 +14,8 @@ from castx.case.cad.geometry import SUFFIXES, is_cad_file
 from castx.case.cad.mould import AXES
 from castx.case.cad.process_template import process_text
 from castx.case.cad.strand_template import strand_text
-from castx.case.cad.template import NewCase, case_text
-from castx.case.processes.plan import chosen, plan_of
+from castx.case.cad.template import MOULD, NewCase, case_text
+from castx.case.processes.plan import ShellSize, chosen, plan_of
 from castx.case.processes.process import CastingProcess, casting_process
 from castx.case.processes.strand import strand_plan_of
 from castx.case.reading.read import load_case
@@ -117,10 +117,24 @@ def _mould_casting(
         text, alloy = case_text(case), GUESSED
     else:
         modulus = max(case.modulus(name) for name in case.castings)
-        plan = plan_of(process, wanted.alloy, wanted.mould, modulus)
+        plan = plan_of(process, wanted.alloy, wanted.mould, modulus, shell_of(case))
         text = process_text(case, plan, database_entry(plan.alloy).material_class)
         alloy = plan.alloy
     return text, [*case.taken_for(), *case.dimensions(find_material(alloy, {}).density)]
+
+
+def shell_of(case: NewCase) -> ShellSize | None:
+    """Return volume and outer surface of a mould that is made round castings, by their area.
+
+    None: none is made.
+    """
+    if case.margin is None:
+        return None
+    volumes, role = dict(case.bodies), case.roles
+    area = sum(volumes[name] / case.modulus(name) for name in case.castings)
+    made = [name for name in volumes if role[name] == MOULD]
+    free = sum(size for on, size in case.surfaces if on.partition("/")[0] in made)
+    return ShellSize(sum(volumes[name] for name in made) / area, free / area)
 
 
 def _strand(

@@ -110,6 +110,13 @@ def test_a_solid_without_a_label_in_a_mould_that_is_made_is_a_core():
     assert case_of(replace(new, margin=None), "gravity-die")[1].bodies[1].material == "steel-H13"
 
 
+def test_the_outside_of_a_shell_radiates():
+    for name, types in (("investment", ["radiation", "convection"]), ("sand", ["convection"])):
+        _, case = case_of(CORED, name)
+        (boundary,) = (b for b in case.boundaries if b.on == "die/outside")
+        assert [heat.type for heat in boundary.heat] == types
+
+
 def test_nothing_is_tied_to_a_rigid_shell_and_it_stands_second():
     _, case = case_of(CORED, "investment")
     methods = {i.name: i.contact.method for i in case.interfaces}

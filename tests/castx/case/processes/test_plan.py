@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from castx.case.processes.plan import COLD, GAP_FACTOR, plan_of
+from castx.case.processes.plan import COLD, GAP_FACTOR, ShellSize, plan_of
 from castx.case.processes.process import casting_process
 from castx.errors import CaseError
 from castx.materials.lookup import find_material
@@ -76,13 +76,33 @@ def test_a_process_takes_alloys_that_fit_it(process, alloy, interface):
     assert 0.0 < plan.freezing < plan.release < plan.end < 1e5
 
 
-def test_a_shell_resists_by_its_thickness_and_its_outside():
-    plan = plan_of(casting_process("investment"), None, None, MODULUS)
-    steel = find_material("G20Mn5", {})
-    resistance = 2.0 / 500.0 + 0.008 / 1.2 + 1.0 / 150.0
-    amount = MODULUS * heat("G20Mn5", plan.pouring, steel.solidus)
-    mean = 0.5 * (steel.liquidus + steel.solidus) - 20.0
-    assert plan.freezing == pytest.approx(amount * resistance / mean, rel=0.03)
+def cooled(modulus, shell, until):
+    """Return when a lump of G20Mn5 in its shell is as cold as that, by small steps [s]."""
+    steel, step = find_material("G20Mn5", {}), 1.0
+    temperature = steel.liquidus + 80.0
+    time = 0.0
+    while temperature > until:
+        outer = temperature
+        for _ in range(60):  # the outside of the shell, by its balance
+            away = 10.0 * (outer - 20.0) + 0.7 * 5.67e-8 * ((outer + 273.15) ** 4 - 293.15**4)
+            wanted = temperature - shell.outside * away * (2.0 / 500.0 + 0.008 / 1.2)
+            outer += 0.2 * (wanted - outer)
+        flux = (temperature - outer) / (2.0 / 500.0 + 0.008 / 1.2)
+        capacity = modulus * heat("G20Mn5", temperature, temperature - step) / step
+        if temperature <= 950.0:  # the shell, hot before, cools with the casting
+            capacity += shell.volume * 1800.0 * 1050.0
+        time += capacity * step / flux
+        temperature -= step
+    return time
+
+
+@pytest.mark.parametrize("shell", [ShellSize(0.008, 1.0), ShellSize(0.03, 1.4)])
+def test_a_shell_gives_its_heat_too_and_its_outside_radiates(shell):
+    given = None if shell.outside == 1.0 else shell  # an even one by default
+    plan = plan_of(casting_process("investment"), None, None, MODULUS, given)
+    solidus = find_material("G20Mn5", {}).solidus
+    assert plan.freezing == pytest.approx(cooled(MODULUS, shell, solidus), rel=0.05)
+    assert plan.release == pytest.approx(cooled(MODULUS, shell, 0.25 * solidus), rel=0.05)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,13 @@ from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
 from castx.domain.cad import first_mesh as first_mesh_module
 from castx.domain.cad import new_case as new_case_module
-from castx.domain.cad.new_case import Wanted, new_case, with_interface_size, write_new_case
+from castx.domain.cad.new_case import (
+    Wanted,
+    new_case,
+    shell_of,
+    with_interface_size,
+    write_new_case,
+)
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
 from castx.meshes.cad.description import CadFile, CadPart
@@ -40,6 +46,16 @@ def test_a_lone_solid_gets_a_mould(tmp_path):
     block = 0.06 * 0.03 * 0.03
     assert dict(case.bodies) == pytest.approx({"bar": 4e-6, "mould": block - 4e-6})
     assert case.interfaces == (("bar", "mould", pytest.approx(18e-4)),)
+
+
+def test_a_mould_that_is_made_is_measured_by_the_casting(tmp_path):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)])
+    case = new_case(path, tmp_path / "bar.toml", Wanted("investment"))
+    block, area = 0.056 * 0.026 * 0.026, 18e-4  # 8 mm round the bar
+    shell = shell_of(case)
+    assert shell.volume == pytest.approx((block - 4e-6) / area)
+    assert shell.outside == pytest.approx((4 * 0.056 + 2 * 0.026) * 0.026 / area)
+    assert shell_of(replace(case, margin=None)) is None
 
 
 @pytest.mark.parametrize("process, told", [("investment", True), ("gravity-die", False)])
