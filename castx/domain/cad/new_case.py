@@ -7,7 +7,9 @@ import os
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import numpy as np
 from scipy.optimize import brentq
 
 from castx.case.cad.geometry import SUFFIXES, is_cad_file
@@ -21,6 +23,7 @@ from castx.case.processes.strand import strand_plan_of
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH, skins
 from castx.domain.cad.first_mesh import (
+    BUDGET,
     GROWTH,
     Say,
     affordable,
@@ -29,8 +32,9 @@ from castx.domain.cad.first_mesh import (
     rounded,
     survey,
 )
+from castx.domain.cad.guarded import seen_apart
 from castx.domain.cad.strand import new_slice
-from castx.errors import CaseError
+from castx.errors import CaseError, MeshError
 from castx.input.entries import Quantity
 from castx.input.toml_text import parse_toml
 from castx.input.units import LENGTH
@@ -42,6 +46,10 @@ MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
 EDGES = 1.3
 """What edges of interfaces and the changes between sizes add to the cells of plane layers."""
+NEAR = 0.05
+"""Share of its extent by which a mould parts beside the middle of a part, to part at a face."""
+FLAT = 1e-8
+"""Extent across itself up to which a face is flat [m]."""
 GUESSED = "AlSi7Mg"
 """Alloy of a case of no process."""
 
@@ -173,7 +181,8 @@ def new_case(cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Say = 
     lone = len(drawn.bodies) == 1
     if lone or (not drawn.has_mould and drawn.bare()):
         margin = _margin(found.report.extent, wanted)
-        mould, text = _mould(_around(drawn, wanted), margin, wanted)
+        split = _split(cad_file, wanted, _around(drawn, wanted), say)
+        mould, text = _mould(_around(drawn, wanted), margin, wanted, split)
         say(f"meshing it again, in {'its' if lone else 'a'} mould")
         found = survey(replace(part, mould=mould), say, found.attempt)
         return as_case(affordable(found, say), file, margin, text)
@@ -202,15 +211,42 @@ def _margin(extent: float, wanted: Wanted) -> float:
     return numbers.get("shell", rounded(numbers.get("wall", MARGIN) * extent))
 
 
-def _mould(box: Box, margin: float, wanted: Wanted) -> tuple[Mould, str]:
+def _split(cad_file: Path, wanted: Wanted, box: Box, say: Say) -> tuple[int, float] | None:
+    """Return axis and place of the plane between the halves of a mould [m], if there are any.
+
+    A plane in the middle that misses a flat face by little leaves a sliver of the mould between
+    them, and moves to the face.
+    """
+    if wanted.split is None:
+        return None
+    axis, place = _plane(wanted.split, box)
+    if "=" in wanted.split:
+        return axis, place
+    low, high = box[0][axis], box[1][axis]
+    try:
+        with TemporaryDirectory() as folder:
+            faces = seen_apart(part_as_it_comes(cad_file), Path(folder), BUDGET).faces
+    except MeshError:  # what cannot be seen may be meshed all the same
+        return axis, place
+    levels = [face.points[:, axis] for face in faces if np.ptp(face.points[:, axis]) < FLAT]
+    off = min((float(level.mean()) - place for level in levels), key=abs, default=0.0)
+    if FLAT < abs(off) <= NEAR * (high - low):
+        place = round(place + off, 9)
+        say(f"the mould parts at {AXES[axis]} = {1e3 * place:.5g} mm, a face near its middle")
+    return axis, place
+
+
+def _mould(
+    box: Box, margin: float, wanted: Wanted, split: tuple[int, float] | None
+) -> tuple[Mould, str]:
     """Return the mould round the solids, and its line in the case file.
 
     Args:
         box: of the solids [m].
         margin: of the block [m].
-        wanted: planes and top.
+        wanted: process and top.
+        split: axis and place of the plane between its halves [m]; None: it has none.
     """
-    split = None if wanted.split is None else _plane(wanted.split, box)
     text = f'"{1e3 * margin:.3g} mm"'
     block: Box | None = None
     if wanted.open_top:

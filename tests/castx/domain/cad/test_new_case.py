@@ -208,6 +208,23 @@ def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
     assert 'split = "z = 12 mm"' in placed.mould
 
 
+@pytest.mark.parametrize("step, place, told", [(10.3, "10.3", True), (12.0, "10", False)])
+def test_a_mould_parts_at_a_face_near_the_middle(tmp_path, step, place, told):
+    """Else a sliver of it lies between the face and the plane, which takes tiny cells."""
+
+    def stepped(occ):
+        block, out = occ.addBox(0, 0, 0, 60, 30, 20), occ.addBox(30, -1, step, 40, 40, 20)
+        ((_, part),), _ = occ.cut([(3, block)], [(3, out)])
+        return [part]
+
+    path, said = write_cad(tmp_path / "part.step", stepped), []
+    case = new_case(path, tmp_path / "a.toml", Wanted("gravity-die", split="z"), said.append)
+    assert f'split = "z = {place} mm"' in case.mould
+    assert ("the mould parts at z = 10.3 mm, a face near its middle" in said) == told
+    fixed = new_case(path, tmp_path / "a.toml", Wanted("gravity-die", split="z=10mm"))
+    assert 'split = "z = 10 mm"' in fixed.mould
+
+
 def cored(occ):
     """A block with a core that stands out of its two ends."""
     core = (3, occ.addBox(-5, 3, 3, 50, 4, 4))
