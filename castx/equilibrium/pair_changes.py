@@ -200,7 +200,8 @@ class PairChanges:
             return False
         limits = balance.convergence
         # Behind what counts as noise at any residual, else the pair would never close.
-        force = 2 * max(NOISE_SHARE * limits.smallest, limits.rounding)
+        threshold = max(NOISE_SHARE * limits.smallest, limits.rounding)
+        force = 2 * balance.active.noise(balance.felt(balance.trial_forces), threshold)
         return self._first_contact.stop(springs, x, y, self._open_pairs, force, balance.stiffness)
 
     def shorten_overlap(self, x: PETSc.Vec, y: PETSc.Vec) -> bool:

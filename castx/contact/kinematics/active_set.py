@@ -26,6 +26,9 @@ PROVISIONAL = 2
 """Pass of a step up to which pairs that let go in an earlier one may be held anew: its heat is
 another, and metal that had just frozen at a wall may be liquid in it."""
 
+ROUNDED = 1e-12
+"""Part of the largest force of a closed pair that is noise in the others."""
+
 MOST_RESTARTS = 20
 """Times in a solve that cycle detection may restart."""
 
@@ -248,12 +251,19 @@ class ActiveSet:
 
     def _violation(self, forces: FloatArray, threshold: float) -> FloatArray:
         """Return the forces by which pairs violate their state [N], zero where they do not."""
-        carried = float(np.abs(forces[self.closed]).max(initial=0.0))
-        largest = self._comm.allreduce(carried, op=MPI.MAX)
         violation = np.where(self.closed, -forces - self._pulls, forces)
-        noise = violation <= max(1e-12 * largest, threshold)
-        violation[~self._free | noise] = 0.0
+        violation[~self._free | (violation <= self.noise(forces, threshold))] = 0.0
         return violation
+
+    def noise(self, forces: FloatArray, threshold: float) -> float:
+        """Return the force below which no pair changes its state [N]; collective.
+
+        Args:
+            forces: that closed pairs carry and open ones would [N], shape (pairs,).
+            threshold: force that is noise in any case [N].
+        """
+        carried = float(np.abs(forces[self.closed]).max(initial=0.0))
+        return max(ROUNDED * float(self._comm.allreduce(carried, op=MPI.MAX)), threshold)
 
     def _count(self, pairs: BoolArray) -> int:
         return int(self._comm.allreduce(int(np.count_nonzero(pairs)), op=MPI.SUM))

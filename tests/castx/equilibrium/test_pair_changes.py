@@ -16,7 +16,17 @@ from castx.equilibrium.supports.first_contact import OVERLAP
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
 from tests.contact_methods import AT_ONCE, EXACT
-from tests.elastic_bodies import blocks, body, elastic, everywhere, gaps, motion, problem
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    gaps,
+    generated,
+    heat,
+    motion,
+    problem,
+)  # fmt: skip
 from tests.small_contact import SOFT, STIFF, two_blocks
 
 
@@ -261,3 +271,30 @@ def test_a_wall_pushes_a_body_and_draws_none_along(comm, method):
         open_by = height - way(time)
         np.testing.assert_allclose(everywhere(comm, gaps(comm, made)), open_by, atol=1e-11)
         assert made.equilibrium.active.frozen_pairs() == 0
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("method", EXACT)
+def test_a_body_that_is_pressed_hard_stops_at_a_wall_where_its_pairs_close(comm, method):
+    """Clamped between floor and lid, a weight of 0.1 N moves it sideways.
+
+    Pairs do not change by a part of 1e-12 of the force that another one carries. The motion ended
+    where the first pair of the wall had a smaller force than that, and no iteration went on.
+    """
+    mesh = generated(
+        comm, "plane-strain", "box_in_mould", ["casting", "mould"],
+        box=[0.04, 0.02], wall=0.01, size=0.02, lid=True,
+    )  # fmt: skip
+    contact = Contact(
+        "casting", "mould", method,
+        initial_gap=lambda points: np.where(np.abs(points[:, 0]) > 0.019, 1e-4, 0.0),
+    )  # fmt: skip
+    weight = 0.1 / (0.04 * 0.02)
+    metal = body(elastic(*SOFT, expansion=2e-5), body_force=(weight, 0.0))
+    made = problem(mesh, {"casting": metal}, {}, [contact], tolerance=1e-9)
+    heat(made, 120.0)
+    report = made.equilibrium.solve(0.0)
+    assert report.iterations < 5
+    forces = everywhere(comm, made.pair_values()[1])
+    assert forces.max() > 1e5
+    assert forces[forces < 1.0].sum() == pytest.approx(0.1, rel=1e-5)
