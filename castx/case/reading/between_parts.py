@@ -11,6 +11,7 @@ from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
 from castx.case.reading.foundry import foundry_problems
+from castx.case.reading.freezing import touches_perfectly
 from castx.case.reading.step_tolerance import step_tolerance_problems
 from castx.case.reading.taylor_hood import taylor_hood_problems
 from castx.errors import CaseError
@@ -109,7 +110,7 @@ def _body_problems(
         cure = 'use scheme = "mechanical" or leave it out'
         yield Problem(("bodies", index, "temperature_history"), f"{text}; {cure}")
     if body.freezing == IN_CELLS:
-        yield from _problems_of_freezing_in_cells(index, body, material)
+        yield from _problems_of_freezing_in_cells(case, index, body, material)
     if scheme == "thermal":
         return
     for key, text in law_problems(material, body.law):
@@ -123,9 +124,12 @@ def _body_problems(
 
 
 def _problems_of_freezing_in_cells(
-    index: int, body: Body, material: MaterialDescription
+    case: Case, index: int, body: Body, material: MaterialDescription
 ) -> Iterator[Problem]:
-    """Yield metals without a solid fraction of its own at each temperature, and melt that flows."""
+    """Yield metals without a solid fraction of its own at each temperature, and melt that flows.
+
+    So are walls whose temperature jumps, see `touches_perfectly`.
+    """
     place, cure = ("bodies", index, "freezing"), 'freezing = "nodes" has no such limit'
     metal = Material(body.material, material)
     if not metal.melts:
@@ -135,6 +139,9 @@ def _problems_of_freezing_in_cells(
         yield Problem(place, f"{text} at one temperature, if only in part; {cure}")
     if body.feeding == DARCY:
         yield Problem(place, f'melt that flows by feeding = "darcy" counts at nodes; {cure}')
+    if touches_perfectly(case, body):
+        text = 'the walls of perfect contact take one temperature at once, and with "cells" heat is'
+        yield Problem(place, f"{text} lost by that; {cure}")
 
 
 def _needed_properties(

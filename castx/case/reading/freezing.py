@@ -30,6 +30,24 @@ def _freezes_in_cells(case: Case, body: Body) -> bool:
     metal = find_material(body.material, case.materials)
     if case.coupling.scheme == "thermal" or body.law == "rigid":
         return False
-    if metal.freezes_at_a_plateau or body.feeding == DARCY:
+    if metal.freezes_at_a_plateau or body.feeding == DARCY or touches_perfectly(case, body):
         return False
     return body.is_poured(metal)
+
+
+def touches_perfectly(case: Case, body: Body) -> bool:
+    """Return whether a body has the temperature of another one at their interface, from the start.
+
+    The wall of a melt then jumps to that temperature. Inside cells that would free the latent heat
+    of metal whose own nodes stay as they are: of iron in sand 7 % of all heat came from nowhere.
+
+    Args:
+        case: the case as it was read.
+        body: one of its bodies.
+    """
+    return any(
+        body.name in interface.bodies
+        and interface.heat is not None
+        and interface.heat.declared.exchange == "perfect"
+        for interface in case.interfaces
+    )

@@ -320,3 +320,14 @@ class Failing(CoupledProblem):
     def advance(self, time, step, substeps, too_much):
         super().advance(time, step, substeps, too_much)
         raise ConvergenceError("on purpose")
+
+
+@pytest.mark.ranks
+def test_heat_is_kept_where_the_wall_of_an_alloy_takes_the_temperature_of_its_mould(comm):
+    """It was 0.07 short in iron whose latent heat was found inside cells."""
+    data = cylinder({"time": {"end": 0.1, "fixed_step": 0.05}})
+    data["interfaces"][0]["heat"] = {"law": "perfect"}
+    data["bodies"][0] |= {"material": "AlSi7Mg", "temperature": 640.0}
+    for state in coupled_cases.states(comm, data):
+        assert state.totals["casting.solid_fraction"] > 0.1
+        assert state.totals["energy_error"] < 1e-7

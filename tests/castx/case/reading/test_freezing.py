@@ -49,3 +49,11 @@ def test_others_do_at_nodes(material, body):
 
 def test_a_mould_freezes_at_nodes():
     assert read_case(cylinder(), Path("case.toml")).bodies[1].freezing == "nodes"
+
+
+@pytest.mark.parametrize(("law", "place"), [("perfect", "nodes"), ("none", "cells")])
+def test_an_alloy_in_perfect_contact_freezes_at_nodes(law, place):
+    data = cylinder({"interfaces": [{"bodies": ["casting", "mould"], "heat": {"law": law}}]})
+    data["bodies"][0]["material"] = "AlSi7Mg"
+    casting, mould = read_case(data, Path("case.toml")).bodies
+    assert (casting.freezing, mould.freezing) == (place, "nodes")

@@ -34,3 +34,10 @@ def test_alloys_that_freeze_over_a_range():
 def test_what_has_no_fraction_of_its_own_at_each_temperature_is_refused(material, more, text):
     with pytest.raises(RefusedFile, match=text):
         read(material, **more)
+
+
+def test_walls_that_take_one_temperature_at_once_are_refused():
+    data = cylinder({"interfaces": [{"bodies": ["casting", "mould"], "heat": {"law": "perfect"}}]})
+    data["bodies"][0] |= {"material": "AlSi7Mg", "freezing": "cells"}
+    with pytest.raises(RefusedFile, match=r"bodies\[0\]\.freezing.*perfect contact.*nodes"):
+        read_case(data, Path("case.toml"))
