@@ -53,6 +53,59 @@ def test_castings_drawn_at_random_are_accepted(name):
         load_case(case)
 
 
+@pytest.mark.parametrize(
+    "changes", [(), ("turned", "mirrored", "renumbered", "swapped", "tight")], ids=len
+)
+def test_foundries_drawn_at_random_are_accepted(changes, tmp_path):
+    running = script("random_foundries")
+    for number in range(20):
+        drawn = running.foundry(random.Random(f"1/{number}"))
+        case = load_case(running.written(drawn, tmp_path / str(number), changes))
+        assert {body.name for body in case.bodies} == {b.body for b in drawn.blocks}
+        assert (case.coupling.tolerance == 1e-8) == ("tight" in changes)
+
+
+def test_a_foundry_is_turned_and_mirrored_with_its_weight():
+    """Motions of its nodes keep its shape; half a section only stands on its head."""
+    running = script("random_foundries")
+    points = np.random.default_rng(1).normal(size=(6, 3))
+    for size, model in ((2, "plane-strain"), (3, "3d")):
+        given, down = points[:, :size], -np.eye(size)[size - 1 :]
+        for changes in (("turned",), ("mirrored",), ("turned", "mirrored")):
+            found, load = (running.moved(v, model, changes) for v in (given, down))
+            np.testing.assert_allclose(found @ found.T, given @ given.T)
+            np.testing.assert_allclose(found @ load[0], given @ down[0])
+            assert np.abs(load - down).max() == ("turned" in changes)
+    flat = running.moved(points[:, :2], "axisymmetric", ("turned",))
+    np.testing.assert_array_equal(flat, points[:, :2] * [1.0, -1.0])
+
+
+def test_a_foundry_is_judged_by_cuts_iterations_and_what_cannot_be(tmp_path, monkeypatch):
+    running = script("random_foundries")
+    monkeypatch.setattr(running, "strength", lambda *_: iter(()))
+    drawn = running.foundry(random.Random("1/0"))
+    right = {
+        "time": 1.0, "cutbacks": 0, "passes": 2, "mechanics_iterations": 25, "energy_error": 1e-8,
+        "casting.force_error": 1e-4, "casting.solid_fraction": 1.0, "casting.min_temperature": 30.0,
+        "casting/mould.suction": 5.0,
+    }  # fmt: skip
+    wrong = {"cutbacks": 3, "passes": 21, "mechanics_iterations": 26, "energy_error": 1e-3,
+             "casting.force_error": 0.1, "casting.solid_fraction": 1.1,
+             "casting.min_temperature": 0.0}  # fmt: skip
+    (tmp_path / "run").mkdir()
+
+    def judged(**changed):
+        rows = [dict.fromkeys(right, 0), right, right | {"time": 2.0} | changed]
+        lines = [",".join(right), *(",".join(map(str, row.values())) for row in rows)]
+        (tmp_path / "run" / "history.csv").write_text("\n".join(lines) + "\n")
+        return running.judged(drawn, tmp_path)
+
+    counts, found = judged()
+    assert found == [] and (counts["passes"], counts["most its"], counts["suction"]) == (4, 25, 5.0)
+    for name, value in wrong.items():
+        assert len(judged(**{name: value})[1]) == 1, name
+
+
 def test_the_casting_whose_cost_is_measured_may_be_a_solid():
     scaling = script("scaling")
     case = load_case(scaling.CASE, scaling.SOLID)
