@@ -263,7 +263,8 @@ class ActiveSet:
             threshold: force that is noise in any case [N].
         """
         carried = float(np.abs(forces[self.closed]).max(initial=0.0))
-        return max(ROUNDED * float(self._comm.allreduce(carried, op=MPI.MAX)), threshold)
+        largest = self._comm.allreduce(carried, op=MPI.MAX)
+        return float(max(ROUNDED * largest, threshold))
 
     def _count(self, pairs: BoolArray) -> int:
         return int(self._comm.allreduce(int(np.count_nonzero(pairs)), op=MPI.SUM))
