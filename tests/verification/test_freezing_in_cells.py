@@ -139,6 +139,10 @@ def _heated(start: FloatArray, volumes: FloatArray, conducts: float, step: float
 LATE = [3 * STEPS // 4 - 1, STEPS - 1]
 
 
+OFF = {"triangles": 0.115, "quadrilaterals": 0.05, "tetrahedra": 0.115}
+"""Bounds of the errors on ten cells; what quadrilaterals have is that of the temperatures."""
+
+
 @pytest.mark.serial
 @pytest.mark.sampled
 @pytest.mark.parametrize("mesh", MESHES)
@@ -149,7 +153,7 @@ def test_a_plate_of_a_narrow_alloy_on_ten_cells(comm, mesh):
         *(run(comm, case(mesh, 10, freezing)) for freezing in ("cells", "nodes")), strict=True
     )
     inside, nodes = (np.abs(strain[LATE] / exact[LATE] - 1.0) for strain in strains)
-    assert np.all(inside < 0.115) and np.all(nodes > 1.35 * inside)
+    assert np.all(inside < OFF[mesh]) and np.all(nodes > 1.35 * inside)
     off, nodal_off = (np.sqrt(np.mean((found - wall)[STEPS // 10 :] ** 2)) for found in walls)
     assert off < 0.6 and nodal_off > 1.6 * off
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from castx.arrays import FloatArray, IntArray
-from castx.domain.cell_samples import SampleRule, sample_rule
+from castx.domain.cell_samples import SHARE_DEGREES, SampleRule, sample_rule
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 
 AS_NEAR = 1e-9
@@ -35,7 +35,7 @@ class MetalPlaces:
         self._nodes = len(points.node_numbering.numbers)
         self._at_samples: FloatArray = np.empty((0, 0))
         if len(cells):
-            rule = sample_rule(points.kind)
+            rule = sample_rule(points.kind, SHARE_DEGREES)
             self._at_samples, self._of_cell = rule.shapes, rule.shares
             self._of_points = _nearest(points.places, rule)
 

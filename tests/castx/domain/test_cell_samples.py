@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 
 from castx.domain.cell_kinds import KINDS
-from castx.domain.cell_samples import DEGREES, sample_rule, sample_volumes
+from castx.domain.cell_samples import DEGREES, SHARE_DEGREES, sample_rule, sample_volumes
 from castx.domain.measures import nodal_volumes
 from tests.elastic_bodies import generated
 
 
 @pytest.mark.serial
 @pytest.mark.parametrize("name", DEGREES)
-def test_shares_and_shapes_give_means_of_polynomials(name):
+@pytest.mark.parametrize("degrees", [DEGREES, SHARE_DEGREES], ids=["heat", "share"])
+def test_shares_and_shapes_give_means_of_polynomials(name, degrees):
     kind = KINDS[name]
-    rule = sample_rule(kind)
+    rule = sample_rule(kind, degrees)
     assert rule.shares.sum() == pytest.approx(1.0, rel=1e-12) and rule.shares.min() > 0.0
     np.testing.assert_allclose(rule.shapes.sum(axis=1), 1.0, rtol=1e-12)
     corners = rule.shapes.shape[1]
@@ -25,6 +26,13 @@ def test_shares_and_shapes_give_means_of_polynomials(name):
         np.testing.assert_allclose(
             rule.shares @ rule.shapes**2, 2.0 / (corners * (corners + 1)), rtol=1e-12
         )
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(("name", "across"), [("quadrilateral", 8), ("hexahedron", 4)])
+def test_the_share_has_samples_behind_each_other(name, across):
+    places = sample_rule(KINDS[name], SHARE_DEGREES).places
+    assert len(np.unique(places[:, 0].round(9))) == across
 
 
 @pytest.mark.ranks
