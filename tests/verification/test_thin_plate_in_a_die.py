@@ -5,8 +5,10 @@ out after 3 s. Once it is cold, the root mean square of its von Mises stress is 
 linear cells across, and with eight quadratic ones, whether metal freezes at nodes or inside cells.
 With 1, 2, 4 and 6 linear cells it is 13.7, 13.5, 13.6 and 14.3 MPa, in half of the default steps.
 
-From place to place it is not so good: one quadratic cell has no parabola of temperature or stress
-across, and errs by what `castx check` says of it. Its mean is right by chance.
+With 1, 2 and 4 quadratic cells it is 13.4, 14.9 and 15.0 MPa. From place to place it is not so
+good: one quadratic cell has no parabola of temperature or stress across, and errs by what
+`castx check` says of it. What its points bear while they freeze is that of the cell: by points of
+their own the mean of one cell would be right by chance, 2 % off, and the places 60 %.
 """
 
 from __future__ import annotations
@@ -107,14 +109,15 @@ def root_mean_square(deviator: FloatArray, weights: FloatArray) -> float:
 @pytest.mark.parametrize(
     ("formulation", "across", "off"),
     [
-        ("taylor-hood", 1, 0.05),
+        ("taylor-hood", 1, 0.15),
+        ("taylor-hood", 2, 0.05),
         ("taylor-hood", 4, 0.05),
         ("mixed", 1, 0.12),
         ("mixed", 6, 0.12),
     ],
 )
 def test_residual_stress(comm, shared_tmp_path, formulation, across, off):
-    """One quadratic cell across is better than six linear ones."""
+    """Two quadratic cells across are better than six linear ones."""
     _, stress, weights = cold_stress(comm, shared_tmp_path, formulation, across)
     assert abs(root_mean_square(stress, weights) / STRESS - 1.0) < off
 
@@ -130,4 +133,6 @@ def test_the_error_from_place_to_place_is_what_is_told(comm, shared_tmp_path):
         near = stress[cKDTree(fine).query(places, k=3)[1]].mean(axis=1)
         told = freezing_error(formulation, across)
         assert told is not None
-        assert root_mean_square(own - near, weights) / size == pytest.approx(told[0], rel=0.3)
+        off = root_mean_square(own - near, weights) / size
+        assert off == pytest.approx(told[0], rel=0.3)
+        assert formulation == "mixed" or off < 0.55

@@ -204,6 +204,7 @@ class Law:
         passed = [start, *(self.nodes(*state) for state in inside), end]
         places = self._places(points, passed)
         first, *_, last = at_places = [self._at(places, metal) for metal in passed]
+        places.follow_fronts([first.share, last.share])
         share = places.volume_means(last.share)
         nodal = 3 * (1 - 2 * nu) / E
         compressibility = np.where(

@@ -4,6 +4,10 @@ The solid fraction stands at the nodes. An alloy's share w of what bears rises f
 few kelvins, which may lie within a cell: corners alone then pass from liquid to solid one after the
 other, and a skin begins with half a cell. The temperature is linear in a cell, so that samples
 inside know how far the solid has come. A sample belongs to the nearest integration point.
+
+Where points have volumes of their own, those of a cell that holds the front have what its samples
+have on the mean. By points its liquid would contract in place of the solid beside it: it bears no
+shear, and the pressure, linear in the cells, weighs points against each other.
 """
 
 from __future__ import annotations
@@ -12,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import FloatArray, IntArray, LongArray
 from castx.domain.cell_samples import SHARE_DEGREES, SampleRule, sample_rule
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 
@@ -38,6 +42,7 @@ class MetalPlaces:
             rule = sample_rule(points.kind, SHARE_DEGREES)
             self._at_samples, self._of_cell = rule.shapes, rule.shares
             self._of_points = _nearest(points.places, rule)
+            self._fronts: LongArray = np.empty(0, dtype=np.int64)
 
     @property
     def sampled(self) -> bool:
@@ -59,14 +64,25 @@ class MetalPlaces:
         """Return values of nodes and samples as one array, shape (places,)."""
         return np.concatenate([nodes, samples]) if self.sampled else nodes
 
+    def follow_fronts(self, shares: Sequence[FloatArray]) -> None:
+        """Give points of cells that hold a front the means of their cell from now on.
+
+        These are cells of which some sample has solid and some has none.
+
+        Args:
+            shares: w of the places at the start of a step and at its end, each (places,).
+        """
+        if self.sampled and self._points.volumes == self._points.count:
+            samples = np.concatenate([self._samples(share) for share in shares], axis=1)
+            holds = (samples > 0.0).any(axis=1) & (samples <= 0.0).any(axis=1)
+            self._fronts = np.flatnonzero(holds)
+
     def volume_means(self, values: FloatArray) -> FloatArray:
         """Return means of values at the places over the volumes, shape (volumes,)."""
-        found = self._points.volume_means(values[: self._nodes])
-        if not self.sampled:
-            return found
         if self._points.volumes == self._points.count:
-            self._points.by_cell(found)[self._cells] = self._samples(values) @ self._of_points.T
-        else:
+            return self.at_points(values)
+        found = self._points.volume_means(values[: self._nodes])
+        if self.sampled:
             found[self._cells] = self._samples(values) @ self._of_cell
         return found
 
@@ -74,7 +90,10 @@ class MetalPlaces:
         """Return values at the places as means round the points, shape (points,)."""
         found = self._points.from_nodes(values[: self._nodes])
         if self.sampled:
-            self._points.by_cell(found)[self._cells] = self._samples(values) @ self._of_points.T
+            samples = self._samples(values)
+            here = samples @ self._of_points.T
+            here[self._fronts] = (samples[self._fronts] @ self._of_cell)[:, None]
+            self._points.by_cell(found)[self._cells] = here
         return found
 
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:

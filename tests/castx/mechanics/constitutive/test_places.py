@@ -69,3 +69,24 @@ def test_a_sample_counts_for_the_nearest_point_alone(body):
         assert not made.by_cell(round_points)[1:].any()
         assert 1 <= np.count_nonzero(mine) <= 3
     assert touched.min() >= 2
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("points", [VolumePoints, IntegrationPoints])
+def test_points_of_a_cell_that_holds_a_front_have_its_mean(body, points):
+    """Where they have volumes of their own; in liquid and behind the front they keep theirs."""
+    made, x = points(body, "axisymmetric", 2), body.points[:, 0]
+    places = MetalPlaces(made, np.arange(made.cells, dtype=np.int32))
+    values, there = places.from_nodes(linear(body)), places.from_nodes(x)
+    before, volumes = places.at_points(values), places.volume_means(values)
+    melted, frozen = (np.clip((there - x0) / 0.005, 0.0, 1.0) for x0 in (0.012, 0.007))
+    left = np.round(1e3 * x[made.cell_nodes].min(axis=1))
+    means = made.from_cells(linear(body)[made.cell_nodes].mean(axis=1))
+    for shares, cells in (([frozen, frozen], [5.0]), ([melted, frozen], [5.0, 10.0])):
+        places.follow_fronts(shares)
+        after = places.at_points(values)
+        held = made.from_cells(np.isin(left, cells)) & (points is VolumePoints)
+        np.testing.assert_array_equal(after[~held], before[~held])
+        np.testing.assert_allclose(after[held], means[held], rtol=1e-12)
+        own = after if points is VolumePoints else volumes
+        np.testing.assert_array_equal(places.volume_means(values), own)
