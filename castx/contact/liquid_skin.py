@@ -12,8 +12,9 @@ that bears stress (`Material.bearing_share`), of two bodies the smaller one. Tha
 comes from the solid; the rest is due to the viscosity of the liquid, a number that keeps the
 problem solvable. The solid surface, w = 1, leaves its wall without being pulled, a liquid never
 does, and everything is continuous between them. A pair that has let go is free until it closes by
-itself; where all its metal has melted again it closes at once. One that was given a gap that is
-positive without any displacement is never held: there is no metal at that wall.
+itself; where all metal round it, over its facets, has melted again it closes at once. A single node
+that melts behind its gap would freeze at the wall and let go within one step. A pair that was given
+a gap that is positive without any displacement is never held: there is no metal at that wall.
 
 Where melt flows through the mush its pressure decides, see `castx.mechanics.mush.wall`. That alone
 brings back what melts again, too: a wall draws nothing across a gap, and a skin that came back at
@@ -102,6 +103,8 @@ class LiquidSkin:
             for body, pull in zip(self._bodies, pulls, strict=True)
         ]
         largest, molten = self._largest(pulls), self._largest(returns) > 0.0
+        if self._means is not None:
+            molten = self._means.amid(molten)
         return np.where(self._can_hold, largest * self._areas, 0.0), self._can_hold & molten
 
     def _largest(self, nodal: Sequence[FloatArray | BoolArray]) -> FloatArray:

@@ -62,6 +62,15 @@ class FacetMeans:
         within = counted & (around > 0.0)
         return np.divide(self._areas * total, around, out=forces.copy(), where=within)
 
+    def amid(self, marked: BoolArray) -> BoolArray:
+        """Return the pairs round which all pairs of their facets are marked; collective.
+
+        Args:
+            marked: shape (pairs,).
+        """
+        others = self._over_facets((~marked).astype(np.float64))
+        return np.asarray(marked & (self._at_pairs(others) <= 0.0))
+
     def _over_facets(self, values: FloatArray) -> FloatArray:
         return _product(self._parts.mult, self._at_rows, values, self._at_facets)
 

@@ -71,3 +71,14 @@ def test_others_keep_their_forces_and_count_in_no_mean(comm):
     order = np.argsort(everywhere(comm, place))
     got = everywhere(comm, np.divide(found, areas, out=np.zeros_like(found), where=areas > 0))
     np.testing.assert_allclose(got[order], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", ["plane-strain", "3d"])
+def test_pairs_amid_marked_ones_have_no_other_on_their_facets(comm, model):
+    """Of those up to a distance from the symmetry plane all but the last ones."""
+    made = touching(comm, model, size=0.0025)
+    place = np.round(made.pairs[0].points[:, 0] / 0.0025).astype(int)
+    found = FacetMeans(comm, made.gaps)
+    np.testing.assert_array_equal(found.amid(place < 3), place < 2)
+    assert found.amid(all_pairs(made)).all() and not found.amid(~all_pairs(made)).any()
+    found.destroy()
