@@ -36,6 +36,10 @@ def test_on_a_floor_they_do_not_fall_though_they_may_slide():
     assert len(together(0.0, -5.0).falling(gram([0, 0, 0, 1.0]))) == 0
 
 
+def test_a_rounded_weight_along_the_floor_makes_nothing_fall():
+    assert len(together(5e-11, -5.0).falling(gram([0, 0, 0, 1.0]))) == 0
+
+
 def test_between_walls_they_fall_and_move_in_no_other_way():
     (along,) = together(1e-12, -5.0).falling(gram([1.0, 0, 0, 0]))
     np.testing.assert_allclose(np.abs(along), [0, 1, 0, 1], atol=1e-14)

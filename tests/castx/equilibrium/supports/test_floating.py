@@ -50,9 +50,14 @@ def test_a_casting_and_its_chill_float_where_they_are(comm, method, upper, base)
     assert pressed < 0.1 * abs(weights[0])
 
 
-def test_in_space_too(comm):
-    made = loose(comm, LIGHT, HEAVY, model="3d")
+@pytest.mark.parametrize(("model", "common", "sliding"), [("plane-strain", 3, 1), ("3d", 6, 3)])
+def test_all_motions_of_both_as_one_are_held_firmly(comm, model, common, sliding):
+    """So are turns about the middle of both; on each other they slide on weak springs."""
+    made = loose(comm, LIGHT, HEAVY, model=model)
     assert largest_motion(comm, made) < 1e-8
+    stiffness = made.equilibrium.balance.operator.support.stiffness
+    assert len(stiffness) == common + sliding
+    np.testing.assert_allclose(stiffness / stiffness[-1], [1e7] * common + [1.0] * sliding)
 
 
 def test_they_still_press_on_each_other_where_a_load_asks_for_it(comm):
