@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ from castx.meshes.cad.description import (
     Vector,
 )
 from castx.meshes.cad.faces import Face
-from castx.meshes.cad.reading import Solid, place_text
+from castx.meshes.cad.reading import Solid, centre_of, place_text
 from castx.meshes.model import symmetry_plane
 
 CHANNEL, CORE, DRAWN, CHILL, BLOCK = 4, 3, 2, 1, 0
@@ -132,6 +132,56 @@ def _block(mould: Mould, solids: Sequence[Solid]) -> list[Solid]:
         Solid(_box((tuple(lowest), tuple(below))), f"{mould.name}-low", "", BLOCK),
         Solid(_box((tuple(above), tuple(highest))), f"{mould.name}-high", "", BLOCK),
     ]
+
+
+def whole_halves(
+    volumes: Mapping[int, str], mould: Mould | None
+) -> tuple[dict[int, str], list[str]]:
+    """Return the body of each volume with loose pieces of a half at the other one.
+
+    A planar split cuts the plug inside a cup off from its half. It hangs at the other half, which
+    it touches across the plane, and comes out with that.
+
+    Args:
+        volumes: of the joined solids in the current gmsh model, by tag.
+        mould: that was made; None: none was.
+
+    Returns:
+        The volumes, and a remark for each body of which pieces were given away.
+    """
+    found, remarks = dict(volumes), list[str]()
+    if mould is None or mould.split is None:
+        return found, remarks
+    low, high = (f"{mould.name}-{side}" for side in ("low", "high"))
+    for half, other in ((low, high), (high, low)):
+        loose = _pieces([tag for tag, name in volumes.items() if name == half])[:-1]
+        there = set().union(*(_faces(tag) for tag, name in volumes.items() if name == other))
+        given = [piece for piece in loose if any(there & _faces(tag) for tag in piece)]
+        found |= {tag: other for piece in given for tag in piece}
+        if given:
+            places = ", ".join(place_text(centre_of(3, piece[0])) for piece in given)
+            remarks.append(
+                f"split cuts {len(given)} {'piece' if len(given) == 1 else 'pieces'} off from "
+                f"{half!r}, round {places}; {other!r} has them, the half that they hang at"
+            )
+    return found, remarks
+
+
+def _pieces(tags: Sequence[int]) -> list[list[int]]:
+    """Return volumes that hang together by faces, the smallest piece first."""
+    left, pieces = {tag: _faces(tag) for tag in tags}, list[list[int]]()
+    while left:
+        first = next(iter(left))
+        piece, faces = [first], left.pop(first)
+        while joined := [tag for tag, own in left.items() if own & faces]:
+            piece += joined
+            faces = faces.union(*(left.pop(tag) for tag in joined))
+        pieces.append(piece)
+    return sorted(pieces, key=lambda piece: sum(gmsh.model.occ.getMass(3, tag) for tag in piece))
+
+
+def _faces(volume: int) -> set[int]:
+    return {tag for _, tag in gmsh.model.getBoundary([(3, volume)], oriented=False)}
 
 
 def _halved(solids: Sequence[Solid], plane: SymmetryPlane) -> list[Solid]:

@@ -14,7 +14,7 @@ from castx.meshes.cad.description import CadPart, NoCellsError
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
-from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, with_mould
+from castx.meshes.cad.mould import CHANNEL, extents, named_by_making, whole_halves, with_mould
 from castx.meshes.cad.narrow import refuse_narrow_faces, without_narrow_faces
 from castx.meshes.cad.reading import read_solids
 from castx.meshes.cad.report import Report, report_of
@@ -46,7 +46,7 @@ def mesh_part(part: CadPart, file: str) -> Report:
     if not isfinite(part.size):
         part = replace(part, size=extent / COARSE)
     drills = [solid.tag for solid in solids if solid.rank == CHANNEL]
-    volumes = join(solids, part.tolerance, drills)
+    volumes, given = whole_halves(join(solids, part.tolerance, drills), part.mould)
     refuse_other_bodies(part.bodies, volumes, solids)
     if part.mould is not None:  # what is cut out of a body is not missing
         drawn = solid_volumes(volumes)
@@ -57,7 +57,7 @@ def mesh_part(part: CadPart, file: str) -> Report:
         quality = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
-    told = [*left_out, *remarks, *unusual_size(extent)]
+    told = [*left_out, *remarks, *given, *unusual_size(extent)]
     report = report_of(volumes, drawn, faces, named, quality, told)
     write(file)
     return replace(report, extent=extent, size=part.size)

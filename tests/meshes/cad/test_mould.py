@@ -33,6 +33,13 @@ def bar_with_core(occ):
     return [*bar(occ), occ.addBox(-10, 5, 5, 60, 10, 10)]
 
 
+def cup(occ):
+    """The bar with a pocket of 30 x 10 x 15 from above."""
+    pocket = occ.addBox(5, 5, 5, 30, 10, 15)
+    cut, _ = occ.cut([(3, tag) for tag in bar(occ)], [(3, pocket)])
+    return [tag for _, tag in cut]
+
+
 @pytest.fixture(scope="module")
 def reported(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mould")
@@ -124,6 +131,35 @@ def test_a_bent_channel_and_a_round_chill(reported):
     channel = pi * 2**2 * 60 - 4 / 3 * 2**3 + pi / 3 * 2**3
     mould_alone = 80 * 60 * 70 - 40 * 20 * 20 - channel - pi * 16 * 10
     assert bodies["mould"] == pytest.approx(mould_alone * 1e-9, rel=1e-8)
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+@pytest.mark.parametrize("split", [10, 20])
+def test_the_plug_of_a_cup_hangs_at_the_half_that_it_touches(tmp_path, split, upwards):
+    """The plane of the split cuts it off from its own half, at the rim the whole of it."""
+
+    def turned(occ, solids):
+        if not upwards:
+            occ.rotate(solids, 20, 10, 10, 1, 0, 0, pi)
+
+    file = write_cad(tmp_path / "cup.step", cup, ["casting"], turned)
+    place = 1e-3 * (split if upwards else 20 - split)
+    mould = Mould(margin=0.02, split=(2, place))
+    part = CadPart((CadFile(str(file), "casting"),), 0.03, across=1, growth=2.0, mould=mould)
+    with gmsh_session():
+        found = mesh_part(part, str(tmp_path / "a.msh"))
+    bodies = {body.name: body.cad for body in found.bodies}
+    plug, block = 30 * 10 * (split - 5), 80 * 60
+    closed = block * (20 + split) - 40 * 20 * split
+    opened = block * (40 - split) - 40 * 20 * (20 - split) + 30 * 10 * (20 - split) + plug
+    names = ("mould-low", "mould-high") if upwards else ("mould-high", "mould-low")
+    expected = dict(zip(names, (closed, opened), strict=True))
+    assert {name: bodies[name] for name in names} == pytest.approx(
+        {name: volume * 1e-9 for name, volume in expected.items()}, rel=1e-6
+    )
+    (told,) = [remark for remark in found.remarks if remark.startswith("split")]
+    assert told.startswith(f"split cuts 1 piece off from {names[0]!r}, round (0.02, 0.01, ")
+    assert told.endswith(f"{names[1]!r} has them, the half that they hang at")
 
 
 @pytest.mark.parametrize(
