@@ -40,7 +40,7 @@ class StageProblem:
     freed: bool = field(default=False, init=False)
 
     def destroy(self) -> None:
-        """Free the PETSc objects of the problem; its states cannot be read any more."""
+        """Free the PETSc objects of the problem; its states have no totals any more."""
         self.freed = True
         self.problem.destroy()
 

@@ -71,16 +71,7 @@ class State:
 
     @property
     def problem(self) -> CoupledProblem:
-        """Heat and mechanics.
-
-        Raises:
-            RuntimeError: they were freed.
-        """
-        if self.now.freed:
-            raise RuntimeError(
-                f"the state at t = {self.time:g} s cannot be read any more: its problem was freed "
-                "by destroy(), or a new stage has begun; read what is needed before the next step"
-            )
+        """Heat and mechanics."""
         return self.now.problem
 
     def nodal(self, body: str, name: str) -> FloatArray:
@@ -127,7 +118,16 @@ class State:
 
     @cached_property
     def totals(self) -> dict[str, float]:
-        """Totals of bodies and interfaces by the name of their column, equal on all ranks."""
+        """Totals of bodies and interfaces by the name of their column, equal on all ranks.
+
+        Raises:
+            RuntimeError: the problem was freed, of which they are summed.
+        """
+        if self.now.freed:
+            raise RuntimeError(
+                f"the state at t = {self.time:g} s has no totals any more: its problem was freed "
+                "by destroy(), or a new stage has begun; read them before the next step"
+            )
         totals = self.problem.heat.totals()
         for name in self.problem.heat.solid_fraction:
             totals |= self._heat_totals(name)

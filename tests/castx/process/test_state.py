@@ -196,8 +196,8 @@ def test_suction_is_the_stress_of_the_liquid_that_a_wall_draws(comm):
     assert np.all(last.paired("upper/base", "contact_pressure") < 1e-6)
 
 
-def test_a_state_whose_problem_was_freed_refuses_to_be_read():
+def test_a_state_whose_problem_was_freed_refuses_to_sum_it():
     last = list(coupled_cases.states(MPI.COMM_SELF, ring(SHORT)))[-1]
-    for read in (lambda: last.totals, lambda: last.nodal("casting", "temperature")):
-        with pytest.raises(RuntimeError, match=r"at t = 4 s .* was freed by destroy\(\)"):
-            read()
+    with pytest.raises(RuntimeError, match=r"at t = 4 s has no totals .* freed by destroy\(\)"):
+        _ = last.totals
+    assert np.isfinite(last.nodal("casting", "temperature")).all()
