@@ -121,9 +121,9 @@ class State:
         """Totals of bodies and interfaces by the name of their column, equal on all ranks.
 
         Raises:
-            RuntimeError: the problem was freed, of which they are summed.
+            RuntimeError: the equilibrium of forces was freed, by which they are found.
         """
-        if self.now.freed:
+        if self.now.freed and self.problem.mechanics is not None:
             raise RuntimeError(
                 f"the state at t = {self.time:g} s has no totals any more: its problem was freed "
                 "by destroy(), or a new stage has begun; read them before the next step"
