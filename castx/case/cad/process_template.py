@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text
-from castx.case.processes.plan import Plan
+from castx.case.processes.plan import AIR, Plan
+from castx.case.processes.process import CastingProcess
 from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.transfer.database import interface_entry
@@ -15,6 +16,8 @@ CORES = {
     "steel": "steel-sand-coated", "copper": "bronze-sand",
 }  # fmt: skip
 """Interfaces between a casting and sand, by class of alloy."""
+OPEN_COEFFICIENT = 10.0
+"""Of still air over an open top, beside its radiation [W/m²/K]."""
 CHILLS = {
     "aluminium": ("Cu-pure", "aluminium-chill-copper"),
     "cast iron": ("steel-carbon", "iron-chill-iron"),
@@ -33,7 +36,7 @@ def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
         of_class: of the alloy.
     """
     role = case.roles
-    parts = [_head(plan), geometry_text(case), *_own_material(plan)]
+    parts = [process_head(plan.process), geometry_text(case), *_own_material(plan)]
     tight = _swells_shut(case, role, plan)
     parts += [_body(name, v, role[name], plan, of_class, tight) for name, v in case.bodies]
     parts += [_interface(pair, role, plan, of_class) for pair in case.interfaces]
@@ -46,22 +49,23 @@ def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
     return "\n".join(parts)
 
 
-def _head(plan: Plan) -> str:
-    process = plan.process
+def process_head(process: CastingProcess, *said: str) -> str:
+    """Return the comment at the top of a case: its process, what is said of it, its numbers."""
     lines = [
         f"# {process.name}: {process.summary}.",
+        *said,
         "# Numbers of the process are usual ones, those below; interfaces and materials are of the",
         "# databases, with their sources. Change what you know better. Lengths are in metres,",
         "# temperatures in °C, or carry a unit. Then: castx check, castx run, castx report.",
     ]
     lines += [
-        f"#   {key} = {process.numbers[key]:g}: {unmarked(text)}"
+        f"#   {key} = {process.numbers[key]:g}: {_unmarked(text)}"
         for key, text in process.sources.items()
     ]
     return "\n".join(lines) + "\n"
 
 
-def unmarked(source: str) -> str:
+def _unmarked(source: str) -> str:
     """Return a source without what is said of all of them at the top of a case."""
     return source.removeprefix("usual: ").removesuffix(
         "; representative value, source not established"
@@ -137,24 +141,46 @@ def _interface(
 
 def _boundary(on: str, area: float, role: Mapping[str, int], plan: Plan) -> str:
     numbers = plan.process.numbers
-    head = f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
+    begin = f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
     if role.get(on.partition("/")[0]) == CASTING:
-        emissivity = interface_entry(plan.interface).heat["radiation"]["emissivities"][0]
-        return head + (
-            "heat = [                        # open top\n"
-            f'    {{ type = "radiation", emissivity = {emissivity:g}, ambient = 20 }},\n'
-            '    { type = "convection", coefficient = 10, ambient = 20 },\n]\n'
-        )
-    outside = (
-        f'{{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
-        f"ambient = {numbers['ambient']:g} }}"
-    )
+        rows = listed(bare_metal(plan.interface, OPEN_COEFFICIENT))
+        return f"{begin}heat = [                        # open top\n{rows}]\n"
+    outside, ambient = outside_heat(numbers), numbers["ambient"]
     if "outside_emissivity" not in numbers:
-        return head + f"heat = {outside}\n"
-    return head + (
-        f'heat = [\n    {{ type = "radiation", emissivity = {numbers["outside_emissivity"]:g}, '
-        f"ambient = {numbers['ambient']:g} }},\n    {outside},\n]\n"
-    )
+        return f"{begin}heat = {outside}\n"
+    rows = listed([radiation(numbers["outside_emissivity"], ambient), outside])
+    return f"{begin}heat = [\n{rows}]\n"
+
+
+def outside_heat(numbers: Mapping[str, float]) -> str:
+    """Return the condition at the outside of a mould, by the numbers of a process."""
+    return convection(numbers["outside_coefficient"], numbers["ambient"])
+
+
+def bare_metal(interface: str, coefficient: float) -> list[str]:
+    """Return the conditions of metal in air, whose emissivity an interface of it tells.
+
+    Args:
+        interface: entry of the database.
+        coefficient: of the air [W/m²/K].
+    """
+    emissivity = interface_entry(interface).heat["radiation"]["emissivities"][0]
+    return [radiation(emissivity, AIR), convection(coefficient, AIR)]
+
+
+def convection(coefficient: float, ambient: float) -> str:
+    """Return a condition by a coefficient [W/m²/K] and a temperature [°C]."""
+    return f'{{ type = "convection", coefficient = {coefficient:g}, ambient = {ambient:g} }}'
+
+
+def radiation(emissivity: float, ambient: float) -> str:
+    """Return a condition by an emissivity and a temperature [°C]."""
+    return f'{{ type = "radiation", emissivity = {emissivity:g}, ambient = {ambient:g} }}'
+
+
+def listed(conditions: Sequence[str]) -> str:
+    """Return conditions as the rows of a list."""
+    return "".join(f"    {condition},\n" for condition in conditions)
 
 
 def _stages(role: Mapping[str, int], plan: Plan) -> Iterator[str]:

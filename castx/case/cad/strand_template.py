@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from castx.case.cad.mould import AXES
-from castx.case.cad.process_template import unmarked
+from castx.case.cad.process_template import bare_metal, listed, outside_heat, process_head
 from castx.case.cad.template import Box, NewCase
 from castx.case.processes.strand import SPRAYED, StrandPlan, StrandSection, Zone
-from castx.transfer.database import interface_entry
 
 CUT = "cut"
 """Name of the face at which a slice is cut out of its strand."""
@@ -98,22 +97,14 @@ def strand_text(cut: Slice, strand: StrandPlan) -> str:
 
 
 def _head(strand: StrandPlan) -> str:
-    process, speed = strand.plan.process, strand.speed
-    lines = [
-        f"# {process.name}: {process.summary}.",
+    speed = strand.speed
+    return process_head(
+        strand.plan.process,
         f"# Distances along the strand are {60.0 * speed:.3g} m/min times the time, from the "
         f"meniscus: {speed:.4g} m/s. No",
         "# heat flows along it, flat cuts stay flat, and the melt has the pressure of the pool.",
         "# Shell, pool and gaps along the strand: docs/manual/continuous.md.",
-        "# Numbers of the process are usual ones, those below; interfaces and materials are of the",
-        "# databases, with their sources. Change what you know better. Lengths are in metres,",
-        "# temperatures in °C, or carry a unit. Then: castx check, castx run, castx report.",
-    ]
-    lines += [
-        f"#   {key} = {process.numbers[key]:g}: {unmarked(text)}"
-        for key, text in process.sources.items()
-    ]
-    return "\n".join(lines) + "\n"
+    )
 
 
 def _geometry(cut: Slice) -> str:
@@ -162,7 +153,6 @@ def _interface(cut: Slice, strand: StrandPlan) -> str:
 
 
 def _boundaries(cut: Slice, strand: StrandPlan) -> Iterator[str]:
-    numbers = strand.plan.process.numbers
     pressure = ", ".join(f"[{time:g}, {value:g}]" for time, value in strand.pressure)
     borne = "; rolls bear it below the mould" if strand.rolls else ""
     yield (
@@ -177,8 +167,7 @@ def _boundaries(cut: Slice, strand: StrandPlan) -> Iterator[str]:
     )
     yield (
         f'[[boundaries]]\non = "{cut.mould}/outside"\n'
-        f'heat = {{ type = "convection", coefficient = {numbers["outside_coefficient"]:g}, '
-        f"ambient = {numbers['ambient']:g} }}\n{_taper(cut, strand)}"
+        f"heat = {outside_heat(strand.plan.process.numbers)}\n{_taper(cut, strand)}"
     )
 
 
@@ -208,13 +197,9 @@ def _stages(cut: Slice, strand: StrandPlan) -> Iterator[str]:
             f"table = [{table}] }}, ambient = {ambient:g} }}"
         )
         yield _stage(cut, zone.start, strand.speed, removed, [heat], _water(zone))
-    emissivity = interface_entry(strand.plan.interface).heat["radiation"]["emissivities"][0]
     air = strand.plan.process.numbers["air_coefficient"]
-    radiant = [
-        f'{{ type = "radiation", emissivity = {emissivity:g}, ambient = 20 }}',
-        f'{{ type = "convection", coefficient = {air:g}, ambient = 20 }}',
-    ]  # fmt: skip
-    yield _stage(cut, strand.air, strand.speed, "", radiant, "air")
+    in_air = bare_metal(strand.plan.interface, air)
+    yield _stage(cut, strand.air, strand.speed, "", in_air, "air")
 
 
 def _water(zone: Zone) -> str:
@@ -227,10 +212,10 @@ def _water(zone: Zone) -> str:
 def _stage(
     cut: Slice, at: float, speed: float, removed: str, heat: Sequence[str], what: str
 ) -> str:
-    rows = "".join(f"    {row},\n" for row in heat)
     return (
         f'[[stages]]                      # from {at * speed:.3g} m on: {what}\nat = "{at:g} s"\n'
-        f'{removed}[[stages.boundaries]]\non = "{cut.strand}/{cut.mould}"\nheat = [\n{rows}]\n'
+        f'{removed}[[stages.boundaries]]\non = "{cut.strand}/{cut.mould}"\n'
+        f"heat = [\n{listed(heat)}]\n"
     )
 
 
