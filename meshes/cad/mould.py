@@ -128,9 +128,10 @@ def _block(mould: Mould, solids: Sequence[Solid]) -> list[Solid]:
         )
     below, above = highest.copy(), lowest.copy()
     below[axis] = above[axis] = place
+    low, high = mould.bodies
     return [
-        Solid(_box((tuple(lowest), tuple(below))), f"{mould.name}-low", "", BLOCK),
-        Solid(_box((tuple(above), tuple(highest))), f"{mould.name}-high", "", BLOCK),
+        Solid(_box((tuple(lowest), tuple(below))), low, "", BLOCK),
+        Solid(_box((tuple(above), tuple(highest))), high, "", BLOCK),
     ]
 
 
@@ -152,11 +153,14 @@ def whole_halves(
     found, remarks = dict(volumes), list[str]()
     if mould is None or mould.split is None:
         return found, remarks
-    low, high = (f"{mould.name}-{side}" for side in ("low", "high"))
-    for half, other in ((low, high), (high, low)):
-        loose = _pieces([tag for tag, name in volumes.items() if name == half])[:-1]
-        there = set().union(*(_faces(tag) for tag, name in volumes.items() if name == other))
-        given = [piece for piece in loose if any(there & _faces(tag) for tag in piece)]
+    faces = {
+        half: {tag: _faces(tag) for tag, name in volumes.items() if name == half}
+        for half in mould.bodies
+    }
+    for half, other in (mould.bodies, mould.bodies[::-1]):
+        own, touched = faces[half], set().union(*faces[other].values())
+        loose = _pieces(own)[:-1]
+        given = [piece for piece in loose if any(touched & own[tag] for tag in piece)]
         found |= {tag: other for piece in given for tag in piece}
         if given:
             places = ", ".join(place_text(centre_of(3, piece[0])) for piece in given)
@@ -167,9 +171,9 @@ def whole_halves(
     return found, remarks
 
 
-def _pieces(tags: Sequence[int]) -> list[list[int]]:
+def _pieces(faces_of: Mapping[int, set[int]]) -> list[list[int]]:
     """Return volumes that hang together by faces, the smallest piece first."""
-    left, pieces = {tag: _faces(tag) for tag in tags}, list[list[int]]()
+    left, pieces = dict(faces_of), list[list[int]]()
     while left:
         first = next(iter(left))
         piece, faces = [first], left.pop(first)

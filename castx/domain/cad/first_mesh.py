@@ -11,6 +11,7 @@ from typing import Any
 
 from castx.case.cad.geometry import CadGeometry
 from castx.case.cad.template import NewCase
+from castx.case.processes.plan import rounded
 from castx.domain.cad.guarded import SizesError, meshed_apart
 from castx.errors import MeshError
 from castx.meshes.cad.description import CadFile, CadPart
@@ -188,8 +189,3 @@ def as_case(
         growth=None if made.growth == GROWTH else made.growth,
         boxes=report.boxes,
     )
-
-
-def rounded(length: float) -> float:
-    """Return a length with two digits [m]."""
-    return float(f"{length:.2g}")

@@ -17,7 +17,7 @@ from castx.case.cad.mould import AXES
 from castx.case.cad.process_template import process_text
 from castx.case.cad.strand_template import strand_text
 from castx.case.cad.template import MOULD, NewCase, case_text
-from castx.case.processes.plan import ShellSize, chosen, plan_of
+from castx.case.processes.plan import ShellSize, chosen, plan_of, rounded
 from castx.case.processes.process import CastingProcess, casting_process
 from castx.case.processes.strand import strand_plan_of
 from castx.case.reading.read import load_case
@@ -29,7 +29,6 @@ from castx.domain.cad.first_mesh import (
     affordable,
     as_case,
     part_as_it_comes,
-    rounded,
     survey,
 )
 from castx.domain.cad.guarded import seen_apart

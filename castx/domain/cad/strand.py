@@ -14,6 +14,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.case.cad.mould import AXES
 from castx.case.cad.strand_template import CUT, Slice
+from castx.case.processes.plan import rounded
 from castx.case.processes.strand import StrandSection
 from castx.domain.cad.first_mesh import (
     FIRST_CELLS,
@@ -23,7 +24,6 @@ from castx.domain.cad.first_mesh import (
     as_case,
     meshed,
     part_as_it_comes,
-    rounded,
 )
 from castx.domain.cad.guarded import seen_apart
 from castx.domain.cad.outline import Outline

@@ -21,8 +21,8 @@ class BodiesTogether:
 
     Where no condition holds them against their weight f, Zᵀf ≠ 0 in a free motion Z of all of them
     as one, as a casting and its core once the mould is gone, there is nothing that they could fall
-    onto. They are held where they are, by forces that
-    are spread like their weight: so heavy ones do not press on light ones, nor fall away from them.
+    onto. They are held where they are, by forces that are spread like their weight: so heavy ones
+    do not press on light ones, nor fall away from them.
 
     Attributes:
         common: motions of all of them as one body, by those of each, shape (common, motions).
