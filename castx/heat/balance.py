@@ -171,10 +171,19 @@ class HeatBalance:
 
     def assemble_jacobian(self, x: PETSc.Vec) -> None:
         """Assemble the derivative of the residual into `jacobian.matrix`."""
-        unknowns = self.unknowns
         self._return_to(x)
-        dT = unknowns.temperature_slope.array_r
-        diagonal = unknowns.volumes * unknowns.slope.array_r / self.step
+        self.assemble_with(self.unknowns.temperature_slope, self.step)
+
+    def assemble_with(self, temperature_slope: PETSc.Vec, step: float) -> None:
+        """Assemble the Jacobian of the state just set, with other slopes over another step.
+
+        Args:
+            temperature_slope: derivative of the temperature of each node over its unknown
+                [K m³/J].
+            step: over which heat is stored [s].
+        """
+        unknowns, dT = self.unknowns, temperature_slope.array_r
+        diagonal = unknowns.volumes * unknowns.slope.array_r / step
         for flux in self.fluxes:
             _, slope = flux.evaluate(*self._span)
             nodes = unknowns.start_of(flux.body) + flux.nodes
@@ -183,9 +192,9 @@ class HeatBalance:
             body.latent_heat_slope(unknowns.slope.array_r[part])
             for body, part in zip(self.bodies, self._parts, strict=True)
         ]
-        self.jacobian.assemble(diagonal, unknowns.temperature_slope, inside, self.step)
+        self.jacobian.assemble(diagonal, temperature_slope, inside, step)
         typical = self.layout.comm.allreduce(unknowns.volumes.sum()) / self.layout.size_global
-        self.jacobian.matrix.zeroRows(self._fixed_dofs, typical / self.step)
+        self.jacobian.matrix.zeroRows(self._fixed_dofs, typical / step)
 
     def solid_columns(self, x: PETSc.Vec) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
         """Return the columns of U and V that solid fractions add to the Jacobian, J + U Vᵀ."""

@@ -10,6 +10,11 @@ with the Jacobian of the balance at its end. That takes one factorisation and tw
 step, whatever the number of its passes and sub-steps: one for the error that the steps have made,
 one for the error that they would have made if all had been equally long.
 
+At a melting point an error of the enthalpy changes no temperature, but it delays the front by the
+time t = Σ V e/Σ Q in which the surplus of all nodes there goes with the heat Q that leaves them.
+For so long the last of them stay hot where they should cool as solid. This error is found in
+advance, by one more linear step as long as the delay, in which these nodes are solid.
+
 Sources: K. Eriksson, D. Estep, P. Hansbo, C. Johnson, Computational Differential Equations (1996),
 chapter 9, for errors that the linearised equation carries on; L. F. Shampine, SIAM J. Sci. Stat.
 Comput. 5 (1984), for the filter by the Jacobian, without which fast nodes would count for too much.
@@ -90,7 +95,10 @@ class HeatStepError:
 
     def __init__(self, balance: HeatBalance, solve: Callable[[PETSc.Vec, PETSc.Vec], None]) -> None:
         self._balance, self._solve = balance, solve
-        self._capacities = [_solid_capacity(body) for body in balance.bodies]
+        parts = zip(balance.bodies, balance.unknowns.parts, strict=True)
+        self._solid_slope: FloatArray = np.empty(balance.layout.size_local)
+        for body, part in parts:
+            self._solid_slope[part] = 1.0 / _solid_capacity(body)
         self._small = SMALL * min(float(np.ptp(b.curve.enthalpies)) for b in balance.bodies)
         self._committed: FloatArray = np.zeros((2, balance.layout.size_local))
         self._trial = self._committed
@@ -126,9 +134,15 @@ class HeatStepError:
             self._carried(unknowns.volumes * uniform + added, tried.step),
             self._carried(unknowns.volumes * made + substep * added, tried.step),
         )
-        end = tried.states[-1]
+        end, cooling = tried.states[-1], np.asarray((before - after) / substep)
         self._trial = np.array([self._stored(end, per_substep), self._stored(end, made)])
-        return HeatError(self._kelvin(made), self._kelvin(substep * per_substep), tried.substeps)
+        late_made = self._of_late_nodes(made, cooling)
+        late_uniform = self._of_late_nodes(substep * per_substep, cooling)
+        return HeatError(
+            max(self._kelvin(made), late_made),
+            max(self._kelvin(substep * per_substep), late_uniform),
+            tried.substeps,
+        )
 
     def _leaving_at_start(
         self, tried: TriedStep, pairs: Sequence[tuple[PairState, PairState] | None]
@@ -171,21 +185,45 @@ class HeatStepError:
     def _kelvin(self, error: FloatArray) -> float:
         """Return the largest error of a temperature by errors of enthalpies; collective.
 
-        Nodes at a melting point change no temperature: there the mean surplus of the body counts,
-        which will change its temperature once it is frozen.
+        Of nodes at a melting point it is in advance that of the front, see `_of_late_nodes`. The
+        mean surplus of a body counts as well: it stays when all of the body is solid.
         """
         unknowns, comm = self._balance.unknowns, self._balance.layout.comm
         largest, sums = 0.0, np.zeros((len(unknowns.bodies), 2))
         for number, (body, part) in enumerate(zip(unknowns.bodies, unknowns.parts, strict=True)):
-            free = ~unknowns.prescribed[part]
+            counted = ~unknowns.prescribed[part] & (body.temperature_slope() > 0.0)
             enthalpy = body.enthalpy.x.array[: body.owned]
             changed = body.owned_temperature - body.curve.temperature(enthalpy - error[part])
-            largest = max(largest, float(np.abs(changed[free]).max(initial=0.0)))
-            capacity = self._capacities[number] * body.volumes.sum()
+            largest = max(largest, float(np.abs(changed[counted]).max(initial=0.0)))
+            capacity = body.volumes @ (1.0 / self._solid_slope[part])
             sums[number] = body.volumes @ error[part], capacity
         surplus, capacity = np.abs(comm.allreduce(sums, op=MPI.SUM)).T
         means = surplus / np.where(capacity > 0.0, capacity, 1.0)
         return float(max(comm.allreduce(largest, op=MPI.MAX), means.max(initial=0.0)))
+
+    def _of_late_nodes(self, error: FloatArray, cooling: FloatArray) -> float:
+        """Return the error of a temperature that nodes at a melting point will make; collective.
+
+        Args:
+            error: of the enthalpies [J/m³].
+            cooling: heat by which the nodes store less each second [W].
+        """
+        balance, unknowns = self._balance, self._balance.unknowns
+        # Nodes that share their unknown touch another body, and do not freeze last.
+        late = (unknowns.temperature_slope.array_r == 0.0) & (unknowns.slope.array_r == 1.0)
+        late &= ~unknowns.prescribed
+        sums = np.array([(unknowns.volumes * error)[late].sum(), cooling[late].sum()])
+        surplus, leaving = balance.layout.comm.allreduce(sums, op=MPI.SUM)
+        if surplus * leaving <= 0.0:
+            return 0.0
+        slope = balance.layout.create_vector()
+        slope.array[:] = np.where(late, self._solid_slope, unknowns.temperature_slope.array_r)
+        delay = float(surplus / leaving)
+        balance.assemble_with(slope, delay)
+        changed = self._carried(unknowns.volumes * error, delay) * slope.array_r
+        slope.destroy()
+        largest = float(np.abs(changed[~unknowns.prescribed]).max(initial=0.0))
+        return float(balance.layout.comm.allreduce(largest, op=MPI.MAX))
 
     def commit(self) -> None:
         """Accept the trial errors."""

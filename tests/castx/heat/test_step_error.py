@@ -96,13 +96,46 @@ def ratios(metal, substeps=1, kind="law", surfaces=(), fine=4):
         (ALLOY, 3, "law", "convection", 0.9),
         (PLAIN_STEEL, 1, "law", "temperature", 0.9),
         (ALUMINIUM, 1, "law", "insulated", 0.65),  # as the front comes to another node
-        (ALUMINIUM, 2, "perfect", "insulated", 0.6),
     ],
 )
 def test_the_error_made_is_the_true_one(metal, substeps, kind, condition, low):
     each, largest = ratios(metal, substeps, kind, CONDITIONS[condition])
     assert each.min() > low and each.max() < (1.15 if low > 0.8 else 1.35)
     assert largest == pytest.approx(1.0, abs=0.1 if low > 0.8 else 0.3)
+
+
+def freezing(substeps, kind, end):
+    """Return estimated and true errors of aluminium after each step of half a second."""
+    mesh, step, fine, count = mesh_of(), 0.5, 8, round(2 * end)
+    taken = run(mesh, ALUMINIUM, [step] * count, substeps, kind)
+    exact = run(mesh, ALUMINIUM, [step / fine] * (count * fine), substeps, kind)
+    true = [
+        np.abs(at - finer).max() * fine / (fine - 1)
+        for (at, _), (finer, _) in zip(taken, exact[fine - 1 :: fine], strict=True)
+    ]
+    return np.array([error.made for _, error in taken]), np.array(true)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "substeps, kind, spans",
+    [(1, "law", [(0.0, 8.0), (10.0, 22.0), (22.0, 30.0)]), (2, "perfect", [(0.0, 8.0), (8.0, 20)])],
+)
+def test_nodes_at_a_melting_point_tell_in_advance_what_they_will_be_off(substeps, kind, spans):
+    """The largest estimate of a span is the largest error in it, which comes as nodes freeze."""
+    made, true = freezing(substeps, kind, spans[-1][1])
+    for start, end in spans:
+        part = slice(round(start / 0.5), round(end / 0.5))
+        assert made[part].max() == pytest.approx(true[part].max(), rel=0.4)
+
+
+@pytest.mark.serial
+def test_an_error_is_told_before_it_is_seen():
+    """The next seven nodes stay at the melting point until 19 s."""
+    made, true = freezing(1, "law", 20.0)
+    late = slice(30, 38)
+    assert true[late].max() < 0.3 * true[38]
+    assert made[late] == pytest.approx(true[38], rel=0.1)
 
 
 @pytest.mark.serial
@@ -172,11 +205,12 @@ def test_errors_go_on_from_a_saved_state():
 
 
 @pytest.mark.ranks
+@pytest.mark.parametrize("metal", [ALLOY, ALUMINIUM])
 @pytest.mark.parametrize("kind", ["law", "perfect"])
-def test_ranks_find_the_same_errors(comm, kind):
+def test_ranks_find_the_same_errors(comm, kind, metal):
     surfaces = CONDITIONS["temperature"]
-    found = run(cylinder(comm, size=0.01), ALLOY, [0.5] * 4, 2, kind, surfaces)
-    alone = run(cylinder(MPI.COMM_SELF, size=0.01), ALLOY, [0.5] * 4, 2, kind, surfaces)
+    found = run(cylinder(comm, size=0.01), metal, [0.5] * 4, 2, kind, surfaces)
+    alone = run(cylinder(MPI.COMM_SELF, size=0.01), metal, [0.5] * 4, 2, kind, surfaces)
     for (_, error), (_, expected) in zip(found, alone, strict=True):
         assert error.made == pytest.approx(expected.made, rel=1e-6)
         assert error.uniform == pytest.approx(expected.uniform, rel=1e-6)
