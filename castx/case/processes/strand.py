@@ -8,7 +8,9 @@ The pool presses by P = ρ g R sin(s/R) on a bow of radius R: by the height abov
 
 by which sprays were found to cool steel at 700 to 1200 °C: Sasaki and others, Tetsu-to-Hagané 65
 (1979) 90, abstract. It was measured with the radiation of the plate, which is not added.
-A strand of the thickness d is solid after some (d/(2k))², with k the shell over the root of time.
+A strand of thickness d and width w is solid after some (d/(2k))²/(1 + (d/w)²): k is the shell of a
+flat one over the root of time, and edges count as in the slowest mode of conduction in a rectangle,
+which decays by 1/d² + 1/w².
 """
 
 from __future__ import annotations
@@ -134,7 +136,8 @@ def strand_plan_of(
         _zone(name, start, numbers[f"{name}_water"])
         for name, start in zip(ZONES, starts, strict=False)
     )
-    solid = (0.5 * section.thickness / numbers["shell_constant"]) ** 2
+    flat = (0.5 * section.thickness / numbers["shell_constant"]) ** 2
+    solid = flat / (1.0 + (section.thickness / section.width) ** 2)
     end = rounded(max(RESERVE * solid, 1.1 * starts[-1]))
     rolls = section.width > numbers["rolled_width"]
     radius = numbers["machine_radius"] * section.thickness
