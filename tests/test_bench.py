@@ -65,6 +65,16 @@ def test_foundries_drawn_at_random_are_accepted(changes, tmp_path):
         assert (case.coupling.tolerance == 1e-8) == ("tight" in changes)
 
 
+def test_sand_of_a_foundry_is_rigid_in_plane_stress():
+    """Cases with its other law, which has no plane stress, were refused instead of run."""
+    running, laws = script("random_foundries"), set()
+    for number in range(120):
+        case = running.foundry(random.Random(f"2/{number}")).case
+        if case["geometry"]["model"] == "plane-stress":
+            laws |= {b["law"] for b in case["bodies"] if b["material"].startswith("sand")}
+    assert laws == {"rigid"}
+
+
 def test_a_foundry_is_turned_and_mirrored_with_its_weight():
     """Motions of its nodes keep its shape; half a section only stands on its head."""
     running = script("random_foundries")
