@@ -141,7 +141,8 @@ def whole_halves(
     """Return the body of each volume with loose pieces of a half at the other one.
 
     A planar split cuts the plug inside a cup off from its half. It hangs at the other half, which
-    it touches across the plane, and comes out with that.
+    it touches across the plane, and comes out with that. The plug of a cup whose rim is bare hangs
+    at neither: its parts stay together, with the half in which more of it lies.
 
     Args:
         volumes: of the joined solids in the current gmsh model, by tag.
@@ -153,22 +154,35 @@ def whole_halves(
     found, remarks = dict(volumes), list[str]()
     if mould is None or mould.split is None:
         return found, remarks
-    faces = {
-        half: {tag: _faces(tag) for tag, name in volumes.items() if name == half}
-        for half in mould.bodies
-    }
+    faces = {tag: _faces(tag) for tag, name in volumes.items() if name in mould.bodies}
+    *bare, block = _pieces(faces)
     for half, other in (mould.bodies, mould.bodies[::-1]):
-        own, touched = faces[half], set().union(*faces[other].values())
-        loose = _pieces(own)[:-1]
-        given = [piece for piece in loose if any(touched & own[tag] for tag in piece)]
+        loose = _pieces({tag: own for tag, own in faces.items() if volumes[tag] == half})[:-1]
+        given = [piece for piece in loose if piece[0] in block]
         found |= {tag: other for piece in given for tag in piece}
         if given:
-            places = ", ".join(place_text(centre_of(3, piece[0])) for piece in given)
             remarks.append(
-                f"split cuts {len(given)} {'piece' if len(given) == 1 else 'pieces'} off from "
-                f"{half!r}, round {places}; {other!r} has them, the half that they hang at"
+                f"split cuts {_counted(given)} off from {half!r}, round {_places(given)}; "
+                f"{other!r} has them, the half that they hang at"
+            )
+    for piece in bare:
+        parts = [[tag for tag in piece if volumes[tag] == half] for half in mould.bodies]
+        if all(parts):
+            half = mould.bodies[int(_volume(parts[1]) > _volume(parts[0]))]
+            found |= dict.fromkeys(piece, half)
+            remarks.append(
+                f"split cuts {_counted([piece])} in two that touches neither half, round "
+                f"{_places(parts)}; {half!r} has it, the half in which more of it lies"
             )
     return found, remarks
+
+
+def _counted(pieces: Sequence[Sequence[int]]) -> str:
+    return "1 piece" if len(pieces) == 1 else f"{len(pieces)} pieces"
+
+
+def _places(pieces: Sequence[Sequence[int]]) -> str:
+    return ", ".join(place_text(centre_of(3, piece[0])) for piece in pieces)
 
 
 def _pieces(faces_of: Mapping[int, set[int]]) -> list[list[int]]:
@@ -181,7 +195,11 @@ def _pieces(faces_of: Mapping[int, set[int]]) -> list[list[int]]:
             piece += joined
             faces = faces.union(*(left.pop(tag) for tag in joined))
         pieces.append(piece)
-    return sorted(pieces, key=lambda piece: sum(gmsh.model.occ.getMass(3, tag) for tag in piece))
+    return sorted(pieces, key=_volume)
+
+
+def _volume(tags: Sequence[int]) -> float:
+    return float(sum(gmsh.model.occ.getMass(3, tag) for tag in tags))
 
 
 def _faces(volume: int) -> set[int]:

@@ -162,6 +162,27 @@ def test_the_plug_of_a_cup_hangs_at_the_half_that_it_touches(tmp_path, split, up
     assert told.endswith(f"{names[1]!r} has them, the half that they hang at")
 
 
+@pytest.mark.parametrize("split, half", [(8, 1), (16, 0)])
+def test_the_plug_of_a_cup_with_a_bare_rim_stays_whole(tmp_path, split, half):
+    """It touches neither half, and goes with the one in which more of it lies."""
+    file = write_cad(tmp_path / "cup.step", cup, ["casting"])
+    box = ((-0.02, -0.02, -0.02), (0.06, 0.04, 0.02))
+    mould = Mould(box=box, split=(2, 1e-3 * split))
+    part = CadPart((CadFile(str(file), "casting"),), 0.03, across=1, growth=2.0, mould=mould)
+    with gmsh_session():
+        found = mesh_part(part, str(tmp_path / "a.msh"))
+    bodies = {body.name: body.cad for body in found.bodies}
+    expected = [80 * 60 * (20 + split) - 40 * 20 * split, (80 * 60 - 40 * 20) * (20 - split)]
+    expected[half] += 30 * 10 * 15
+    assert [bodies["mould-low"], bodies["mould-high"]] == pytest.approx(
+        [volume * 1e-9 for volume in expected], rel=1e-6
+    )
+    (told,) = [remark for remark in found.remarks if remark.startswith("split")]
+    name = ("mould-low", "mould-high")[half]
+    assert told.startswith("split cuts 1 piece in two that touches neither half, round (0.02, 0.01")
+    assert told.endswith(f"{name!r} has it, the half in which more of it lies")
+
+
 @pytest.mark.parametrize(
     "mould, text",
     [
