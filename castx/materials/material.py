@@ -22,6 +22,7 @@ from castx.materials.solid_fraction import (
     SolidFractionLaw,
     fraction_at,
     plateaus,
+    temperature_at,
 )
 from castx.materials.sources import (
     OutsideRange,
@@ -157,11 +158,6 @@ class Material:
             return (fraction >= 1.0).astype(np.float64)
         return np.clip((fraction - coherency) / (1.0 - coherency), 0.0, 1.0)
 
-    @property
-    def freezes_at_a_plateau(self) -> bool:
-        """Whether some of the metal, or all of it, freezes at one temperature."""
-        return bool(self.plateaus)
-
     @cached_property
     def plateaus(self) -> tuple[Plateau, ...]:
         """Plateaus of the metal, parts that freeze at one temperature, the coldest first."""
@@ -221,6 +217,12 @@ class Material:
         if self.solid_fraction is None or self.solidus is None or self.liquidus is None:
             return np.ones_like(temperature)
         return fraction_at(self.solid_fraction, self.solidus, self.liquidus, temperature)
+
+    def temperature_at(self, solid_fraction: float) -> float:
+        """Return the highest temperature of so much solid, or more [°C]; of what melts."""
+        if self.solid_fraction is None or self.solidus is None or self.liquidus is None:
+            return np.inf
+        return temperature_at(self.solid_fraction, self.solidus, self.liquidus, solid_fraction)
 
     @property
     def given_stress_free(self) -> float | None:

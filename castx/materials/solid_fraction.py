@@ -46,6 +46,24 @@ def fraction_at(
     return fraction
 
 
+def temperature_at(
+    law: SolidFractionLaw, solidus: float, liquidus: float, fraction: float
+) -> float:
+    """Return the highest temperature at which there is a solid fraction, or more [°C]."""
+    from scipy.optimize import brentq  # metal without mechanics does without its import
+
+    for piece in reversed(law.pieces(solidus, liquidus)):
+
+        def missing(temperature: float, piece: FractionPiece = piece) -> float:
+            return fraction - float(piece.fraction(np.array([temperature]))[0])
+
+        if missing(piece.end) <= 0.0:
+            return piece.end
+        if missing(piece.start) <= 0.0:
+            return float(brentq(missing, piece.start, piece.end))
+    return solidus
+
+
 class Plateau(NamedTuple):
     """Part of a metal that freezes at one temperature.
 

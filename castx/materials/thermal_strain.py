@@ -88,6 +88,29 @@ class StressFreeState:
         start = np.asarray(self.solid_fraction)
         return shrinkage_strain(material, solid_fraction) - shrinkage_strain(material, start)
 
+    def strain(
+        self, material: Material, temperature: FloatArray, solid_fraction: FloatArray
+    ) -> FloatArray:
+        """Return thermal strain and strain of solidification together, shape (nodes,).
+
+        Args:
+            material: of the body.
+            temperature: at the nodes [°C], shape (nodes,).
+            solid_fraction: at the nodes, shape (nodes,).
+        """
+        thermal = self.thermal_strain(material, temperature)
+        return np.asarray(thermal + self.shrinkage(material, solid_fraction))
+
+    def strain_at(self, material: Material, solid_fraction: float) -> FloatArray:
+        """Return both strains as freezing metal reaches a solid fraction, shape () or (nodes,).
+
+        Args:
+            material: of the body; it melts.
+            solid_fraction: one number.
+        """
+        reached = np.asarray(material.temperature_at(solid_fraction))
+        return self.strain(material, reached, np.asarray(solid_fraction))
+
 
 def volumetric_thermal_strain(
     material: Material,

@@ -134,7 +134,7 @@ def _problems_of_freezing_in_cells(
     metal = Material(body.material, material)
     if not metal.melts:
         yield Problem(place, f"{body.material!r} never freezes; leave it out")
-    elif metal.freezes_at_a_plateau:
+    elif metal.plateaus:
         text = f'"cells" needs a solid fraction at each temperature, but {body.material!r} freezes'
         yield Problem(place, f"{text} at one temperature, if only in part; {cure}")
     if body.feeding == DARCY:

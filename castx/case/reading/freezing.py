@@ -30,7 +30,7 @@ def _freezes_in_cells(case: Case, body: Body) -> bool:
     metal = find_material(body.material, case.materials)
     if case.coupling.scheme == "thermal" or body.law == "rigid":
         return False
-    if metal.freezes_at_a_plateau or body.feeding == DARCY or touches_perfectly(case, body):
+    if metal.plateaus or body.feeding == DARCY or touches_perfectly(case, body):
         return False
     return body.is_poured(metal)
 

@@ -11,9 +11,10 @@ strain of contraction c, thermal and of solidification. A cell contracts where i
 
     de^θ = Σ_v w_v dc_v / Σ_v w_v,
 
-over its corners v, or over samples inside where its mush ends (`places`). Solid grows while it
-contracts, in a thin skin by much of what there is: the sum over a step goes through the states that
-its heat has passed (`growth`).
+over its corners v, or over samples inside where its mush ends (`places`). What cooled before it
+bears does not count: between no solid and some, dc begins with c_b, that of a place as it begins to
+bear. Solid grows while it contracts, in a thin skin by much of what there is: the sum over a step
+goes through the states that its heat has passed (`growth`).
 
 Over one step, with w_0 and w the shares at its start and its end,
 
@@ -159,10 +160,31 @@ class Growth(NamedTuple):
         return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
 
 
+class Freezing(NamedTuple):
+    """Contraction of the nodes, or of other places, as they freeze, each of shape (places,).
+
+    Attributes:
+        born: c_b, c as they begin to bear.
+        frozen: c as they become solid.
+    """
+
+    born: FloatArray
+    frozen: FloatArray
+
+    def of_mush(self, metal: MetalNodes) -> FloatArray:
+        """Return c while some of the metal bears, held beyond both ends, shape (places,)."""
+        started = np.where(metal.share > 0, metal.contraction, self.born)
+        return np.where(metal.share < 1, started, self.frozen)
+
+    def of_solid(self, metal: MetalNodes) -> FloatArray:
+        """Return c of the metal since it became solid, zero before, shape (places,)."""
+        return np.where(metal.share < 1, 0.0, metal.contraction - self.frozen)
+
+
 def growth(
     places: IntegrationPoints | MetalPlaces,
     passed: Sequence[MetalNodes],
-    frozen: FloatArray,
+    freezing: Freezing,
     *,
     isothermal: bool = False,
     fronts: Sequence[PlateauFront] = (),
@@ -181,14 +203,14 @@ def growth(
         places: of the metal; integration points stand for the nodes of the body.
         passed: metal of the nodes at the start of the step, between, and at its end, in equal
             times.
-        frozen: c of the nodes as they become solid, shape (nodes,).
+        freezing: contraction of the nodes as they begin to bear and become solid.
         isothermal: whether the metal freezes at one temperature.
         fronts: plateaus of an alloy whose solidification contracts the skeleton.
     """
     phases = [
         phase
         for before, after in pairwise(passed)
-        for phase in _phases(before, after, frozen, fronts, isothermal=isothermal)
+        for phase in _phases(before, after, freezing, fronts, isothermal=isothermal)
     ]
     amounts = [phase.amount for phase in phases]
     part, whole = places.integrals(
@@ -243,20 +265,17 @@ class _Phase(NamedTuple):
 def _phases(
     before: MetalNodes,
     after: MetalNodes,
-    frozen: FloatArray,
+    freezing: Freezing,
     fronts: Sequence[PlateauFront],
     *,
     isothermal: bool,
 ) -> tuple[_Phase, _Phase, _Phase]:
     """Return the phases of solid that stays, of mush, and of new solid behind its birth."""
     mean, most = 0.5 * (before.share + after.share), np.maximum(before.share, after.share)
-    begun, ended = (
-        np.where(state.share < 1, state.contraction, frozen) for state in (before, after)
-    )
-    cooled = after.contraction - ended - (before.contraction - begun)
+    cooled = freezing.of_solid(after) - freezing.of_solid(before)
     solid = (before.share == 1) & (after.share == 1)
     behind = _share_behind_a_front(before.share, after.share) if isothermal else mean
-    mush = mean * (ended - begun)
+    mush = mean * (freezing.of_mush(after) - freezing.of_mush(before))
     for front in fronts:
         mush += front.beyond_mean(before.share, after.share)
     return (

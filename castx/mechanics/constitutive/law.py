@@ -33,6 +33,7 @@ from castx.materials.granular import GRANULAR
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState, shrinkage_strain
 from castx.mechanics.constitutive.growth import (
+    Freezing,
     Growth,
     MetalNodes,
     PlateauFront,
@@ -168,10 +169,9 @@ class Law:
         self, unstressed: StressFreeState, temperature: FloatArray, solid_fraction: FloatArray
     ) -> MetalNodes:
         """Return the metal of places with their state without strain, shape (places,)."""
-        strain = unstressed.thermal_strain(self.material, temperature)
-        strain = strain + unstressed.shrinkage(self.material, solid_fraction)
+        strain = unstressed.strain(self.material, temperature, solid_fraction)
         share = self.material.bearing_share(solid_fraction)
-        return MetalNodes(share, np.asarray(strain), temperature)
+        return MetalNodes(share, strain, temperature)
 
     def conditions(
         self,
@@ -259,14 +259,16 @@ class Law:
         return MetalNodes(*(places.joined(*values) for values in zip(metal, samples, strict=True)))
 
     def _growth(self, places: MetalPlaces, passed: Sequence[MetalNodes]) -> Growth:
+        metal, unstressed = self.material, self.stress_free_state.at(places.from_nodes)
         if not self.freezes:
-            return growth(places, passed, passed[-1].contraction)
-        solid = np.ones_like(passed[-1].share)
-        solidus = np.full_like(solid, self.material.solidus)
-        unstressed = self.stress_free_state.at(places.from_nodes)
-        frozen = self._metal(unstressed, solidus, solid).contraction
-        isothermal = self.material.is_isothermal
-        return growth(places, passed, frozen, isothermal=isothermal, fronts=self.fronts())
+            last = passed[-1].contraction
+            return growth(places, passed, Freezing(last, last))
+        freezing = Freezing(
+            *(unstressed.strain_at(metal, fraction) for fraction in (metal.fed_until, 1.0))
+        )
+        return growth(
+            places, passed, freezing, isothermal=metal.is_isothermal, fronts=self.fronts()
+        )
 
     def fronts(self) -> list[PlateauFront]:
         """Return the plateaus of the alloy on which the skeleton bears and shrinks."""

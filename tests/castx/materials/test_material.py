@@ -92,7 +92,7 @@ def test_a_front_on_a_plateau_with_coherency_is_fed_to_its_end() -> None:
             liquid={**LIQUID, "coherency": coherency},
         )
         assert metal.fed_until == pytest.approx(fed), coherency
-        assert metal.freezes_at_a_plateau
+        assert metal.plateaus
 
 
 def test_coherency_of_one_bears_where_all_is_solid() -> None:

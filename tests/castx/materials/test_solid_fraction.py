@@ -18,6 +18,7 @@ from castx.materials.solid_fraction import (
     TabulatedLaw,
     fraction_at,
     plateaus,
+    temperature_at,
 )
 
 pytestmark = pytest.mark.serial
@@ -67,6 +68,17 @@ def test_plateaus_are_the_jumps_of_a_law_the_coldest_first() -> None:
     assert [plateau.temperature for plateau in found] == [540.0, 577.0, 610.0]
     ends = [value for plateau in found for value in (plateau.begin, plateau.end)]
     np.testing.assert_allclose(ends, [0.9, 1.0, 0.4, 0.7, 0.0, 0.1], atol=1e-15)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_fraction_is_reached_at_the_highest_temperature_that_has_it(name) -> None:
+    law = LAWS[name]
+    for fraction in (1.0, 0.95, 0.6, 0.4, 0.1):
+        found = temperature_at(law, SOLIDUS, LIQUIDUS, fraction)
+        below, above = at(law, found - 1e-6, found + 1e-6)
+        assert below >= fraction > above
+    assert temperature_at(law, SOLIDUS, LIQUIDUS, 0.0) == LIQUIDUS
+    assert temperature_at(LinearLaw(), 600.0, 600.0, 0.5) == 600.0
 
 
 def test_solute_is_balanced_in_equilibrium() -> None:

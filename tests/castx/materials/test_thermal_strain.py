@@ -128,3 +128,16 @@ def test_liquid_and_skeleton_shrink_by_the_whole_together(coherency: float) -> N
     np.testing.assert_allclose(before - shrinkage_strain(material, fraction), 0.06 * fraction)
     np.testing.assert_allclose(before, 0.06 * np.minimum(fraction, coherency))
     assert not liquid_shrinkage(alloy(solidification_shrinkage=0.06), fraction).any()
+
+
+def test_strain_of_freezing_metal_at_a_solid_fraction() -> None:
+    """Free of strain at 590 °C, coherent at 580, solid at 550: cooled by 10 and by 40 K."""
+    liquid = {"viscosity": 1e6, "coherency": 0.5}
+    metal = alloy(
+        liquidus=610.0, liquid=liquid, expansion=2e-5, stress_free=590.0,
+        solidification_shrinkage=0.06,
+    )  # fmt: skip
+    state = StressFreeState.at_start(metal, 620.0, 620.0)
+    born, frozen = (float(state.strain_at(metal, fraction)) for fraction in (0.5, 1.0))
+    assert born == pytest.approx(-3 * 2e-5 * 10.0, rel=1e-9)
+    assert frozen == pytest.approx(-3 * 2e-5 * 40.0 - 0.5 * 0.06, rel=1e-9)

@@ -8,6 +8,7 @@ import pytest
 from castx.arrays import FloatArray
 from castx.mechanics.constitutive.growth import (
     CellVolume,
+    Freezing,
     MetalNodes,
     PlateauFront,
     Shares,
@@ -39,6 +40,11 @@ FROZEN = -2e-4
 """Strain of contraction at which metal of these tests becomes solid."""
 
 
+def freezing(nodes: int, born: float = 0.0, frozen: float = FROZEN) -> Freezing:
+    """Return the contraction at both ends of the mush, the same at all nodes."""
+    return Freezing(np.full(nodes, born), np.full(nodes, frozen))
+
+
 def test_a_cell_contracts_where_it_bears(points):
     """Mush and solid: Σ w dc/Σ w with the mean share of each corner."""
     nodes = points.cell_nodes.max() + 1
@@ -47,7 +53,7 @@ def test_a_cell_contracts_where_it_bears(points):
     mushy = (start.share < 1) & (end.share < 1)
     solid = (start.share == 1) & (end.share == 1)
     start.share[~mushy & ~solid] = end.share[~mushy & ~solid] = 0.4
-    found = growth(points, [start, end], np.full(nodes, FROZEN))
+    found = growth(points, [start, end], freezing(nodes))
     mean = 0.5 * (start.share + end.share)
     np.testing.assert_allclose(found.strained, mean, rtol=1e-12)
     cells = found.contraction(points)
@@ -57,23 +63,45 @@ def test_a_cell_contracts_where_it_bears(points):
         assert cells[cell] == pytest.approx(expected, rel=1e-12)
     liquid = of(np.zeros(nodes), end.contraction)
     other = liquid._replace(contraction=start.contraction)
-    none = growth(points, [liquid, other], np.full(nodes, FROZEN))
+    none = growth(points, [liquid, other], freezing(nodes))
     assert not none.contraction(points).any()
     # The contraction of a corner that is solid is that of the cell, however little solid it is.
     first = points.cell_nodes[0][0]
     one = np.zeros(nodes)
     one[first] = 0.01
     only = [of(one, state.contraction) for state in (start, end)]
-    cells = growth(points, only, np.full(nodes, FROZEN)).contraction(points)
+    cells = growth(points, only, freezing(nodes)).contraction(points)
     assert cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
 
 
 def test_without_contraction_the_share_is_the_mean_over_the_states(points):
     nodes = points.cell_nodes.max() + 1
     passed = [of(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
-    found = growth(points, passed, np.zeros(nodes))
+    found = growth(points, passed, freezing(nodes, frozen=0.0))
     np.testing.assert_allclose(found.strained, (0.1 + 0.55) / 2, rtol=1e-12)
     assert not found.contracted.any()
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_what_cooled_before_it_bears_does_not_count(points, melts):
+    """A cell that begins to bear does not contract at once by all that it cooled as a liquid.
+
+    Born at -1e-4, which lies a tenth behind the start of the step or at any other part of it: by
+    the mean share of what is left, and for a share of almost none by almost nothing.
+    """
+    nodes = points.cell_nodes.max() + 1
+    born = freezing(nodes, born=-1e-4)
+    for share in (0.5, 1e-5):
+        end = of(np.full(nodes, share), np.full(nodes, -1e-4 * (1.0 + share)))
+        for before in (0.0, -0.9e-4, -1e-4):
+            passed = [of(np.zeros(nodes), np.full(nodes, before)), end]
+            sign = -1.0 if melts else 1.0
+            found = growth(points, passed[::-1] if melts else passed, born)
+            np.testing.assert_allclose(found.contraction(points), -sign * 1e-4 * share, rtol=1e-9)
+    # Through the whole mush in one step: half of what it contracts as mush, all of it as a solid.
+    cold = of(np.ones(nodes), np.full(nodes, -5e-4))
+    found = growth(points, [of(np.zeros(nodes), np.zeros(nodes)), cold], born)
+    np.testing.assert_allclose(found.contracted, -0.5 * 1e-4 - 3e-4, rtol=1e-12)
 
 
 @pytest.mark.parametrize("isothermal", [False, True])
@@ -87,7 +115,7 @@ def test_metal_that_becomes_solid_contracts_after_that(points, melts, isothermal
     mushy = of(np.full(nodes, 0.5), np.full(nodes, -1e-4))
     cold = of(np.ones(nodes), np.full(nodes, -5e-4))
     passed = [cold, mushy] if melts else [mushy, cold]
-    found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
+    found = growth(points, passed, freezing(nodes), isothermal=isothermal)
     np.testing.assert_allclose(found.contraction(points), 4e-4 if melts else -4e-4, rtol=1e-12)
     np.testing.assert_allclose(found.strained, (1e-4 * 0.75 + 3e-4) / 4e-4, rtol=1e-12)
 
@@ -104,7 +132,7 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
         of(both, np.where(skin == 1, -1e-3, FROZEN)),
     ]
     wide, narrow = (
-        growth(points, states, np.full(nodes, FROZEN)) for states in (passed, passed[::2])
+        growth(points, states, freezing(nodes, born=FROZEN)) for states in (passed, passed[::2])
     )
     beside = np.delete(wide.strained, first), np.delete(narrow.strained, first)
     own, rest = points.integrals([skin, 1.0 - skin])
@@ -126,7 +154,7 @@ def test_what_is_strained_does_not_hang_on_the_ranks(comm, body, points):
         of(skin, np.where(skin == 1, -6e-4, FROZEN)),
         of(both, np.where(skin == 1, -8e-4, FROZEN)),
     ]
-    found = growth(points, passed, np.full(len(x), FROZEN))
+    found = growth(points, passed, freezing(len(x), born=FROZEN))
     # Of 20 mm the skin has 10 and half of the next cell of 5; of the rest half bears in the mean.
     share = 12.5 / 20.0
     strains = 4e-4, 2e-4 * share / (share + 0.5 * (1.0 - share))
@@ -145,10 +173,10 @@ def test_solid_behind_a_front_is_strained_as_it_was_at_the_start(points):
     cold = np.where(skin == 1, -4e-4, FROZEN)
     passed = [of(skin, np.full(nodes, FROZEN)), of(more, cold)]
     for isothermal, share in ((False, 0.4), (True, 0.2)):
-        found = growth(points, passed, np.full(nodes, FROZEN), isothermal=isothermal)
+        found = growth(points, passed, freezing(nodes, born=FROZEN), isothermal=isothermal)
         np.testing.assert_allclose(np.delete(found.strained, first), share, rtol=1e-12)
     passed[0].share[skin < 1] = 0.0
-    found = growth(points, passed, np.full(nodes, FROZEN), isothermal=True)
+    found = growth(points, passed, freezing(nodes, born=FROZEN), isothermal=True)
     np.testing.assert_allclose(np.delete(found.strained, first), 0.15, rtol=1e-12)
 
 
@@ -166,12 +194,12 @@ def test_a_front_of_an_alloy_contracts_at_its_middle_share(points, melts):
         passed = [of(np.full(nodes, w), np.full(nodes, slope * w)) for w in (share, later)]
         if melts:
             passed, amount = passed[::-1], -amount
-        found = growth(points, passed, np.full(nodes, slope), fronts=[front])
+        found = growth(points, passed, freezing(nodes, frozen=slope), fronts=[front])
         np.testing.assert_allclose(found.contracted, slope * amount, rtol=1e-12)
         np.testing.assert_allclose(found.strained, 0.5 * (share + later), rtol=1e-12)
     # From the plateau into the cold: what is solid contracts wholly below the solidus.
     last = [of(np.full(nodes, w), np.full(nodes, slope * c)) for w, c in ((0.5, 0.5), (1.0, 1.5))]
-    found = growth(points, last, np.full(nodes, slope), fronts=[front])
+    found = growth(points, last, freezing(nodes, frozen=slope), fronts=[front])
     np.testing.assert_allclose(found.contracted, slope * (0.5 * 0.6 + 0.5), rtol=1e-12)
 
 
