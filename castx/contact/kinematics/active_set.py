@@ -24,7 +24,8 @@ each other is the worst one rounding decides, and the other one would follow by 
 
 PROVISIONAL = 2
 """Pass of a step up to which pairs that let go in an earlier one may be held anew: its heat is
-another, and metal that had just frozen at a wall may be liquid in it."""
+another, and metal that had just frozen at a wall may be liquid in it. Metal that bears less in it
+is not held anew: back at its wall it would lose as much heat as before, and let go once more."""
 
 ROUNDED = 1e-12
 """Part of the largest force of a closed pair that is noise in the others."""
@@ -168,7 +169,6 @@ class ActiveSet:
         self._committed = self.closed.copy()
         self._pulls: FloatArray = np.zeros(len(free))
         self._let_go: BoolArray = np.zeros(len(free), dtype=bool)
-        self._let_go_at: FloatArray = np.zeros(len(free))
         self._holds = 0
         self._released: BoolArray = np.zeros(len(free), dtype=bool)
         self.begin()
@@ -201,17 +201,17 @@ class ActiveSet:
     def hold(self, pulls: FloatArray, closing: BoolArray) -> None:
         """Let closed pairs be pulled until the next call.
 
-        A pair that lets go in the first pass of a step is held anew by the second one if it bears
-        that pull by then; later, pairs let go once. If all were held anew, the skin would let go
+        A pair that lets go in the first pass of a step is held anew by the second one if its metal
+        is liquid by then; later, pairs let go once. If all were held anew, the skin would let go
         ring by ring once more.
 
         Args:
-            pulls: largest pulls of the pairs [N], shape (pairs,).
+            pulls: largest pulls of the pairs [N], infinite at liquid, shape (pairs,).
             closing: pairs that close whatever their gap, shape (pairs,).
         """
         self._holds += 1
         if self._holds <= PROVISIONAL:
-            anew = self._committed & self._let_go & (pulls > self._let_go_at)
+            anew = self._committed & self._let_go & np.isinf(pulls)
             self.closed = self.closed | anew
             self._let_go &= ~anew
         may = (self._committed | closing) & ~self._let_go
@@ -241,9 +241,7 @@ class ActiveSet:
         else:
             wrong = self._pivoting.at_once(violation)
         changed = self._count(wrong)
-        goes = wrong & self.closed & ~self._let_go
-        self._let_go_at[goes] = -forces[goes]
-        self._let_go |= goes
+        self._let_go |= wrong & self.closed
         self._pulls[self._let_go] = 0.0
         self.closed = self.closed ^ wrong
         self.changes += changed

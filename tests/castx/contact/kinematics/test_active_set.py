@@ -293,17 +293,17 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
 
 
 @pytest.mark.ranks
-@pytest.mark.parametrize("bears", [False, True])
-def test_what_lets_go_is_held_anew_by_the_second_pass_if_it_bears_the_pull_then(comm, bears):
+@pytest.mark.parametrize("liquid", [False, True])
+def test_what_lets_go_is_held_anew_by_the_second_pass_if_it_is_liquid_then(comm, liquid):
     """One pair of each rank; a pair without a pull that opens is no matter of being held."""
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
     limits, none = np.array([4.0]), np.zeros(1, dtype=bool)
-    later = np.array([9.1 if bears else 8.9])
+    later = np.array([np.inf if liquid else 9.1])
     for step in range(2):
         for count in range(PROVISIONAL + 2):
             active.hold(limits if count == 0 else later, none)
             active.begin()
-            assert active.closed.all() == (count == 0 or (bears and count < PROVISIONAL))
+            assert active.closed.all() == (count == 0 or (liquid and count < PROVISIONAL))
             active.update(np.where(active.closed, -9.0 - count, -1.0))
             assert not active.closed.any()
         active.rewind() if step == 0 else active.commit()
