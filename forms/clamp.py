@@ -7,7 +7,7 @@ presses, the traction on the body is
 
 on a flat surface with the outward normal n = -d therefore t = -(F + k n·u)/A n: where the surface
 moves back, the force rises. The stiffness is an elastic foundation: E. Winkler, Die Lehre von der
-Elasticität und Festigkeit (1867).
+Elasticität und Festigkeit (1867). What hangs on a frame has springs in all directions: t = -(k/A) u.
 """
 
 from __future__ import annotations
@@ -40,3 +40,15 @@ def backing_work(eta: Any, u: Any, foundation: Any, direction: Any, ds: Any) -> 
         ds: weighted measure of the surface.
     """
     return foundation * ufl.inner(direction, u) * ufl.inner(direction, eta) * ds
+
+
+def frame_work(eta: Any, u: Any, foundation: Any, ds: Any) -> Any:
+    """Return ∫_Γ (k/A) u·η, the work against a frame that holds in all directions.
+
+    Args:
+        eta: variation of the displacement.
+        u: displacement.
+        foundation: k/A [Pa/m].
+        ds: weighted measure of the surface.
+    """
+    return foundation * ufl.inner(u, eta) * ds

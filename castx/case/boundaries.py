@@ -27,6 +27,8 @@ from castx.transfer.declaration import Given
 DIRECTIONS = ("x", "y", "z", "r", "normal", "all")
 LOADS = ("pressure", "traction", "clamp")
 """Conditions that press or pull on a surface."""
+FRAME = "all"
+"""Direction of a clamp that holds in all of them."""
 CONDITIONS = ("heat", "displacement", *LOADS)
 """Kinds of conditions on a surface."""
 
@@ -144,12 +146,18 @@ class ClampCondition(Description):
     Attributes:
         force: over time, where the surface was meshed [N].
         stiffness: of the machine behind the surface [N/m]; None: the force follows its motion.
-        direction: axis along which it presses; None: against the normal of a flat surface.
+        direction: axis along which it presses; None: against the normal of a flat surface; "all":
+            it is a frame that holds in all directions, and presses in none.
     """
 
     force: Annotated[Table | None, over_time(FORCE, least=0.0)] = None
     stiffness: Annotated[float | None, Quantity(STIFFNESS, above=0.0)] = None
-    direction: Annotated[str | None, Choice(("x", "y", "z"))] = None
+    direction: Annotated[str | None, Choice(("x", "y", "z", FRAME))] = None
+
+    @property
+    def is_frame(self) -> bool:
+        """Whether it holds in all directions."""
+        return self.direction == FRAME
 
     @property
     def released(self) -> ClampCondition:
@@ -160,6 +168,9 @@ class ClampCondition(Description):
         """Yield a clamp without force and stiffness."""
         if self.force is None and self.stiffness is None:
             yield Problem((), "says nothing; give force, stiffness or both")
+        if self.is_frame and self.force is not None:
+            text = 'a force has one direction: leave it out beside direction = "all"'
+            yield Problem(("force",), text)
 
 
 FREE_CLAMP = ClampCondition(force=Table.constant(0.0))

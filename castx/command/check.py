@@ -306,6 +306,7 @@ def clamp_text(clamp: ClampCondition, area: float) -> str:
     if clamp.stiffness is not None:
         parts.append(f"{clamp.stiffness:.4g} N/m")
     along = "" if clamp.direction is None else f" along {clamp.direction}"
+    along = " in all directions" if clamp.is_frame else along
     return f"clamp{along} {', '.join(parts)}"
 
 

@@ -12,14 +12,13 @@ from castx.case.boundaries import Boundary
 from castx.case.case import Case
 from castx.domain.mesh import BodyMesh, CastingMesh
 from castx.errors import CaseError
-from castx.mechanics.clamp import SurfaceClamp
+from castx.mechanics.clamp import SurfaceClamp, clamp_directions
 from castx.mechanics.fixed_directions import (
     SurfaceDisplacement,
     axes_of,
     fixed_directions,
     parallel,
 )
-from castx.mechanics.press_direction import press_direction
 from castx.tables import Table
 
 
@@ -35,8 +34,10 @@ def surface_clamps(boundaries: Iterable[Boundary], model: str) -> list[SurfaceCl
         clamp = boundary.clamp
         if clamp is not None:
             force = Table.constant(0.0) if clamp.force is None else clamp.force
-            axis = None if clamp.direction is None else axes[clamp.direction]
-            found.append(SurfaceClamp(boundary.surface, force, clamp.stiffness or 0.0, axis))
+            axis = axes.get(clamp.direction or "")
+            found.append(
+                SurfaceClamp(boundary.surface, force, clamp.stiffness or 0.0, axis, clamp.is_frame)
+            )
     return found
 
 
@@ -72,11 +73,13 @@ def refuse_held_clamps(
 def _is_held(
     body: BodyMesh, model: str, clamp: SurfaceClamp, conditions: Sequence[SurfaceDisplacement]
 ) -> bool:
-    direction, _ = press_direction(body, model, clamp.surface, clamp.axis)
+    directions, _ = clamp_directions(body, model, clamp)
     owned = body.nodes.dofmap.index_map.size_local
-    nodes, free = body.surface_nodes(clamp.surface), np.zeros(owned, dtype=bool)
-    free[nodes[nodes < owned]] = True
+    nodes = body.surface_nodes(clamp.surface)
+    free = np.zeros((len(directions), owned), dtype=bool)
+    free[:, nodes[nodes < owned]] = True
     for fixed in fixed_directions(body, model, conditions):
-        if fixed.value is not None:
-            free[fixed.nodes[parallel(fixed.directions, direction)]] = False
+        for along, direction in zip(free, directions, strict=True):
+            if fixed.value is not None:
+                along[fixed.nodes[parallel(fixed.directions, direction)]] = False
     return not body.mesh.comm.allreduce(bool(free.any()), op=MPI.LOR)

@@ -72,3 +72,17 @@ def test_the_springs_resist_along_the_direction_alone(dimension):
                 rows, columns = (slice(n * dimension, (n + 1) * dimension) for n in (i, j))
                 expected[rows, columns] += 5.0 * mass * np.outer(d, d)
     np.testing.assert_allclose(K[np.ix_(order, order)], expected, atol=1e-12)
+
+
+@dimensions
+def test_a_frame_resists_in_all_directions_alike(dimension):
+    """It is the sum of springs along the axes."""
+    space, _ = spaces(dimension)
+    eta, du = ufl.TestFunction(space), ufl.TrialFunction(space)
+    ds = measure(dimension)
+    frame = fem.assemble_matrix(fem.form(clamp.frame_work(eta, du, 5.0, ds))).to_dense()
+    axes = [ufl.as_vector(e.tolist()) for e in np.eye(dimension)]
+    forms = [fem.form(clamp.backing_work(eta, du, 5.0, axis, ds)) for axis in axes]
+    expected = sum(fem.assemble_matrix(form).to_dense() for form in forms)
+    np.testing.assert_allclose(frame, expected, atol=1e-12)
+    assert np.linalg.matrix_rank(frame) >= dimension

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from castx.case.bodies import DARCY, IN_CELLS, Body
-from castx.case.boundaries import CONDITIONS, FREE, FREE_CLAMP, Boundary, ClampCondition
+from castx.case.boundaries import CONDITIONS, FRAME, FREE, FREE_CLAMP, Boundary, ClampCondition
 from castx.case.case import Case
 from castx.case.interfaces import Interface
 from castx.case.reading.contact import face_problems, rigid_problems, surface_problems
@@ -271,7 +271,7 @@ def direction_problems(case: Case, place: KeyPath, boundary: Boundary) -> Iterat
 def _clamp_problems(
     case: Case, place: KeyPath, surface: str, clamp: ClampCondition
 ) -> Iterator[Problem]:
-    axes = [axis for axis in ("x", "y", "z") if axis in case.geometry.directions]
+    axes = [axis for axis in ("x", "y", "z", FRAME) if axis in case.geometry.directions]
     if clamp.direction is not None and clamp.direction not in axes:
         known = among("", axes, what=f"a clamp in the model {case.geometry.model!r} may have")
         yield Problem((*place, "direction"), known)

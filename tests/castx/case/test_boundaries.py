@@ -79,6 +79,8 @@ def test_clamp():
     assert boundary(clamp="free").clamp is FREE_CLAMP
     left = found.released
     assert (left.force(1.0), left.stiffness, left.direction) == (0.0, None, "z")
+    frame = boundary(clamp={"stiffness": 7, "direction": "all"}).clamp
+    assert frame.is_frame and not found.is_frame and frame.released.is_frame
 
 
 @pytest.mark.parametrize(
@@ -180,6 +182,7 @@ def test_clamp():
         ({"clamp": {"stiffness": "3 N"}}, "clamp.stiffness: 'N' is not a unit of stiffness"),
         ({"clamp": {"stiffness": [[0, 1]]}}, "clamp.stiffness: a stiffness is needed"),
         ({"clamp": {"force": 1, "direction": "r"}}, "clamp.direction: unknown; allowed: x, y, z"),
+        ({"clamp": {"force": 1, "stiffness": 1, "direction": "all"}}, "clamp.force: a force has o"),
         ({"clamp": {"fource": 1}}, r'clamp.fource: unknown key.*did you mean "force"\?'),
         ({"presure": 5}, r'presure: unknown key.*did you mean "pressure"\?'),
     ],

@@ -128,6 +128,7 @@ def test_clamps_are_told_with_the_pressure_they_mean():
     both = told(force="200 kN", stiffness="1 MN/mm")
     assert both == "pressure, clamp 2e+05 N (10 MPa), 1e+09 N/m"
     assert told(stiffness=5.0) == "pressure, clamp 5 N/m"
+    assert told(stiffness=5.0, direction="all") == "pressure, clamp in all directions 5 N/m"
     ramp = told(force=[[0, 0], [1, 4e4], [2, 1e4]], direction="z")
     assert ramp == "pressure, clamp along z at most 4e+04 N (2 MPa)"
 

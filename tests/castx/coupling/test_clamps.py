@@ -30,6 +30,8 @@ def test_numbers_and_axes_reach_the_mechanics():
     assert (top.surface, top.axis, top.force(0.0), top.stiffness) == ("top", None, 0.0, 5.0)
     assert surface_clamps(given, "3d")[0].axis == 2
 
+FRAME = {"stiffness": 1e9, "direction": "all"}
+
 
 def clamped(on: str, clamp=CLAMP, **conditions):
     """Return the coarse ring with a clamp on one of its surfaces."""
@@ -46,6 +48,7 @@ def clamped(on: str, clamp=CLAMP, **conditions):
         (clamped("core/base"), "displacement conditions prescribe the motion of the whole surfac"),
         (clamped("casting/top", displacement={"z": 1e-5}), "force and stiffness would have no ef"),
         (clamped("casting/top", displacement={"all": 0.0}), 'or the displacement ("uniform" make'),
+        (clamped("core/base", FRAME, displacement={"all": 0.0}), "displacement conditions prescri"),
         (clamped("casting/outside"), "the surface is not flat"),
         (clamped("casting/outside", {**CLAMP, "direction": "z"}), "only 0 of the surface faces"),
     ],
@@ -71,9 +74,10 @@ def test_refused_before_anything_is_solved(comm, data, text, shared_tmp_path, ca
         clamped("core/top", displacement={"r": 0.0}),
         clamped("casting/top", displacement={"z": "uniform"}),
         clamped("core/base", displacement={"r": 0.0}),
+        clamped("casting/outside", FRAME),
         {**clamped("core/base"), "coupling": {"scheme": "thermal"}},
     ],
-    ids=["along the surface", "rigid plate", "replaced", "no mechanics"],
+    ids=["along the surface", "rigid plate", "replaced", "a frame on a round", "no mechanics"],
 )
 def test_accepted(comm, data):
     simulation(comm, data).destroy()

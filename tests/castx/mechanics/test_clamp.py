@@ -118,3 +118,35 @@ def test_a_motion_strains_the_springs_along_the_clamp(comm):
     dead = clamped(comm, "plane-strain", "displacement", "simplices", 0.0)
     assert dead.loads.backing is None and len(dead.loads.held(back)) == 0
     assert not dead.formulation.forms.spring_forces().any()
+
+
+@pytest.mark.ranks
+@formulations
+@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric", "3d"])
+def test_a_frame_holds_in_all_directions(comm, model, formulation, cells):
+    """A rigid motion of (3, 4) along two axes is resisted by five times the stiffness, along it."""
+    name = surface_of(model)
+    frame = SurfaceClamp(name, Table.constant(0.0), STIFFNESS, frame=True)
+    held, plain = (
+        alone(comm, model, cells, formulation=formulation, clamps=clamps)
+        for clamps in ([frame], [])
+    )
+    d = held.dimension
+    motion = np.zeros(held.block_size)
+    motion[[along(model), d - 1 - along(model) * (d - 1)]] = 4e-4, 3e-4
+    for body in (held, plain):
+        begin_anywhere(body)
+        body.solution.x.array.reshape(-1, body.block_size)[:] = motion
+    acting = (plain.residual() - held.residual()).reshape(-1, held.block_size)
+    total = comm.allreduce(acting.sum(axis=0))
+    if model != "axisymmetric":  # radial forces cancel over the turn
+        np.testing.assert_allclose(total, -STIFFNESS * motion, atol=1e-9 * STIFFNESS * 5e-4)
+    assert total[along(model)] == pytest.approx(-STIFFNESS * 4e-4, rel=1e-9)
+    (clamp,) = held.loads.clamps
+    values = held.solution.x.array.reshape(-1, held.block_size)[:, :d]
+    totals = clamp.totals(values)
+    assert totals[f"casting/{name}.clamp_force"] == pytest.approx(STIFFNESS * 5e-4, rel=1e-12)
+    assert totals[f"casting/{name}.clamp_displacement"] == pytest.approx(5e-4, rel=1e-12)
+    moved = np.tile(motion[:d], (held.owned_nodes, 1))
+    found = held.loads.held(moved).reshape(-1, d)
+    np.testing.assert_allclose(found, np.tile(motion[:d], (len(found), 1)))

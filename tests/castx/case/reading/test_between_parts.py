@@ -112,7 +112,7 @@ def test_accepted(changes):
         ({"boundaries__1__traction": [1, {"formula": "x"}]}, "not x; coordinates of this model"),
         (
             {"boundaries__1__clamp": {"force": 1, "direction": "y"}},
-            "clamp.direction = \"y\": a clamp in the model 'axisymmetric' may have: z",
+            "clamp.direction = \"y\": a clamp in the model 'axisymmetric' may have: z, all",
         ),
         (
             {**SPATIAL, "boundaries__1": {"on": "mould/symmetry-x", "clamp": {"force": 1}}},
