@@ -7,7 +7,7 @@ presses, the traction on the body is
 
 on a flat surface with the outward normal n = -d therefore t = -(F + k n·u)/A n: where the surface
 moves back, the force rises. The stiffness is an elastic foundation: E. Winkler, Die Lehre von der
-Elasticität und Festigkeit (1867). What hangs on a frame has springs in all directions: t = -(k/A) u.
+Elasticität und Festigkeit (1867). A frame that holds in all directions has t = -(k/A) u.
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import material_remarks, material_warnings
 from castx.contact.kinematics.hidden_pairs import hidden_pair_warnings
 from castx.coupling.building import formulation_of, laws_above_solidus
+from castx.coupling.loose_parts import loose_parts
 from castx.coupling.thin_walls import thin_walls
 from castx.domain.memory import refuse_too_large
 from castx.domain.mesh import CastingMesh, build_mesh
@@ -93,10 +94,11 @@ def check_case(
     hidden = hidden_pair_warnings(case.interfaces, pairs, case.rigid_bodies, comm)
     shut = shut_in(case, free_areas(case, summary))
     thin = [walls.text for walls in thin_walls(case, mesh)]
+    loose = loose_parts(case, mesh, pairs)
     for text in material_remarks(case):
         console.print(text, markup=False)
     of_case = (*material_warnings(case), *caveats(case), *unusual(case))
-    warnings = (*areas, *hidden, *of_case, *shut, *thin)
+    warnings = (*areas, *hidden, *of_case, *shut, *loose, *thin)
     for warning in warnings:
         console.print(f"warning: {warning}", markup=False, style="yellow")
     console.print("the case can be run", markup=False)

@@ -191,7 +191,7 @@ def _mechanics(
         for b in case.bodies
         if b.law != "rigid"
     }
-    displacements = _displacements(case)
+    displacements = prescribed_displacements(case)
     solver = case.solver
     settings = MechanicsSettings(
         solver.linear,
@@ -204,7 +204,8 @@ def _mechanics(
     return MechanicalProblem(mesh, bodies, displacements, described, settings, counters, pairs)
 
 
-def _displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:
+def prescribed_displacements(case: Case) -> dict[str, list[SurfaceDisplacement]]:
+    """Return the displacement conditions of a case by body."""
     found: dict[str, list[SurfaceDisplacement]] = {b.name: [] for b in case.bodies}
     for boundary in case.boundaries:
         for condition in boundary.displacement:
@@ -222,13 +223,13 @@ def rigid_bodies(case: Case, mesh: CastingMesh) -> dict[str, RigidBody]:
     """
     if case.coupling.scheme == "thermal":
         return {}
-    given = _displacements(case)
+    given = prescribed_displacements(case)
     return {name: rigid_body(name, mesh.model, given[name]) for name in case.rigid_bodies}
 
 
 def check_clamps(case: Case, mesh: CastingMesh) -> None:
     """Refuse clamps that press on nothing, see `refuse_held_clamps`; collective."""
-    refuse_held_clamps(case, mesh, _displacements(case))
+    refuse_held_clamps(case, mesh, prescribed_displacements(case))
 
 
 def _contact(interface: Interface) -> Contact:

@@ -81,5 +81,5 @@ def _is_held(
     for fixed in fixed_directions(body, model, conditions):
         for along, direction in zip(free, directions, strict=True):
             if fixed.value is not None:
-                along[fixed.nodes[parallel(fixed.directions, direction)]] = False
+                along[fixed.nodes[parallel(fixed.directions, np.asarray(direction))]] = False
     return not body.mesh.comm.allreduce(bool(free.any()), op=MPI.LOR)

@@ -20,6 +20,7 @@ from castx.coupling.building import (
     laws_above_solidus,
     rigid_bodies,
 )
+from castx.coupling.loose_parts import loose_parts
 from castx.coupling.thin_walls import thin_walls
 from castx.domain.mesh import CastingMesh
 from castx.domain.pairs.areas import area_text, area_warnings
@@ -121,6 +122,8 @@ def process_of(
         _log.info("%s", chosen)
     for caveat in caveats(case):
         _log.warning("%s", caveat)
+    for loose in loose_parts(case, mesh, pairs):
+        _log.warning("%s", loose)
     for walls in thin_walls(case, mesh):
         _log.warning("%s", walls.text)
     for found in pairs.values():

@@ -137,6 +137,8 @@ class Mould:
         cores: bodies that are cut out of others where they overlap.
         chills: made for it.
         channels: drilled through it.
+        plug: body of its pieces that hang at no outer part of it, as inside an open box; None: they
+            stay with it, or with the half in which more of them lies.
     """
 
     name: str = "mould"
@@ -146,10 +148,16 @@ class Mould:
     cores: tuple[str, ...] = ()
     chills: tuple[Chill, ...] = ()
     channels: tuple[Channel, ...] = ()
+    plug: str | None = None
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of all bodies that may come of the block."""
+        return self.bodies if self.plug is None else (*self.bodies, self.plug)
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the block's bodies."""
+        """Names of the block's bodies, without a plug."""
         if self.split is None:
             return (self.name,)
         return f"{self.name}-low", f"{self.name}-high"

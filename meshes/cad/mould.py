@@ -54,7 +54,8 @@ def with_mould(part: CadPart, solids: Sequence[Solid]) -> list[Solid]:
         made += [Solid(_chill(chill), chill.name, "", CHILL) for chill in mould.chills]
         gmsh.model.occ.synchronize()
         made += _block(mould, made)
-        _refuse_names_of_solids(names, made[len(solids) :])
+        plugs = () if mould.plug is None else (mould.plug,)
+        _refuse_names_of_solids(names, (*(solid.name for solid in made[len(solids) :]), *plugs))
         for channel in mould.channels:
             made += [Solid(tag, channel.name, "", CHANNEL) for tag in _channel(channel)]
         gmsh.model.occ.synchronize()
@@ -63,12 +64,12 @@ def with_mould(part: CadPart, solids: Sequence[Solid]) -> list[Solid]:
     return made
 
 
-def _refuse_names_of_solids(names: Collection[str], made: Sequence[Solid]) -> None:
+def _refuse_names_of_solids(names: Collection[str], made: Sequence[str]) -> None:
     """Refuse bodies that are made and called like a solid of the files."""
-    for solid in made:
-        if solid.name in names:
+    for name in made:
+        if name in names:
             raise ValueError(
-                f"a solid is called {solid.name!r} like the body that is made by geometry.mould; "
+                f"a solid is called {name!r} like the body that is made by geometry.mould; "
                 "give one of them another name: geometry.names, or name under geometry.mould"
             )
 
@@ -142,7 +143,8 @@ def whole_halves(
 
     A planar split cuts the plug inside a cup off from its half. It hangs at the other half, which
     it touches across the plane, and comes out with that. The plug of a cup whose rim is bare hangs
-    at neither: its parts stay together, with the half in which more of it lies.
+    at neither: it is the body that the mould names, or its parts stay together, with the half in
+    which more of it lies.
 
     Args:
         volumes: of the joined solids in the current gmsh model, by tag.
@@ -152,11 +154,11 @@ def whole_halves(
         The volumes, and a remark for each body of which pieces were given away.
     """
     found, remarks = dict(volumes), list[str]()
-    if mould is None or mould.split is None:
+    if mould is None or (mould.split is None and mould.plug is None):
         return found, remarks
     faces = {tag: _faces(tag) for tag, name in volumes.items() if name in mould.bodies}
     *bare, block = _pieces(faces)
-    for half, other in (mould.bodies, mould.bodies[::-1]):
+    for half, other in (mould.bodies, mould.bodies[::-1]) if mould.split else ():
         loose = _pieces({tag: own for tag, own in faces.items() if volumes[tag] == half})[:-1]
         given = [piece for piece in loose if piece[0] in block]
         found |= {tag: other for piece in given for tag in piece}
@@ -165,6 +167,9 @@ def whole_halves(
                 f"split cuts {_counted(given)} off from {half!r}, round {_places(given)}; "
                 f"{other!r} has them, the half that they hang at"
             )
+    if mould.plug is not None:
+        found |= {tag: mould.plug for piece in bare for tag in piece}
+        return found, [*remarks, *_plugs(bare, mould.plug)]
     for piece in bare:
         parts = [[tag for tag in piece if volumes[tag] == half] for half in mould.bodies]
         if all(parts):
@@ -177,12 +182,25 @@ def whole_halves(
     return found, remarks
 
 
+def _plugs(pieces: Sequence[Sequence[int]], name: str) -> Iterator[str]:
+    if pieces:
+        yield (
+            f"{_counted(pieces)} of the mould, round {_places(pieces)}, "
+            f"{'hangs' if len(pieces) == 1 else 'hang'} at no other part of it: the body {name!r}"
+        )
+
+
 def _counted(pieces: Sequence[Sequence[int]]) -> str:
     return "1 piece" if len(pieces) == 1 else f"{len(pieces)} pieces"
 
 
 def _places(pieces: Sequence[Sequence[int]]) -> str:
-    return ", ".join(place_text(centre_of(3, piece[0])) for piece in pieces)
+    return ", ".join(place_text(_centre(piece)) for piece in pieces)
+
+
+def _centre(piece: Sequence[int]) -> FloatArray:
+    weights = [_volume([tag]) for tag in piece]
+    return np.asarray(np.average([centre_of(3, tag) for tag in piece], axis=0, weights=weights))
 
 
 def _pieces(faces_of: Mapping[int, set[int]]) -> list[list[int]]:
@@ -250,7 +268,7 @@ def _name_by_making(part: CadPart, face: Face, tolerance: float) -> str | None:
     for plane in part.symmetry:
         if (np.abs(face.points[:, plane.axis] - plane.place) <= tolerance).all():
             return symmetry_plane(plane.axis)
-    if part.mould is None or face.bodies[0] not in part.mould.bodies:
+    if part.mould is None or face.bodies[0] not in part.mould.parts:
         return None
     for channel in part.mould.channels:
         radius = 0.5 * channel.diameter

@@ -140,6 +140,8 @@ class CadMould(Description):
         cores: bodies that are cut out of others where they overlap.
         chills: that are made for it.
         cooling: channels that are drilled through it.
+        plug: body of its pieces that hang at no outer part of it, as inside an open box; None: they
+            stay with it, or with the half in which more of them lies.
     """
 
     name: EntryName = "mould"
@@ -148,10 +150,16 @@ class CadMould(Description):
     cores: tuple[EntryName, ...] = Field((), max_length=_MOST_PARTS)
     chills: tuple[MouldChill, ...] = Field((), max_length=_MOST_PARTS)
     cooling: tuple[CoolingChannel, ...] = Field((), max_length=_MOST_PARTS)
+    plug: EntryName | None = None
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield chills that have one name, or that of the mould."""
-        names = [self.name]
+        """Yield chills and a plug that have one name, or that of the mould."""
+        halves = () if self.split is None else (f"{self.name}-low", f"{self.name}-high")
+        names = [self.name, *halves]
+        if self.plug in names:
+            yield Problem(("plug",), f"is a name of the mould; {among('', names, what='names')}")
+        if self.plug is not None:
+            names.append(self.plug)
         for index, chill in enumerate(self.chills):
             if chill.name in names:
                 text = f"is there already; {among('', names, what='names')}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from castx.case.cad.template import CASTING, CHILL, MOULD, SAND, NewCase, geometry_text
+from castx.case.cad.holds import frame_text
+from castx.case.cad.template import CASTING, CHILL, MOULD, PLUG, SAND, NewCase, geometry_text
 from castx.case.processes.plan import AIR, Plan
 from castx.case.processes.process import CastingProcess
 from castx.materials.granular import GRANULAR
@@ -40,7 +41,11 @@ def process_text(case: NewCase, plan: Plan, of_class: str) -> str:
     tight = _swells_shut(case, role, plan)
     parts += [_body(name, v, role[name], plan, of_class, tight) for name, v in case.bodies]
     parts += [_interface(pair, role, plan, of_class) for pair in case.interfaces]
-    parts += [_boundary(on, area, role, plan) for on, area in case.surfaces]
+    held = _frames(case, role, plan, of_class)
+    parts += [
+        _boundary(on, area, role, plan) + held.get(on.partition("/")[0], "")
+        for on, area in case.surfaces
+    ]
     parts += _stages(role, plan)
     parts.append(
         f'[time]\nend = "{plan.end:g} s"                   # until the casting is cold, by estimate'
@@ -85,20 +90,35 @@ def _swells_shut(case: NewCase, role: Mapping[str, int], plan: Plan) -> bool:
     return (shrinkage or 0.0) < 0.0 and not free
 
 
-def _body(name: str, volume: float, role: int, plan: Plan, of_class: str, tight: bool) -> str:
-    process = plan.process
-    warm = f"{process.numbers['mould_temperature']:g}"
+def _made_of(role: int, plan: Plan, of_class: str) -> tuple[str, float, str]:
+    """Return material, temperature at the start [°C] and law of a body by its role."""
     chill = CHILLS.get(of_class, ("Cu-pure", ""))[0]
-    material, temperature, law = {
-        CASTING: (plan.alloy, f"{plan.pouring:g}", "thermo-elasto-viscoplastic"),
-        CHILL: (chill, "20", "thermo-elastic"),
-        MOULD: (plan.mould, warm, plan.mould_law),
-        SAND: ("sand-silica", "20", GRANULAR),
+    return {
+        CASTING: (plan.alloy, plan.pouring, "thermo-elasto-viscoplastic"),
+        CHILL: (chill, 20.0, "thermo-elastic"),
+        MOULD: (plan.mould, plan.process.numbers["mould_temperature"], plan.mould_law),
+        SAND: ("sand-silica", 20.0, GRANULAR),
     }[role]
+
+
+def _body(name: str, volume: float, role: int, plan: Plan, of_class: str, tight: bool) -> str:
+    material, temperature, law = _made_of(role, plan, of_class)
     return (
         f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
-        f'material = "{material}"\ntemperature = {temperature}\nlaw = "{law}"{_told(law, tight)}\n'
+        f'material = "{material}"\ntemperature = {temperature:g}\n'
+        f'law = "{law}"{_told(law, tight)}\n'
     )
+
+
+def _frames(case: NewCase, role: Mapping[str, int], plan: Plan, of_class: str) -> dict[str, str]:
+    """Return the conditions that hold bodies on frames; rigid ones stay without."""
+    volumes = dict(case.bodies)
+    made = {name: _made_of(role[name], plan, of_class) for name in case.held}
+    return {
+        name: frame_text(material, temperature, volumes[name])
+        for name, (material, temperature, law) in made.items()
+        if law != "rigid"
+    }
 
 
 def _told(law: str, tight: bool) -> str:
@@ -186,7 +206,7 @@ def listed(conditions: Sequence[str]) -> str:
 def _stages(role: Mapping[str, int], plan: Plan) -> Iterator[str]:
     """Yield the stages in which the mould lets go of the casting, which then cools in air."""
     around = [name for name, kind in role.items() if kind != CASTING]
-    moving = [name for name in around if name.endswith("-high")]
+    moving = [name for name in around if name.endswith("-high") or name == PLUG]
     delay = plan.process.numbers.get("ejection_delay")
     at, air = plan.release, plan.process.numbers["air_coefficient"]
     if delay is not None and moving:

@@ -6,12 +6,15 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from castx.case.cad.holds import frame_text, held_bodies
 from castx.materials.granular import GRANULAR
 
 Box = tuple[Sequence[float], Sequence[float]]
 CASTING, CHILL, MOULD, SAND = range(4)
-MADE = ("mould", "mould-low", "mould-high")
-"""Names of a mould that is made, or of its halves."""
+PLUG = "mould-plug"
+"""Name of what hangs at no outer part of a mould that is made."""
+MADE = ("mould", "mould-low", "mould-high", PLUG)
+"""Names of a mould that is made, or of its halves and its plug."""
 _TOLD = {CASTING: "cast", CHILL: "a chill", MOULD: "of the mould", SAND: "a core"}
 BARE = 0.5
 """Share of the surface of a casting beyond which nothing seems to surround it."""
@@ -79,6 +82,16 @@ class NewCase:
         """Names of the bodies that are cast."""
         role = self.roles
         return tuple(name for name, _ in self.bodies if role[name] == CASTING)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Bodies that need a frame, see `castx.case.cad.holds`."""
+        role = self.roles
+        return held_bodies(
+            {name: volume for name, volume in self.bodies if role[name] != CASTING},
+            [(first, second) for first, second, _ in self.interfaces],
+            {on.partition("/")[0] for on, _ in self.surfaces},
+        )
 
     def taken_for(self) -> Iterator[str]:
         """Yield the role of each solid of an assembly in words, and castings that lie bare."""
@@ -165,7 +178,7 @@ def case_text(case: NewCase) -> str:
     role = case.roles
     parts = [HEAD + geometry_text(case), *(_body(name, v, role[name]) for name, v in case.bodies)]
     parts += [_interface(a, b, area, role) for a, b, area in case.interfaces]
-    parts += [_boundary(on, area) for on, area in case.surfaces]
+    parts += [_boundary(on, area) + _frame(case, on) for on, area in case.surfaces]
     parts.append('[time]\nend = "60 s"\n')
     return "\n".join(parts)
 
@@ -234,6 +247,15 @@ def _interface(first: str, second: str, area: float, role: dict[str, int]) -> st
         f'bodies = ["{first}", "{second}"]\n{contact}'
         'heat = { law = "limited", closed = 2000, gas_conductivity = 0.05 }     # CHOOSE\n'
     )
+
+
+def _frame(case: NewCase, on: str) -> str:
+    """Return the condition that holds the body of a surface, if it needs one."""
+    name = on.partition("/")[0]
+    if name not in case.held:
+        return ""
+    material, temperature, _ = _MATERIAL[case.roles[name]]
+    return frame_text(material, temperature, dict(case.bodies)[name])
 
 
 def _boundary(on: str, area: float) -> str:

@@ -85,4 +85,5 @@ def _mould(mould: CadMould) -> Mould:
             for c in mould.chills
         ),
         channels=tuple(Channel(c.name, c.line, c.diameter) for c in mould.cooling),
+        plug=mould.plug,
     )

@@ -16,7 +16,7 @@ from castx.case.cad.geometry import SUFFIXES, is_cad_file
 from castx.case.cad.mould import AXES
 from castx.case.cad.process_template import process_text
 from castx.case.cad.strand_template import strand_text
-from castx.case.cad.template import MOULD, NewCase, case_text
+from castx.case.cad.template import MOULD, PLUG, NewCase, case_text
 from castx.case.processes.plan import ShellSize, chosen, plan_of, rounded
 from castx.case.processes.process import CastingProcess, casting_process
 from castx.case.processes.strand import strand_plan_of
@@ -181,9 +181,11 @@ def new_case(cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Say = 
     if lone or (not drawn.has_mould and drawn.bare()):
         margin = _margin(found.report.extent, wanted)
         split = _split(cad_file, wanted, _around(drawn, wanted), say)
-        mould, text = _mould(_around(drawn, wanted), margin, wanted, split)
+        mould = _mould(_around(drawn, wanted), margin, wanted, split)
         say(f"meshing it again, in {'its' if lone else 'a'} mould")
         found = survey(replace(part, mould=mould), say, found.attempt)
+        plugged = any(body.name == PLUG for body in found.report.bodies)
+        text = _mould_text(replace(mould, plug=PLUG if plugged else None), wanted)
         return as_case(affordable(found, say), file, margin, text)
     if wanted.split is not None or wanted.open_top:
         names = ", ".join(name for name, _ in drawn.bodies)
@@ -235,10 +237,8 @@ def _split(cad_file: Path, wanted: Wanted, box: Box, say: Say) -> tuple[int, flo
     return axis, place
 
 
-def _mould(
-    box: Box, margin: float, wanted: Wanted, split: tuple[int, float] | None
-) -> tuple[Mould, str]:
-    """Return the mould round the solids, and its line in the case file.
+def _mould(box: Box, margin: float, wanted: Wanted, split: tuple[int, float] | None) -> Mould:
+    """Return the mould round the solids.
 
     Args:
         box: of the solids [m].
@@ -246,24 +246,31 @@ def _mould(
         wanted: process and top.
         split: axis and place of the plane between its halves [m]; None: it has none.
     """
-    text = f'"{1e3 * margin:.3g} mm"'
-    block: Box | None = None
-    if wanted.open_top:
-        low, high = ([round(x, 7) for x in corner] for corner in box)
-        lowest, highest = [x - margin for x in low], [x + margin for x in high]
-        highest[2] = high[2]
-        block = (lowest[0], lowest[1], lowest[2]), (highest[0], highest[1], highest[2])
-        text = ", ".join(f"[{', '.join(f'{x:.7g}' for x in corner)}]" for corner in block)
-        text = f"[{text}]"
+    if not wanted.open_top:
+        return Mould(margin=margin, split=split, plug=PLUG)
+    low, high = ([round(x, 7) for x in corner] for corner in box)
+    lowest, highest = [x - margin for x in low], [x + margin for x in high]
+    highest[2] = high[2]
+    block = (lowest[0], lowest[1], lowest[2]), (highest[0], highest[1], highest[2])
+    return Mould(box=block, split=split, plug=PLUG)
+
+
+def _mould_text(mould: Mould, wanted: Wanted) -> str:
+    """Return the line of a mould in the case file."""
+    text = f'"{1e3 * mould.margin:.3g} mm"'
+    if mould.box is not None:
+        corners = (", ".join(f"{x:.7g}" for x in corner) for corner in mould.box)
+        text = f"[{', '.join(f'[{corner}]' for corner in corners)}]"
     parts = [f"box = {text}"]
-    if split is not None:
-        parts.append(f'split = "{AXES[split[0]]} = {1e3 * split[1]:.5g} mm"')
+    if mould.split is not None:
+        parts.append(f'split = "{AXES[mould.split[0]]} = {1e3 * mould.split[1]:.5g} mm"')
+    if mould.plug is not None:
+        parts.append(f'plug = "{mould.plug}"')
     process = None if wanted.process is None else casting_process(wanted.process)
     what = "a block round the part"
     if process is not None and "shell" in process.numbers:
         what += "; a shell is lighter in pockets and cools sooner: draw it in CAD for results"
-    line = f"mould = {{ {', '.join(parts)} }}      # {what}\n"
-    return Mould(margin=0.0 if block else margin, box=block, split=split), line
+    return f"mould = {{ {', '.join(parts)} }}      # {what}\n"
 
 
 def _plane(wanted: str, box: Box) -> tuple[int, float]:

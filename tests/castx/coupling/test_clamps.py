@@ -30,6 +30,7 @@ def test_numbers_and_axes_reach_the_mechanics():
     assert (top.surface, top.axis, top.force(0.0), top.stiffness) == ("top", None, 0.0, 5.0)
     assert surface_clamps(given, "3d")[0].axis == 2
 
+
 FRAME = {"stiffness": 1e9, "direction": "all"}
 
 

@@ -183,6 +183,31 @@ def test_the_plug_of_a_cup_with_a_bare_rim_stays_whole(tmp_path, split, half):
     assert told.endswith(f"{name!r} has it, the half in which more of it lies")
 
 
+@pytest.mark.parametrize("split", [None, (2, 8e-3)])
+def test_a_plug_that_touches_no_outer_part_may_be_a_body_of_its_own(tmp_path, split):
+    file = write_cad(tmp_path / "cup.step", cup, ["casting"])
+    box = ((-0.02, -0.02, -0.02), (0.06, 0.04, 0.02))
+    mould = Mould(box=box, split=split, plug="plug")
+    part = CadPart((CadFile(str(file), "casting"),), 0.03, across=1, growth=2.0, mould=mould)
+    with gmsh_session():
+        found = mesh_part(part, str(tmp_path / "a.msh"))
+    bodies = {body.name: body.cad for body in found.bodies}
+    assert set(bodies) == {"casting", "plug", *mould.bodies}
+    assert bodies["plug"] == pytest.approx(30 * 10 * 15e-9, rel=1e-6)
+    assert {m.name for m in found.interfaces if "plug" in m.name} == {"casting/plug"}
+    (told,) = [remark for remark in found.remarks if "plug" in remark]
+    assert told.startswith("1 piece of the mould, round (0.02, 0.01, 0.0125) m")
+    assert told.endswith("hangs at no other part of it: the body 'plug'")
+
+
+def test_no_solid_may_have_the_name_of_a_plug(tmp_path):
+    file = write_cad(tmp_path / "cup.step", cup, ["casting"])
+    mould = Mould(margin=0.02, plug="casting")
+    part = CadPart((CadFile(str(file), "casting"),), 0.03, mould=mould)
+    with gmsh_session(), pytest.raises(ValueError, match="a solid is called 'casting' like the bo"):
+        mesh_part(part, str(tmp_path / "a.msh"))
+
+
 @pytest.mark.parametrize(
     "mould, text",
     [

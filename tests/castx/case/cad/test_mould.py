@@ -69,6 +69,12 @@ def test_planes():
             {"box": 1, "chills": [{"name": "mould", "box": [[0, 0, 0], [1, 1, 1]]}]},
             r"chills\[0\].name: is there already; names: mould",
         ),
+        ({"box": 1, "plug": "mould"}, "plug: is a name of the mould; names: mould$"),
+        ({"box": 1, "split": "z = 0", "plug": "mould-low"}, "plug: is a name of the mould"),
+        (
+            {"box": 1, "plug": "p", "chills": [{"name": "p", "box": [[0, 0, 0], [1, 1, 1]]}]},
+            r"chills\[0\].name: is there already",
+        ),
     ],
 )
 def test_refused(description, text):

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from types import SimpleNamespace
 
+from mpi4py import MPI
+
 import gmsh
 import pytest
 
 from castx.case.cad.template import case_text
 from castx.case.reading.read import load_case
 from castx.case.skin import MOST_GROWTH
+from castx.coupling.loose_parts import loose_parts
 from castx.domain.cad import first_mesh as first_mesh_module
 from castx.domain.cad import new_case as new_case_module
 from castx.domain.cad.new_case import (
@@ -20,6 +23,8 @@ from castx.domain.cad.new_case import (
     with_interface_size,
     write_new_case,
 )
+from castx.domain.mesh import build_mesh
+from castx.domain.pairs.pairing import case_pairs
 from castx.domain.source import named_mesh
 from castx.errors import CaseError, MeshError
 from castx.meshes.cad.description import CadFile, CadPart
@@ -206,6 +211,38 @@ def test_the_top_of_a_casting_is_open_and_its_mould_has_halves(tmp_path):
     assert said[0].startswith("meshing bar.step") and said[-1].startswith("bar: 40 × 10 × 10 mm")
     placed = new_case(path, tmp_path / "b.toml", replace(wanted, split="z=12mm"))
     assert 'split = "z = 12 mm"' in placed.mould
+
+
+def box(occ):
+    """An open box of 60 x 40 x 30 with walls of 5."""
+    ((_, part),), _ = occ.cut(
+        [(3, occ.addBox(0, 0, 0, 60, 40, 30))], [(3, occ.addBox(5, 5, 5, 50, 30, 30))]
+    )
+    return [part]
+
+
+@pytest.mark.parametrize(
+    "process, split, holds", [("gravity-die", "z", True), ("sand", None, True), (None, "z", True),
+                              ("investment", None, False)],
+)  # fmt: skip
+def test_the_plug_of_an_open_box_hangs_on_a_frame(tmp_path, process, split, holds):
+    """It touches the casting alone, and nothing else kept its place; a rigid shell does."""
+    path = write_cad(tmp_path / "box.step", box)
+    wanted = Wanted(process, split=split, open_top=True)
+    write_new_case(path, tmp_path / "box.toml", wanted)
+    case = load_case(tmp_path / "box.toml")
+    assert case.geometry.cad.mould.plug == "mould-plug"
+    others = ["mould"] if split is None else ["mould-low", "mould-high"]
+    assert {body.name for body in case.bodies} == {"box", "mould-plug", *others}
+    clamps = {boundary.on: boundary.clamp for boundary in case.boundaries if boundary.clamp}
+    assert set(clamps) == ({"mould-plug/outside", f"{others[0]}/outside"} if holds else set())
+    assert all(clamp.is_frame for clamp in clamps.values())
+    if process is not None:
+        assert {*others, "mould-plug"} == {name for s in case.stages for name in s.remove}
+    mesh = build_mesh(case.geometry, [body.name for body in case.bodies], MPI.COMM_SELF)
+    assert list(loose_parts(case, mesh, case_pairs(mesh, case.interfaces))) == []
+    closed = new_case(path, tmp_path / "b.toml", replace(wanted, open_top=False))
+    assert "plug" not in closed.mould and "mould-plug" not in dict(closed.bodies)
 
 
 @pytest.mark.parametrize("step, place, told", [(10.3, "10.3", True), (12.0, "10", False)])
