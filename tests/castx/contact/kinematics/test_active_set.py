@@ -295,19 +295,19 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
 @pytest.mark.ranks
 @pytest.mark.parametrize("liquid", [False, True])
 def test_what_lets_go_is_held_anew_by_the_second_pass_if_it_is_liquid_then(comm, liquid):
-    """One pair of each rank; a pair without a pull that opens is no matter of being held."""
+    """One pair of each rank: it freezes and lets go, melts or bears more, freezes and melts again."""
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
-    limits, none = np.array([4.0]), np.zeros(1, dtype=bool)
-    later = np.array([np.inf if liquid else 9.1])
+    none, molten = np.zeros(1, dtype=bool), np.inf if liquid else 9.1
     for step in range(2):
-        for count in range(PROVISIONAL + 2):
-            active.hold(limits if count == 0 else later, none)
+        for count, bears in enumerate((4.0, molten, 4.0, molten)):
+            active.hold(np.array([bears]), none)
             active.begin()
-            assert active.closed.all() == (count == 0 or (liquid and count < PROVISIONAL))
-            active.update(np.where(active.closed, -9.0 - count, -1.0))
-            assert not active.closed.any()
+            again = liquid and count in (1, 2)
+            assert active.closed.all() == (count == 0 or again)
+            active.update(np.where(active.closed, -9.0, -1.0))
+            assert active.closed.all() == (again and count == 1)
         active.rewind() if step == 0 else active.commit()
-    active.hold(later, none)
+    active.hold(np.array([molten]), none)
     assert not active.closed.any(), "open when the step began"
 
 
