@@ -295,7 +295,7 @@ def test_held_pairs_bear_pulls_up_to_their_limit_and_let_go_once(comm):
 @pytest.mark.ranks
 @pytest.mark.parametrize("liquid", [False, True])
 def test_what_lets_go_is_held_anew_by_the_second_pass_if_it_is_liquid_then(comm, liquid):
-    """One pair of each rank: it freezes and lets go, melts or bears more, freezes and melts again."""
+    """One pair of each rank: it freezes, lets go, melts or bears more, freezes, melts again."""
     active = ActiveSet(comm, np.zeros(1), np.ones(1, dtype=bool), np.array([0.1 + comm.rank / 10]))
     none, molten = np.zeros(1, dtype=bool), np.inf if liquid else 9.1
     for step in range(2):
