@@ -55,6 +55,11 @@ FULL_SHARE = 1e-3
 """Compressibility 1/κ of full trapped liquid beside the solid's, far below that of any shell: a
 mould filled with nothing else has a pressure by it."""
 
+PASSES_TO_FIND = 3
+"""Passes of a step that find which liquid is trapped; the later ones keep that. A neck that opens
+and closes with a tenth of a kelvin moves all of a pool, so that passes would have no fixed point: a
+step of a thin tray in a pressure die then took 23 passes and was cut, and takes 8."""
+
 LARGEST_PRESS = 2e8
 """Pressure of trapped liquid that nothing bears [Pa]: twice that by which die casting machines feed
 what shrinks."""
@@ -107,7 +112,9 @@ class Pockets:
         self._pressures = PocketPressures(body, potential, cavitation)
         self._pores = Pores(self.content, body.cell_numbering)
         self._stiffness: FloatArray = np.zeros(0)
-        self._is_trial = False
+        self._cut_off: IntArray = np.zeros(0, dtype=np.int32)
+        self._liquid: BoolArray = np.zeros(0, dtype=bool)
+        self._is_trial, self._passes = False, 0
         self._accepted = [f.x.array.copy() for f in self._functions]
 
     @property
@@ -131,6 +138,8 @@ class Pockets:
     def begin(self, material: MaterialPoints, solid_fraction: FloatArray) -> None:
         """Find the pockets of a trial step, their content and their state; collective.
 
+        From the fourth call for a step on they are those of the third.
+
         Args:
             material: of the body, at the conditions of the step.
             solid_fraction: at the nodes, shape (nodes,).
@@ -138,12 +147,12 @@ class Pockets:
         metal, content = material.law.material, self.content
         points, before = material.points, material.start_volume
         shrunk = liquid_shrinkage(metal, solid_fraction)[self._cell_nodes].mean(axis=1)
-        content.begin(
-            self._paths.pockets(solid_fraction, metal.fed_until),
-            ~material.coherent,
-            shrunk,
-            points.volumes_to_cells(before.dilatation),
-        )
+        self._passes += 1
+        if self._passes <= PASSES_TO_FIND:
+            self._cut_off = self._paths.pockets(solid_fraction, metal.fed_until)
+            self._liquid = ~material.coherent
+        dilatation = points.volumes_to_cells(before.dilatation)
+        content.begin(self._cut_off, self._liquid, shrunk, dilatation)
         material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()
@@ -221,6 +230,7 @@ class Pockets:
         self.content.commit(dilatation, self._pores.open)
         self._pressures.commit(pressure())
         self._pores.commit()
+        self._passes = 0
         self._accepted = [f.x.array.copy() for f in self._functions]
 
     def _warn_of_walls(self) -> None:
@@ -236,7 +246,7 @@ class Pockets:
 
     def rewind(self) -> None:
         """Return to the state of the last accepted step."""
-        self._is_trial = False
+        self._is_trial, self._passes = False, 0
         for function, values in zip(self._functions, self._accepted, strict=True):
             function.x.array[:] = values
 

@@ -19,6 +19,7 @@ from castx.mechanics.trapped_liquid import (
     FULL_SHARE,
     LARGEST_PRESS,
     NODAL_SHARE,
+    PASSES_TO_FIND,
     NoPockets,
     Pockets,
 )
@@ -116,6 +117,22 @@ def test_a_pocket_that_has_not_moved_keeps_its_pressure(casting) -> None:
         pockets.commit(partial(np.full, len(casting.points), 7e6), dilatation)
         np.testing.assert_allclose(found[-1], found[0], rtol=1e-9)
     assert cells > len(found[0])
+
+
+@pytest.mark.ranks
+def test_later_passes_of_a_step_keep_the_liquid_that_is_trapped(casting) -> None:
+    """A pool that opens and closes from one pass to the next one comes to rest; each try anew."""
+    core, cells = core_of(casting), len(casting.nodes.dofmap.list)
+    smaller = core & (casting.points[casting.nodes.dofmap.list].mean(axis=1)[:, 1] > HEIGHT / 2)
+    pockets = Pockets(casting, "axisymmetric", ["mould", "base"])
+    nodal = partial(np.zeros, len(casting.points))
+    for end in (pockets.rewind, partial(pockets.commit, nodal, np.zeros(cells))):
+        for liquid in (core, smaller, core)[:PASSES_TO_FIND]:
+            np.testing.assert_array_equal(update(pockets, liquid), liquid)
+        for liquid in (smaller, core, smaller):
+            np.testing.assert_array_equal(update(pockets, liquid), core)
+        end()
+    np.testing.assert_array_equal(update(pockets, smaller), smaller)
 
 
 @pytest.mark.ranks
