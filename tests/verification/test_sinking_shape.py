@@ -66,7 +66,8 @@ def test_the_pipe_of_an_open_box(comm, tmp_path, model):
                          tmp_path / "out")  # fmt: skip
     whole = VOLUME[model]
     assert last(results, "fed_volume") == pytest.approx(SHRUNK * whole, rel=1e-8)
-    assert last(results, "fed_volume.free") == last(results, "fed_volume")
+    # The one is summed over surfaces, the other over the balance: the last digit is of rounding.
+    assert last(results, "fed_volume.free") == pytest.approx(last(results, "fed_volume"), rel=1e-14)
     assert last(results, "level_drop.free") == pytest.approx(SHRUNK * HEIGHT, rel=1e-8)
     assert last(results, "pipe_volume") == pytest.approx(SHRINKAGE * whole, rel=1e-6)
     casting = results.grids()["casting"]
