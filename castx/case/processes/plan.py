@@ -23,7 +23,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from castx.case.processes.process import CastingProcess
 from castx.errors import CaseError
@@ -235,6 +234,8 @@ class _Cooling:
 
     def _flux(self, temperature: float, inside: float) -> float:
         """Return the flux per area of a casting through its shell to the outside [W/m²]."""
+        from scipy.optimize import brentq  # runs do without it, and it takes long to import
+
         numbers, surface = self.of.process.numbers, self.shell.outside
         ambient = numbers["ambient"]
 
