@@ -6,6 +6,7 @@ differ, or differ from 1 at the solidus or 0 at the liquidus, the difference fre
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
@@ -20,11 +21,19 @@ SMALLEST_JUMP = 1e-12
 
 @dataclass(frozen=True)
 class FractionPiece:
-    """Interval of temperature [°C] on which the solid fraction is smooth."""
+    """Interval of temperature [°C] on which the solid fraction is smooth.
+
+    Attributes:
+        start: lowest temperature [°C].
+        end: highest temperature [°C].
+        fraction: f_s at temperatures of the interval [°C].
+        temperature: its inverse [°C], at fractions between those of both ends, if they differ.
+    """
 
     start: float
     end: float
     fraction: Callable[[FloatArray], FloatArray]
+    temperature: Callable[[float], float]
 
 
 class SolidFractionLaw(Protocol):
@@ -50,17 +59,12 @@ def temperature_at(
     law: SolidFractionLaw, solidus: float, liquidus: float, fraction: float
 ) -> float:
     """Return the highest temperature at which there is a solid fraction, or more [°C]."""
-    from scipy.optimize import brentq  # metal without mechanics does without its import
-
     for piece in reversed(law.pieces(solidus, liquidus)):
-
-        def missing(temperature: float, piece: FractionPiece = piece) -> float:
-            return fraction - float(piece.fraction(np.array([temperature]))[0])
-
-        if missing(piece.end) <= 0.0:
+        most, least = piece.fraction(np.array([piece.start, piece.end]))
+        if fraction <= least:
             return piece.end
-        if missing(piece.start) <= 0.0:
-            return float(brentq(missing, piece.start, piece.end))
+        if fraction <= most:
+            return min(max(piece.temperature(fraction), piece.start), piece.end)
     return solidus
 
 
@@ -98,7 +102,10 @@ def linear_piece(start: float, end: float, first: float, last: float) -> Fractio
         weight = (temperature - start) / (end - start)
         return first * (1.0 - weight) + last * weight
 
-    return FractionPiece(start, end, fraction)
+    def temperature(fraction: float) -> float:
+        return start + (end - start) * (first - fraction) / (first - last)
+
+    return FractionPiece(start, end, fraction, temperature)
 
 
 @dataclass(frozen=True)
@@ -132,13 +139,17 @@ class LeverLaw:
             contrast = (1.0 - self.partition_coefficient) * (self.melting_point - temperature)
             return np.minimum((liquidus - temperature) / contrast, 1.0)
 
+        def temperature(fraction: float) -> float:
+            left = (1.0 - self.partition_coefficient) * fraction
+            return (liquidus - left * self.melting_point) / (1.0 - left)
+
         depression = self.melting_point - liquidus
         equilibrium = self.melting_point - depression / self.partition_coefficient
         if equilibrium <= solidus:
-            return (FractionPiece(solidus, liquidus, fraction),)
+            return (FractionPiece(solidus, liquidus, fraction, temperature),)
         return (
             linear_piece(solidus, equilibrium, 1.0, 1.0),
-            FractionPiece(equilibrium, liquidus, fraction),
+            FractionPiece(equilibrium, liquidus, fraction, temperature),
         )
 
 
@@ -164,7 +175,13 @@ class ScheilLaw:
             ratio = (self.melting_point - temperature) / (self.melting_point - liquidus)
             return 1.0 - ratio ** (1.0 / (self.partition_coefficient - 1.0))
 
-        return (FractionPiece(solidus, liquidus, fraction),)
+        def temperature(fraction: float) -> float:
+            if fraction >= 1.0:
+                return solidus  # liquid is left at every other one, be it less than rounding
+            ratio = math.pow(1.0 - fraction, self.partition_coefficient - 1.0)
+            return self.melting_point - ratio * (self.melting_point - liquidus)
+
+        return (FractionPiece(solidus, liquidus, fraction, temperature),)
 
 
 @dataclass(frozen=True)

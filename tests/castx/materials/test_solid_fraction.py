@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from castx.arrays import FloatArray
 from castx.materials.lookup import find_material
@@ -79,6 +80,24 @@ def test_a_fraction_is_reached_at_the_highest_temperature_that_has_it(name) -> N
         assert below >= fraction > above
     assert temperature_at(law, SOLIDUS, LIQUIDUS, 0.0) == LIQUIDUS
     assert temperature_at(LinearLaw(), 600.0, 600.0, 0.5) == 600.0
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_temperature_of_a_fraction_is_the_root_of_the_law(name) -> None:
+    law, highest = LAWS[name], max(piece.fraction(np.array([piece.start]))[0]
+                                   for piece in LAWS[name].pieces(SOLIDUS, LIQUIDUS))  # fmt: skip
+    for fraction in np.linspace(0.01, 0.999 * highest, 57):
+        if name == "table" and 0.4 <= fraction <= 0.7:
+            continue  # its plateau has all of them
+        root = brentq(lambda T, f=fraction: f - at(law, T)[0], SOLIDUS, LIQUIDUS, xtol=1e-12)
+        assert temperature_at(law, SOLIDUS, LIQUIDUS, fraction) == pytest.approx(root, abs=1e-9)
+
+
+def test_all_is_solid_at_the_solidus_where_rounding_says_so_before() -> None:
+    law = ScheilLaw(0.98, MELTING_POINT)
+    assert at(law, SOLIDUS)[0] == 1.0
+    assert temperature_at(law, SOLIDUS, LIQUIDUS, 1.0) == SOLIDUS
+    assert SOLIDUS < temperature_at(law, SOLIDUS, LIQUIDUS, 1.0 - 1e-9) < LIQUIDUS
 
 
 def test_solute_is_balanced_in_equilibrium() -> None:
