@@ -250,6 +250,9 @@ class CoupledProblem:
         self.interfaces.rewind()
         self.heat.rewind()
         self._dissipation.rewind()
+        if self.mechanics is not None:
+            for body in self.mechanics.bodies.values():
+                body.rewind()  # a failed try leaves the liquid that it found trapped
         self._update_bodies(self.interfaces.committed_step)
         if self.mechanics is not None:
             self.mechanics.equilibrium.rewind()
