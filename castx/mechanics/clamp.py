@@ -14,7 +14,7 @@ from castx.arrays import FloatArray
 from castx.domain.measures import nodal_areas, surface_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms import clamp
-from castx.mechanics.press_direction import press_direction
+from castx.mechanics.press_direction import mean_normal, press_direction
 from castx.tables import Table
 
 
@@ -130,9 +130,7 @@ def clamp_directions(
         CaseError: the surface has no direction in which a machine could press.
     """
     if description.frame:
-        owned = body.nodes.dofmap.index_map.size_local
-        areas = nodal_areas(body, model, description.surface, 2)[:owned]
-        area = body.mesh.comm.allreduce(float(areas.sum()), op=MPI.SUM)
+        _, area = mean_normal(body, model, description.surface)
         return np.eye(body.mesh.geometry.dim), area
     direction, area = press_direction(body, model, description.surface, description.axis)
     return direction[None], area

@@ -37,12 +37,7 @@ def press_direction(
         CaseError: the surface is not flat and no axis is stated, or it does not face the axis.
         MeshError: the body has no such surface.
     """
-    owned = body.nodes.dofmap.index_map.size_local
-    vectors = nodal_area_vectors(body, model, surface, 2)[:owned]
-    areas = nodal_areas(body, model, surface, 2)[:owned]
-    own = np.append(vectors.sum(axis=0), areas.sum())
-    sums = body.mesh.comm.allreduce(own, op=MPI.SUM)
-    outward, area = sums[:-1] / sums[-1], float(sums[-1])
+    outward, area = mean_normal(body, model, surface)
     if model == "axisymmetric":
         outward[0] = 0.0  # cancels over the turn
     place = f"boundary '{body.name}/{surface}', clamp"
@@ -51,10 +46,10 @@ def press_direction(
         if length < 1.0 - FLAT:
             raise CaseError(
                 f"{place}: the surface is not flat, so that a force along its normals has another "
-                "resultant; state the direction of the machine, such as direction = \"z\", or use "
+                'resultant; state the direction of the machine, such as direction = "z", or use '
                 "pressure"
             )
-        return -outward / length, area
+        return np.asarray(-outward / length, dtype=np.float64), area
     if abs(outward[axis]) < LEAST:
         raise CaseError(
             f"{place}.direction: only {abs(outward[axis]):.2g} of the surface faces along it, so "
@@ -63,3 +58,26 @@ def press_direction(
     direction = np.zeros_like(outward)
     direction[axis] = -np.sign(outward[axis])
     return direction, area
+
+
+def mean_normal(body: BodyMesh, model: str, surface: str) -> tuple[FloatArray, float]:
+    """Return the mean of the outward normals of a surface, and its area; collective.
+
+    Args:
+        body: mesh of the body.
+        model: geometric model.
+        surface: name of the surface.
+
+    Returns:
+        The mean, shape (dimension,), of length one where the surface is flat, and the area as of
+        `press_direction` [m²].
+
+    Raises:
+        MeshError: the body has no such surface.
+    """
+    owned = body.nodes.dofmap.index_map.size_local
+    vectors = nodal_area_vectors(body, model, surface, 2)[:owned]
+    areas = nodal_areas(body, model, surface, 2)[:owned]
+    own = np.append(vectors.sum(axis=0), areas.sum())
+    sums = body.mesh.comm.allreduce(own, op=MPI.SUM)
+    return sums[:-1] / sums[-1], float(sums[-1])

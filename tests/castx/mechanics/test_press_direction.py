@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from castx.errors import CaseError, MeshError
-from castx.mechanics.press_direction import press_direction
+from castx.mechanics.press_direction import mean_normal, press_direction
 from tests.castx.fakes import cylinder_mesh
 from tests.castx.mechanics.lone_bodies import slab
 
@@ -42,13 +42,25 @@ def test_radial_normals_cancel_over_the_turn(comm):
 def test_a_curved_surface_needs_an_axis(comm):
     """The outside of a quarter of a cylinder faces x by 2/π of its area."""
     mould = cylinder_mesh(comm, "3d", 8e-3).bodies["mould"]
-    with pytest.raises(CaseError, match='state the direction of the machine, such as direction ='):
+    with pytest.raises(CaseError, match="state the direction of the machine, such as direction ="):
         press_direction(mould, "3d", "outside")
     direction, area = press_direction(mould, "3d", "outside", 0)
     np.testing.assert_array_equal(direction, [-1.0, 0.0, 0.0])
     assert area == pytest.approx(0.5 * np.pi * 0.03 * 0.04, rel=0.02)
     with pytest.raises(CaseError, match="faces along it"):
         press_direction(mould, "3d", "outside", 2)
+
+
+@pytest.mark.ranks
+def test_mean_normals(comm):
+    """Of a flat surface it is that of each facet, of a curved one it is shorter."""
+    normal, area = mean_normal(slab(comm), "plane-strain", "far")
+    np.testing.assert_allclose(normal, [1.0, 0.0], atol=1e-12)
+    assert area == pytest.approx(AREAS["plane-strain"], rel=1e-12)
+    mould = cylinder_mesh(comm, "3d", 8e-3).bodies["mould"]
+    normal, area = mean_normal(mould, "3d", "outside")
+    np.testing.assert_allclose(normal, [2 / np.pi, 2 / np.pi, 0.0], rtol=0.01, atol=1e-12)
+    assert area == pytest.approx(0.5 * np.pi * 0.03 * 0.04, rel=0.02)
 
 
 @pytest.mark.ranks
