@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 from mpi4py import MPI
 
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
-from castx.case.cad.holds import frame_clamp, frame_stiffness
+from castx.case.cad.holds import frame_clamp, frame_stiffness, joined
 from castx.case.case import Case
 from castx.case.contact import NONE, is_tied
 from castx.coupling.building import prescribed_displacements
@@ -195,19 +194,18 @@ def _tied(
     everywhere: dict[str, LongArray] = {
         name: np.concatenate(comm.allgather(part)) for name, part in parts.items()
     }
-    groups = [[piece] for piece in pieces]
+    found = {(piece.body, piece.number): piece for piece in pieces}
+    ties: list[tuple[tuple[str, int], tuple[str, int]]] = []
     for interface in case.interfaces:
         if not is_tied(interface.contact.method) or not set(interface.bodies) <= set(parts):
             continue
-        found, (partners, _) = pairs[interface.name], pairs[interface.name].partners
-        first = parts[interface.secondary][found.secondary_local]
+        paired, (partners, _) = pairs[interface.name], pairs[interface.name].partners
+        first = parts[interface.secondary][paired.secondary_local]
         second = everywhere[interface.primary][partners]
         links = np.stack([np.repeat(first, partners.shape[1]), second.ravel()], axis=1)
         for a, b in np.unique(np.concatenate(comm.allgather(links)), axis=0):
-            ends = {(interface.secondary, int(a)), (interface.primary, int(b))}
-            joined = [g for g in groups if ends.intersection((p.body, p.number) for p in g)]
-            groups = [g for g in groups if g not in joined] + [list(chain(*joined))]
-    return groups
+            ties.append(((interface.secondary, int(a)), (interface.primary, int(b))))
+    return [[found[key] for key in group] for group in joined(found, ties)]
 
 
 def _told(case: Case, model: str, group: Sequence[BodyPiece], mould: Sequence[BodyPiece]) -> str:

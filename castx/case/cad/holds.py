@@ -8,11 +8,15 @@ by about a hundredth of what fixed surfaces would.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import chain
+from typing import TypeVar
 
 from castx.case.processes.plan import rounded
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
+
+Thing = TypeVar("Thing")
 
 SOFT = 0.01
 """Stiffness of a frame, in units of Young's modulus times the size of the body."""
@@ -31,17 +35,27 @@ def held_bodies(
         touching: pairs of bodies that touch each other.
         free: bodies with a surface that no other body shares.
     """
-    groups = [{name} for name in volumes]
-    for pair in touching:
-        joined = [group for group in groups if group.intersection(pair)]
-        if volumes.keys() >= set(pair) and len(joined) == 2:
-            groups = [group for group in groups if group not in joined]
-            groups.append(joined[0] | joined[1])
+    groups = joined(volumes, [pair for pair in touching if volumes.keys() >= set(pair)])
     groups.sort(key=lambda group: -sum(volumes[name] for name in group))
     holding = [[name for name in group if name in free] for group in groups]
     if len(groups) < 2 or not holding[0] or not any(holding[1:]):
         return ()
     return tuple(max(names, key=lambda name: volumes[name]) for names in holding if names)
+
+
+def joined(things: Iterable[Thing], links: Iterable[Collection[Thing]]) -> list[list[Thing]]:
+    """Return things in groups of what hangs together.
+
+    Args:
+        things: all of them, each once.
+        links: things that belong together, of `things` alone.
+    """
+    groups = [[thing] for thing in things]
+    for link in links:
+        touched = [group for group in groups if any(thing in group for thing in link)]
+        groups = [group for group in groups if group not in touched]
+        groups.append(list(chain(*touched)))
+    return groups
 
 
 def frame_stiffness(material: Material, temperature: float, volume: float) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from castx.case.cad.holds import frame_clamp, frame_stiffness, frame_text, held_bodies
+from castx.case.cad.holds import frame_clamp, frame_stiffness, frame_text, held_bodies, joined
 from castx.materials.description import MaterialDescription
 from castx.materials.lookup import find_material
 from castx.materials.material import Material
@@ -19,6 +19,13 @@ def test_a_loose_plug_and_the_largest_part_of_its_mould():
     assert held_bodies(VOLUMES, TOUCHING, ("box", *VOLUMES)) == ("high", "plug")
     lone = {"low": 1e-4, "plug": 3e-4}
     assert held_bodies(lone, TOUCHING, lone) == ("plug", "low")
+
+
+def test_things_hang_together_by_their_links():
+    """Directly or by others, whatever the order; a thing without a link is alone."""
+    found = joined("abcdef", ["ab", "cd", "ba", "bd", "ee"])
+    assert sorted("".join(sorted(group)) for group in found) == ["abcd", "e", "f"]
+    assert joined((), []) == []
 
 
 @pytest.mark.parametrize(
