@@ -52,7 +52,9 @@ class Thickness:
     def begin(self, coherent: BoolArray) -> None:
         """Begin a trial step in which these cells are solid, shape (cells,); collective."""
 
-    def complete(self, strain: FloatArray, respond: Respond, mean_stress: MeanStress) -> FloatArray:
+    def complete(
+        self, strain: FloatArray, respond: Respond, mean_stress: MeanStress
+    ) -> FloatArray:
         """Return strains with ε_zz, shape (points, components).
 
         Args:
@@ -169,7 +171,9 @@ class FreeThickness(Thickness):
         if isinstance(self.follows, fem.Function):
             self.follows.x.array[:] = coherent
 
-    def complete(self, strain: FloatArray, respond: Respond, mean_stress: MeanStress) -> FloatArray:
+    def complete(
+        self, strain: FloatArray, respond: Respond, mean_stress: MeanStress
+    ) -> FloatArray:
         """Return strains with ε_zz, shape (points, components); see `Thickness.complete`."""
         held = None
         if isinstance(self.follows, fem.Function):
