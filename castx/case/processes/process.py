@@ -27,14 +27,14 @@ _UNITS = {
     "outside_coefficient": "W/m²/K", "outside_emissivity": "", "ambient": "°C",
     "release_factor": "", "release_temperature": "", "ejection_delay": "s",
     "air_coefficient": "W/m²/K", "mould_length": "m", "speed_factor": "m²/s", "taper": "1/m",
-    "shell_constant": "m/s^0.5", "machine_radius": "", "rolled_width": "m",
+    "machine_radius": "", "rolled_width": "m",
     **{f"{zone}_{key}": unit for zone in ZONES
        for key, unit in (("length", "m"), ("water", "L/m²/s"))},
 }  # fmt: skip
 _ALWAYS = ("superheat", "mould_temperature", "outside_coefficient", "ambient", "air_coefficient")
 _EITHER = (("wall", "shell"), ("release_factor", "release_temperature", "mould_length"))
 _OF_STRANDS = (
-    "speed_factor", "taper", "shell_constant", "machine_radius", "rolled_width",
+    "speed_factor", "taper", "machine_radius", "rolled_width",
     *(f"{zone}_{key}" for zone in ZONES for key in ("length", "water")),
 )  # fmt: skip
 """What a process with `mould_length` needs beside it."""

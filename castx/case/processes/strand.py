@@ -8,19 +8,22 @@ The pool presses by P = ρ g R sin(s/R) on a bow of radius R: by the height abov
 
 by which sprays were found to cool steel at 700 to 1200 °C: Sasaki and others, Tetsu-to-Hagané 65
 (1979) 90, abstract. It was measured with the radiation of the plate, which is not added.
-A strand of thickness d and width w is solid after some (d/(2k))²/(1 + (d/w)²): k is the shell of a
-flat one over the root of time, and edges count as in the slowest mode of conduction in a rectangle,
-which decays by 1/d² + 1/w².
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from castx.case.processes.plan import Plan, chosen, rounded
+import numpy as np
+
+from castx.case.processes.plan import ChosenMaterials, Plan, chosen, rounded
 from castx.case.processes.process import ZONES, CastingProcess
+from castx.case.processes.strand_freezing import StrandCooling, solid_after
 from castx.materials.material import Material
+from castx.tables import Table
+from castx.transfer.database import interface_entry
 
 GRAVITY = 9.81
 """Of the pressure in the pool [m/s²]."""
@@ -136,8 +139,8 @@ def strand_plan_of(
         _zone(name, start, numbers[f"{name}_water"])
         for name, start in zip(ZONES, starts, strict=False)
     )
-    flat = (0.5 * section.thickness / numbers["shell_constant"]) ** 2
-    solid = flat / (1.0 + (section.thickness / section.width) ** 2)
+    cooling = _cooling(of, zones, starts[-1])
+    solid = solid_after(of.metal, of.pouring, section.extents, cooling)
     end = rounded(max(RESERVE * solid, 1.1 * starts[-1]))
     rolls = section.width > numbers["rolled_width"]
     radius = numbers["machine_radius"] * section.thickness
@@ -151,6 +154,27 @@ def strand_plan_of(
     )  # fmt: skip
     taper = 0.5 * numbers["taper"] * numbers["mould_length"]
     return StrandPlan(plan, section, speed, zones, starts[-1], pressure, rolls, taper)
+
+
+def _cooling(of: ChosenMaterials, zones: Sequence[Zone], air: float) -> StrandCooling:
+    """Return the cooling of a strand that touches its mould all the time.
+
+    Args:
+        of: the strand, its mould and what lies between them.
+        zones: of sprays.
+        air: when the last of them ends [s].
+    """
+    numbers, heat = of.process.numbers, interface_entry(of.interface).heat
+    wall = of.around.conductivity(np.array([numbers["mould_temperature"]]), np.ones(1))
+    resistance = numbers["shell"] / float(wall[0]) + 1.0 / numbers["outside_coefficient"]
+    return StrandCooling(
+        1.0 / (1.0 / float(heat["closed"]) + resistance),
+        [*(zone.start for zone in zones), air],
+        [Table(np.array(SPRAYED), np.array(zone.coefficients)) for zone in zones],
+        numbers["ambient"],
+        heat["radiation"]["emissivities"][0],
+        numbers["air_coefficient"],
+    )
 
 
 def spray_coefficient(water: float, temperature: float) -> float:

@@ -111,5 +111,5 @@ def test_what_a_strand_is_is_told():
     what, times = QUARTER.dimensions(plan, 7955.0)
     assert what == "billet: a strand of 130 × 130 mm along z, 169 cm², 134 kg/m"
     assert times == (
-        "2 m/min: 21 s in the mould, sprays to 135 s and 4.5 m, solid after some 340 s and 11 m"
+        "2 m/min: 21 s in the mould, sprays to 135 s and 4.5 m, solid after some 380 s and 13 m"
     )
