@@ -6,6 +6,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from castx.case.cad.mould import AXES
 from castx.case.cad.process_template import bare_metal, listed, outside_heat, process_head
 from castx.case.cad.template import Box, NewCase
@@ -60,6 +62,14 @@ class Slice:
         """Name of the mould."""
         return next(name for name, _ in self.case.bodies if name != self.strand)
 
+    @property
+    def wide_face(self) -> tuple[int, float, bool]:
+        """Axis and place of the wide face of a quarter [m], and whether the quarter is below it."""
+        axis = self.section.across[int(np.argmin(self.section.extents))]
+        middle, above = next((at, above) for number, at, above in self.planes if number == axis)
+        half = 0.5 * self.section.thickness
+        return axis, middle + half if above else middle - half, above
+
     def dimensions(self, plan: StrandPlan, density: float) -> Iterator[str]:
         """Yield the strand, its speed and its times in words.
 
@@ -82,6 +92,37 @@ class Slice:
             yield "its quarters are not alike, so that all of the section is meshed"
 
 
+@dataclass(frozen=True)
+class MouldWalls:
+    """The bodies of a mould: one, or those of narrow and wide face, of which rolls hold the latter.
+
+    Attributes:
+        names: of the bodies.
+        held: name of that at the wide face; None: no rolls hold a face.
+        face: name of the probe at the wide face.
+        split: key of the mould that divides it.
+    """
+
+    names: tuple[str, ...]
+    held: str | None = None
+    face: str = ""
+    split: str = ""
+
+    @classmethod
+    def of(cls, cut: Slice, strand: StrandPlan) -> MouldWalls:
+        """Return the walls that a slice needs: rolls hold a face of a quarter, which has one."""
+        if strand.rolls_end is None or not cut.quarter:
+            return cls((cut.mould,))
+        axis, place, below = cut.wide_face
+        names = f"{cut.mould}-low", f"{cut.mould}-high"
+        split = f', split = "{AXES[axis]} = {1e3 * place:.6g} mm"'
+        return cls(names, names[int(below)], f"face-{AXES[axis]}", split)
+
+    def at(self, probe: str) -> str:
+        """Return the body at a probe, named as in `Slice.places`."""
+        return next(name for name in self.names if (name == self.held) == (probe == self.face))
+
+
 def strand_text(cut: Slice, strand: StrandPlan) -> str:
     """Return the case file of a slice of a strand.
 
@@ -89,9 +130,11 @@ def strand_text(cut: Slice, strand: StrandPlan) -> str:
         cut: the slice.
         strand: numbers of the process.
     """
+    walls = MouldWalls.of(cut, strand)
     parts = [
-        _head(strand), _geometry(cut), *_bodies(cut, strand), _interface(cut, strand),
-        *_boundaries(cut, strand), *_stages(cut, strand), *_probes(cut), _end(strand),
+        _head(strand), _geometry(cut, walls), *_bodies(cut, strand, walls),
+        *_interfaces(cut, strand, walls), *_boundaries(cut, strand, walls),
+        *_stages(cut, strand, walls), *_probes(cut, walls), _end(strand),
     ]  # fmt: skip
     return "\n".join(parts)
 
@@ -107,7 +150,7 @@ def _head(strand: StrandPlan) -> str:
     )
 
 
-def _geometry(cut: Slice) -> str:
+def _geometry(cut: Slice, walls: MouldWalls) -> str:
     case, axis = cut.case, cut.section.axis
     corners = ", ".join(f"[{', '.join(f'{x:.7g}' for x in corner)}]" for corner in cut.block)
     planes = ", ".join(
@@ -123,13 +166,13 @@ def _geometry(cut: Slice) -> str:
         "across = 0                      # one cell along the strand\n"
         "curvature = 8                   # CHOOSE: cells round a full circle\n"
         f"growth = {case.growth or 0.4:g}                    # CHOOSE: of cells towards the core\n"
-        f"mould = {{ box = [{corners}] }}      # a tube round the strand\n"
+        f"mould = {{ box = [{corners}]{walls.split} }}      # a tube round the strand\n"
         f"symmetry = [{planes}]      # {said}\n"
         f'surfaces = {{ {CUT} = {{ normal = "-{AXES[axis]}" }} }}\n'
     )
 
 
-def _bodies(cut: Slice, strand: StrandPlan) -> Iterator[str]:
+def _bodies(cut: Slice, strand: StrandPlan, walls: MouldWalls) -> Iterator[str]:
     plan = strand.plan
     yield (
         f'[[bodies]]\nname = "{cut.strand}"\nmaterial = "{plan.alloy}"\n'
@@ -137,24 +180,26 @@ def _bodies(cut: Slice, strand: StrandPlan) -> Iterator[str]:
         'feeding = "darcy"               # melt comes along the strand, and has the pressure of '
         "its pool\n"
     )
-    yield (
-        f'[[bodies]]\nname = "{cut.mould}"\nmaterial = "{plan.mould}"\n'
-        f"temperature = {plan.process.numbers['mould_temperature']:g}\n"
-        f'law = "{plan.mould_law}"                   # its walls move by the taper alone\n'
-    )
+    for wall in walls.names:
+        yield (
+            f'[[bodies]]\nname = "{wall}"\nmaterial = "{plan.mould}"\n'
+            f"temperature = {plan.process.numbers['mould_temperature']:g}\n"
+            f'law = "{plan.mould_law}"                   # its walls move by the taper alone\n'
+        )
 
 
-def _interface(cut: Slice, strand: StrandPlan) -> str:
+def _interfaces(cut: Slice, strand: StrandPlan, walls: MouldWalls) -> Iterator[str]:
     entry = strand.plan.interface
-    return (
-        f'[[interfaces]]\nbodies = ["{cut.strand}", "{cut.mould}"]\n'
-        f'heat = {{ from = "{entry}" }}     # castx interfaces {entry}\n'
-    )
+    for wall in walls.names:
+        yield (
+            f'[[interfaces]]\nbodies = ["{cut.strand}", "{wall}"]\n'
+            f'heat = {{ from = "{entry}" }}     # castx interfaces {entry}\n'
+        )
 
 
-def _boundaries(cut: Slice, strand: StrandPlan) -> Iterator[str]:
+def _boundaries(cut: Slice, strand: StrandPlan, walls: MouldWalls) -> Iterator[str]:
     pressure = ", ".join(f"[{time:g}, {value:g}]" for time, value in strand.pressure)
-    borne = "; rolls bear it below the mould" if strand.rolls else ""
+    borne = "; rolls bear it below the mould" if strand.rolls_end else ""
     yield (
         f'[[boundaries]]\non = "{cut.strand}/{CUT}"\n'
         'displacement = { normal = "uniform" }     # the strand is free to shorten\n'
@@ -165,10 +210,11 @@ def _boundaries(cut: Slice, strand: StrandPlan) -> Iterator[str]:
         f"passing_times = {json.dumps(PASSING)}         # of solid, as far from the meniscus as "
         "the strand then is\n"
     )
-    yield (
-        f'[[boundaries]]\non = "{cut.mould}/outside"\n'
-        f"heat = {outside_heat(strand.plan.process.numbers)}\n{_taper(cut, strand)}"
-    )
+    for wall in walls.names:
+        yield (
+            f'[[boundaries]]\non = "{wall}/outside"\n'
+            f"heat = {outside_heat(strand.plan.process.numbers)}\n{_taper(cut, strand)}"
+        )
 
 
 def _taper(cut: Slice, strand: StrandPlan) -> str:
@@ -185,21 +231,47 @@ def _taper(cut: Slice, strand: StrandPlan) -> str:
     )
 
 
-def _stages(cut: Slice, strand: StrandPlan) -> Iterator[str]:
-    ambient = strand.plan.process.numbers["ambient"]
-    for number, zone in enumerate(strand.zones):
-        removed = f'remove = ["{cut.mould}"]\n' if number == 0 else ""
+def _stages(cut: Slice, strand: StrandPlan, walls: MouldWalls) -> Iterator[str]:
+    numbers, interface = strand.plan.process.numbers, strand.plan.interface
+    for zone in strand.zones:
         table = ", ".join(
             f"[{at:g}, {h:g}]" for at, h in zip(SPRAYED, zone.coefficients, strict=True)
         )
         heat = (
             '{ type = "convection", coefficient = { over = "temperature", of = "surface", '
-            f"table = [{table}] }}, ambient = {ambient:g} }}"
+            f"table = [{table}] }}, ambient = {numbers['ambient']:g} }}"
         )
-        yield _stage(cut, zone.start, strand.speed, removed, [heat], _water(zone))
-    air = strand.plan.process.numbers["air_coefficient"]
-    in_air = bare_metal(strand.plan.interface, air)
-    yield _stage(cut, strand.air, strand.speed, "", in_air, "air")
+        begins = _began(zone.start, strand.speed, _water(zone))
+        if zone is strand.zones[0]:
+            begins += f"remove = {json.dumps(walls.names)}\n{_rolls_begin(cut, strand, walls)}"
+        yield begins + _cooled(cut, walls, [heat])
+    in_air = _cooled(cut, walls, bare_metal(interface, numbers["air_coefficient"]))
+    yield _began(strand.air, strand.speed, "air") + in_air
+    if strand.rolls_end is not None and walls.held is not None:
+        ends = _began(strand.rolls_end, strand.speed, "no more rolls, by estimate behind the pool")
+        yield ends + _held(cut, walls, '"free"')
+
+
+def _rolls_begin(cut: Slice, strand: StrandPlan, walls: MouldWalls) -> str:
+    """Return the boundaries by which rolls bear the pressure of the pool and hold a face."""
+    if strand.rolls_end is None:
+        return ""
+    borne = f'[[stages.boundaries]]\non = "{cut.strand}/{CUT}"\npressure = 0\n'
+    if walls.held is None:
+        return f"# No rolls hold a face: this section has no quarter with one.\n{borne}"
+    return borne + _held(cut, walls, '{ normal = "uniform" }     # rolls keep the wide face flat')
+
+
+def _held(cut: Slice, walls: MouldWalls, how: str) -> str:
+    return f'[[stages.boundaries]]\non = "{cut.strand}/{walls.held}"\ndisplacement = {how}\n'
+
+
+def _cooled(cut: Slice, walls: MouldWalls, heat: Sequence[str]) -> str:
+    """Return heat conditions of all that the mould has left bare."""
+    return "".join(
+        f'[[stages.boundaries]]\non = "{cut.strand}/{wall}"\nheat = [\n{listed(heat)}]\n'
+        for wall in walls.names
+    )
 
 
 def _water(zone: Zone) -> str:
@@ -209,24 +281,20 @@ def _water(zone: Zone) -> str:
     )
 
 
-def _stage(
-    cut: Slice, at: float, speed: float, removed: str, heat: Sequence[str], what: str
-) -> str:
+def _began(at: float, speed: float, what: str) -> str:
     return (
         f'[[stages]]                      # from {at * speed:.3g} m on: {what}\nat = "{at:g} s"\n'
-        f'{removed}[[stages.boundaries]]\non = "{cut.strand}/{cut.mould}"\n'
-        f"heat = [\n{listed(heat)}]\n"
     )
 
 
-def _probes(cut: Slice) -> Iterator[str]:
+def _probes(cut: Slice, walls: MouldWalls) -> Iterator[str]:
     """Yield probes of the core, and of surface and gap at walls and at an edge."""
-    interface = f"{cut.strand}/{cut.mould}"
     for name, place in cut.places.items():
         if name == "core":
             inside = ["temperature", "solid_fraction"]
             yield _probe(name, f'body = "{cut.strand}"', place, inside)
             continue
+        interface = f"{cut.strand}/{walls.at(name)}"
         surface = f'body = "{cut.strand}"\nbelow = "{interface}"'
         yield _probe(name, surface, place, ["temperature"])
         across = ["gap", "heat_transfer_coefficient"]

@@ -83,6 +83,60 @@ def test_probes_stand_in_the_core_at_the_walls_and_at_the_edge():
     assert of["gap-edge"][2] == "billet/mould"
 
 
+SLAB = replace(
+    QUARTER, section=StrandSection(2, 0.09, 1.5, (0.6, 0.15)),
+    block=((-0.312, -0.087, 0.0), (0.312, 0.087, 0.2)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "planes, section, wide, narrow, split",
+    [
+        ((), (0.6, 0.15), "mould-high", "mould-low", (1, 0.075)),
+        (((2, 0.0025, False), (0, 0.0, True), (1, 0.0, False)), (0.6, 0.15),
+         "mould-low", "mould-high", (1, -0.075)),
+        ((), (0.15, 0.6), "mould-high", "mould-low", (0, 0.075)),
+    ],
+)  # fmt: skip
+def test_rolls_hold_the_wide_face_of_a_quarter(planes, section, wide, narrow, split):
+    """From the mould on, of which its wall is a body, until the strand is solid."""
+    cut = replace(
+        SLAB, planes=planes or SLAB.planes, section=replace(SLAB.section, extents=section)
+    )
+    plan, case = case_of(cut)
+    assert [body.name for body in case.bodies] == ["billet", "mould-low", "mould-high"]
+    assert case.geometry.cad.mould.split == pytest.approx(split)
+    assert [interface.primary for interface in case.interfaces] == ["mould-low", "mould-high"]
+    assert len([b for b in case.boundaries if b.on.endswith("outside") and b.displacement]) == 2
+    first, *_, air, last = case.stages
+    assert first.remove == ("mould-low", "mould-high") and first.at == plan.plan.release
+    assert [(b.on, float(b.pressure(50.0))) for b in first.boundaries if b.pressure] == [
+        ("billet/cut", 0.0)
+    ]
+    held = [(b.on, d.direction, d.uniform) for b in first.boundaries for d in b.displacement]
+    assert held == [(f"billet/{wide}", "normal", True)]
+    for stage in case.stages[:-1]:
+        cooled = {boundary.on for boundary in stage.boundaries if boundary.heat}
+        assert cooled == {f"billet/{wide}", f"billet/{narrow}"}
+    assert air.at == plan.air and last.at == plan.rolls_end < case.time.end
+    freed = [(b.on, d.direction) for b in last.boundaries for d in b.displacement]
+    assert freed == [(f"billet/{wide}", "free")]
+    at = {probe.name: probe.interface for probe in case.probes if probe.interface}
+    across = f"gap-face-{'xyz'[split[0]]}"
+    assert at.pop(across) == f"billet/{wide}"
+    assert set(at.values()) == {f"billet/{narrow}"}
+
+
+def test_a_wide_section_without_like_quarters_has_no_face_that_rolls_hold():
+    whole = replace(SLAB, planes=QUARTER.planes[:1], quarter=False)
+    plan, case = case_of(whole)
+    assert "# No rolls hold a face" in strand_text(whole, plan)
+    assert [body.name for body in case.bodies] == ["billet", "mould"]
+    assert [stage.at for stage in case.stages] == [*(zone.start for zone in plan.zones), plan.air]
+    assert not any(b.displacement for stage in case.stages for b in stage.boundaries)
+    assert float(case.stages[0].boundaries[0].pressure(50.0)) == 0.0
+
+
 def test_a_whole_section_has_no_taper():
     whole = replace(QUARTER, planes=QUARTER.planes[:1], quarter=False)
     plan, case = case_of(whole)

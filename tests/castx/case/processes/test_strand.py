@@ -36,7 +36,7 @@ def test_a_billet_runs_at_the_speed_of_its_perimeter_over_its_area():
     assert strand.taper == pytest.approx(0.5 * 0.009 * 0.7)
     steel = find_material("316L", {})
     assert strand.plan.pouring == pytest.approx(steel.liquidus + 30.0, abs=2.5)
-    assert strand.plan.interface == "steel-copper-cooled" and not strand.rolls
+    assert strand.plan.interface == "steel-copper-cooled" and strand.rolls_end is None
 
 
 def solid_after(strand, cells=16):
@@ -109,11 +109,18 @@ def test_the_pool_presses_by_its_height_on_the_bow():
 
 def test_rolls_bear_the_pressure_of_a_wide_strand_below_its_mould():
     strand = strand_plan_of(CONTINUOUS, None, None, SLAB)
-    assert strand.rolls
-    (time, pressure), (after, none) = strand.pressure[-2:]
-    assert time == pytest.approx(strand.plan.release, rel=0.02) and none == 0.0 < pressure
-    assert after == pytest.approx(time + 1.0)
+    time, pressure = strand.pressure[-1]
+    assert time == pytest.approx(strand.plan.release, rel=0.02) and pressure > 0.0
+    assert strand.plan.freezing == 1700.0
+    assert strand.rolls_end == pytest.approx(1.15 * 1700.0, rel=0.03)
     assert strand.speed < strand_plan_of(CONTINUOUS, None, None, BILLET).speed
+
+
+def test_rolls_go_on_as_long_as_sprays():
+    """A thin strand is solid before its sprays end, as far behind the meniscus as all others."""
+    thin = StrandSection(2, 0.25 * 0.01, 0.52, (0.25, 0.01))
+    strand = strand_plan_of(CONTINUOUS, None, None, thin)
+    assert strand.plan.freezing < strand.air < strand.rolls_end < strand.plan.end
 
 
 def test_molten_steel_is_lighter_than_cold_steel():
