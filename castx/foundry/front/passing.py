@@ -303,6 +303,8 @@ class Front:
         np.logical_or.at(wanted, which, frozen & near[which])
         share = np.zeros(near.shape)
         if self._comm.allreduce(bool(wanted.any()), MPI.LOR):
+            asked = wanted.reshape(len(here), -1)
+            here = [of.of(one) for of, one in zip(here, asked, strict=True)]
             first = self._excess.at(step, 0.0, here)
             share = self._share(step, wanted & (first > 0.0), first, last, here)
         return Passage(frozen, remelted, share[which])
