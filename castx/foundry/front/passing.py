@@ -112,13 +112,9 @@ class Parts:
         kept = nodes[self.nodes]
         cells, corners = self.index
         return Parts(
-            (cells[kept], corners[kept]),
-            self.nodes[kept],
-            self.corners[kept],
-            self.points[kept],
-            self.others[kept],
-            self.width[kept],
-        )
+            (cells[kept], corners[kept]), self.nodes[kept], self.corners[kept],
+            self.points[kept], self.others[kept], self.width[kept],
+        )  # fmt: skip
 
 
 class Excess:
