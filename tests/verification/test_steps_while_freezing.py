@@ -34,10 +34,12 @@ def test_smaller_changes_of_the_solid_fraction_come_closer(comm):
         for time in ({"solid_fraction_change": 1.0}, {}, {"solid_fraction_change": 0.015})
     ]
     of_solid, of_gap = zip(*errors, strict=True)
+    # A gap that is right amid a step lets more heat pass than one at its end, whose error made up
+    # for that of implicit steps of the heat.
     assert max(of_solid) < 0.005 and of_solid[-1] < 0.001
-    # With each step liquid comes closer to its own volume, so that the gap is less off by changes
-    # of the solid fraction than by how many steps there are.
-    assert max(of_gap) < 0.005
+    unseen, default, fine = of_gap
+    assert unseen > 1.1 * default > 1.25 * fine
+    assert default < 0.01
 
 
 @pytest.mark.slow

@@ -124,9 +124,7 @@ class CellVolume(NamedTuple):
 
             E = (w_0/w) E_n + (1 − w_0/w)(θ_n − w_0 p_n/K) + de^θ − (w_m − w_0) p_n/K,
 
-        and what melts leaves its volume in the cell. Liquid keeps its E: θ differs from it
-        in single cells, and taken for it in each step would move a shell at rest by as much each
-        time. Only of cells in a pool, which holds the volume of all together, E_n is θ_n.
+        and what melts leaves its volume in the cell. Without any solid E_n is θ_n.
 
         Args:
             start: w_0 of the cells, shape (cells,).

@@ -252,9 +252,10 @@ class MaterialPoints:
         self._nodes = self.conditions.nodes
         free = self.thermal_strain.x.array.copy()
         dilatation = self.points.to_volumes(self._strain[:, :3].sum(axis=1)).copy()
-        kept = free + self.conditions.born_later(mean_stress)
+        liquid = ~self.conditions.coherent
         if pooled is not None:
-            kept = np.where(self.points.cells_to_volumes(pooled), dilatation, kept)
+            liquid = liquid | self.points.cells_to_volumes(pooled)
+        kept = np.where(liquid, dilatation, free + self.conditions.born_later(mean_stress))
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free

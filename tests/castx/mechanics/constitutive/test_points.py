@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -272,7 +271,9 @@ def test_a_pulled_bar_flows_at_its_rate(comm, name):
     np.testing.assert_allclose(found, rate, rtol=1e-3)
 
 
-def frozen(comm, kind: Kind, law: str, free: bool = False, **properties: Any) -> MechanicalProblem:
+def frozen(
+    comm, kind: Kind, law: str, free: bool = False, **properties: Any
+) -> MechanicalProblem:
     """Return a casting that starts liquid, not hindered or shortened by 0.01 per s."""
     melting = described(kind, law, {**MELTING, **properties}, starts_liquid=True)
     held = [fixed("wall"), fixed("bottom")] + ([fixed("back")] if kind.model == "3d" else [])
@@ -300,7 +301,9 @@ def test_a_free_bar_shrinks_as_it_freezes(comm, kind, law):
         shrunk = shrinkage * max(fraction - coherency, 0.0)
         dimension = made.bodies["casting"].dimension
         found = motion(made, "casting")[:, :dimension]
-        np.testing.assert_allclose(found, -shrunk / 3 * places(made, "casting"), atol=1e-9 * LENGTH)
+        np.testing.assert_allclose(
+            found, -shrunk / 3 * places(made, "casting"), atol=1e-9 * LENGTH
+        )
         assert np.abs(stresses(comm, made, "casting")).max(initial=0.0) < 1e-6 * YOUNG
 
 
@@ -378,29 +381,6 @@ def test_a_large_step_of_perfect_plasticity_is_solved(comm, kind):
     deviator = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
     equivalent = np.sqrt(1.5 * (np.sum(deviator**2, axis=1) + 2 * stress[:, 3] ** 2))
     np.testing.assert_allclose(equivalent, YIELD, rtol=0.2 if kind.cells != "simplices" else 1e-8)
-
-
-def test_a_shell_at_rest_does_not_move_with_the_steps_of_its_liquid(comm):
-    """By what the volume of a cell of liquid is off its own, and would be forgotten in each."""
-    metal = elastic(YOUNG, POISSON, 2e-5, **MELTING)
-    cast = MechanicalBody(Law(metal, 560.0), starts_liquid=True)
-    held = [fixed("wall"), fixed("bottom")]
-    made = problem(slab(comm, Kind("plane-strain")), {"casting": cast}, {"casting": held})
-    shell = _in_the_shell(places(made, "casting"), 1.0, 0.0) > 0
-    shape = []
-    for time, (cold, fraction) in enumerate(((640.0, 0.0), (540.0, 1.0), *[(300.0, 1.0)] * 13)):
-        heat(made, partial(_in_the_shell, solid=cold, liquid=640.0),
-             partial(_in_the_shell, solid=fraction, liquid=0.0))  # fmt: skip
-        made.equilibrium.solve(float(time))
-        made.equilibrium.commit()
-        shape.append(everywhere(comm, motion(made, "casting")[shell, :2]))
-    contracted, moved = (np.abs(shape[k] - shape[2]).max() for k in (0, -1))
-    assert moved < 0.02 * contracted
-
-
-def _in_the_shell(x: FloatArray, solid: float, liquid: float) -> FloatArray:
-    """Return one value where the shell is, another in its liquid, shape (nodes,)."""
-    return np.where(x[:, 0] - x[:, 1] > 0.25 * LENGTH, solid, liquid)
 
 
 def test_a_norton_liquid_between_walls(comm):
