@@ -271,9 +271,7 @@ def test_a_pulled_bar_flows_at_its_rate(comm, name):
     np.testing.assert_allclose(found, rate, rtol=1e-3)
 
 
-def frozen(
-    comm, kind: Kind, law: str, free: bool = False, **properties: Any
-) -> MechanicalProblem:
+def frozen(comm, kind: Kind, law: str, free: bool = False, **properties: Any) -> MechanicalProblem:
     """Return a casting that starts liquid, not hindered or shortened by 0.01 per s."""
     melting = described(kind, law, {**MELTING, **properties}, starts_liquid=True)
     held = [fixed("wall"), fixed("bottom")] + ([fixed("back")] if kind.model == "3d" else [])
@@ -301,9 +299,7 @@ def test_a_free_bar_shrinks_as_it_freezes(comm, kind, law):
         shrunk = shrinkage * max(fraction - coherency, 0.0)
         dimension = made.bodies["casting"].dimension
         found = motion(made, "casting")[:, :dimension]
-        np.testing.assert_allclose(
-            found, -shrunk / 3 * places(made, "casting"), atol=1e-9 * LENGTH
-        )
+        np.testing.assert_allclose(found, -shrunk / 3 * places(made, "casting"), atol=1e-9 * LENGTH)
         assert np.abs(stresses(comm, made, "casting")).max(initial=0.0) < 1e-6 * YOUNG
 
 
