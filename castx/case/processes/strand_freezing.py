@@ -16,10 +16,9 @@ import numpy as np
 
 from castx.arrays import FloatArray
 from castx.case.processes.plan import AIR
-from castx.input.units import ABSOLUTE_ZERO
 from castx.materials.material import Material
 from castx.tables import Table
-from castx.transfer.radiation import STEFAN_BOLTZMANN
+from castx.transfer.radiation import emission
 
 CELLS = 8
 """Across half the thickness: 12 and 16 give the same times to 0.6 %."""
@@ -58,8 +57,8 @@ class StrandCooling:
             return self.mould * (surface - self.water)
         if place <= len(self.sprays):
             return self.sprays[place - 1](surface) * (surface - self.water)
-        fourth = (surface - ABSOLUTE_ZERO) ** 4 - (AIR - ABSOLUTE_ZERO) ** 4
-        radiated = self.emissivity * STEFAN_BOLTZMANN * fourth
+        (hot, _), (cold, _) = emission(surface), emission(np.array(AIR))
+        radiated = self.emissivity * (hot - cold)
         return np.asarray(radiated + self.air * (surface - AIR))
 
 
