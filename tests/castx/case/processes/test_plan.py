@@ -16,15 +16,14 @@ MODULUS = 0.01
 
 def heat(alloy, hot, cold):
     """Return the heat of an alloy between two temperatures [J/m³]."""
-    curve = find_material(alloy, {}).enthalpy
-    return float(curve.enthalpy(hot) - curve.enthalpy(cold))
+    return float(alloy.enthalpy.enthalpy(hot) - alloy.enthalpy.enthalpy(cold))
 
 
 def test_sand_follows_chvorinov_and_the_resistance_of_its_face():
     plan = plan_of(casting_process("sand"), None, None, MODULUS)
     iron, sand = find_material("GJL-250", {}), find_material("sand-silica", {})
     mean = 0.5 * (iron.solidus + iron.liquidus) - 20.0
-    amount = MODULUS * heat("GJL-250", plan.pouring, iron.solidus)
+    amount = MODULUS * heat(iron, plan.pouring, iron.solidus)
     conductivity = float(sand.description.conductivity.solid(20.0))
     capacity = float(sand.enthalpy.enthalpy(70.0) - sand.enthalpy.enthalpy(20.0)) / 50.0
     chvorinov = math.pi / 4 * (amount / mean) ** 2 / (conductivity * capacity)
@@ -36,9 +35,9 @@ def test_sand_follows_chvorinov_and_the_resistance_of_its_face():
 
 def test_a_casting_is_cold_when_a_lump_in_air_is():
     plan = plan_of(casting_process("gravity-die"), None, None, MODULUS)
-    solidus = find_material("AlSi7Mg", {}).solidus
-    hot = 0.8 * solidus
-    capacity = heat("AlSi7Mg", hot, COLD) / (hot - COLD)
+    alloy = find_material("AlSi7Mg", {})
+    hot = 0.8 * alloy.solidus
+    capacity = heat(alloy, hot, COLD) / (hot - COLD)
     lump = MODULUS * capacity / 25.0 * math.log((hot - 20.0) / (COLD - 20.0))
     assert plan.end - plan.release == pytest.approx(lump, rel=0.1)
     assert plan.release == pytest.approx(2.0 * plan.freezing, rel=0.05)
@@ -88,7 +87,7 @@ def cooled(modulus, shell, until):
             wanted = temperature - shell.outside * away * (2.0 / 500.0 + 0.008 / 1.2)
             outer += 0.2 * (wanted - outer)
         flux = (temperature - outer) / (2.0 / 500.0 + 0.008 / 1.2)
-        capacity = modulus * heat("G20Mn5", temperature, temperature - step) / step
+        capacity = modulus * heat(steel, temperature, temperature - step) / step
         if temperature <= 950.0:  # the shell, hot before, cools with the casting
             capacity += shell.volume * 1800.0 * 1050.0
         time += capacity * step / flux
