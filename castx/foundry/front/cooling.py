@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
+from castx.foundry.front.excess import Step
 from castx.foundry.front.levels import FreezingCurve, Level
-from castx.foundry.front.passing import Step
 
 if TYPE_CHECKING:
     from castx.foundry.front.control_volumes import ControlVolumes

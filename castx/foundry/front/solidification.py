@@ -34,10 +34,11 @@ from castx.arrays import BoolArray, FloatArray
 from castx.case.output import FrontPlace
 from castx.foundry.front.control_volumes import ControlVolumes
 from castx.foundry.front.cooling import CoolingWindow, WindowCooling
+from castx.foundry.front.excess import PLACES, WEIGHTS, Step
 from castx.foundry.front.gradients import Steepness
 from castx.foundry.front.lasting import Lasting
 from castx.foundry.front.levels import FreezingCurve, Level
-from castx.foundry.front.passing import PLACES, WEIGHTS, Front, Step
+from castx.foundry.front.passing import Front
 from castx.results.states.snapshot import Snapshot
 from castx.stateful import Array, Arrays, Saved, number, part_of, saved_parts
 

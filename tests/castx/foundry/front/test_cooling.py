@@ -9,8 +9,8 @@ import pytest
 
 from castx.foundry.front.control_volumes import ControlVolumes
 from castx.foundry.front.cooling import CoolingWindow, WindowCooling
+from castx.foundry.front.excess import Step
 from castx.foundry.front.levels import Level
-from castx.foundry.front.passing import Step
 from castx.foundry.front.solidification import BodySolidification
 from castx.tables import Table
 from tests.castx.fakes import FakeSnapshot, slab_mesh

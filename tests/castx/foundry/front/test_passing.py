@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from castx.foundry.front.control_volumes import ControlVolumes
+from castx.foundry.front.excess import PLACES, WEIGHTS, Step
 from castx.foundry.front.levels import Level
-from castx.foundry.front.passing import PLACES, WEIGHTS, Front, Step
+from castx.foundry.front.passing import Front
 from castx.tables import Table
 from tests.castx.fakes import slab_mesh
 from tests.castx.foundry.front.means import control_volume_means
