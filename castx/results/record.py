@@ -9,41 +9,17 @@ import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
 
 from castx.environment import versions
-from castx.errors import ConvergenceError
 from castx.profiling import PartCost, RunPart
 from castx.results.files.folder import write_whole
+from castx.results.files.reason import Reason
 from castx.results.states.snapshot import Snapshot
 from castx.solvers.counters import StepCounters
-
-
-class Reason(StrEnum):
-    """Why a run ended; `running` stands in the record until it has."""
-
-    RUNNING = "running"
-    FINISHED = "finished"
-    NOT_CONVERGED = "not converged"
-    INTERRUPTED = "interrupted"
-    FAILED = "failed"
-
-    @classmethod
-    def of(cls, error: BaseException | None) -> Reason:
-        """Return the reason that belongs to the exception that ended a run, if any did."""
-        match error:
-            case None:
-                return cls.FINISHED
-            case ConvergenceError():
-                return cls.NOT_CONVERGED
-            case KeyboardInterrupt():
-                return cls.INTERRUPTED
-            case _:
-                return cls.FAILED
 
 
 def timestamp() -> str:

@@ -45,10 +45,11 @@ from castx.results.files.folder import (
     write_whole,
 )
 from castx.results.files.measurements import measured_curves, write_measured
+from castx.results.files.reason import Reason
 from castx.results.files.series import damage_of
 from castx.results.history import History
 from castx.results.probes import Probes
-from castx.results.record import Reason, RunRecord
+from castx.results.record import RunRecord
 from castx.results.states.quantities import MECHANICAL
 from castx.results.states.snapshot import Snapshot
 from castx.stateful import Arrays, Saved, joined, part_of

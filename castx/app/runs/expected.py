@@ -20,9 +20,9 @@ from castx.errors import CaseError
 from castx.input.toml_text import parse_toml
 from castx.input.units import seconds_text
 from castx.results.files.folder import CASE, RECORD
+from castx.results.files.reason import Reason
 from castx.results.files.run_json import completed, number_of_cells, read_record
 
-FINISHED = "finished"
 MOST_RUNS = 100
 """Results folders that are looked into."""
 FAR = 10.0
@@ -65,7 +65,7 @@ def past_run(folder: Path, name: str) -> PastRun | None:
         return None
     cells = number_of_cells(record)
     steps, wall = record["totals"]["steps"], record["wall"]
-    if record["exit"]["reason"] != FINISHED or not (cells and steps and wall > 0.0):
+    if record["exit"]["reason"] != Reason.FINISHED or not (cells and steps and wall > 0.0):
         return None
     return PastRun(
         name, record["case"]["name"], record["scheme"], cells, steps, record["end"], wall

@@ -23,9 +23,9 @@ from castx.ranks import on_first_rank
 from castx.report.summary.finding import Finding
 from castx.report.summary.registry import findings
 from castx.results.files.folder import RECORD, keep_results
+from castx.results.files.reason import Reason
 from castx.results.files.run_json import number_of_cells
 from castx.results.reading import Results
-from castx.results.record import Reason
 from castx.results.writing import wanted_entries
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from castx.input.units import seconds_text
 from castx.results.files.folder import SENSITIVITY
 from castx.results.files.json_contents import JsonContents, read_json, write_json
+from castx.results.files.reason import Reason
 
 MICRO = 1e6
 
@@ -41,7 +42,8 @@ class VariedRun(JsonContents):
         time = self.frozen.get(body)
         if time is not None:
             return seconds_text(time)
-        stopped = "at the end" if self.ended == "finished" else f"when it stopped ({self.ended})"
+        finished = self.ended == Reason.FINISHED
+        stopped = "at the end" if finished else f"when it stopped ({self.ended})"
         return f"not frozen {stopped}, {seconds_text(self.reached)}"
 
     def gap_text(self, interface: str) -> str:

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from castx.errors import ConvergenceError, Interrupted, StorageError
-from castx.results.record import Reason, RunRecord, number, peak_memory
+from castx.results.files.reason import Reason
+from castx.results.record import RunRecord, number, peak_memory
 from castx.solvers.counters import StepCounters
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 
@@ -67,20 +67,9 @@ def test_a_restarted_run_counts_on(comm, tmp_path):
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize(
-    "error, reason",
-    [
-        (None, "finished"),
-        (ConvergenceError("no solution"), "not converged"),
-        (Interrupted("stopped"), "interrupted"),
-        (KeyboardInterrupt(), "interrupted"),
-        (StorageError("full"), "failed"),
-    ],
-)
-def test_the_end_of_a_run_has_a_reason(comm, tmp_path, error, reason):
-    record = RunRecord(tmp_path / "run.json", {})
-    content = written(record, Reason.of(error), str(error or ""))
-    assert content["exit"] == {"reason": reason, "message": str(error or "")}
+def test_the_record_says_why_a_run_ended(tmp_path):
+    content = written(RunRecord(tmp_path / "run.json", {}), Reason.FAILED, "full")
+    assert content["exit"] == {"reason": "failed", "message": "full"}
 
 
 @pytest.mark.serial
