@@ -124,7 +124,7 @@ class CellVolume(NamedTuple):
 
             E = (w_0/w) E_n + (1 − w_0/w)(θ_n − w_0 p_n/K) + de^θ − (w_m − w_0) p_n/K,
 
-        and what melts leaves its volume in the cell. Without any solid E_n is θ_n.
+        and what melts leaves its volume in the cell. Of liquid, E_n is what `forgotten` leaves.
 
         Args:
             start: w_0 of the cells, shape (cells,).

@@ -13,6 +13,7 @@ from dolfinx import fem
 
 from castx.arrays import FloatArray, IntArray
 from castx.domain import compat
+from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
 from castx.forms import kinematics
 
@@ -41,7 +42,7 @@ class IntegrationPoints:
     """
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
-        self._mesh, self.kind, self.model = body.mesh, body.kind, model
+        self._body, self._mesh, self.kind, self.model = body, body.mesh, body.kind, model
         self.numbering, self.node_numbering = body.cell_numbering, body.node_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
@@ -177,6 +178,17 @@ class IntegrationPoints:
     def summed(self, local: FloatArray) -> FloatArray:
         """Return sums over all ranks; collective."""
         return np.asarray(self._mesh.comm.allreduce(local))
+
+    def means_around_nodes(self, values: FloatArray) -> FloatArray:
+        """Return means by weight over the cells around each node, (nodes,); collective.
+
+        Args:
+            values: of the cells, shape (cells,).
+        """
+        nodes = len(self.node_numbering.numbers)
+        parts = [self.to_nodes(self.from_cells(v), nodes) for v in (values, np.ones(self.cells))]
+        part, whole = nodal_sum(self._body, np.column_stack(parts)).T
+        return np.asarray(part / whole)
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""

@@ -17,6 +17,7 @@ from castx.mechanics.constitutive.growth import CellVolume, MetalNodes
 from castx.mechanics.constitutive.history import PointHistory
 from castx.mechanics.constitutive.integration_points import IntegrationPoints
 from castx.mechanics.constitutive.law import Conditions, Law
+from castx.mechanics.constitutive.liquid_volume import forgotten
 from castx.mechanics.constitutive.plane_stress import deviatoric
 from castx.mechanics.constitutive.response import Response, respond, secant_softening
 from castx.mechanics.constitutive.secant_modulus import SecantModulus
@@ -249,13 +250,13 @@ class MaterialPoints:
         softening = secant_softening(response, self.conditions, self._start, strain)
         past = response.elastic, response.plastic, response.equivalent, strain, softening
         self.history = PointHistory(*past)
-        self._nodes = self.conditions.nodes
         free = self.thermal_strain.x.array.copy()
         dilatation = self.points.to_volumes(self._strain[:, :3].sum(axis=1)).copy()
-        liquid = ~self.conditions.coherent
-        if pooled is not None:
-            liquid = liquid | self.points.cells_to_volumes(pooled)
-        kept = np.where(liquid, dilatation, free + self.conditions.born_later(mean_stress))
+        kept = free + self.conditions.born_later(mean_stress)
+        if self.law.freezes:
+            part = forgotten(self.points, self._nodes, self.conditions, pooled)
+            kept += part * (dilatation - kept)
+        self._nodes = self.conditions.nodes
         self._volume = CellVolume(kept, dilatation, mean_stress.copy(), self._contracted)
         compressibility = self.compressibility.x.array.copy()
         self._committed = self._start, self.conditions, self._step, compressibility, free

@@ -113,3 +113,15 @@ def test_integrals_over_the_body_are_those_of_all_ranks(comm, cells):
     area = LENGTH * WIDTH
     exact = [area, area * (2.0 - 15.0 * LENGTH + 2.5 * WIDTH)]
     np.testing.assert_allclose(found, exact, rtol=1e-12)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("model", ["plane-strain", "axisymmetric"])
+def test_means_over_the_cells_around_nodes(comm, model):
+    """Of x in the middle of columns of cells, by ∫ N r where r counts."""
+    body, points = made(comm, model, "quadrilaterals")
+    x, size = body.nodes.tabulate_dof_coordinates()[:, 0], LENGTH / 5
+    found = points.means_around_nodes(x[points.cell_nodes].mean(axis=1))
+    left, right = (np.clip(x + side * size / 2, size / 2, LENGTH - size / 2) for side in (-1, 1))
+    share = 0.5 - (size / (6 * np.maximum(x, size)) if model == "axisymmetric" else 0.0)
+    np.testing.assert_allclose(found, share * left + (1 - share) * right, rtol=1e-12)

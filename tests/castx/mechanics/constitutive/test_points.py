@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -377,6 +378,29 @@ def test_a_large_step_of_perfect_plasticity_is_solved(comm, kind):
     deviator = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
     equivalent = np.sqrt(1.5 * (np.sum(deviator**2, axis=1) + 2 * stress[:, 3] ** 2))
     np.testing.assert_allclose(equivalent, YIELD, rtol=0.2 if kind.cells != "simplices" else 1e-8)
+
+
+def test_a_shell_at_rest_does_not_move_with_the_steps_of_its_liquid(comm):
+    """By what the volume of a cell of liquid is off its own, and would be forgotten in each."""
+    metal = elastic(YOUNG, POISSON, 2e-5, **MELTING)
+    cast = MechanicalBody(Law(metal, 560.0), starts_liquid=True)
+    held = [fixed("wall"), fixed("bottom")]
+    made = problem(slab(comm, Kind("plane-strain")), {"casting": cast}, {"casting": held})
+    shell = _in_the_shell(places(made, "casting"), 1.0, 0.0) > 0
+    shape = []
+    for time, (cold, fraction) in enumerate(((640.0, 0.0), (540.0, 1.0), *[(300.0, 1.0)] * 13)):
+        heat(made, partial(_in_the_shell, solid=cold, liquid=640.0),
+             partial(_in_the_shell, solid=fraction, liquid=0.0))  # fmt: skip
+        made.equilibrium.solve(float(time))
+        made.equilibrium.commit()
+        shape.append(everywhere(comm, motion(made, "casting")[shell, :2]))
+    contracted, moved = (np.abs(shape[k] - shape[2]).max() for k in (0, -1))
+    assert moved < 0.02 * contracted
+
+
+def _in_the_shell(x: FloatArray, solid: float, liquid: float) -> FloatArray:
+    """Return one value where the shell is, another in its liquid, shape (nodes,)."""
+    return np.where(x[:, 0] - x[:, 1] > 0.25 * LENGTH, solid, liquid)
 
 
 def test_a_norton_liquid_between_walls(comm):
