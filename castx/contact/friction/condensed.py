@@ -3,6 +3,9 @@
 The force that constrains them is the residual of their rows. A pair slips once it exceeds μ p S;
 from then on its rows bear μ p S against the motion. With p S the residual of the row of the gap, a
 row of motion becomes r_t + μ r_n d, and its derivative the same sum of rows of the matrix.
+
+A pair that chatters between both is held by a spring. It bears min(c ‖Δv‖, μ p S) against the
+motion Δv in the step, so that friction cannot act along it, whatever the direction was before.
 """
 
 from __future__ import annotations
@@ -15,11 +18,16 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray
 from castx.contact.friction.condensed_slip import SlipState, matrix_with_slip
-from castx.contact.friction.coulomb import SlidingRows, forward, unit
+from castx.contact.friction.coulomb import SlidingRows, forward, shortened, unit
 from castx.contact.kinematics.active_set import ActiveSet
 from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
 from castx.solvers.layout import Layout
+
+SPRING = 0.1
+"""Stiffness of the springs of pairs that chatter, beside that of rows that have none of their own.
+Stiffer ones chatter themselves: a casting in space, whose steps were cut 9 times without springs,
+has 1 cut and 548 iterations with 0.1, and 13 cuts and 1457 iterations after 53 steps with 1."""
 
 
 class CondensedFriction:
@@ -68,10 +76,14 @@ class CondensedFriction:
         return np.where(local >= 0, rows[np.maximum(local, 0)], 0.0)
 
     def _directions(self, motion: FloatArray) -> FloatArray:
-        """Return unit vectors along motions, former ones where these vanish or turn back."""
+        """Return unit vectors along motions, former ones where these vanish or turn back.
+
+        Those of pairs that chatter may turn back.
+        """
         # What has just begun to slip has not moved yet.
         found = forward(motion, self._direction)
-        return np.where(self._begins[:, None], self._direction, found)
+        found = np.where(self._begins[:, None], self._direction, found)
+        return np.where(self._sticks.frozen[:, None], unit(motion, self._direction), found)
 
     def _limits(self, forces: FloatArray) -> FloatArray:
         """Return the largest forces along the surface [N]."""
@@ -87,16 +99,25 @@ class CondensedFriction:
         self._touching = touching
         slips = touching & ~self._sticks.closed
         force = np.where(slips, self._limits(forces), 0.0)
-        along = self._directions(moved)
-        rows.forces[local[there]] += (force[:, None] * along)[there]
-        self._imposed = SlipState(slips, force, along, moved)
+        self._imposed = self._slip(iterate, slips, force, moved)
+        rows.forces[local[there]] += (force[:, None] * self._imposed.along)[there]
+
+    def _slip(
+        self, iterate: PairIterate, slips: BoolArray, force: FloatArray, moved: FloatArray
+    ) -> SlipState:
+        """Return the friction of the rows that slip, by their springs where they chatter."""
+        chatters, springs = slips & self._sticks.frozen, SPRING * iterate.stiffness
+        directions, borne = self._directions(moved), -self._forces(iterate.rows)
+        along = np.where(chatters[:, None], shortened(springs * moved, force), directions)
+        carried = np.where(chatters[:, None], shortened(borne, force), directions)
+        return SlipState(slips, force, along, moved, chatters, carried, springs)
 
     def update(
         self, iterate: PairIterate, forces: FloatArray, threshold: float, settled: bool
     ) -> bool:
         """Let pairs slip or stick that violate their state; return whether any did, on any rank."""
         touching, stiffness = iterate.closed[self._sliding.rows], iterate.stiffness
-        present = self._sticks.closed.copy()
+        present, chattered = self._sticks.closed.copy(), self._sticks.frozen.copy()
         known, before = touching & self._touching, self._sticks.closed | ~touching
         carried = self._forces(iterate.rows)
         size = np.linalg.norm(carried, axis=1)
@@ -112,13 +133,14 @@ class CondensedFriction:
         trial = np.where(self._sticks.closed, inside, -stiffness * ahead)
         may = known & (settled | ~self._sticks.closed)
         self._sticks.update(np.where(may, trial, 0.0), threshold)
-        # Of the two, slip never bears more than friction can.
+        # What chatters slips from now on, by a spring that bears no more than friction can.
         self._sticks.closed &= ~self._sticks.frozen
+        changed = (self._sticks.closed != present) | (self._sticks.frozen != chattered)
         self._stiffness = stiffness
         self._begins = before & ~self._sticks.closed
         along = np.where(known[:, None], -carried, motion)
         self._direction = np.where(self._begins[:, None], unit(along, directions), directions)
-        return self._sticks.any(touching & (self._sticks.closed != present))
+        return self._sticks.any(touching & changed)
 
     def add_to(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Return the derivative of the rows as last imposed; the next call overwrites it."""
@@ -149,6 +171,7 @@ class CondensedFriction:
 
     def commit(self, x: PETSc.Vec) -> None:
         """Let the next step begin at the present places of the pairs, at unknowns x."""
+        self._sticks.closed |= self._imposed.holds
         self._sticks.commit()
         self._committed_direction = self._direction.copy()
         self._place += self._motion(x)

@@ -21,24 +21,59 @@ class SlipState:
     Attributes:
         slips: rows that slip, shape (n,).
         force: μ p S of those, else zero [N], shape (n,).
-        along: unit vectors d of the motions, shape (n, dimension - 1).
+        along: unit vectors d of the motions, shorter where springs hold, shape (n, dimension - 1).
         moved: motions since the last accepted step [m], shape (n, dimension - 1).
+        chatters: rows that slip held by springs, shape (n,).
+        carried: w, the forces against the motions that the rows are left with, over μ p S or over
+            their size if that is more; d where no spring acts, shape (n, dimension - 1).
+        springs: stiffness c of the springs [N/m].
     """
 
     slips: BoolArray
     force: FloatArray
     along: FloatArray
     moved: FloatArray
+    chatters: BoolArray
+    carried: FloatArray
+    springs: float
 
     @classmethod
     def none(cls, count: int, width: int) -> SlipState:
         """Return rows that stick without slip so far."""
-        still = np.zeros((count, width))
-        return cls(np.zeros(count, dtype=bool), np.zeros(count), still, still.copy())
+        still, nowhere = np.zeros((count, width)), np.zeros(count, dtype=bool)
+        return cls(nowhere, np.zeros(count), still, still, nowhere, still, 0.0)
 
     def without_slip(self) -> SlipState:
         """Return the state with all rows sticking."""
-        return replace(self, slips=np.zeros_like(self.slips))
+        nowhere = np.zeros_like(self.slips)
+        return replace(self, slips=nowhere, chatters=nowhere)
+
+    @property
+    def holds(self) -> BoolArray:
+        """Rows whose springs bear less than friction can, shape (n,)."""
+        drawn = self.springs * np.linalg.norm(self.moved, axis=1)
+        return np.asarray(self.chatters & (drawn < self.force))
+
+    def turning(self, follows: BoolArray, steepest: float) -> FloatArray:
+        """Return the derivatives of μ p S d over the motions [N/m], (n, dimension - 1, same).
+
+        They are μ p S (1 - w dᵀ)/|Δv|, and c where a spring holds. What chatters is far from
+        balance: with w in place of d the friction that its row lacks resists the motion too (S.
+        Hüeber, G. Stadler and B. I. Wohlmuth, SIAM J. Sci. Comput. 30 (2008) 572).
+
+        Args:
+            follows: rows that slip in a direction that follows their motion.
+            steepest: largest stiffness that counts [N/m].
+        """
+        size, width = np.linalg.norm(self.moved, axis=1), self.moved.shape[1]
+        ahead = np.sum(self.moved * self.along, axis=1) > 0.0
+        turns = ahead & (follows | self.chatters)
+        slope = np.divide(self.force, size, out=np.zeros_like(size), where=turns)
+        # Steeper than the bodies it would only spoil the matrix.
+        slope = np.minimum(slope, steepest)[:, None, None]
+        found = slope * (np.eye(width) - self.carried[:, :, None] * self.along[:, None, :])
+        found[self.holds] = self.springs * np.eye(width)
+        return np.asarray(found)
 
 
 def matrix_with_slip(
@@ -70,7 +105,7 @@ def matrix_with_slip(
     rows.setDiagonal(diagonal)
     diagonal.destroy()
     first, gap = layout.first, gaps.local[sliding.rows]
-    pressed = state.slips & (state.force > 0)
+    pressed = state.slips & (state.force > 0) & ~state.holds
     shares = np.where(pressed, sliding.coefficient, 0.0)[:, None] * state.along
     for i, k in np.argwhere(sliding.local >= 0):
         place = first + int(sliding.local[i, k])
@@ -78,26 +113,17 @@ def matrix_with_slip(
     rows.assemble()
     product = rows.matMult(normal)
     rows.destroy()
-    if state.along.shape[1] > 1:
-        _add_turning(product, first, sliding, state, turning, steepest)
+    _add_turning(product, first, sliding, state.turning(turning, steepest))
     return product
 
 
-def _add_turning(
-    product: PETSc.Mat, first: int, sliding: SlidingRows, state: SlipState,
-    turning: BoolArray, steepest: float,
-) -> None:  # fmt: skip
-    """Add μ p S ∂d/∂v = μ p S (1 - d dᵀ)/|Δv|: friction turns with the motion."""
-    size = np.linalg.norm(state.moved, axis=1)
+def _add_turning(product: PETSc.Mat, first: int, sliding: SlidingRows, blocks: FloatArray) -> None:
+    """Add the derivatives of friction that turns with the motion, (n, dimension - 1, same)."""
     product.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
-    ahead = np.sum(state.moved * state.along, axis=1) > 0.0
-    for i in np.flatnonzero(turning & ahead):
-        there, d = sliding.local[i] >= 0, state.along[i]
-        # Steeper than the bodies it would only spoil the matrix.
-        slope = min(state.force[i] / size[i], steepest)
-        block = slope * (np.eye(len(d)) - np.outer(d, d))
+    for i in np.flatnonzero(np.any(blocks != 0.0, axis=(1, 2))):
+        there = sliding.local[i] >= 0
         numbers = (first + sliding.local[i][there]).astype(np.int32)
         product.setValues(
-            numbers, numbers, block[np.ix_(there, there)], PETSc.InsertMode.ADD_VALUES
+            numbers, numbers, blocks[i][np.ix_(there, there)], PETSc.InsertMode.ADD_VALUES
         )
     product.assemble()

@@ -25,6 +25,17 @@ def unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
     return directions
 
 
+def shortened(vectors: FloatArray, lengths: FloatArray) -> FloatArray:
+    """Return vectors over the larger of their own and given lengths, zero where both vanish.
+
+    Args:
+        vectors: shape (n, dimension).
+        lengths: shape (n,).
+    """
+    size = np.maximum(np.linalg.norm(vectors, axis=1), lengths)[:, None]
+    return np.asarray(np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0))
+
+
 def forward(vectors: FloatArray, before: FloatArray) -> FloatArray:
     """Return vectors over their lengths, former ones where they vanish or have turned back."""
     found = unit(vectors, before)

@@ -4,12 +4,27 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
+from castx.contact.choice import Contact
 from castx.contact.friction.condensed import CondensedFriction
 from castx.contact.friction.coulomb import SlidingRows
 from castx.contact.kinematics.iterate import ConstrainedRows, PairIterate
+from tests.elastic_bodies import (
+    blocks,
+    body,
+    elastic,
+    everywhere,
+    fixed,
+    heat,
+    motion,
+    normal_forces,
+    places,
+    problem,
+)
 from tests.partitions import PARTITION, along_x
 from tests.small_contact import two_blocks
 
@@ -172,6 +187,106 @@ def test_a_pair_that_touches_on_one_rank_lets_all_sets_return(comm, monkeypatch)
     imposed(friction, replace(moved, closed=~right), normal)
     assert friction.update(moved, normal, 1e-6, settled=True)
     np.testing.assert_array_equal(friction.sticking(), ~right)
+
+
+def chattering(made, friction, sliding, pairs):
+    """Let pairs begin to slip under 10 N and turn back until they chatter; the others stick.
+
+    Returns:
+        What each update said, and the pairs that stuck after it.
+    """
+    normal, found = np.full(len(sliding.rows), 10.0), []
+    rows = carried(made, sliding, np.where(pairs, 4.0, 2.0))
+    for _ in range(20):
+        back = np.where(pairs & ~friction.sticking(), 1e-6, 0.0)
+        iterate = at(made, sliding, back, rows)
+        imposed(friction, iterate, normal)
+        changed = friction.update(iterate, normal, 1e-6, settled=True)
+        found.append((changed, tuple(friction.sticking())))
+    return found
+
+
+@pytest.mark.serial
+def test_a_pair_that_chatters_is_held_by_a_spring(comm):
+    """A tenth of the stiffness, 1e8 N/m, up to μ p S = 3 N and back; without pressure nothing."""
+    made, friction, sliding = friction_on(comm)
+    normal, local = np.full(3, 10.0), sliding.local[:, 0]
+    chattering(made, friction, sliding, np.array([False, True, True]))
+    for moved, force in ((1e-9, 0.1), (-2e-8, -2.0), (1e-6, 3.0), (-1e-6, -3.0), (0.0, 0.0)):
+        iterate = at(made, sliding, [0.0, moved, moved])
+        found = imposed(friction, iterate, normal)
+        np.testing.assert_allclose(found.forces[local], [0.0, force, force], atol=1e-15)
+        np.testing.assert_array_equal(found.constrained[local], [True, False, False])
+        assert not imposed(friction, iterate, -normal).forces.any()
+        imposed(friction, iterate, normal)
+        assert not friction.update(iterate, normal, 1e-6, settled=True)
+
+
+@pytest.mark.serial
+def test_pairs_whose_springs_hold_begin_the_next_step_sticking(comm):
+    """The last one slips on, in the direction of its motion, which is against its former one."""
+    made, friction, sliding = friction_on(comm)
+    chattering(made, friction, sliding, np.array([False, True, True]))
+    end = at(made, sliding, [0.0, 1e-9, 1e-6])
+    imposed(friction, end, np.full(3, 10.0))
+    friction.update(end, np.full(3, 10.0), 1e-6, settled=True)
+    friction.commit(end.x)
+    saved = friction.saved()
+    np.testing.assert_array_equal(saved["sticks"], [1.0, 1.0, 0.0])
+    assert saved["sliding_0"][2] == 1.0
+
+
+@pytest.mark.ranks
+def test_a_pair_that_begins_to_chatter_on_one_rank_is_a_change_on_all(comm, monkeypatch):
+    """Its spring is another force, though it slipped before."""
+    monkeypatch.setattr(PARTITION, along_x)
+    made, friction, sliding = friction_on(comm)
+    found = chattering(made, friction, sliding, at_right(made))
+    said, stuck = zip(*found, strict=True)
+    assert len(set(comm.allgather(said))) == 1
+    last = said.index(False) - 1
+    assert comm.allreduce(stuck[last] == stuck[last - 1], op=MPI.LAND)
+    assert not any(said[last + 1 :])
+
+
+def warped(points):
+    """Return temperatures of an upper block that curve and twist it on its base [°C]."""
+    x, y, z = (points / 0.02).T
+    even = 0.4 * x * x + 1.7 * y * y + 1.1 * z * z + 0.7 * x * y + 0.7 * x * z - 0.9 * y * z
+    return 20.0 + 30.0 * (-2.0 + 0.6 * x + 0.7 * y - 0.3 * z + even)
+
+
+@pytest.mark.ranks
+def test_friction_drives_nothing(comm):
+    """A block that curves stands on few points, whose friction takes work and gives none.
+
+    Pairs that chattered bore friction in a direction that their motion had left, 0.045 J.
+    """
+    metal = body(elastic(7e10, 0.33, 2e-5), body_force=(0.0, 0.0, -1e6))
+    base = body(elastic(7e10, 0.3, 1e-5), formulation="displacement")
+    made = problem(
+        blocks(comm, "3d", (0.02, 0.02), (0.03, 0.02), size=0.01, symmetry=False),
+        {"upper": metal, "base": base}, {"base": [fixed("bottom", "all")]},
+        [Contact("upper", "base", friction=0.27)],
+    )  # fmt: skip
+    made.equilibrium.solve(0.0)
+    made.equilibrium.present.commit()
+    before = slid(comm, made)
+    heat(made, warped)
+    made.equilibrium.solve(0.0)
+    along = made.contact_states()[0].force - normal_forces(made)[:, None] * made.pairs[0].normals
+    work = everywhere(comm, np.sum(along * (slid(comm, made) - before), axis=1))
+    assert work.max() < 1e-9 and np.linalg.norm(everywhere(comm, along), axis=1).max() > 0.1
+
+
+def slid(comm, made):
+    """Return the displacements of the pairs of this rank, of the upper beside the lower block."""
+    found = {}
+    for name in ("upper", "base"):
+        nodes = everywhere(comm, places(made, name))
+        at = [np.linalg.norm(nodes - point, axis=1).argmin() for point in made.pairs[0].points]
+        found[name] = everywhere(comm, motion(made, name))[at, :3]
+    return found["upper"] - found["base"]
 
 
 def at_right(made):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from castx.contact.choice import Contact
-from castx.contact.friction.coulomb import forward, unit
+from castx.contact.friction.coulomb import forward, shortened, unit
 from castx.errors import CaseError
 from castx.mechanics.fixed_directions import SurfaceDisplacement
 from castx.tables import Table
@@ -301,3 +301,12 @@ def test_directions_by_hand():
     np.testing.assert_allclose(forward(vectors, before), expected, rtol=1e-15)
     turned = [[0.6, 0.8], [0.6, 0.8], [0.5**0.5, -(0.5**0.5)], [-1.0, 0.0]]
     np.testing.assert_allclose(unit(vectors, before), turned, rtol=1e-15)
+
+
+@pytest.mark.serial
+def test_vectors_shortened_to_lengths_by_hand():
+    """Over 5, the length of the vector, over 10, the one that is given, and over nothing."""
+    vectors = np.array([[3.0, -4.0], [3.0, -4.0], [0.0, 0.0]])
+    expected = [[0.6, -0.8], [0.3, -0.4], [0.0, 0.0]]
+    found = shortened(vectors, np.array([2.0, 10.0, 0.0]))
+    np.testing.assert_allclose(found, expected, rtol=1e-15)
