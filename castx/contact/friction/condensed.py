@@ -153,9 +153,13 @@ class CondensedFriction:
         self._matrix = found
         return found
 
-    def constraint_values(self, motions: FloatArray, closed: BoolArray) -> None:
-        """Return none: motions that stick are constrained unknowns."""
-        return None
+    def constraint_values(self, motions: FloatArray, closed: BoolArray) -> FloatArray:
+        """Return the parts of motions that pairs which chatter resist, shape (motions, rows).
+
+        Supports would fight their springs. Other motions that stick are constrained unknowns.
+        """
+        local = self._sliding.local
+        return self._imposed.resisted(np.where(local >= 0, motions[:, np.maximum(local, 0)], 0.0))
 
     def vectors(self, iterate: PairIterate) -> FloatArray:
         """Return the friction on the secondary nodes of all rows [N], shape (rows, dimension).

@@ -54,6 +54,21 @@ class SlipState:
         drawn = self.springs * np.linalg.norm(self.moved, axis=1)
         return np.asarray(self.chatters & (drawn < self.force))
 
+    def resisted(self, motions: FloatArray) -> FloatArray:
+        """Return the parts of motions that friction of chattering rows resists at once.
+
+        That is all where their springs hold, and what goes across their motion where they slip.
+
+        Args:
+            motions: along the surface, shape (motions, n, dimension - 1).
+
+        Returns:
+            Shape (motions, rows).
+        """
+        free = np.where(self.holds[:, None], 0.0, self.along)
+        rest = motions - np.einsum("mnk,nk->mn", motions, free)[:, :, None] * free
+        return np.asarray(rest[:, self.chatters & (self.force > 0)].reshape(len(motions), -1))
+
     def turning(self, follows: BoolArray, steepest: float) -> FloatArray:
         """Return the derivatives of μ p S d over the motions [N/m], (n, dimension - 1, same).
 

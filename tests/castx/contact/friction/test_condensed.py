@@ -236,6 +236,19 @@ def test_pairs_whose_springs_hold_begin_the_next_step_sticking(comm):
     assert saved["sliding_0"][2] == 1.0
 
 
+@pytest.mark.serial
+def test_supports_leave_motions_to_springs(comm):
+    """Of a motion of 2 a pair whose spring holds resists all, one that slips or sticks nothing."""
+    made, friction, sliding = friction_on(comm)
+    motions = np.zeros((1, made.layout.size_local))
+    motions[0, sliding.local[:, 0]] = [1.0, 2.0, 4.0]
+    closed = np.ones(3, dtype=bool)
+    assert friction.constraint_values(motions, closed).shape == (1, 0)
+    chattering(made, friction, sliding, np.array([False, True, True]))
+    imposed(friction, at(made, sliding, [0.0, 1e-9, 1e-6]), np.full(3, 10.0))
+    np.testing.assert_allclose(friction.constraint_values(motions, closed), [[2.0, 0.0]])
+
+
 @pytest.mark.ranks
 def test_a_pair_that_begins_to_chatter_on_one_rank_is_a_change_on_all(comm, monkeypatch):
     """Its spring is another force, though it slipped before."""

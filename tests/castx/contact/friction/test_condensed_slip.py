@@ -133,6 +133,16 @@ def test_springs_in_balance_against_differences():
         np.testing.assert_allclose(found[:, :, k], difference, rtol=1e-5, atol=1.0)
 
 
+@pytest.mark.serial
+def test_springs_that_hold_resist_all_motions_and_others_those_across():
+    motions = np.array([[[1.0, 0.0]] * 3, [[0.0, 2.0]] * 3])
+    found = held([0.6, 0.4, 0.0]).resisted(motions)
+    expected = [[1.0, 0.0, 0.64, -0.48], [0.0, 2.0, -0.96, 0.72]]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    state = slipping(np.ones(3, dtype=bool), np.ones(3), CARRIED, MOVED)
+    assert state.resisted(motions).shape == (2, 0)
+
+
 @pytest.mark.ranks
 def test_what_a_spring_holds_does_not_see_the_pressure(comm, monkeypatch):
     """The rows of its motion get c on the diagonal and nothing of the row of the gap."""
