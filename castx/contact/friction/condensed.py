@@ -67,13 +67,13 @@ class CondensedFriction:
 
     def _motion(self, x: PETSc.Vec) -> FloatArray:
         """Return the tangential motion of pairs in this step [m]."""
-        local = self._sliding.local
-        moved = np.where(local >= 0, x.array_r[np.maximum(local, 0)], 0.0)
+        moved = self._along(x.array_r)
         return np.asarray(moved - self._sliding.primary_motion() - self._place)
 
-    def _forces(self, rows: FloatArray) -> FloatArray:
+    def _along(self, rows: FloatArray) -> FloatArray:
+        """Return values of rows, (…, rows), at the motions of pairs, zero where there is none."""
         local = self._sliding.local
-        return np.where(local >= 0, rows[np.maximum(local, 0)], 0.0)
+        return np.where(local >= 0, rows[..., np.maximum(local, 0)], 0.0)
 
     def _directions(self, motion: FloatArray) -> FloatArray:
         """Return unit vectors along motions, former ones where these vanish or turn back.
@@ -107,7 +107,7 @@ class CondensedFriction:
     ) -> SlipState:
         """Return the friction of the rows that slip, by their springs where they chatter."""
         chatters, springs = slips & self._sticks.frozen, SPRING * iterate.stiffness
-        directions, borne = self._directions(moved), -self._forces(iterate.rows)
+        directions, borne = self._directions(moved), -self._along(iterate.rows)
         along = np.where(chatters[:, None], shortened(springs * moved, force), directions)
         carried = np.where(chatters[:, None], shortened(borne, force), directions)
         return SlipState(slips, force, along, moved, chatters, carried, springs)
@@ -119,7 +119,7 @@ class CondensedFriction:
         touching, stiffness = iterate.closed[self._sliding.rows], iterate.stiffness
         present, chattered = self._sticks.closed.copy(), self._sticks.frozen.copy()
         known, before = touching & self._touching, self._sticks.closed | ~touching
-        carried = self._forces(iterate.rows)
+        carried = self._along(iterate.rows)
         size = np.linalg.norm(carried, axis=1)
         motion = self._motion(iterate.x)
         ahead = np.sum(motion * self._direction, axis=1)
@@ -158,8 +158,7 @@ class CondensedFriction:
 
         Supports would fight their springs. Other motions that stick are constrained unknowns.
         """
-        local = self._sliding.local
-        return self._imposed.resisted(np.where(local >= 0, motions[:, np.maximum(local, 0)], 0.0))
+        return self._imposed.resisted(self._along(motions))
 
     def vectors(self, iterate: PairIterate) -> FloatArray:
         """Return the friction on the secondary nodes of all rows [N], shape (rows, dimension).
@@ -170,7 +169,7 @@ class CondensedFriction:
         rows, touching = iterate.rows, iterate.closed[self._sliding.rows]
         normal = np.maximum(rows[self._gaps.local[self._sliding.rows]], 0.0)
         slipping = -(self._sliding.coefficient * normal)[:, None] * self._imposed.along
-        borne = np.where(self._sticks.closed[:, None], self._forces(rows), slipping)
+        borne = np.where(self._sticks.closed[:, None], self._along(rows), slipping)
         return self._sliding.vectors(np.where(touching[:, None], borne, 0.0))
 
     def commit(self, x: PETSc.Vec) -> None:
