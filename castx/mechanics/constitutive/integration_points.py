@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import basix.ufl
@@ -172,8 +173,7 @@ class IntegrationPoints:
 
     def own_integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the cells of this rank of arrays of nodal values, shape (arrays,)."""
-        weights = self.to_nodes(np.ones(self.count), len(self.node_numbering.numbers))
-        return np.array([weights @ each for each in values])
+        return np.array([self._own_weights @ each for each in values])
 
     def summed(self, local: FloatArray) -> FloatArray:
         """Return sums over all ranks; collective."""
@@ -185,10 +185,14 @@ class IntegrationPoints:
         Args:
             values: of the cells, shape (cells,).
         """
-        nodes = len(self.node_numbering.numbers)
-        parts = [self.to_nodes(self.from_cells(v), nodes) for v in (values, np.ones(self.cells))]
-        part, whole = nodal_sum(self._body, np.column_stack(parts)).T
+        here = self.to_nodes(self.from_cells(values), len(self._own_weights))
+        part, whole = nodal_sum(self._body, np.column_stack([here, self._own_weights])).T
         return np.asarray(part / whole)
+
+    @cached_property
+    def _own_weights(self) -> FloatArray:
+        """∫ N over the cells of this rank, shape (nodes,)."""
+        return self.to_nodes(np.ones(self.count), len(self.node_numbering.numbers))
 
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""
