@@ -10,6 +10,8 @@ from castx.arrays import FloatArray
 MILLIMETRES = 1e3
 """Units of the gmsh model in a metre."""
 
+ROOM = 1.25
+"""Margin of the block out of which a shell is cut, in thicknesses of the shell."""
 NO_CELLS = 4
 """Exit code of a mesher after `NoCellsError`."""
 Vector = tuple[float, float, float]
@@ -139,6 +141,7 @@ class Mould:
         channels: drilled through it.
         plug: body of its pieces that hang at no outer part of it, as inside an open box; None: they
             stay with it, or with the half in which more of them lies.
+        shell: distance from the solids up to which the block stays [m]; None: all of it does.
     """
 
     name: str = "mould"
@@ -149,6 +152,7 @@ class Mould:
     chills: tuple[Chill, ...] = ()
     channels: tuple[Channel, ...] = ()
     plug: str | None = None
+    shell: float | None = None
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -192,7 +196,7 @@ class CadPart:
         selectors: of the named surfaces.
         rest: name of the free faces that no selector has.
         curvature: elements round a full circle.
-        across: cells across a wall; 0: as many as the other sizes make.
+        across: cells across a wall; 0: as many as the other sizes make. Shells have one at least.
         interface_size: size on faces that two bodies share [m]; None: as elsewhere.
         growth: by how much sizes grow over a distance, as a share of it.
         rules: sizes at places.

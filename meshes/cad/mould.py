@@ -12,6 +12,7 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.meshes.cad.description import (
     MILLIMETRES,
+    ROOM,
     Box,
     CadPart,
     Channel,
@@ -118,7 +119,8 @@ def _block(mould: Mould, solids: Sequence[Solid]) -> list[Solid]:
         lowest, highest = (np.array(corner) for corner in mould.box)
     else:
         lowest, highest = (np.array(corner) for corner in extents([s.tag for s in solids]))
-        lowest, highest = lowest - mould.margin, highest + mould.margin
+        margin = max(mould.margin, ROOM * (mould.shell or 0.0))
+        lowest, highest = lowest - margin, highest + margin
     if mould.split is None:
         return [Solid(_box((tuple(lowest), tuple(highest))), mould.name, "", BLOCK)]
     axis, place = mould.split

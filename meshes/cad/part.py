@@ -9,8 +9,15 @@ from math import isfinite
 import numpy as np
 
 from castx.meshes.cad.assembly import join, refuse_other_bodies
-from castx.meshes.cad.cells import Quality, cell_qualities, quality_of, solid_volumes
-from castx.meshes.cad.description import CadPart, NoCellsError
+from castx.meshes.cad.cells import (
+    Quality,
+    cell_qualities,
+    cell_volumes,
+    node_points,
+    quality_of,
+    solid_volumes,
+)
+from castx.meshes.cad.description import CadPart, Mould, NoCellsError
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
@@ -19,6 +26,7 @@ from castx.meshes.cad.narrow import refuse_narrow_faces, without_narrow_faces
 from castx.meshes.cad.reading import read_solids
 from castx.meshes.cad.report import Report, report_of
 from castx.meshes.cad.selection import named_faces
+from castx.meshes.cad.shell import carve_shell
 
 COARSE = 12
 """Cells along the longest extent where no size is given."""
@@ -52,11 +60,13 @@ def mesh_part(part: CadPart, file: str) -> Report:
         drawn = solid_volumes(volumes)
     faces = faces_of(volumes)
     named = _named(part, faces, list(dict.fromkeys(volumes.values())))
-    add_groups(volumes, named)
     try:
-        quality = _meshed(part, volumes, faces, named, f"{file}.sizes")
+        quality, faces, named = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
+    add_groups(volumes, named)
+    if part.mould is not None and part.mould.shell is not None:
+        drawn = drawn | _meshed_solids(volumes, part.mould)
     told = [*left_out, *remarks, *given, *unusual_size(extent)]
     report = report_of(volumes, drawn, faces, named, quality, told)
     write(file)
@@ -69,15 +79,28 @@ def _meshed(
     faces: Sequence[Face],
     named: Mapping[str, Sequence[Face]],
     scratch: str,
-) -> Quality:
-    """Mesh joined solids, and return the quality of the cells."""
+) -> tuple[Quality, list[Face], dict[str, list[Face]]]:
+    """Mesh joined solids, and return the quality of the cells, faces and named surfaces."""
     tags = list(volumes)
     refuse_small(tags, part.tolerance)
     refuse_narrow_faces(part, tags)
     generate(part, volumes, faces, named, scratch)
+    left, surfaces = list(faces), {name: list(own) for name, own in named.items()}
+    if part.mould is not None and part.mould.shell is not None:
+        left, surfaces = carve_shell(part, volumes, faces, named)
     corners, qualities = cell_qualities(tags)
     refuse_flat_cells(tags, corners.mean(axis=1), qualities)
-    return quality_of(corners, qualities)
+    return quality_of(corners, qualities), left, surfaces
+
+
+def _meshed_solids(volumes: Mapping[int, str], mould: Mould) -> dict[str, tuple[int, float]]:
+    """Return the number of solids of each part of a shell, and the volume of their cells [m³]."""
+    points, found = node_points(), dict[str, tuple[int, float]]()
+    for tag, body in volumes.items():
+        if body in mould.parts:
+            count, volume = found.get(body, (0, 0.0))
+            found[body] = count + 1, volume + float(cell_volumes(points, tag).sum())
+    return found
 
 
 def unusual_size(extent: float) -> Iterator[str]:

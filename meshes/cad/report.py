@@ -9,8 +9,9 @@ from typing import Any
 import gmsh
 import numpy as np
 
-from castx.meshes.cad.cells import Quality, cell_volumes, face_areas, node_points
-from castx.meshes.cad.description import MILLIMETRES, Box
+from castx.arrays import FloatArray
+from castx.meshes.cad.cells import TETRAHEDRON, Quality, cell_volumes, face_areas, node_points
+from castx.meshes.cad.description import Box
 from castx.meshes.cad.faces import Face
 
 
@@ -110,16 +111,16 @@ def report_of(
             between.setdefault("/".join(sorted(face.bodies)), []).append(areas[face.tag])
     return Report(
         bodies, _measures(surfaces), _measures(between), quality,
-        remarks=tuple(remarks), boxes={name: _box(name, volumes) for name in drawn},
+        remarks=tuple(remarks), boxes={name: _box(name, volumes, points) for name in drawn},
     )  # fmt: skip
 
 
-def _box(body: str, volumes: Mapping[int, str]) -> Box:
-    """Return lowest and highest corner of the nodes of a body [m]."""
+def _box(body: str, volumes: Mapping[int, str], points: FloatArray) -> Box:
+    """Return lowest and highest corner of the cells of a body [m], by the points of all nodes."""
     tags = [tag for tag, owner in volumes.items() if owner == body]
-    found = [gmsh.model.mesh.getNodes(3, tag, includeBoundary=True)[1] for tag in tags]
-    points = np.concatenate(found).reshape(-1, 3) / MILLIMETRES
-    low, high = np.round(points.min(axis=0), 9), np.round(points.max(axis=0), 9)
+    used = [gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1] for tag in tags]
+    found = points[np.concatenate(used).astype(np.int64)]
+    low, high = np.round(found.min(axis=0), 9), np.round(found.max(axis=0), 9)
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 

@@ -197,7 +197,7 @@ class Wishes:
 def wanted_sizes(
     part: CadPart, faces: Sequence[Face], named: Mapping[str, Sequence[Face]], samples: Samples
 ) -> Wishes:
-    """Return the size that each sample asks for, and the middle of the wall behind it.
+    """Return the size that each sample asks for, the middle of the wall behind it, and shells.
 
     Args:
         part: what is meshed.
@@ -206,7 +206,7 @@ def wanted_sizes(
         samples: of the faces.
 
     Returns:
-        The samples first, then the middles of walls.
+        The samples first, then the middles of walls, and layers of a shell.
     """
     sizes = np.full(len(samples.areas), part.size)
     for index, face in enumerate(faces):
@@ -226,7 +226,28 @@ def wanted_sizes(
             moved = (depth * walls[thin])[:, None] * inward[thin]
             corners.append(samples.corners[thin] + moved[:, None])
             wanted.append(walls[thin] / part.across)
+    for layer, size in _shell_layers(part, faces, samples):
+        corners.append(layer)
+        wanted.append(np.full(len(layer), size))
     return Wishes(np.concatenate(corners), np.concatenate([sizes, *wanted]))
+
+
+def _shell_layers(
+    part: CadPart, faces: Sequence[Face], samples: Samples
+) -> Iterator[tuple[FloatArray, float]]:
+    """Yield triangles of the layers of cells that a shell has, (triangles, 3, 3), with its size."""
+    if part.mould is None or part.mould.shell is None:
+        return
+    layers = max(1, ceil(part.across))
+    outward = np.zeros(len(faces))
+    for index, face in enumerate(faces):
+        if len(face.bodies) == 2:
+            first, second = (body in part.mould.parts for body in face.bodies)
+            outward[index] = float(second) - float(first)
+    around = outward[samples.faces] != 0.0
+    directions = (outward[samples.faces][:, None] * samples.normals)[around]
+    for depth in part.mould.shell * np.arange(1, layers + 1) / layers:
+        yield samples.corners[around] + (depth * directions)[:, None], part.mould.shell / layers
 
 
 def _on(rule: SizeRule, face: Face, named: Mapping[str, Sequence[Face]]) -> bool:
@@ -282,7 +303,7 @@ def size_grid(part: CadPart, wishes: Wishes) -> SizeGrid:
             )
             grid[inside] = np.minimum(grid[inside], rule.size)
     small = wishes.sizes < part.size
-    for points, sizes in _spread(wishes.corners[small], wishes.sizes[small], step):
+    for points, sizes in spread(wishes.corners[small], wishes.sizes[small], step):
         places = (points - lowest) / step
         first = places.astype(np.int64)  # all nodes round it, lest the grid lose thin walls
         for offset in np.ndindex(2, 2, 2):
@@ -292,10 +313,16 @@ def size_grid(part: CadPart, wishes: Wishes) -> SizeGrid:
     return SizeGrid(lowest, step, _growing(grid, part.growth * step))
 
 
-def _spread(
+def spread(
     corners: FloatArray, sizes: FloatArray, step: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield points all over triangles, no farther apart than a step, with their sizes."""
+    """Yield points all over triangles, no farther apart than a step, with their sizes.
+
+    Args:
+        corners: of the triangles, (triangles, 3, 3) [m].
+        sizes: of the triangles.
+        step: the largest distance [m].
+    """
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     counts = np.maximum(1, np.ceil(edges / step)).astype(np.int64)
     for count in np.unique(counts):

@@ -1,4 +1,4 @@
-"""A mould that is made round the solids of CAD files: block, halves, chills, cores, channels."""
+"""A mould that is made round the solids of CAD files: block or shell, halves, chills, cores."""
 
 from __future__ import annotations
 
@@ -135,7 +135,8 @@ class CadMould(Description):
 
     Attributes:
         name: of its body, or the beginning of those of its halves, `-low` and `-high`.
-        box: thickness round all solids, or lowest and highest corner [m].
+        box: thickness round all solids, or lowest and highest corner [m]; None: room for a shell.
+        shell: distance from the solids up to which the block stays [m]; None: all of it does.
         split: axis and place of the plane between the halves [m].
         cores: bodies that are cut out of others where they overlap.
         chills: that are made for it.
@@ -145,7 +146,8 @@ class CadMould(Description):
     """
 
     name: EntryName = "mould"
-    box: Annotated[float | Box, PlainValidator(_block)]
+    box: Annotated[float | Box | None, PlainValidator(_block)] = None
+    shell: Annotated[float | None, Quantity(LENGTH, above=0.0)] = None
     split: Annotated[tuple[int, float] | None, PlainValidator(_split)] = None
     cores: tuple[EntryName, ...] = Field((), max_length=_MOST_PARTS)
     chills: tuple[MouldChill, ...] = Field((), max_length=_MOST_PARTS)
@@ -153,7 +155,14 @@ class CadMould(Description):
     plug: EntryName | None = None
 
     def inconsistencies(self) -> Iterator[Problem]:
-        """Yield chills and a plug that have one name, or that of the mould."""
+        """Yield a mould without size, a channel in a shell, and names that are there already."""
+        if self.box is None and self.shell is None:
+            yield Problem(("box",), 'missing; a block, box = "40 mm", or a shell, shell = "8 mm"')
+        if self.shell is not None and self.cooling:
+            yield Problem(("cooling",), "a shell has no channels; leave them or the shell out")
+        if self.shell is not None and isinstance(self.box, float) and self.box <= self.shell:
+            text = f"must exceed shell, {self.shell:g} m; left out it has room for it"
+            yield Problem(("box",), text)
         halves = () if self.split is None else (f"{self.name}-low", f"{self.name}-high")
         names = [self.name, *halves]
         if self.plug in names:

@@ -78,6 +78,7 @@ def _mould(mould: CadMould) -> Mould:
         mould.name,
         margin=mould.box if isinstance(mould.box, float) else 0.0,
         box=None if isinstance(mould.box, float) else mould.box,
+        shell=mould.shell,
         split=mould.split,
         cores=mould.cores,
         chills=tuple(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -39,7 +40,7 @@ from castx.input.toml_text import parse_toml
 from castx.input.units import LENGTH
 from castx.materials.database import database_entry
 from castx.materials.lookup import find_material
-from castx.meshes.cad.description import Box, Mould
+from castx.meshes.cad.description import ROOM, Box, Mould
 
 MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
@@ -185,7 +186,7 @@ def new_case(cad_file: Path, target: Path, wanted: Wanted = NOTHING, say: Say = 
         say(f"meshing it again, in {'its' if lone else 'a'} mould")
         found = survey(replace(part, mould=mould), say, found.attempt)
         plugged = any(body.name == PLUG for body in found.report.bodies)
-        text = _mould_text(replace(mould, plug=PLUG if plugged else None), wanted)
+        text = _mould_text(replace(mould, plug=PLUG if plugged else None))
         return as_case(affordable(found, say), file, margin, text)
     if wanted.split is not None or wanted.open_top:
         names = ", ".join(name for name, _ in drawn.bodies)
@@ -208,8 +209,17 @@ def _around(case: NewCase, wanted: Wanted) -> Box:
 
 def _margin(extent: float, wanted: Wanted) -> float:
     """Return the thickness of a mould round a part of an extent [m]."""
-    numbers = {} if wanted.process is None else casting_process(wanted.process).numbers
-    return numbers.get("shell", rounded(numbers.get("wall", MARGIN) * extent))
+    return _shell(wanted) or rounded(_numbers(wanted).get("wall", MARGIN) * extent)
+
+
+def _numbers(wanted: Wanted) -> Mapping[str, float]:
+    """Return the numbers of a process, none if none is wanted."""
+    return {} if wanted.process is None else casting_process(wanted.process).numbers
+
+
+def _shell(wanted: Wanted) -> float | None:
+    """Return the thickness of the shell that a process pours into [m]; None: a block."""
+    return _numbers(wanted).get("shell")
 
 
 def _split(cad_file: Path, wanted: Wanted, box: Box, say: Say) -> tuple[int, float] | None:
@@ -242,34 +252,36 @@ def _mould(box: Box, margin: float, wanted: Wanted, split: tuple[int, float] | N
 
     Args:
         box: of the solids [m].
-        margin: of the block [m].
+        margin: of the block, or thickness of the shell [m].
         wanted: process and top.
         split: axis and place of the plane between its halves [m]; None: it has none.
     """
+    shell = _shell(wanted)
     if not wanted.open_top:
-        return Mould(margin=margin, split=split, plug=PLUG)
+        return Mould(margin=margin, split=split, plug=PLUG, shell=shell)
     low, high = ([round(x, 7) for x in corner] for corner in box)
-    lowest, highest = [x - margin for x in low], [x + margin for x in high]
+    room = margin if shell is None else ROOM * shell
+    lowest, highest = ([x + way * room for x in at] for at, way in ((low, -1.0), (high, 1.0)))
     highest[2] = high[2]
     block = (lowest[0], lowest[1], lowest[2]), (highest[0], highest[1], highest[2])
-    return Mould(box=block, split=split, plug=PLUG)
+    return Mould(box=block, split=split, plug=PLUG, shell=shell)
 
 
-def _mould_text(mould: Mould, wanted: Wanted) -> str:
+def _mould_text(mould: Mould) -> str:
     """Return the line of a mould in the case file."""
-    text = f'"{1e3 * mould.margin:.3g} mm"'
+    parts = []
     if mould.box is not None:
         corners = (", ".join(f"{x:.7g}" for x in corner) for corner in mould.box)
-        text = f"[{', '.join(f'[{corner}]' for corner in corners)}]"
-    parts = [f"box = {text}"]
+        parts.append(f"box = [{', '.join(f'[{corner}]' for corner in corners)}]")
+    elif mould.shell is None:
+        parts.append(f'box = "{1e3 * mould.margin:.3g} mm"')
+    if mould.shell is not None:
+        parts.append(f'shell = "{1e3 * mould.shell:.3g} mm"')
     if mould.split is not None:
         parts.append(f'split = "{AXES[mould.split[0]]} = {1e3 * mould.split[1]:.5g} mm"')
     if mould.plug is not None:
         parts.append(f'plug = "{mould.plug}"')
-    process = None if wanted.process is None else casting_process(wanted.process)
-    what = "a block round the part"
-    if process is not None and "shell" in process.numbers:
-        what += "; a shell is lighter in pockets and cools sooner: draw it in CAD for results"
+    what = "a block round the part" if mould.shell is None else "a shell that follows the part"
     return f"mould = {{ {', '.join(parts)} }}      # {what}\n"
 
 
