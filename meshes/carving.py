@@ -34,7 +34,8 @@ class Carving:
         points: (points, 3) [m].
         cells: (cells, 4).
         levels: at the points, negative where the mesh stays.
-        planes: on which of some planes each point lies and stays, (points, planes).
+        planes: on which of some planes each point lies, (points, planes); it stays there where
+            some of the mesh beside it in the plane does.
         fixed: points that are not put onto the surface, (points,).
 
     Attributes:
@@ -101,6 +102,7 @@ def _near_points(
         Whether it passes, (points,); where, (points, 3) [m], at the point itself if no edge along
         which it may move leads there.
     """
+    planes = _kept_planes(edges, levels, planes)
     near, targets = np.zeros(len(points), dtype=np.bool_), points.copy()
     nearest = np.full(len(points), np.inf)
     for start, end in (edges.T, edges.T[::-1]):
@@ -117,6 +119,15 @@ def _near_points(
         nearest[start[order]] = lengths[order]
         targets[start[order]] = points[start[order]] + steps[order]
     return near | (levels == 0.0), targets
+
+
+def _kept_planes(edges: LongArray, levels: FloatArray, planes: BoolArray) -> BoolArray:
+    """Return the planes of each point in which some of the mesh beside it stays."""
+    below = planes & (levels < 0.0)[:, None]
+    kept = below.copy()
+    for start, end in (edges.T, edges.T[::-1]):
+        np.logical_or.at(kept, start, planes[start] & below[end])
+    return kept
 
 
 def _moved(points: FloatArray, cells: LongArray, targets: FloatArray) -> FloatArray:

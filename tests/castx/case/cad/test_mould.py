@@ -29,6 +29,9 @@ def test_units_and_defaults():
     assert channel.name == "cooling" and channel.line == ((0, 0, 0), (0.01, 0, 0))
     assert [chill.diameter for chill in mould.chills] == [None, 0.5]
     assert CadMould.read({"box": [[0, 0, 0], [1, 1, 1]]}).box == ((0, 0, 0), (1, 1, 1))
+    shell = CadMould.read({"shell": "8 mm"})
+    assert (shell.box, shell.shell) == (None, 0.008)
+    assert CadMould.read({"box": "2 cm", "shell": "8 mm"}).box == 0.02
 
 
 def test_planes():
@@ -46,7 +49,7 @@ def test_planes():
 @pytest.mark.parametrize(
     "description, text",
     [
-        ({}, "box: missing"),
+        ({}, 'box: missing; a block, box = "40 mm", or a shell, shell = "8 mm"'),
         ({"box": 0}, "box: must be positive"),
         ({"box": 1, "split": "z"}, 'split: a plane across x, y or z is needed: "z = 10 mm"'),
         ({"box": 1, "cooling": [{"line": LINE}]}, r"cooling\[0\].diameter: missing"),
@@ -68,6 +71,12 @@ def test_planes():
         (
             {"box": 1, "chills": [{"name": "mould", "box": [[0, 0, 0], [1, 1, 1]]}]},
             r"chills\[0\].name: is there already; names: mould",
+        ),
+        ({"shell": 0}, "shell: must be positive"),
+        ({"box": "8 mm", "shell": "8 mm"}, "box: must exceed shell, 0.008 m; left out it has room"),
+        (
+            {"shell": 1, "cooling": [{"line": LINE, "diameter": 1}]},
+            "cooling: a shell has no channels; leave them or the shell out",
         ),
         ({"box": 1, "plug": "mould"}, "plug: is a name of the mould; names: mould$"),
         ({"box": 1, "split": "z = 0", "plug": "mould-low"}, "plug: is a name of the mould"),

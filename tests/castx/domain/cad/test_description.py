@@ -41,6 +41,8 @@ def test_mould_and_symmetry_reach_the_mesher():
         (Chill("k", ((0, 0, 0), (1, 1, 1))), Chill("p", None, ends, 3.0)),
         (Channel("cooling", ends, 4.0),),
     )  # fmt: skip
+    shell = CadGeometry.read({**base, "mould": {"shell": "8 mm"}})
+    assert part_of(shell, None).mould == Mould(shell=0.008)
     boxed = CadGeometry.read({**base, "mould": {"box": [[0, 0, 0], [1, 1, 1]]}})
     assert part_of(boxed, None).mould == Mould("mould", 0.0, ((0, 0, 0), (1, 1, 1)))
 

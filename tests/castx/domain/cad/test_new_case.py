@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -56,19 +57,29 @@ def test_a_lone_solid_gets_a_mould(tmp_path):
 def test_a_mould_that_is_made_is_measured_by_the_casting(tmp_path):
     path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)])
     case = new_case(path, tmp_path / "bar.toml", Wanted("investment"))
-    block, area = 0.056 * 0.026 * 0.026, 18e-4  # 8 mm round the bar
+    area, edges, thickness = 18e-4, 0.24, 0.008  # of the bar, and of the shell round it
+    ball = 4 / 3 * math.pi * thickness**3
+    volume = area * thickness + edges * math.pi / 4 * thickness**2 + ball
+    outside = area + edges * math.pi / 2 * thickness + 3 * ball / thickness
     shell = shell_of(case)
-    assert shell.volume == pytest.approx((block - 4e-6) / area)
-    assert shell.outside == pytest.approx((4 * 0.056 + 2 * 0.026) * 0.026 / area)
+    # one cell through it cuts its rounds
+    assert shell.volume == pytest.approx(volume / area, rel=0.1)
+    assert shell.outside == pytest.approx(outside / area, rel=0.1)
     assert shell_of(replace(case, margin=None)) is None
 
 
-@pytest.mark.parametrize("process, told", [("investment", True), ("gravity-die", False)])
-def test_a_block_in_place_of_a_shell_is_told(tmp_path, process, told):
+def test_investment_castings_have_a_shell_that_follows_them(tmp_path):
     path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 40, 10, 10)])
-    text = case_text(new_case(path, tmp_path / "bar.toml", Wanted(process)))
-    assert "# a block round the part" in text
-    assert ("a shell is lighter in pockets and cools sooner" in text) == told
+    target = tmp_path / "bar.toml"
+    text = case_text(new_case(path, target, Wanted("investment")))
+    assert 'mould = { shell = "8 mm" }      # a shell that follows the part\n' in text
+    above = case_text(new_case(path, target, Wanted("investment", open_top=True)))
+    assert (
+        "mould = { box = [[-0.01, -0.01, -0.01], [0.05, 0.02, 0.01]], "
+        'shell = "8 mm" }      # a shell that follows the part\n'
+    ) in above
+    block = case_text(new_case(path, target, Wanted("gravity-die")))
+    assert "# a block round the part" in block and "shell" not in block
 
 
 def test_cells_in_the_skin_follow_from_it_as_far_as_the_mesh_may_grow(tmp_path):
