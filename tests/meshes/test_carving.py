@@ -129,3 +129,23 @@ def test_fixed_points_stay_below():
     assert not len(few)
     _, moved, kept = carved(points, cells, levels, fixed)
     assert handedness(moved, kept).sum() / 6 == pytest.approx(0.1)
+
+
+def test_points_leave_a_plane_of_which_nothing_stays():
+    points, cells = cubes(4)
+    level = 1.0 - 0.1 / 4  # the whole upper side of the cube goes
+    _, moved, kept = carved(points, cells, points[:, 2] - level)
+    np.testing.assert_allclose(moved[np.unique(kept), 2].max(), level, rtol=1e-12)
+    assert handedness(moved, kept).sum() / 6 == pytest.approx(level)
+
+
+@pytest.mark.parametrize("face, moves", [(0.1, False), (0.9, True)])
+def test_no_point_moves_through_a_face_opposite_to_it(face, moves):
+    """It would by a fifth of an edge of the first cell, behind the face of the second one."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1],
+                       [face, -1, -1], [face, -1, 1], [face, -0.2, 0]])  # fmt: skip
+    cells = oriented(points, np.array([[0, 1, 2, 3], [0, 4, 5, 6]]))
+    levels = np.array([-0.2, 0.8, -1.0, -1.0, -1.0, -1.0, -1.0])
+    none = np.zeros((7, 1), dtype=bool)
+    carving = Carving(points, cells, levels, none, none[:, 0])
+    assert carving.points[0, 0] == pytest.approx(0.2 if moves else 0.0)

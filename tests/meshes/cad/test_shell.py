@@ -108,6 +108,12 @@ def test_halves_planes_and_an_open_top_cut_it_through(meshed):
     assert found.boxes["mould-high"][1][2] == pytest.approx(1e-3 * height)
 
 
+def test_the_plane_between_halves_stays_even(meshed):
+    """It cuts the rounds above the bar, whose surface is oblique to it."""
+    found, *_ = meshed(Mould(shell=1e-3 * SHELL, split=(2, 0.013)), across=3, size=0.004)
+    assert found.boxes["mould-low"][1][2] == found.boxes["mould-high"][0][2] == 0.013
+
+
 def test_a_pocket_is_lined_not_filled(meshed):
     _, bodies, _, _ = meshed(Mould(shell=0.004), cup, across=2)
     block = Mould(margin=0.005)
