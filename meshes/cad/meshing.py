@@ -206,12 +206,13 @@ def _place() -> str:
 
 
 def add_groups(volumes: Mapping[int, str], named: Mapping[str, Sequence[Face]]) -> None:
-    """Name bodies and surfaces as physical groups of the current gmsh model.
+    """Name bodies and surfaces as the physical groups of the current gmsh model.
 
     Args:
         volumes: body of each volume.
         named: faces of each surface.
     """
+    gmsh.model.removePhysicalGroups()
     for body in dict.fromkeys(volumes.values()):
         tags = [tag for tag, owner in volumes.items() if owner == body]
         gmsh.model.addPhysicalGroup(3, tags, name=body)

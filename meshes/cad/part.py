@@ -60,11 +60,11 @@ def mesh_part(part: CadPart, file: str) -> Report:
         drawn = solid_volumes(volumes)
     faces = faces_of(volumes)
     named = _named(part, faces, list(dict.fromkeys(volumes.values())))
+    add_groups(volumes, named)  # with which gmsh makes other cells than without
     try:
         quality, faces, named = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
-    add_groups(volumes, named)
     if part.mould is not None and part.mould.shell is not None:
         drawn = drawn | _meshed_solids(volumes, part.mould)
     told = [*left_out, *remarks, *given, *unusual_size(extent)]
@@ -88,6 +88,7 @@ def _meshed(
     left, surfaces = list(faces), {name: list(own) for name, own in named.items()}
     if part.mould is not None and part.mould.shell is not None:
         left, surfaces = carve_shell(part, volumes, faces, named)
+        add_groups(volumes, surfaces)
     corners, qualities = cell_qualities(tags)
     refuse_flat_cells(tags, corners.mean(axis=1), qualities)
     return quality_of(corners, qualities), left, surfaces
