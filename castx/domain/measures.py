@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mpi4py import MPI
@@ -12,7 +13,7 @@ import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
-from dolfinx.mesh import Mesh, meshtags
+from dolfinx.mesh import Mesh, MeshTags, meshtags
 
 from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.cell_kinds import linear_means
@@ -35,22 +36,53 @@ def cell_measure(body: BodyMesh, model: str, degree: int | None) -> kinematics.W
     return kinematics.WeightedMeasure(weight, measure)
 
 
-def surface_measure(body: BodyMesh, model: str, degree: int | None) -> kinematics.WeightedMeasure:
-    """Return the weighted measure of the surfaces of a body, exact for a polynomial degree.
+class SurfaceMeasures:
+    """The weighted measures of some surfaces of a body.
+
+    Forms name their surfaces by number, and are compiled anew for other numbers. Counted among
+    these surfaces alone they are the same on all meshes.
 
     Args:
         body: mesh of the body.
         model: geometric model.
-        degree: of the polynomial; None: as UFL estimates it for each integrand.
+        surfaces: their names, each as often as one likes.
+
+    Raises:
+        MeshError: the body has no such surface.
     """
-    weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
-    measure = ufl.Measure(
-        "ds",
-        domain=body.mesh,
-        subdomain_data=body.facet_tags,
-        metadata={} if degree is None else {"quadrature_degree": degree},
-    )
-    return kinematics.WeightedMeasure(weight, measure)
+
+    def __init__(self, body: BodyMesh, model: str, surfaces: Iterable[str]) -> None:
+        self._mesh = body.mesh
+        self._weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
+        # In the order of their tags, in which integrals are added up.
+        ordered = sorted(set(surfaces), key=body.surface_tag)
+        self._numbers = {name: number for number, name in enumerate(ordered, 1)}
+        facets = [body.facet_tags.find(body.surface_tag(name)) for name in ordered]
+        self._tags = numbered_facets(body.mesh, facets)
+
+    def __call__(self, surface: str, degree: int | None) -> kinematics.WeightedMeasure:
+        """Return the measure of a surface, exact for a polynomial degree.
+
+        Args:
+            surface: its name.
+            degree: of the polynomial; None: as UFL estimates it for each integrand.
+        """
+        measure = ufl.Measure(
+            "ds",
+            domain=self._mesh,
+            subdomain_data=self._tags,
+            subdomain_id=self._numbers[surface],
+            metadata={} if degree is None else {"quadrature_degree": degree},
+        )
+        return kinematics.WeightedMeasure(self._weight, measure)
+
+
+def numbered_facets(mesh: Mesh, parts: Sequence[npt.NDArray[np.int32]]) -> MeshTags:
+    """Return outer facets of this rank with the numbers of their parts, from 1 on."""
+    facets = np.concatenate([np.zeros(0, dtype=np.int32), *parts])
+    numbers = np.repeat(np.arange(1, len(parts) + 1, dtype=np.int32), [len(p) for p in parts])
+    order = np.argsort(facets, kind="stable")
+    return meshtags(mesh, mesh.topology.dim - 1, facets[order], numbers[order])
 
 
 def nodal_volumes(body: BodyMesh, model: str, degree: int | None = 2) -> FloatArray:
@@ -78,7 +110,7 @@ def nodal_areas(body: BodyMesh, model: str, surface: str, degree: int | None = N
     Raises:
         MeshError: the body has no such surface.
     """
-    ds = surface_measure(body, model, degree)(body.surface_tag(surface))
+    ds = SurfaceMeasures(body, model, [surface])(surface, degree)
     return _assembled(nodal_measure(ufl.TestFunction(body.nodes), ds.weight, ds.measure))
 
 
@@ -97,7 +129,7 @@ def nodal_area_vectors(
         MeshError: the body has no such surface.
     """
     gdim = body.mesh.geometry.dim
-    ds = surface_measure(body, model, degree)(body.surface_tag(surface))
+    ds = SurfaceMeasures(body, model, [surface])(surface, degree)
     v = ufl.TestFunction(body.vectors)
     normal = ufl.FacetNormal(body.mesh)
     return _assembled(nodal_area_vector(v, normal, ds.weight, ds.measure)).reshape(-1, gdim)
@@ -116,9 +148,8 @@ def facet_areas(
     Returns:
         Of shapes (nodes,) and (nodes, gdim), n outward [m²].
     """
-    dimension, gdim = body.mesh.topology.dim, body.mesh.geometry.dim
-    chosen = np.unique(facets).astype(np.int32)
-    tags = meshtags(body.mesh, dimension - 1, chosen, np.ones(len(chosen), dtype=np.int32))
+    gdim = body.mesh.geometry.dim
+    tags = numbered_facets(body.mesh, [np.unique(facets).astype(np.int32)])
     weight = kinematics.weight(model, ufl.SpatialCoordinate(body.mesh))
     ds = ufl.Measure("ds", domain=body.mesh, subdomain_data=tags)(1)
     areas = _assembled(nodal_measure(ufl.TestFunction(body.nodes), weight, ds))

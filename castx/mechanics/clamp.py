@@ -11,7 +11,7 @@ import numpy as np
 from dolfinx import fem
 
 from castx.arrays import FloatArray
-from castx.domain.measures import nodal_areas, surface_measure
+from castx.domain.measures import SurfaceMeasures, nodal_areas
 from castx.domain.mesh import BodyMesh
 from castx.forms import clamp
 from castx.mechanics.press_direction import mean_normal, press_direction
@@ -47,6 +47,7 @@ class Clamp:
         body: mesh of the body.
         model: geometric model.
         description: of the machine.
+        measures: of the loaded surfaces of the body.
 
     Attributes:
         name: the surface as "body/surface".
@@ -58,7 +59,9 @@ class Clamp:
         CaseError: the surface has no direction in which a machine could press.
     """
 
-    def __init__(self, body: BodyMesh, model: str, description: SurfaceClamp) -> None:
+    def __init__(
+        self, body: BodyMesh, model: str, description: SurfaceClamp, measures: SurfaceMeasures
+    ) -> None:
         self.name = f"{body.name}/{description.surface}"
         self._comm, self._table = body.mesh.comm, description.force
         surface, self.stiffness = description.surface, description.stiffness
@@ -73,7 +76,7 @@ class Clamp:
         self._pressure = fem.Constant(body.mesh, np.float64(0.0))
         self._foundation = fem.Constant(body.mesh, np.float64(self.stiffness / self.area))
         self._towards = fem.Constant(body.mesh, self.directions[0])
-        self._ds = surface_measure(body, model, 2)(body.surface_tag(surface))
+        self._ds = measures(surface, 2)
 
     def set_time(self, time: float) -> None:
         """Set the force to that at a time [s]."""

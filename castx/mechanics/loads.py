@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from castx.arrays import FloatArray
-from castx.domain.measures import cell_measure, surface_measure
+from castx.domain.measures import SurfaceMeasures, cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.domain.surface_values import EvenValue, UnevenValue
 from castx.forms import momentum
@@ -47,7 +47,9 @@ class BodyLoads:
             self._uniform[: len(force)] = force[:dimension]
             self.body_force = fem.Constant(body.mesh, self._uniform)
         self._values = [_value_of(body, load) for load in self._loads]
-        self.clamps = [Clamp(body, model, given) for given in description.clamps]
+        loaded = [each.surface for each in (*self._loads, *description.clamps)]
+        self._measures = SurfaceMeasures(body, model, loaded)
+        self.clamps = [Clamp(body, model, given, self._measures) for given in description.clamps]
         self._backed = [given for given in self.clamps if given.stiffness > 0]
 
     @property
@@ -92,11 +94,10 @@ class BodyLoads:
     def virtual_work(self, eta: Any) -> Any:
         """Return ∫ η·b + ∫_Γ η·t̄ - ∫_Γ p̄ η·n for a variation η, t̄ with the force of clamps."""
         dx = cell_measure(self._body, self._model, self._degree)
-        ds = surface_measure(self._body, self._model, self._degree)
         normal = ufl.FacetNormal(self._body.mesh)
         work = momentum.body_force_work(eta, self.body_force, dx)
         for load, value in zip(self._loads, self._values, strict=True):
-            measure = ds(self._body.surfaces[load.surface])
+            measure = self._measures(load.surface, self._degree)
             if load.pressure is not None:
                 work += momentum.pressure_work(eta, value.coefficient, normal, measure)
             else:

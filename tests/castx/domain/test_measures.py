@@ -8,6 +8,7 @@ import ufl
 from dolfinx import fem
 
 from castx.domain.measures import (
+    SurfaceMeasures,
     bounding_box,
     cell_means,
     cell_measure,
@@ -18,7 +19,6 @@ from castx.domain.measures import (
     nodal_mean,
     nodal_sum,
     nodal_volumes,
-    surface_measure,
 )
 from castx.errors import MeshError
 from tests.elastic_bodies import everywhere, generated
@@ -68,9 +68,28 @@ def test_measures_of_cells_and_surfaces(model, cells, comm):
     volume = fem.assemble_scalar(fem.form(1.0 * cell_measure(body, model, 2)))
     assert comm.allreduce(volume) == pytest.approx(VOLUME[model], rel=1e-12)
     for degree in (2, None):
-        ds = surface_measure(body, model, degree)(body.surface_tag(side))
+        ds = SurfaceMeasures(body, model, [side])(side, degree)
         area = fem.assemble_scalar(fem.form(1.0 * ds))
         assert comm.allreduce(area) == pytest.approx(MANTLE[model], rel=1e-12)
+
+
+@models
+def test_forms_of_one_or_two_surfaces_are_the_same_on_all_sides(model, comm):
+    """So that they are compiled once, whatever tags a mesh gives its surfaces."""
+    body, side = casting(comm, model)
+    names = [side, *(name for name in sorted(body.surfaces) if name != side)][:3]
+    assert len({body.surface_tag(name) for name in names}) == 3
+    a, b, c = names
+    for together in ([(a,), (b,), (c,)], [(a, b), (c, a), (b, b, c)]):
+        signatures = set()
+        for asked in together:
+            measures = SurfaceMeasures(body, model, asked)
+            for name in asked:
+                area = comm.allreduce(fem.assemble_scalar(fem.form(1.0 * measures(name, 2))))
+                areas = nodal_areas(body, model, name)[: body.node_numbering.owned]
+                assert area == pytest.approx(comm.allreduce(areas.sum()), rel=1e-12)
+            signatures.add(sum(1.0 * measures(name, 2) for name in sorted(set(asked))).signature())
+        assert len(signatures) == 1
 
 
 @pytest.mark.ranks

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import ufl
 
+from castx.mechanics.clamp import SurfaceClamp
 from castx.mechanics.description import SurfaceLoad
 from castx.tables import Table
 from tests.castx.mechanics.lone_bodies import alone
@@ -46,6 +47,17 @@ def test_pressure_all_around_is_in_balance_with_itself(comm, model):
     volume = {"plane-strain": 2e-4, "3d": 2e-6}[model]
     np.testing.assert_allclose(moments, -2e6 * volume * np.eye(d), atol=1e-9 * 2e6 * volume)
     np.testing.assert_allclose(comm.allreduce(forces.sum(axis=0)), 0.0, atol=1e-9 * 2e6 * volume)
+
+
+def test_one_form_serves_loads_and_clamps_of_any_sides(comm):
+    """A form is compiled for the numbers of its surfaces, which meshes give as they like."""
+    signatures = set()
+    for loaded, clamped in (("far", "top"), ("wall", "far"), ("bottom", "top")):
+        loads = [SurfaceLoad(loaded, Table.constant(2e6))]
+        clamps = [SurfaceClamp(clamped, Table.constant(3e3))]
+        part = alone(comm, loads=loads, clamps=clamps)
+        signatures.add(part.loads.virtual_work(ufl.TestFunction(part.mesh.vectors)).signature())
+    assert len(signatures) == 1
 
 
 def test_a_force_may_depend_on_the_position(comm):
