@@ -103,12 +103,12 @@ def case_of(path: Path, placement: Placement) -> dict[str, Any]:
     return TIGHT | {
         "geometry": {"file": str(path), "model": "3d"},
         "bodies": [
-            {"name": "casting", "material": "AlSi7Mg", "temperature": 615, "law": VISCOPLASTIC},
+            {"name": "casting", "material": "AlSi7Mg", "temperature": 600, "law": VISCOPLASTIC},
             {"name": "die", "material": "steel-H13", "temperature": 150},
         ],
         "interfaces": [
             {"bodies": ["casting", "die"],
-             "heat": {"law": "limited", "closed": 8000, "gas_conductivity": 0.05}},
+             "heat": {"law": "limited", "closed": 4000, "gas_conductivity": 0.05}},
         ],
         "boundaries": [
             {"on": "die/base", "displacement": {"all": 0}},
@@ -116,7 +116,7 @@ def case_of(path: Path, placement: Placement) -> dict[str, Any]:
              "heat": {"type": "convection", "coefficient": 2000, "ambient": 20}},
         ],
         "loads": {"gravity": [float(g) for g in -9.81 * placement.matrix[:, 2]]},
-        "time": {"end": 0.9, "fixed_step": 0.3},
+        "time": {"end": 1.0, "fixed_step": 0.2},
     }  # fmt: skip
 
 
@@ -168,7 +168,7 @@ def test_a_meshed_assembly_gives_one_result_wherever_it_lies(comm, shared_tmp_pa
     assert last["casting solid_fraction"].min() < 0.5 and last["pairs gap"].max() > 1e-5
     assert np.any(last["pairs contact_pressure"] > 0.0)
     placed = ran(comm, shared_tmp_path, PLACED)
-    assert len(placed) == len(own) >= 3
+    assert len(placed) == len(own) == 6
     for quantity in own[0]:
         first, second = (np.array([state[quantity] for state in run]) for run in (own, placed))
         assert first.shape == second.shape, quantity
