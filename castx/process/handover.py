@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from castx.stateful import Saved
+import numpy as np
+
+from castx.stateful import Array, Saved
 
 
 def without(state: Mapping[str, Saved], bodies: Collection[str]) -> dict[str, Saved]:
@@ -19,6 +21,28 @@ def without(state: Mapping[str, Saved], bodies: Collection[str]) -> dict[str, Sa
         for name, saved in state.items()
         if set(saved.owners).isdisjoint(bodies) and not saved.of_cycle
     }
+
+
+def handed_over(known: Saved, fresh: Saved) -> Array:
+    """Return known values for the entities of a new problem, which begin anew where none is known.
+
+    A tied node that leaves a body is free in further directions, and so has further rows beside
+    those bodies that it is tied to still.
+
+    Args:
+        known: an array of the last problem.
+        fresh: the same one of the new problem.
+    """
+    if known.numbering is None or fresh.numbering is None:
+        return known.values
+    before = known.numbering.numbers[: len(known.values)]
+    now = fresh.numbering.numbers[: len(fresh.values)]
+    if np.array_equal(before, now):
+        return known.values
+    values = fresh.values.copy()
+    _, old, new = np.intersect1d(before, now, return_indices=True)
+    values[new] = known.values[old]
+    return values
 
 
 def left_total(name: str, value: float) -> float:

@@ -16,7 +16,7 @@ from castx.errors import CaseError
 from castx.process.cycles import CycleEnds
 from castx.process.ejection import ejection_forces
 from castx.process.events import Events
-from castx.process.handover import left_total, without
+from castx.process.handover import handed_over, left_total, without
 from castx.results.states.snapshot import ProcessState
 from castx.stateful import Arrays, Saved, joined, part_of
 
@@ -154,7 +154,7 @@ class Process:
     def _take_over(self, known: Mapping[str, Saved]) -> None:
         """Restore the known arrays in the new problem; keep those of absent bodies."""
         fresh, problem = self.now.problem.saved(), self.now.problem
-        problem.restore({name: known.get(name, saved).values for name, saved in fresh.items()})
+        problem.restore({n: handed_over(known.get(n, saved), saved) for n, saved in fresh.items()})
         problem.begin_stage(self._renewed)
         self._absent = {name: saved for name, saved in known.items() if name not in fresh}
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from castx.process.handover import left_total, without
+from castx.process.handover import handed_over, left_total, without
 from castx.stateful import Numbering, Saved, joined, number
 from tests.castx.process.test_stages import FLOWING
 from tests.coupled_cases import merged, ring, simulation
@@ -30,6 +30,25 @@ def test_arrays_of_renewed_bodies_and_of_the_cycle_stay_behind():
     }  # fmt: skip
     assert without(state, ["casting"]).keys() == {"kept", "ledger"}
     assert without(state, []).keys() == state.keys() - {"time"}
+
+
+def rows(numbers, *values: float) -> Saved:
+    return Saved(np.array(values), Numbering("rows", np.array(numbers), len(numbers), ("core",)))
+
+
+def test_rows_find_their_values_by_their_numbers():
+    """Further rows begin anew, and rows that are no more are forgotten."""
+    fresh = rows([3, 5, 8, 9], -1.0, -2.0, -3.0, -4.0)
+    np.testing.assert_array_equal(
+        handed_over(rows([5, 7, 3], 50.0, 70.0, 30.0), fresh), [30.0, 50.0, -3.0, -4.0]
+    )
+    same_size = handed_over(rows([3, 5, 7, 9], 30.0, 50.0, 70.0, 90.0), fresh)
+    np.testing.assert_array_equal(same_size, [30.0, 50.0, -3.0, 90.0])
+    np.testing.assert_array_equal(fresh.values, [-1.0, -2.0, -3.0, -4.0])
+
+
+def test_numbers_without_entities_go_on():
+    assert handed_over(number(5.0), number(0.0)) == 5.0
 
 
 def test_renaming_a_part_changes_nothing():

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gmsh
 import numpy as np
 import pytest
 
 from castx.checkpoint.file import Checkpoint
 from castx.errors import CaseError
+from castx.proof.verification import states as everywhere
 from tests.contact_methods import AT_ONCE
 from tests.coupled_cases import (
     TIGHT,
@@ -296,3 +298,64 @@ def test_another_length_of_the_cycles_is_refused(comm):
         other.prepare(run.notes())
     run.destroy()
     other.destroy()
+
+
+def draw_three_blocks() -> None:
+    """Draw a mould on the left, and a core upon a chill on the right."""
+    occ, squares = gmsh.model.occ, ((0, 0, 2), (1, 0, 1), (1, 1, 1))
+    made = [(2, occ.addRectangle(x, y, 0, 1, high)) for x, y, high in squares]
+    occ.fragment(made, [])
+    occ.synchronize()
+    for tag, name in zip((1, 2, 3), ("mould", "chill", "core"), strict=True):
+        gmsh.model.addPhysicalGroup(2, [tag], name=name)
+    for name, high in (("base", 0.0), ("top", 2.0)):
+        edges = [
+            tag for _, tag in gmsh.model.getEntities(1)
+            if np.allclose(gmsh.model.getBoundingBox(1, tag)[1:5:3], high, atol=1e-6)
+        ]  # fmt: skip
+        gmsh.model.addPhysicalGroup(1, edges, name=name)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+    gmsh.model.mesh.generate(2)
+
+
+@pytest.mark.ranks
+def test_a_tied_node_that_leaves_one_body_holds_on_to_another(comm):
+    """A chill is tied to a mould and a core, and one of its nodes to both."""
+    metal = {"young_modulus": 1e7, "poisson_ratio": 0.3, "expansion": 0.0, "density": 7000.0}
+    tied = {"method": "tied"}
+    data = {
+        "geometry": {"file": "mesh.msh", "model": "plane-strain"},
+        "materials": {"metal": metal},
+        "bodies": [
+            {"name": name, "material": "metal", "temperature": 20.0}
+            for name in ("mould", "chill", "core")
+        ],
+        "interfaces": [
+            {"bodies": ["chill", "mould"], "contact": tied},
+            {"bodies": ["chill", "core"], "contact": tied},
+        ],
+        "boundaries": [
+            {"on": "mould/base", "displacement": {"all": 0.0}},
+            {"on": "core/top", "displacement": {"all": 0.0}},
+        ],
+        "loads": {"gravity": [0.0, -9.81]},
+        "time": {"end": 2.0, "fixed_step": 0.5},
+        "stages": [{"at": 1.0, "remove": ["mould"]}],
+        "coupling": {"scheme": "mechanical"},
+    }  # fmt: skip
+    hung, stages = {}, []
+    with everywhere.drawn_mesh(comm, draw_three_blocks) as folder:
+        for state in states(comm, data, folder):
+            stages.append(state.process.stage)
+            values = {}
+            for body in ("chill", "core"):
+                at = everywhere.places(state, body)
+                high = np.isclose(at[:, 1], 1.0)
+                order = np.argsort(at[high, 0])
+                values[body] = everywhere.nodal(state, body, "displacement")[high][order]
+            if state.process.stage == 1:
+                assert at[high, 0].min() == pytest.approx(1.0)
+                np.testing.assert_allclose(values["chill"], values["core"], atol=1e-15)
+                hung[state.time] = values["chill"]
+    assert stages[-1] == 1 and 0 in stages
+    assert all((u[:, 1] < -1e-4).all() for u in hung.values())
