@@ -1,8 +1,9 @@
-"""Blocks of the preconditioner of the mechanics: each body is one, tied bodies are one together.
+"""Blocks of the preconditioner of the mechanics: each body is one, bodies that stick one together.
 
 A sweep solves for one block after the other. The nodes of a tied body move with those that they
 face, so that the block of the other one alone would be held by the inside of its neighbour: the
-sweep would hand over a motion of both only bit by bit, in hundreds of iterations.
+sweep would hand over a motion of both only bit by bit, in hundreds of iterations. So it is where
+friction may hold them.
 """
 
 from __future__ import annotations

@@ -175,8 +175,8 @@ def _build_equilibrium(
     springs = (WEAK if contacts else FIRM) * bodies.stiffness / bodies.length
     floating = None
     if settings.support:
-        together = _free_together(bodies, contacts)
-        floating = floating_motions(bodies.parts, transform, contact, springs, together)
+        joined = _joined_by_contact(bodies, contacts)
+        floating = floating_motions(bodies.parts, transform, contact, gaps, springs, joined)
     gates = [
         InGate(transform, gaps, b, body, settings.in_gate[body.name])
         for b, body in enumerate(bodies.parts)
@@ -339,28 +339,22 @@ def _may_have_factors(bodies: DeformableBodies, group: Sequence[int]) -> bool:
 
 
 def _tied_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
-    """Return groups of bodies that are tied to each other and have unknowns of one kind."""
-    number = {name: b for b, name in enumerate(bodies.names)}
+    """Return groups of bodies of one kind of unknowns that are tied, or may stick by friction."""
     sizes = bodies.layout.block_sizes[: len(bodies.parts)]
-    ties = [
-        (number[c.secondary], number[c.primary])
-        for c in contacts
-        if is_tied(c.method) and {c.secondary, c.primary} <= number.keys()
-    ]
+    ties = _joints(bodies, [c for c in contacts if is_tied(c.method) or c.friction > 0.0])
     return moving_together(len(sizes), [(a, b) for a, b in ties if sizes[a] == sizes[b]])
 
 
-def _free_together(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
-    """Return the bodies, two or more, that are joined by contact and touch no rigid one."""
+def _joined_by_contact(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[list[int]]:
+    """Return groups of bodies that are joined by contact; without any contact there are none."""
+    return moving_together(len(bodies.names), _joints(bodies, contacts)) if contacts else []
+
+
+def _joints(bodies: DeformableBodies, contacts: Sequence[Contact]) -> list[tuple[int, int]]:
+    """Return the numbers of the bodies of contacts without rigid ones."""
     number = {name: b for b, name in enumerate(bodies.names)}
-    joined = [
+    return [
         (number[c.secondary], number[c.primary])
         for c in contacts
         if {c.secondary, c.primary} <= number.keys()
-    ]
-    on_rigid = {c.secondary for c in contacts if c.primary in bodies.rigid}
-    return [
-        group
-        for group in moving_together(len(bodies.names), joined)
-        if len(group) > 1 and not on_rigid & {bodies.names[b] for b in group}
     ]

@@ -106,14 +106,19 @@ class Gaps:
             u: owned displacements of all bodies, none of the new ones.
             renewed: names of the new bodies.
         """
+        changes = self.changes(u)
+        for part, interface in zip(self.slices, self.interfaces, strict=True):
+            if not {interface.pairs.secondary, interface.pairs.primary}.isdisjoint(renewed):
+                self.at_rest[part] -= changes[part]
+                self.initial[part] -= changes[part]
+
+    def changes(self, u: FloatArray) -> FloatArray:
+        """Return what owned displacements u change the gaps by [m], shape (rows,); collective."""
         displacements = self.matrix.createVecRight()
         displacements.array[:] = u
         self.matrix.mult(displacements, self._values)
         displacements.destroy()
-        for part, interface in zip(self.slices, self.interfaces, strict=True):
-            if not {interface.pairs.secondary, interface.pairs.primary}.isdisjoint(renewed):
-                self.at_rest[part] -= self._values.array_r[part]
-                self.initial[part] -= self._values.array_r[part]
+        return self._values.array_r.copy()
 
     def values(self, u: PETSc.Vec) -> FloatArray:
         """Return the gaps at the displacements u [m], shape (rows,)."""

@@ -1,12 +1,16 @@
-"""Bodies that touch each other and nothing else: their weight takes them along together."""
+"""Bodies that nothing holds against their weight, and that have nothing to fall onto."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import BoolArray, FloatArray, IntArray
+from castx.equilibrium.body_blocks import moving_together
 
 CONSTRAINED = 1e-8
 """Sum of squares above which constraint rows fix a motion that moves nodes by about one."""
@@ -14,36 +18,106 @@ CONSTRAINED = 1e-8
 WORK = 1e-9
 """Share of the weight whose work in a motion counts as none."""
 
+STEEP = 1e-3
+"""Part of a fall by which it closes a gap that does not end it: that of a wall which is upright."""
+
+
+class Fall(NamedTuple):
+    """How some bodies fall as one.
+
+    Attributes:
+        motions: free motions of all of them as one body, by those of each, shape (free, motions).
+        path: the one in which their weight moves them, by about one, shape (motions,).
+    """
+
+    motions: FloatArray
+    path: FloatArray
+
 
 @dataclass(frozen=True)
 class BodiesTogether:
-    """Bodies joined by contact, none of them rigid.
+    """Bodies joined by contact.
 
-    Where no condition holds them against their weight f, Zᵀf ≠ 0 in a free motion Z of all of them
-    as one, as a casting and its core once the mould is gone, there is nothing that they could fall
-    onto. They are held where they are, by forces that are spread like their weight: so heavy ones
-    do not press on light ones, nor fall away from them.
+    Those of them fall as one which no constraint holds against their weight f, Zᵀf ≠ 0 in a free
+    motion Z of all of them, and in whose fall no gap to another body closes: a casting and its core
+    once the mould is gone, a casting round a core that stands if it does not stick to it, or a
+    chill that a casting has let go. There is nothing that they could fall onto. They are held where
+    they are, by forces that are spread like their weight: so heavy ones do not press on light ones,
+    nor fall away from them.
 
     Attributes:
-        common: motions of all of them as one body, by those of each, shape (common, motions).
-        weight: work of their weight in these [N], shape (common,).
-        density: that of the body of each motion over their mean, else one, shape (motions,).
+        body: number in the group of the body of each motion, -1 for other bodies, shape (motions,).
+        common: motions of all as one body, by those of each, shape (common, motions).
+        weight: work of the weight of each body in these [N], shape (bodies, common).
+        volume: of each body as the model counts it [m³], shape (bodies,).
+        density: weight of each body over its volume [N/m³], shape (bodies,).
+        gaps: change of all gaps in each motion, shape (pairs, motions).
     """
 
+    body: IntArray
     common: FloatArray
     weight: FloatArray
+    volume: FloatArray
     density: FloatArray
+    gaps: FloatArray
 
-    def falling(self, gram: FloatArray) -> FloatArray:
-        """Return the free motions of all of them if their weight moves them, shape (free, motions).
+    def falling(self, gram: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+        """Return the free motions of bodies that fall as one, and by how much each weighs more.
 
         Args:
             gram: sums of products of what each motion does to constraints, (motions, motions).
+
+        Returns:
+            For each such set of bodies: shape (free, motions); density of the body of each motion
+            over the mean of the set, one for others, shape (motions,).
         """
-        values, vectors = np.linalg.eigh(self.common @ gram @ self.common.T)
+        parts = [(part, fall) for part in self._parts(gram) if (fall := self._fall(part, gram))]
+        while parts:
+            together = [b for part, _ in parts for b in part]
+            fall = self._fall(together, gram)
+            if fall is None:  # they slide in different directions
+                return [self._found(p, own) for p, own in parts if not self._hits(own)[p].any()]
+            hits = self._hits(fall)
+            if not hits.any():
+                return [self._found(together, fall)]
+            parts = [(part, own) for part, own in parts if not hits[part].any()]
+        return []
+
+    def _parts(self, gram: FloatArray) -> list[list[int]]:
+        """Return the bodies, those together that constraints join."""
+        count = len(self.volume)
+        joined = [
+            (a, b)
+            for a, b in combinations(range(count), 2)
+            if np.abs(gram[np.ix_(self.body == a, self.body == b)]).max() > CONSTRAINED
+        ]
+        return moving_together(count, joined)
+
+    def _fall(self, bodies: Sequence[int], gram: FloatArray) -> Fall | None:
+        """Return how bodies fall as one if nothing is in their way; None: constraints hold them."""
+        common = np.where(np.isin(self.body, bodies), self.common, 0.0)
+        values, vectors = np.linalg.eigh(common @ gram @ common.T)
         free = vectors[:, values < CONSTRAINED].T
-        falls = np.linalg.norm(free @ self.weight) > WORK * np.linalg.norm(self.weight)
-        return np.asarray(free @ self.common if falls else self.common[:0])
+        weight = self.weight[bodies].sum(axis=0)
+        work = free @ weight
+        size = float(np.linalg.norm(work))
+        if size <= WORK * np.linalg.norm(weight) or not self.density[bodies].all():
+            return None
+        motions = free @ common
+        return Fall(motions, work @ motions / size)
+
+    def _hits(self, fall: Fall) -> BoolArray:
+        """Return the bodies with a gap that closes in a fall, shape (bodies,)."""
+        closing = self.gaps @ fall.path < -STEEP
+        moved = (self.gaps[closing] != 0.0).any(axis=0)
+        return np.array([moved[self.body == b].any() for b in range(len(self.volume))])
+
+    def _found(self, bodies: Sequence[int], fall: Fall) -> tuple[FloatArray, FloatArray]:
+        mean = np.average(self.density[bodies], weights=self.volume[bodies])
+        density = np.ones(len(self.body))
+        for b in bodies:
+            density[self.body == b] = self.density[b] / mean
+        return fall.motions, density
 
 
 def completed(first: FloatArray, free: FloatArray) -> FloatArray:

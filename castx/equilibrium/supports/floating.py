@@ -8,7 +8,8 @@ from mpi4py import MPI
 
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, IntArray
+from castx.contact.kinematics.gaps import Gaps
 from castx.contact.kinematics.transform import ConstraintTransform
 from castx.contact.system import ContactSystem
 from castx.domain.measures import nodal_volumes
@@ -23,8 +24,9 @@ def floating_motions(
     parts: Sequence[BodyMechanics],
     transform: ConstraintTransform,
     contact: ContactSystem,
+    gaps: Gaps,
     stiffness: float,
-    together: Sequence[Sequence[int]],
+    joined: Sequence[Sequence[int]],
 ) -> FloatingMotions:
     """Return the rigid motions of all bodies, to find those that nothing holds; collective.
 
@@ -32,29 +34,29 @@ def floating_motions(
         parts: the bodies in the order of the layout.
         transform: change of unknowns of all bodies.
         contact: the contact method.
+        gaps: the pairs of all interfaces.
         stiffness: of the springs per volume [Pa/m²].
-        together: numbers of bodies that touch each other and no rigid one, by groups.
+        joined: numbers of bodies that contact joins, by groups.
     """
     layout = transform.layout
     volumes = [np.repeat(nodal_volumes(b.mesh, b.model), b.block_size) for b in parts]
     modes = [modes_of_parts(body.unknowns) for body in parts]
-    motions, weights, held = [], [], []
+    motions, weights, held, changes = [], [], [], []
     for b, own in enumerate(modes):
         for mode in own:
-            motions.append(transform.unknowns(_extended(layout, b, mode)))
+            nodal = _extended(layout, b, mode)
+            motions.append(transform.unknowns(nodal))
             weights.append(transform.forces_on_unknowns(_extended(layout, b, volumes[b] * mode)))
             held.append(_strained(parts, b, mode))
+            changes.append(gaps.changes(nodal)[gaps.free])
+    ways = np.concatenate(layout.comm.allgather(np.array(changes).T))
     return FloatingMotions(
         contact.unknowns.extended(np.array(motions)),
         contact.unknowns.extended(np.array(weights)),
         stiffness,
         layout.comm,
         np.array(held),
-        [
-            _joined(layout.comm, parts, modes, volumes, group)
-            for group in together
-            if all(parts[b].loads.weighs for b in group)
-        ],
+        [_joined(layout.comm, parts, modes, volumes, group, ways) for group in joined],
     )
 
 
@@ -64,33 +66,39 @@ def _joined(
     modes: Sequence[FloatArray],
     volumes: Sequence[FloatArray],
     group: Sequence[int],
+    ways: FloatArray,
 ) -> BodiesTogether:
-    """Return the bodies of a group with the motions of all of them as one."""
+    """Return the bodies of a group with the motions of all of them as one.
+
+    Args:
+        comm: of all bodies.
+        parts: the bodies in the order of the layout.
+        modes: rigid motions of each of them.
+        volumes: of their unknowns [m³].
+        group: numbers of bodies.
+        ways: change of all gaps in each motion, shape (pairs, motions).
+    """
     box = extent([parts[b].unknowns for b in group])
     ends = np.cumsum([0, *(len(own) for own in modes)])
-    joint: FloatArray | None = None
-    weight: FloatArray | float = 0.0
-    density, total, heavy = np.ones(ends[-1]), 0.0, 0.0
-    for b in group:
-        body, own = parts[b], modes[b]
+    number: IntArray = np.full(ends[-1], -1, dtype=np.int32)
+    common: FloatArray = np.zeros((len(rigid_modes(parts[group[0]].unknowns)), ends[-1]))
+    weight: FloatArray = np.zeros((len(group), len(common)))
+    volume: FloatArray = np.zeros(len(group))
+    for k, b in enumerate(group):
+        body, own, here = parts[b], modes[b], slice(ends[b], ends[b + 1])
         motion = rigid_modes(body.unknowns, box)
-        joint = np.zeros((len(motion), ends[-1])) if joint is None else joint
         force = np.zeros((body.owned_nodes, body.block_size))
         force[:, : body.dimension] = body.loads.uniform_force
         sums = comm.allreduce(np.hstack([
             (volumes[b] * own) @ own.T, (volumes[b] * own) @ motion.T
         ]), op=MPI.SUM)  # fmt: skip
-        joint[:, ends[b] : ends[b + 1]] = np.linalg.solve(
-            sums[:, : len(own)], sums[:, len(own) :]
-        ).T
-        weight = weight + motion @ (volumes[b] * force.ravel())
-        volume = comm.allreduce(float(volumes[b].sum()), op=MPI.SUM)
-        density[ends[b] : ends[b + 1]] = np.linalg.norm(body.loads.uniform_force)
-        total, heavy = total + volume, heavy + volume * density[ends[b]]
-    for b in group:
-        density[ends[b] : ends[b + 1]] *= total / heavy
-    assert joint is not None
-    return BodiesTogether(joint, comm.allreduce(weight, op=MPI.SUM), density)
+        common[:, here] = np.linalg.solve(sums[:, : len(own)], sums[:, len(own) :]).T
+        number[here] = k
+        weight[k] = motion @ (volumes[b] * force.ravel())
+        volume[k] = volumes[b].sum() / body.block_size
+    weight, volume = comm.allreduce(weight, op=MPI.SUM), comm.allreduce(volume, op=MPI.SUM)
+    density = np.array([np.linalg.norm(parts[b].loads.uniform_force) for b in group])
+    return BodiesTogether(number, common, weight, volume, density, ways)
 
 
 def _strained(parts: Sequence[BodyMechanics], b: int, mode: FloatArray) -> FloatArray:

@@ -71,8 +71,8 @@ class FloatingMotions:
         comm: communicator of the unknowns.
         held: how far each motion strains other springs of this rank, which hold it like a
             constraint, shape (motions, springs); None: there are no others.
-        together: bodies that may fall together, by the motions of each; on springs of the stiffness
-            that bodies without any contact have.
+        together: bodies joined by contact, of which those that fall without end are on springs of
+            the stiffness that bodies without any contact have.
     """
 
     def __init__(
@@ -127,9 +127,8 @@ class FloatingMotions:
         falling: FloatArray = np.zeros((0, len(gram)))
         density: FloatArray = np.ones(len(gram))
         for bodies in self._together:
-            found = bodies.falling(gram)
-            falling = np.concatenate([falling, found])
-            density *= bodies.density if len(found) else 1.0
+            for motions, denser in bodies.falling(gram):
+                falling, density = np.concatenate([falling, motions]), density * denser
         return falling, density
 
     def _pins(self, motions: FloatArray) -> LongArray:

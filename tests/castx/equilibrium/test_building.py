@@ -179,12 +179,27 @@ def test_supports_can_be_left_out(comm, support):
     assert (made.equilibrium.balance.supports.motions is not None) == support
 
 
-def test_bodies_that_touch_no_rigid_one_may_fall_together():
-    """Neither a body alone nor the casting in rigid sand, or what touches that casting, does."""
-    bodies = SimpleNamespace(names=["die", "casting", "core", "pin", "lid"], rigid={"sand": None})
+def test_bodies_that_contact_joins_stand_in_groups():
+    """A rigid body joins none; without any contact all bodies are on firm springs by themselves."""
+    bodies = SimpleNamespace(names=["die", "casting", "core", "pin", "lid"])
     contacts = [
-        Contact("casting", "core"), Contact("die", "lid"), Contact("core", "sand", "rigid")
+        Contact("casting", "core"), Contact("die", "lid", "tied"), Contact("core", "sand", "rigid"),
+        Contact("die", "sand", "rigid"),
     ]  # fmt: skip
-    assert building._free_together(bodies, contacts[:2]) == [[0, 4], [1, 2]]
-    assert building._free_together(bodies, contacts) == [[0, 4]]
-    assert building._free_together(bodies, []) == []
+    assert building._joined_by_contact(bodies, contacts) == [[0, 4], [1, 2], [3]]
+    assert building._joined_by_contact(bodies, []) == []
+
+
+def test_bodies_that_are_tied_or_stick_are_solved_together():
+    """Those with unknowns of other kinds are not, nor those that slide."""
+    bodies = SimpleNamespace(
+        names=["die", "casting", "core", "pin"], parts=[None] * 4,
+        layout=SimpleNamespace(block_sizes=[4, 4, 4, 3]),
+    )  # fmt: skip
+    contacts = [
+        Contact("casting", "die", friction=0.1), Contact("casting", "core"),
+        Contact("pin", "casting", friction=0.1),
+    ]  # fmt: skip
+    assert building._tied_together(bodies, contacts) == [[0, 1], [2], [3]]
+    tied = [*contacts, Contact("core", "die", "tied")]
+    assert building._tied_together(bodies, tied) == [[0, 1, 2], [3]]

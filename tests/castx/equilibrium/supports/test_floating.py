@@ -72,3 +72,53 @@ def test_on_a_floor_they_weigh_on_each_other(comm):
     made = loose(comm, LIGHT, HEAVY, held=[fixed("bottom")])
     pressed = comm.allreduce(made.pair_values()[1].sum())
     assert pressed == pytest.approx(-LIGHT * 0.02 * 0.03, rel=1e-8)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("method", [m for m in AT_ONCE if m != "exponential"])
+@pytest.mark.parametrize("stands", ["rigid", "on a floor"])
+def test_a_body_that_leaves_one_that_stands_floats_where_it_is(comm, method, stands):
+    """Nothing is there for it to fall onto; on weak springs it would fall by 36 mm.
+
+    Pairs of the method "exponential" push it off even where they are far.
+    """
+    held = [fixed("bottom"), fixed("bottom", "x")]
+    bodies = {"upper": body(elastic(*SOLID), body_force=(0.0, -LIGHT))}
+    if stands != "rigid":
+        bodies["base"] = body(elastic(*SOLID), body_force=(0.0, HEAVY))
+    mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
+    conditions = {} if stands == "rigid" else {"base": held}
+    made = problem(mesh, bodies, conditions, [Contact("upper", "base", method)])
+    made.equilibrium.solve(0.0)
+    assert np.abs(everywhere(comm, motion(made, "upper"))).max() < 1e-5
+    force, weight = made.equilibrium.supports()["upper"].force, -LIGHT * 0.02 * 0.03
+    pressed = comm.allreduce(np.abs(made.pair_values()[1]).sum())
+    assert pressed < 1e-3 * weight
+    np.testing.assert_allclose(force, [0.0, -weight - pressed], atol=1e-6 * weight)
+
+
+def test_a_body_that_slides_off_floats_where_it_is(comm):
+    """Its weight along the top of a rigid body is held, that towards it is not."""
+    bodies = {"upper": body(elastic(*SOLID), body_force=(-LIGHT, LIGHT))}
+    mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
+    made = problem(mesh, bodies, {}, [Contact("upper", "base")])
+    made.equilibrium.solve(0.0)
+    assert np.abs(everywhere(comm, motion(made, "upper")[:, :2])).max() < 1e-5
+    weight = -LIGHT * 0.02 * 0.03
+    force = made.equilibrium.supports()["upper"].force
+    np.testing.assert_allclose(force, [-weight, 0.0], atol=1e-6 * weight)
+    assert comm.allreduce(made.pair_values()[1].sum()) == pytest.approx(weight, rel=1e-6)
+
+
+def test_a_body_above_another_falls_onto_it(comm):
+    """Weak springs let it, and its gap closes."""
+
+    def gap(points):
+        return np.full(len(points), 1e-4)
+
+    bodies = {"upper": body(elastic(*SOLID), body_force=(0.0, LIGHT))}
+    mesh = blocks(comm, base=(0.04, 0.02), symmetry=False)
+    made = problem(mesh, bodies, {}, [Contact("upper", "base", initial_gap=gap)])
+    made.equilibrium.solve(0.0)
+    weight = -LIGHT * 0.02 * 0.03
+    assert comm.allreduce(made.pair_values()[1].sum()) == pytest.approx(weight, rel=0.05)
