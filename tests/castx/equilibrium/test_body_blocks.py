@@ -11,6 +11,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.equilibrium import building
 from castx.equilibrium.body_blocks import moving_together
+from tests.coupled_cases import final_state
 from tests.elastic_bodies import body, drawn, elastic, everywhere, fixed, motion, problem, pulled
 
 LEAVES = ("first", "second", "third", "fourth")
@@ -87,3 +88,32 @@ def test_bodies_of_one_kind_of_unknowns_are_solved_for_together(comm, mesh, monk
     monkeypatch.setattr(building, "body_blocks", lambda *parts: given.append(parts) or made(*parts))
     bent(mesh, "iterative", second="mixed")
     assert given[0][2] == [[0], [1], [2, 3]]
+
+
+def sticking(comm):
+    """Return the linear iterations of the first step of a casting that sticks in its mould."""
+    data = {
+        "geometry": {"generator": "box_in_mould", "model": "3d", "box": [0.05, 0.08, 0.07],
+                     "wall": 0.05, "size": 0.03},
+        "bodies": [
+            {"name": "casting", "material": "GJL-250", "temperature": 1236.0},
+            {"name": "mould", "material": "steel-carbon", "temperature": 250.0},
+        ],
+        "interfaces": [
+            {"bodies": ["mould", "casting"], "contact": {"friction": 0.1},
+             "heat": {"law": "constant", "closed": 100.0}},
+        ],
+        "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
+        "loads": {"gravity": [0.0, 0.0, -9.81]},
+        "time": {"end": 0.2, "fixed_step": 0.2},
+        "solver": {"linear": "iterative"},
+    }  # fmt: skip
+    return final_state(comm, data).counters.linear_iterations
+
+
+def test_bodies_that_stick_are_solved_for_together(comm, monkeypatch):
+    together = sticking(comm)
+    assert together <= 40
+    monkeypatch.setattr(building, "_tied_together", lambda bodies, _: [[0], [1]])
+    alone = sticking(comm)
+    assert alone > 3 * together
