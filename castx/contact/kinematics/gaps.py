@@ -113,12 +113,12 @@ class Gaps:
                 self.initial[part] -= changes[part]
 
     def changes(self, u: FloatArray) -> FloatArray:
-        """Return what owned displacements u change the gaps by [m], shape (rows,); collective."""
+        """Return the changes of the gaps by owned displacements [m], shape (rows,); collective."""
         displacements = self.matrix.createVecRight()
         displacements.array[:] = u
         self.matrix.mult(displacements, self._values)
         displacements.destroy()
-        return self._values.array_r.copy()
+        return np.array(self._values.array_r)
 
     def values(self, u: PETSc.Vec) -> FloatArray:
         """Return the gaps at the displacements u [m], shape (rows,)."""

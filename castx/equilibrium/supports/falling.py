@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from castx.arrays import BoolArray, FloatArray, IntArray
-from castx.equilibrium.body_blocks import moving_together
 
 CONSTRAINED = 1e-8
 """Sum of squares above which constraint rows fix a motion that moves nodes by about one."""
@@ -22,7 +21,7 @@ STEEP = 1e-3
 """Part of a fall by which it closes a gap that does not end it: that of a wall which is upright."""
 
 
-class Fall(NamedTuple):
+class FreeFall(NamedTuple):
     """How some bodies fall as one.
 
     Attributes:
@@ -85,16 +84,13 @@ class BodiesTogether:
 
     def _parts(self, gram: FloatArray) -> list[list[int]]:
         """Return the bodies, those together that constraints join."""
-        count = len(self.volume)
-        joined = [
-            (a, b)
-            for a, b in combinations(range(count), 2)
-            if np.abs(gram[np.ix_(self.body == a, self.body == b)]).max() > CONSTRAINED
-        ]
-        return moving_together(count, joined)
+        own = [self.body == b for b in range(len(self.volume))]
+        joined = [[np.abs(gram[np.ix_(a, b)]).max() > CONSTRAINED for b in own] for a in own]
+        _, label = connected_components(np.array(joined), directed=False)
+        return [[int(b) for b in np.flatnonzero(label == k)] for k in np.unique(label)]
 
-    def _fall(self, bodies: Sequence[int], gram: FloatArray) -> Fall | None:
-        """Return how bodies fall as one if nothing is in their way; None: constraints hold them."""
+    def _fall(self, bodies: Sequence[int], gram: FloatArray) -> FreeFall | None:
+        """Return the free fall of bodies as one, with nothing in its way; None: they are held."""
         common = np.where(np.isin(self.body, bodies), self.common, 0.0)
         values, vectors = np.linalg.eigh(common @ gram @ common.T)
         free = vectors[:, values < CONSTRAINED].T
@@ -104,15 +100,15 @@ class BodiesTogether:
         if size <= WORK * np.linalg.norm(weight) or not self.density[bodies].all():
             return None
         motions = free @ common
-        return Fall(motions, work @ motions / size)
+        return FreeFall(motions, work @ motions / size)
 
-    def _hits(self, fall: Fall) -> BoolArray:
+    def _hits(self, fall: FreeFall) -> BoolArray:
         """Return the bodies with a gap that closes in a fall, shape (bodies,)."""
         closing = self.gaps @ fall.path < -STEEP
         moved = (self.gaps[closing] != 0.0).any(axis=0)
         return np.array([moved[self.body == b].any() for b in range(len(self.volume))])
 
-    def _found(self, bodies: Sequence[int], fall: Fall) -> tuple[FloatArray, FloatArray]:
+    def _found(self, bodies: Sequence[int], fall: FreeFall) -> tuple[FloatArray, FloatArray]:
         mean = np.average(self.density[bodies], weights=self.volume[bodies])
         density = np.ones(len(self.body))
         for b in bodies:
