@@ -223,3 +223,8 @@ class CadPart:
     most_cells: float = 2e6
     mould: Mould | None = None
     symmetry: tuple[SymmetryPlane, ...] = ()
+
+    @property
+    def shell(self) -> float | None:
+        """Thickness of the shell that the mould is [m]; None: there is none, or it is a block."""
+        return None if self.mould is None else self.mould.shell

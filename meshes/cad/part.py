@@ -17,7 +17,7 @@ from castx.meshes.cad.cells import (
     quality_of,
     solid_volumes,
 )
-from castx.meshes.cad.description import CadPart, Mould, NoCellsError
+from castx.meshes.cad.description import CadPart, NoCellsError
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
 from castx.meshes.cad.meshing import add_groups, generate, write
@@ -65,8 +65,8 @@ def mesh_part(part: CadPart, file: str) -> Report:
         quality, faces, named = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
-    if part.mould is not None and part.mould.shell is not None:
-        drawn = drawn | _meshed_solids(volumes, part.mould)
+    if part.shell is not None:
+        drawn |= _meshed_solids(volumes, part)
     told = [*left_out, *remarks, *given, *unusual_size(extent)]
     report = report_of(volumes, drawn, faces, named, quality, told)
     write(file)
@@ -86,7 +86,7 @@ def _meshed(
     refuse_narrow_faces(part, tags)
     generate(part, volumes, faces, named, scratch)
     left, surfaces = list(faces), {name: list(own) for name, own in named.items()}
-    if part.mould is not None and part.mould.shell is not None:
+    if part.shell is not None:
         left, surfaces = carve_shell(part, volumes, faces, named)
         add_groups(volumes, surfaces)
     corners, qualities = cell_qualities(tags)
@@ -94,11 +94,12 @@ def _meshed(
     return quality_of(corners, qualities), left, surfaces
 
 
-def _meshed_solids(volumes: Mapping[int, str], mould: Mould) -> dict[str, tuple[int, float]]:
+def _meshed_solids(volumes: Mapping[int, str], part: CadPart) -> dict[str, tuple[int, float]]:
     """Return the number of solids of each part of a shell, and the volume of their cells [m³]."""
+    assert part.mould is not None
     points, found = node_points(), dict[str, tuple[int, float]]()
     for tag, body in volumes.items():
-        if body in mould.parts:
+        if body in part.mould.parts:
             count, volume = found.get(body, (0, 0.0))
             found[body] = count + 1, volume + float(cell_volumes(points, tag).sum())
     return found

@@ -103,8 +103,8 @@ class _Block:
 
     def carving(self, part: CadPart) -> Carving:
         """Return the block as the shell cuts it."""
-        assert part.mould is not None and part.mould.shell is not None
-        shell = part.mould.shell
+        shell = part.shell
+        assert shell is not None
         solids = np.concatenate([self.triangles(tag) for tag in self.solids])
         fixed = np.zeros(len(self.nodes), dtype=np.bool_)
         fixed[solids] = True

@@ -236,7 +236,7 @@ def _shell_layers(
     part: CadPart, faces: Sequence[Face], samples: Samples
 ) -> Iterator[tuple[FloatArray, float]]:
     """Yield triangles of the layers of cells that a shell has, (triangles, 3, 3), with its size."""
-    if part.mould is None or part.mould.shell is None:
+    if part.mould is None or part.shell is None:
         return
     layers = max(1, ceil(part.across))
     outward = np.zeros(len(faces))
@@ -246,8 +246,8 @@ def _shell_layers(
             outward[index] = float(second) - float(first)
     around = outward[samples.faces] != 0.0
     directions = (outward[samples.faces][:, None] * samples.normals)[around]
-    for depth in part.mould.shell * np.arange(1, layers + 1) / layers:
-        yield samples.corners[around] + (depth * directions)[:, None], part.mould.shell / layers
+    for depth in part.shell * np.arange(1, layers + 1) / layers:
+        yield samples.corners[around] + (depth * directions)[:, None], part.shell / layers
 
 
 def _on(rule: SizeRule, face: Face, named: Mapping[str, Sequence[Face]]) -> bool:
