@@ -212,6 +212,8 @@ def add_groups(volumes: Mapping[int, str], named: Mapping[str, Sequence[Face]]) 
         volumes: body of each volume.
         named: faces of each surface.
     """
+    for dim, tag in gmsh.model.getPhysicalGroups():  # whose names would stay with their numbers
+        gmsh.model.removePhysicalName(gmsh.model.getPhysicalName(dim, tag))
     gmsh.model.removePhysicalGroups()
     for body in dict.fromkeys(volumes.values()):
         tags = [tag for tag, owner in volumes.items() if owner == body]

@@ -51,6 +51,22 @@ def test_the_file_is_in_metres(tmp_path):
         assert gmsh.model.getPhysicalName(3, 1) == "casting"
 
 
+def test_bodies_are_named_anew():
+    """Not beside their old names, of which one would be without a number."""
+    with gmsh_session():
+        first, second = (gmsh.model.occ.addBox(0, 0, z, 1, 1, 1) for z in (0, 2))
+        gmsh.model.occ.synchronize()
+        add_groups({first: "a", second: "b"}, {})
+        add_groups({second: "b", first: "a"}, {})
+        names = {
+            tuple(gmsh.model.getEntitiesForPhysicalGroup(3, tag)): gmsh.model.getPhysicalName(
+                3, tag
+            )
+            for _, tag in gmsh.model.getPhysicalGroups()
+        }
+    assert names == {(first,): "a", (second,): "b"}
+
+
 def test_faces_that_cross_are_refused(tmp_path):
     with gmsh_session():
         occ = gmsh.model.occ
