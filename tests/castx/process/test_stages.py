@@ -123,8 +123,10 @@ def test_a_spray_cools_as_convection_does(comm, coefficient):
 @pytest.mark.parametrize("gravity", [pytest.param(0.0, marks=pytest.mark.serial), 9.81])
 def test_a_casting_without_mould_stays_where_it_is(comm, gravity):
     """The support carries its weight and nothing else, and does not let it move."""
-    lifted = {**BARE, "boundaries": [*BARE["boundaries"], {"on": "casting/base",
-                                                          "displacement": "free"}]}
+    lifted = {
+        **BARE,
+        "boundaries": [*BARE["boundaries"], {"on": "casting/base", "displacement": "free"}],
+    }
     data = merged(short(lifted), {"loads": {"gravity": [0.0, 0.0, -gravity]}})
     heights = {}
     for state in states(comm, data):
@@ -139,8 +141,9 @@ def test_a_casting_without_mould_stays_where_it_is(comm, gravity):
 
 
 CYCLES = {"at": 4.0, "repeat": 3, "renew": ["casting"]}
-COOLED = [{"on": "mould/outside", "heat": {"type": "convection", "coefficient": 5e4,
-                                           "ambient": 200.0}}]
+COOLED = [
+    {"on": "mould/outside", "heat": {"type": "convection", "coefficient": 5e4, "ambient": 200.0}}
+]
 
 
 def cycling(*stages, **changes) -> dict:
