@@ -47,7 +47,8 @@ class BodyLoads:
             self._uniform[: len(force)] = force[:dimension]
             self.body_force = fem.Constant(body.mesh, self._uniform)
         self._values = [_value_of(body, load) for load in self._loads]
-        loaded = [each.surface for each in (*self._loads, *description.clamps)]
+        loaded = [load.surface for load in self._loads]
+        loaded += [given.surface for given in description.clamps]
         self._measures = SurfaceMeasures(body, model, loaded)
         self.clamps = [Clamp(body, model, given, self._measures) for given in description.clamps]
         self._backed = [given for given in self.clamps if given.stiffness > 0]

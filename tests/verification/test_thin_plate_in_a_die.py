@@ -91,7 +91,7 @@ def cold_stress(tmp_path_factory):
     """Return what gives stresses of the cold plate, of each run of which there is one."""
 
     @cache
-    def found(formulation: str, across: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def found(formulation, across):
         return stress_of_run(tmp_path_factory.mktemp("plate"), formulation, across)
 
     return found
