@@ -155,6 +155,11 @@ class Mould:
     shell: float | None = None
 
     @property
+    def room(self) -> float:
+        """Distance of the faces of the block from all solids, where no box says it [m]."""
+        return max(self.margin, ROOM * (self.shell or 0.0))
+
+    @property
     def parts(self) -> tuple[str, ...]:
         """Names of all bodies that may come of the block."""
         return self.bodies if self.plug is None else (*self.bodies, self.plug)

@@ -12,7 +12,6 @@ import numpy as np
 from castx.arrays import FloatArray
 from castx.meshes.cad.description import (
     MILLIMETRES,
-    ROOM,
     Box,
     CadPart,
     Channel,
@@ -119,8 +118,7 @@ def _block(mould: Mould, solids: Sequence[Solid]) -> list[Solid]:
         lowest, highest = (np.array(corner) for corner in mould.box)
     else:
         lowest, highest = (np.array(corner) for corner in extents([s.tag for s in solids]))
-        margin = max(mould.margin, ROOM * (mould.shell or 0.0))
-        lowest, highest = lowest - margin, highest + margin
+        lowest, highest = lowest - mould.room, highest + mould.room
     if mould.split is None:
         return [Solid(_box((tuple(lowest), tuple(highest))), mould.name, "", BLOCK)]
     axis, place = mould.split

@@ -9,14 +9,7 @@ from math import isfinite
 import numpy as np
 
 from castx.meshes.cad.assembly import join, refuse_other_bodies
-from castx.meshes.cad.cells import (
-    Quality,
-    cell_qualities,
-    cell_volumes,
-    node_points,
-    quality_of,
-    solid_volumes,
-)
+from castx.meshes.cad.cells import Quality, cell_qualities, quality_of, solid_volumes
 from castx.meshes.cad.description import CadPart, NoCellsError
 from castx.meshes.cad.faces import Face, faces_of
 from castx.meshes.cad.healing import mend, refuse_flat_cells, refuse_small
@@ -65,10 +58,9 @@ def mesh_part(part: CadPart, file: str) -> Report:
         quality, faces, named = _meshed(part, volumes, faces, named, f"{file}.sizes")
     except ValueError as error:
         raise NoCellsError(str(error)) from None
-    if part.shell is not None:
-        drawn |= _meshed_solids(volumes, part)
     told = [*left_out, *remarks, *given, *unusual_size(extent)]
-    report = report_of(volumes, drawn, faces, named, quality, told)
+    carved = () if part.mould is None or part.shell is None else part.mould.parts
+    report = report_of(volumes, drawn, faces, named, quality, told, carved)
     write(file)
     return replace(report, extent=extent, size=part.size)
 
@@ -92,17 +84,6 @@ def _meshed(
     corners, qualities = cell_qualities(tags)
     refuse_flat_cells(tags, corners.mean(axis=1), qualities)
     return quality_of(corners, qualities), left, surfaces
-
-
-def _meshed_solids(volumes: Mapping[int, str], part: CadPart) -> dict[str, tuple[int, float]]:
-    """Return the number of solids of each part of a shell, and the volume of their cells [m³]."""
-    assert part.mould is not None
-    points, found = node_points(), dict[str, tuple[int, float]]()
-    for tag, body in volumes.items():
-        if body in part.mould.parts:
-            count, volume = found.get(body, (0, 0.0))
-            found[body] = count + 1, volume + float(cell_volumes(points, tag).sum())
-    return found
 
 
 def unusual_size(extent: float) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -84,6 +84,7 @@ def report_of(
     named: Mapping[str, Sequence[Face]],
     quality: Quality,
     remarks: Sequence[str] = (),
+    carved: Collection[str] = (),
 ) -> Report:
     """Return the sizes of the mesh of the current gmsh model, which is in millimetres.
 
@@ -94,12 +95,16 @@ def report_of(
         named: faces of each surface.
         quality: of the cells.
         remarks: what was mended.
+        carved: bodies that are as large as their mesh, since no CAD solid has their shape.
     """
     points = node_points()
     meshed = dict.fromkeys(drawn, 0.0)
     for tag, body in volumes.items():
         meshed[body] += float(cell_volumes(points, tag).sum())
-    bodies = tuple(Measure(name, *drawn[name], meshed[name]) for name in drawn)
+    bodies = tuple(
+        Measure(name, count, meshed[name] if name in carved else volume, meshed[name])
+        for name, (count, volume) in drawn.items()
+    )
     areas = {face.tag: (face.area, float(face_areas(points, face.tag).sum())) for face in faces}
     surfaces: dict[str, list[tuple[float, float]]] = {}
     for name, chosen in named.items():

@@ -218,9 +218,9 @@ def _outer_triangles(cells: LongArray, walls: LongArray) -> tuple[LongArray, Lon
 def _add_faces(
     points: FloatArray, tags: LongArray, triangles: LongArray, block: _Block, owners: LongArray
 ) -> Iterator[Face]:
-    """Add the outer surface of each body to the model, and yield it."""
+    """Add the outer surface of each body that has one to the model, and yield it."""
     bodies = np.array(block.bodies)[owners]
-    for body in dict.fromkeys(block.bodies):
+    for body in dict.fromkeys(bodies.tolist()):
         own = triangles[bodies == body]
         tag = gmsh.model.addDiscreteEntity(2)
         gmsh.model.mesh.addElementsByType(tag, TRIANGLE, [], tags[own].ravel())

@@ -40,7 +40,7 @@ from castx.input.toml_text import parse_toml
 from castx.input.units import LENGTH
 from castx.materials.database import database_entry
 from castx.materials.lookup import find_material
-from castx.meshes.cad.description import ROOM, Box, Mould
+from castx.meshes.cad.description import Box, Mould
 
 MARGIN = 0.25
 """Thickness of the mould round a lone solid, in extents of the solid."""
@@ -256,15 +256,14 @@ def _mould(box: Box, margin: float, wanted: Wanted, split: tuple[int, float] | N
         wanted: process and top.
         split: axis and place of the plane between its halves [m]; None: it has none.
     """
-    shell = _shell(wanted)
+    mould = Mould(margin=margin, split=split, plug=PLUG, shell=_shell(wanted))
     if not wanted.open_top:
-        return Mould(margin=margin, split=split, plug=PLUG, shell=shell)
+        return mould
     low, high = ([round(x, 7) for x in corner] for corner in box)
-    room = margin if shell is None else ROOM * shell
-    lowest, highest = ([x + way * room for x in at] for at, way in ((low, -1.0), (high, 1.0)))
+    lowest, highest = [x - mould.room for x in low], [x + mould.room for x in high]
     highest[2] = high[2]
     block = (lowest[0], lowest[1], lowest[2]), (highest[0], highest[1], highest[2])
-    return Mould(box=block, split=split, plug=PLUG, shell=shell)
+    return replace(mould, margin=0.0, box=block)
 
 
 def _mould_text(mould: Mould) -> str:

@@ -124,6 +124,14 @@ def test_a_pocket_is_lined_not_filled(meshed):
     assert bodies["mould"] < 0.7 * full
 
 
+def test_a_plug_that_fills_its_pocket_has_no_outer_surface(meshed):
+    """It lies within the shell everywhere, and ends at the open top."""
+    box = ((-0.02, -0.02, -0.02), (0.06, 0.06, 0.03))
+    _, bodies, _, surfaces = meshed(Mould(shell=0.016, box=box, plug="mould-plug"), cup)
+    assert bodies["mould-plug"] == pytest.approx(30 * 30 * 25e-9, rel=1e-9)
+    assert surfaces["mould-plug/outside"] == pytest.approx(30 * 30e-6, rel=1e-9)
+
+
 def test_a_thicker_shell_has_more_layers_and_volume(meshed):
     cells = {}
     for shell in (3.0, SHELL):
