@@ -9,11 +9,13 @@ from typing import Any
 import gmsh
 import numpy as np
 
-from castx.arrays import FloatArray
+from castx.arrays import FloatArray, LongArray
 from castx.meshes.cad.description import MILLIMETRES
 
 TRIANGLE, TETRAHEDRON = 2, 4
 """gmsh's numbers of linear cells."""
+CORNERS = {TRIANGLE: 3, TETRAHEDRON: 4}
+"""Of each kind."""
 POOR = 0.1
 """Quality below which a cell counts as poor."""
 
@@ -67,10 +69,20 @@ def node_points() -> FloatArray:
     return points
 
 
+def corners_of(kind: int, tag: int) -> LongArray:
+    """Return the tags of the nodes of the cells of an entity, (cells, corners).
+
+    Args:
+        kind: `TRIANGLE` or `TETRAHEDRON`.
+        tag: of a face or of a volume.
+    """
+    nodes = gmsh.model.mesh.getElementsByType(kind, tag)[1].astype(np.int64)
+    return nodes.reshape(-1, CORNERS[kind])
+
+
 def cell_volumes(points: FloatArray, tag: int) -> FloatArray:
     """Return the volumes of the tetrahedra of a volume [m³]."""
-    nodes = gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1].astype(np.int64)
-    return tetrahedron_volumes(points[nodes.reshape(-1, 4)])
+    return tetrahedron_volumes(points[corners_of(TETRAHEDRON, tag)])
 
 
 def tetrahedron_volumes(corners: FloatArray) -> FloatArray:
@@ -81,8 +93,7 @@ def tetrahedron_volumes(corners: FloatArray) -> FloatArray:
 
 def face_areas(points: FloatArray, tag: int) -> FloatArray:
     """Return the areas of the triangles of a face [m²]."""
-    nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, tag)[1].astype(np.int64)
-    corners = points[nodes.reshape(-1, 3)]
+    corners = points[corners_of(TRIANGLE, tag)]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.asarray(0.5 * np.linalg.norm(cross, axis=1))
 

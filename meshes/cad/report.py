@@ -6,11 +6,17 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray
-from castx.meshes.cad.cells import TETRAHEDRON, Quality, cell_volumes, face_areas, node_points
+from castx.meshes.cad.cells import (
+    TETRAHEDRON,
+    Quality,
+    cell_volumes,
+    corners_of,
+    face_areas,
+    node_points,
+)
 from castx.meshes.cad.description import Box
 from castx.meshes.cad.faces import Face
 
@@ -123,9 +129,8 @@ def report_of(
 def _box(body: str, volumes: Mapping[int, str], points: FloatArray) -> Box:
     """Return lowest and highest corner of the cells of a body [m], by the points of all nodes."""
     tags = [tag for tag, owner in volumes.items() if owner == body]
-    used = [gmsh.model.mesh.getElementsByType(TETRAHEDRON, tag)[1] for tag in tags]
-    found = points[np.concatenate(used).astype(np.int64)]
-    low, high = np.round(found.min(axis=0), 9), np.round(found.max(axis=0), 9)
+    found = points[np.concatenate([corners_of(TETRAHEDRON, tag) for tag in tags])]
+    low, high = np.round(found.min(axis=(0, 1)), 9), np.round(found.max(axis=(0, 1)), 9)
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 

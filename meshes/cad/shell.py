@@ -10,7 +10,7 @@ import gmsh
 import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, LongArray
-from castx.meshes.cad.cells import TETRAHEDRON, TRIANGLE, face_areas, node_points
+from castx.meshes.cad.cells import TETRAHEDRON, TRIANGLE, corners_of, face_areas, node_points
 from castx.meshes.cad.description import MILLIMETRES, CadPart, Mould
 from castx.meshes.cad.faces import Face
 from castx.meshes.cad.mould import ON_SURFACE
@@ -89,7 +89,7 @@ class _Block:
         solids = {
             face.tag for face in faces if face.tag in around and set(face.bodies) - set(mould.parts)
         }
-        corners = [_corners(TETRAHEDRON, tag).reshape(-1, 4) for tag in own]
+        corners = [corners_of(TETRAHEDRON, tag) for tag in own]
         nodes = np.unique(np.concatenate(corners))
         cells = tuple(np.searchsorted(nodes, of_volume) for of_volume in corners)
         return cls(
@@ -99,7 +99,7 @@ class _Block:
 
     def triangles(self, tag: int) -> LongArray:
         """Return the triangles of a face by number of node, (triangles, 3)."""
-        return np.searchsorted(self.nodes, _corners(TRIANGLE, tag).reshape(-1, 3))
+        return np.searchsorted(self.nodes, corners_of(TRIANGLE, tag))
 
     def carving(self, part: CadPart) -> Carving:
         """Return the block as the shell cuts it."""
@@ -124,10 +124,6 @@ class _Block:
         tolerance = ON_SURFACE * float((high - low).max())
         on = [np.abs(self.points[:, axis] - place) <= tolerance for axis, place in planes]
         return np.stack(on, axis=1)
-
-
-def _corners(kind: int, tag: int) -> LongArray:
-    return np.asarray(gmsh.model.mesh.getElementsByType(kind, tag)[1], dtype=np.int64)
 
 
 def distances(points: FloatArray, others: FloatArray, reach: float) -> FloatArray:

@@ -15,7 +15,7 @@ import gmsh
 import numpy as np
 
 from castx.arrays import FloatArray, LongArray
-from castx.meshes.cad.cells import TRIANGLE, node_points
+from castx.meshes.cad.cells import TRIANGLE, corners_of, node_points
 from castx.meshes.cad.curvature import FILLING, curved_triangles
 from castx.meshes.cad.description import MILLIMETRES, CadPart, SizeRule
 from castx.meshes.cad.faces import Face
@@ -62,13 +62,13 @@ def samples_of(faces: Sequence[Face]) -> Samples:
     points = node_points()
     owners, corners, normals, edges, tags = [], [], [], [], []
     for index, face in enumerate(faces):
-        nodes = gmsh.model.mesh.getElementsByType(TRIANGLE, face.tag)[1].astype(np.int64)
-        places = points[nodes.reshape(-1, 3)]
+        nodes = corners_of(TRIANGLE, face.tag)
+        places = points[nodes]
         owners.append(np.full(len(places), index))
         corners.append(places)
         normals.append(_outward(face, places))
-        edges.append(_on_edges(face, nodes.reshape(-1, 3)))
-        tags.append(nodes.reshape(-1, 3))
+        edges.append(_on_edges(face, nodes))
+        tags.append(nodes)
     most = max(found.shape[2] for found in edges)
     edges = [np.pad(on, ((0, 0), (0, 0), (0, most - on.shape[2]))) for on in edges]
     places = np.concatenate(corners)
