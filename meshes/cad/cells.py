@@ -76,8 +76,8 @@ def corners_of(kind: int, tag: int) -> LongArray:
         kind: `TRIANGLE` or `TETRAHEDRON`.
         tag: of a face or of a volume.
     """
-    nodes = gmsh.model.mesh.getElementsByType(kind, tag)[1].astype(np.int64)
-    return nodes.reshape(-1, CORNERS[kind])
+    nodes = gmsh.model.mesh.getElementsByType(kind, tag)[1]
+    return np.asarray(nodes, dtype=np.int64).reshape(-1, CORNERS[kind])
 
 
 def cell_volumes(points: FloatArray, tag: int) -> FloatArray:

@@ -216,7 +216,7 @@ def _add_faces(
 ) -> Iterator[Face]:
     """Add the outer surface of each body that has one to the model, and yield it."""
     bodies = np.array(block.bodies)[owners]
-    for body in dict.fromkeys(bodies.tolist()):
+    for body in dict.fromkeys(str(each) for each in bodies):
         own = triangles[bodies == body]
         tag = gmsh.model.addDiscreteEntity(2)
         gmsh.model.mesh.addElementsByType(tag, TRIANGLE, [], tags[own].ravel())
