@@ -9,12 +9,12 @@ with the coefficient h at its surface, the effusivity b = √(k ρ c) of the mou
 difference ΔT between casting and mould; f = 2 since a gap opens. The first term is that of an
 interface, the second Chvorinov's, see `castx.foundry.modulus`. Through a shell and its outside goes
 
-    q = (T − T_a)/(f/h + d/k + 1/(a h_o)), h_o = h_a + ε σ (T_o⁴ − T_a⁴)/(T_o − T_a)
+    q = (T − T_a)/(f/h + d ln a/((a − 1) k) + 1/(a h_o)), h_o = h_a + ε σ (T_o⁴ − T_a⁴)/(T_o − T_a)
 
 per area of the casting, with the thickness d of the shell and the temperature T_o of its outside,
-a times as large; t is the sum of dE/q, where E has the heat of the casting and, below the
-temperature at which it was poured into, that of the shell. In air
-t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
+a times as large as the inside, as round a cylinder; t is the sum of dE/q, where E has the heat
+that the casting has given and what the shell has, whose temperature falls evenly outwards.
+In air t = M ρc ln((T − T_a)/(T_cold − T_a))/h.
 """
 
 from __future__ import annotations
@@ -224,13 +224,19 @@ class _Cooling:
         """
         numbers, poured = self.of.process.numbers, self.of.pouring
         conductivity, capacity = self._of_mould(numbers["mould_temperature"])
-        inside = face + numbers["shell"] / conductivity
+        wider = self.shell.outside - 1.0
+        curved = math.log1p(wider) / wider if wider else 1.0
+        inside = face + curved * numbers["shell"] / conductivity
         steps = np.linspace(poured, temperature, POINTS)
         heat = self.modulus * np.array([self._heat(float(at)) for at in steps])
-        given = np.maximum(numbers["mould_temperature"] - steps, 0.0)
-        heat += self.shell.volume * capacity * given
         flux = np.array([self._flux(float(at), inside) for at in steps])
-        return float(np.sum(np.diff(heat) * 0.5 * (1.0 / flux[1:] + 1.0 / flux[:-1])))
+        outwards = (1.0 + 2.0 * self.shell.outside) / (3.0 + 3.0 * self.shell.outside)
+        middle = steps - flux * (face + outwards * (inside - face))
+        heat += self.shell.volume * capacity * (numbers["mould_temperature"] - middle)
+        # The shell takes heat at first: until the casting has given that, nothing has left both.
+        left = np.maximum.accumulate(np.maximum(heat, 0.0))
+        slow = 1.0 / flux
+        return float(left[0] * slow[0] + np.sum(np.diff(left) * 0.5 * (slow[1:] + slow[:-1])))
 
     def _flux(self, temperature: float, inside: float) -> float:
         """Return the flux per area of a casting through its shell to the outside [W/m²]."""
