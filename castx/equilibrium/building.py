@@ -48,6 +48,7 @@ from castx.solvers.inner.whole_matrix import Lacking
 from castx.solvers.layout import Layout
 
 BLOCKS_PREFIX, FACTORS_PREFIX = f"{PREFIX}bodies_", f"{PREFIX}factors_"
+WHOLE_PREFIX = f"{PREFIX}whole_"
 LARGEST_DIRECT = {2: 200_000, 3: 4_000}
 """Unknowns up to which "automatic" solves directly, by dimension."""
 LARGEST_DIRECT_Q1P0 = 12_000
@@ -232,7 +233,9 @@ def _inner_solvers(
     """Return the solvers of all bodies: factors, or multigrid.
 
     With `by_body` follow, for where multigrid is slow, factors for the bodies that flow, yield as
-    grains or may be liquid; with mid-sides those of all bodies.
+    grains or may be liquid; with mid-sides those of all bodies. Where each body has its own, those
+    of all together follow: a shell that is stiffer than its mould, and hangs at few pairs, takes a
+    sweep from one body to the other iterations by the hundred.
     """
     comm, pairs = bodies.layout.comm, balance.contact.normal
     multipliers = isinstance(pairs, MultiplierContact)
@@ -260,6 +263,9 @@ def _inner_solvers(
         exact = [b for group, factors in zip(groups, may, strict=True) if factors for b in group]
         lacking = _lacking(bodies, balance, exact)
         solvers.append(BlockSweep(comm, FACTORS_PREFIX, with_factors, coupling, lacking))
+    if all(may) and len(groups) > 1 and bodies.layout.size_global <= LARGEST_FLOWING:
+        whole = _lacking(bodies, balance, range(len(bodies.parts)))
+        solvers.append(DirectSolver(comm, WHOLE_PREFIX, MOST_CHANGED, whole))
     return solvers
 
 

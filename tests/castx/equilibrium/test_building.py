@@ -8,7 +8,7 @@ import pytest
 
 from castx.contact.choice import Contact
 from castx.contact.methods.registry import names
-from castx.equilibrium import building
+from castx.equilibrium import building, linear_system
 from castx.equilibrium.equilibrium import Equilibrium
 from castx.equilibrium.fallback import FallbackMethods
 from castx.materials.lookup import find_material
@@ -131,6 +131,48 @@ def test_a_body_that_flows_gets_factors_beside_the_multigrid_of_the_others(comm,
     assert chosen(linear="iterative") == chosen("multipliers") == [by_multigrid]
     monkeypatch.setattr(building, "LARGEST_FLOWING", 10)
     assert chosen() == [by_multigrid]
+
+
+def test_bodies_that_all_have_factors_get_those_of_all_last(comm, monkeypatch):
+    """Up to a size of all, and not beside multigrid of another body."""
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
+    given, direct = [], building.DirectSolver
+    monkeypatch.setattr(
+        building, "DirectSolver", lambda *parts: given.append(parts[1]) or direct(*parts)
+    )
+
+    def chosen():
+        given.clear()
+        return pressed(comm, Contact("upper", "base"), linear="automatic")
+
+    soft = property(lambda law: law.largest_shear_modulus() < 5e9)
+    monkeypatch.setattr(Law, "flows_by_rate", soft)
+    chosen()
+    assert given == []
+    monkeypatch.setattr(Law, "flows_by_rate", True)
+    unknowns = chosen().equilibrium.balance.assembly.layout.size_global
+    assert given == [building.WHOLE_PREFIX]
+    monkeypatch.setattr(building, "LARGEST_FLOWING", unknowns - 1)
+    chosen()
+    assert given == []
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_slow_sweeps_over_bodies_end_in_factors_of_all(comm, monkeypatch, whole):
+    """Each of two bodies is solved exactly, and a sweep over both is not."""
+    monkeypatch.setitem(building.LARGEST_DIRECT, 2, 10)
+    monkeypatch.setattr(Law, "flows_by_rate", True)
+    monkeypatch.setattr(linear_system, "SLOW", 1)
+    made = pressed(comm, Contact("upper", "base"), linear="automatic")
+    if not whole:
+        all_unknowns = made.equilibrium.balance.assembly.layout.size_global
+        monkeypatch.setattr(building, "LARGEST_FLOWING", all_unknowns - 1)
+        made = pressed(comm, Contact("upper", "base"), linear="automatic")
+    linear = []
+    for time in range(3):
+        linear += made.equilibrium.solve(float(time)).linear_solves
+        made.equilibrium.rewind()
+    assert linear[0] > linear[1] == 2 and linear[2] == (1 if whole else 2)
 
 
 def test_in_space_factors_pay_for_small_problems_q1p0_sand_and_quadratic_bodies():
