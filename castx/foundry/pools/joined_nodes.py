@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 class NodeRegions:
     """Finds the regions of nodes that are joined by edges of cells with both ends among them.
 
+    Attributes:
+        comm: ranks of the body.
+
     Args:
         body: mesh of the body.
     """
@@ -33,6 +36,7 @@ class NodeRegions:
         self._pairs = np.concatenate([np.column_stack([nodes, nodes]), edges.astype(np.int32)])
         self._regions = Regions(body, self._pairs)
         self._original, self._body = body.original_nodes, body
+        self.comm: MPI.Intracomm = self._regions.comm
 
     def find(self, chosen: BoolArray) -> tuple[int, IntArray]:
         """Return the number of regions, and the region of each node or −1, (nodes,); collective.
@@ -47,7 +51,7 @@ class NodeRegions:
         region = found[: len(chosen)]
         lowest = np.full(count, np.iinfo(np.int64).max)
         np.minimum.at(lowest, region[chosen], self._original[chosen])
-        self._regions.comm.Allreduce(MPI.IN_PLACE, lowest, op=MPI.MIN)
+        self.comm.Allreduce(MPI.IN_PLACE, lowest, op=MPI.MIN)
         place = np.empty(count, dtype=np.int32)
         place[np.argsort(lowest)] = np.arange(count, dtype=np.int32)
         return count, np.where(chosen, place[region], -1) if count else region
@@ -60,9 +64,9 @@ class NodeRegions:
         count, region = self.find(chosen)
         touching = np.zeros(count + 1, dtype=np.int32)  # region -1 is the last one
         np.maximum.at(touching, region, (others & chosen).astype(np.int32))
-        self._regions.comm.Allreduce(MPI.IN_PLACE, touching, op=MPI.MAX)
+        self.comm.Allreduce(MPI.IN_PLACE, touching, op=MPI.MAX)
         here = bool(touching[region[some]].any())
-        return bool(self._regions.comm.allreduce(here, MPI.LOR))
+        return bool(self.comm.allreduce(here, MPI.LOR))
 
     def neighbours_of(self, marked: BoolArray) -> BoolArray:
         """Return the neighbours of marked nodes along edges; collective.

@@ -16,7 +16,7 @@ class Isolation:
     Attributes:
         time: when it was cut off, within the step in which it was [s].
         centre: centroid of its liquid [m].
-        volume: of its liquid, Σ V_i g_i [m³].
+        volume: of its liquid at that time, Σ V_i g_i [m³].
     """
 
     time: float

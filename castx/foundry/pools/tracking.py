@@ -16,6 +16,7 @@ import numpy as np
 
 from castx.arrays import BoolArray, FloatArray, IntArray, LongArray
 from castx.domain.measures import nodal_volumes
+from castx.foundry.pools.cut_off import Metal, cut_off, liquid_at
 from castx.foundry.pools.heritage import Heritage
 from castx.foundry.pools.joined_nodes import NodeRegions
 from castx.foundry.pools.pool import Isolation, Pool
@@ -26,10 +27,6 @@ if TYPE_CHECKING:
 
 TIE = 1e-6
 """Difference of solid fractions, and of shares of a step, that counts as none."""
-
-
-HALVES = 12
-"""How often a step is halved to find when a pool was cut off."""
 
 
 class BodyPools:
@@ -87,7 +84,7 @@ class BodyPools:
             heritage = Heritage.of(shares, count, living, self._following)
             self._end(heritage.gone, time, fraction)
             self._inherit(heritage, time)
-            self._measure(heritage.numbers, region, liquid, fraction, feeds, time)
+            self._measure(heritage.numbers, region, fraction, feeds, time)
             numbers = np.array([*heritage.numbers, 0])  # region -1 is the last one
             self._of_node = numbers[region]
         self._fraction, self._time = fraction.copy(), time
@@ -138,52 +135,36 @@ class BodyPools:
         self,
         numbers: Sequence[int],
         region: IntArray,
-        liquid: FloatArray,
         fraction: FloatArray,
         feeds: BoolArray,
         time: float,
     ) -> None:
         """Note which pools are isolated, and where each has its lowest solid fraction."""
         count, own = len(numbers), region[self._owned]
-        inside = own >= 0
-        sums = np.zeros((count, 2 + self._points.shape[1]))
-        touching = feeds[self._owned].astype(np.float64)
-        terms = np.column_stack([touching, liquid, liquid[:, None] * self._points])
-        np.add.at(sums, own[inside], terms[inside])
-        self._comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+        touching = np.zeros(count, dtype=np.int32)
+        np.maximum.at(touching, own[own >= 0], feeds[self._owned][own >= 0].astype(np.int32))
+        self._comm.Allreduce(MPI.IN_PLACE, touching, op=MPI.MAX)
         _, places = self._last(own, range(count), -fraction[self._owned])
+        metal = Metal(self._regions, self._volumes, self._limit, self._fraction, fraction)
         for index, pool in enumerate(numbers):
             isolation = self._pools[pool].isolation
-            touches, volume, *moments = sums[index].tolist()
-            if touches > 0:
+            if touching[index]:
                 isolation = None
             elif isolation is None:
-                cut_off = self._cut_off(region == index, fraction, feeds, time)
-                isolation = Isolation(cut_off, tuple(each / volume for each in moments), volume)
+                share = 1.0
+                if not np.isnan(self._time):
+                    share = cut_off(metal, region == index, feeds)
+                at = time if share == 1.0 else self._time + share * (time - self._time)
+                isolation = self._isolation(at, liquid_at(metal, index, region, share))
             self._pools[pool] = replace(
                 self._pools[pool], isolation=isolation, place=tuple_of(places[index])
             )
 
-    def _cut_off(
-        self, inside: BoolArray, fraction: FloatArray, feeds: BoolArray, time: float
-    ) -> float:
-        """Return when the last path from a pool to its feeders froze in a step [s]; collective.
-
-        By halves of the step, in which solid fractions are linear; of the nodes that are `inside`
-        it at the end. The end of the step where it was not fed before: a part of an isolated pool.
-        """
-        start = self._fraction
-        if np.isnan(self._time) or not self._regions.join(inside, feeds, start < self._limit):
-            return time
-        fed, free = 0.0, 1.0
-        for _ in range(HALVES):
-            share = 0.5 * (fed + free)
-            liquid = start + share * (fraction - start) < self._limit
-            if self._regions.join(inside, feeds, liquid):
-                fed = share
-            else:
-                free = share
-        return float(self._time + free * (time - self._time))
+    def _isolation(self, time: float, liquid: FloatArray) -> Isolation:
+        """Return the isolation of a pool at a time [s] with liquid of its nodes; collective."""
+        sums = np.array([liquid.sum(), *(liquid @ self._points)])
+        self._comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+        return Isolation(time, tuple_of(sums[1:] / sums[0]), float(sums[0]))
 
     def _last(
         self, group: LongArray | IntArray, groups: Sequence[int], key: FloatArray
