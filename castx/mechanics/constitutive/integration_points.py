@@ -169,11 +169,7 @@ class IntegrationPoints:
 
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the body of arrays of nodal values, shape (arrays,); collective."""
-        return self.summed(self.own_integrals(values))
-
-    def own_integrals(self, values: Sequence[FloatArray]) -> FloatArray:
-        """Return ∫ v over the cells of this rank of arrays of nodal values, shape (arrays,)."""
-        return np.array([self._own_weights @ each for each in values])
+        return self.summed(np.array([self._own_weights @ each for each in values]))
 
     def summed(self, local: FloatArray) -> FloatArray:
         """Return sums over all ranks; collective."""

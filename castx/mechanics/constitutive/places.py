@@ -13,6 +13,7 @@ shear, and the pressure, linear in the cells, weighs points against each other.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -98,17 +99,24 @@ class MetalPlaces:
 
     def integrals(self, values: Sequence[FloatArray]) -> FloatArray:
         """Return ∫ v over the body of arrays at the places, shape (arrays,); collective."""
-        nodal = [each[: self._nodes] for each in values]
-        own = self._points.own_integrals(nodal)
+        own = np.array([self._nodal_weights @ each[: self._nodes] for each in values])
         if self.sampled:
             here = self._cells < self._points.owned_cells
-            cells = self._cells[here]
-            weights = self._points.weights[cells]
-            for number, (each, at_nodes) in enumerate(zip(values, nodal, strict=True)):
-                inside = self._samples(each)[here] @ self._of_points.T
-                linear = self._points.from_nodes(at_nodes, cells).reshape(weights.shape)
-                own[number] += np.sum(weights * (inside - linear))
+            weights = self._points.weights[self._cells[here]]
+            for number, each in enumerate(values):
+                own[number] += np.sum(weights * (self._samples(each)[here] @ self._of_points.T))
         return self._points.summed(own)
+
+    @cached_property
+    def _nodal_weights(self) -> FloatArray:
+        """∫ N over the cells of this rank that have no samples, shape (nodes,).
+
+        None is left of cells that have some, not even rounding: sums that vanish are divided.
+        """
+        counts = np.ones(self._points.count)
+        if self.sampled:
+            self._points.by_cell(counts)[self._cells] = 0.0
+        return self._points.to_nodes(counts, self._nodes)
 
     def _samples(self, values: FloatArray) -> FloatArray:
         """Return values at the samples with one row for each cell that has some."""

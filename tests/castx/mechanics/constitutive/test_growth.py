@@ -15,6 +15,7 @@ from castx.mechanics.constitutive.growth import (
     growth,
     in_the_solid,
 )
+from castx.mechanics.constitutive.places import MetalPlaces
 
 
 @pytest.mark.serial
@@ -142,6 +143,24 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
     np.testing.assert_allclose(beside[1], 0.5, rtol=1e-12)
     for found in (wide, narrow):
         assert found.contracted[first] == pytest.approx(-8e-4, rel=1e-12)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("seed", [1, 6, 8])
+def test_what_bears_at_nodes_alone_strains_no_samples(points, seed):
+    """Nodes come to bear before any sample does: what they contract is in no cell with samples."""
+    places = MetalPlaces(points, np.arange(points.cells, dtype=np.int32))
+    random, count = np.random.default_rng(seed), points.cell_nodes.max() + 1
+    inside = np.ones_like(places.samples_from_nodes(np.zeros(count)))
+    passed = [
+        of(
+            places.joined(share * random.random(count), bears * inside),
+            np.full(count + len(inside), contraction),
+        )
+        for share, bears, contraction in ((0.0, 0.0, 0.0), (0.1, 0.0, -4e-5), (0.3, 0.2, -1e-4))
+    ]
+    found = growth(places, passed, freezing(count + len(inside)))
+    np.testing.assert_allclose(found.strained[count:], 0.1, rtol=1e-12)
 
 
 @pytest.mark.ranks

@@ -53,6 +53,22 @@ def test_samples_decide_in_their_cells_and_nodes_in_others(body, points):
     np.testing.assert_array_equal(none.volume_means(nodes), points.volume_means(nodes))
 
 
+@pytest.mark.ranks
+def test_nodes_leave_nothing_in_integrals_over_cells_with_samples(comm, body, points):
+    """Not even rounding: sums that vanish are divided by each other."""
+    shares = np.random.default_rng(3).random(len(body.points))
+    everywhere = MetalPlaces(points, np.arange(points.cells, dtype=np.int32))
+    none = np.zeros_like(everywhere.samples_from_nodes(shares))
+    np.testing.assert_array_equal(everywhere.integrals([everywhere.joined(shares, none)]), [0.0])
+    some = MetalPlaces(points, SOME)
+    without = some.joined(shares, np.zeros_like(some.samples_from_nodes(shares)))
+    bears = comm.allreduce(sum(
+        points.weights[cell].sum() * shares[points.cell_nodes[cell]].mean()
+        for cell in range(points.owned_cells) if cell not in SOME
+    ))  # fmt: skip
+    np.testing.assert_allclose(some.integrals([without]), [bears], rtol=1e-12)
+
+
 @pytest.mark.serial
 def test_a_sample_counts_for_the_nearest_point_alone(body):
     """Of one that is hot next to a point, the others of its cell know nothing."""
