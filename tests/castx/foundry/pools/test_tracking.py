@@ -90,6 +90,13 @@ def test_parts_of_an_isolated_pool_are_isolated_from_when_they_split(slab):
     assert np.array_equal(pools.numbers, expected)
 
 
+def test_the_part_with_more_liquid_goes_on_though_it_has_fewer_nodes(slab):
+    states = [*COURSE[:2], liquid([6, 7], 0.65) | liquid([10], 0.0)]
+    pools = follow(new(slab), slab, states)
+    x = np.round(slab.points[:, 0] / SIZE)
+    assert (pools.numbers[x == 10] == 1).all() and (pools.numbers[x == 6] == 3).all()
+
+
 @pytest.mark.ranks
 def test_pools_that_merge_keep_the_lowest_number_and_all_that_they_lack(slab):
     known = of_number(follow(new(slab), slab, COURSE))
