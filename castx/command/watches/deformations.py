@@ -55,6 +55,7 @@ class DeformationWatch:
         rigid, thermal = case.rigid_bodies, case.coupling.scheme == "thermal"
         self._bodies = [b.name for b in case.bodies if not thermal and b.name not in rigid]
         self._freezes = case.coupling.scheme != "mechanical"
+        self._stages = case.stages
         self._cells: dict[str, _Cells] = {}
         self._slopes_at_freezing: dict[str, FloatArray] = {}
         self._places_at_freezing: dict[str, FloatArray] = {}
@@ -81,7 +82,7 @@ class DeformationWatch:
             if max(gradient, moved) > ABSURD:
                 raise ConvergenceError(
                     f"{text}, and beyond {100.0 * ABSURD:g} % a run ends: look at displacement "
-                    "conditions, initial gaps, loads and supports"
+                    f"conditions, initial gaps, loads and supports{self._since(snapshot)}"
                 )
             if body not in self._warned:
                 self._warned.add(body)
@@ -90,6 +91,14 @@ class DeformationWatch:
                         "%s, with errors of that order above %g %% (said once for each body)",
                         text, 100.0 * TOLD,
                     )  # fmt: skip
+
+    def _since(self, snapshot: Snapshot) -> str:
+        """Return words for the bodies that the last stage has removed, none if there are none."""
+        number = snapshot.process.stage
+        removed = self._stages[number - 1].remove if 0 < number <= len(self._stages) else ()
+        if not removed:
+            return ""
+        return f", and at what holds the body since stage {number} has removed {', '.join(removed)}"
 
     def _steepest(self, snapshot: Snapshot, body: str) -> tuple[float, FloatArray]:
         """Return the largest gradient of the displacement in the solid of all ranks, and where."""

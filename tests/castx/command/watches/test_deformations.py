@@ -12,6 +12,7 @@ from castx.case.reading.read import read_case
 from castx.command.cli import execute
 from castx.command.watches.deformations import DeformationWatch
 from castx.errors import ConvergenceError
+from castx.results.states.snapshot import ProcessState
 from tests.castx.case_data import cylinder
 from tests.castx.fakes import FakeSnapshot, cylinder_mesh
 from tests.partitions import PARTITION, on_the_last
@@ -90,6 +91,20 @@ def test_absurd_displacements_end_a_run_on_all_ranks(comm, heard):
         check(comm, moved([[1.5, 0.0], [0.0, 0.0]]))
     with pytest.raises(ConvergenceError, match="casting is displaced by"):
         check(comm, moved(np.zeros((2, 2)), offset=(1.0, 0.0)))
+
+
+def test_an_absurd_displacement_names_what_the_stage_has_removed(comm, heard):
+    """A casting may have let go of all that held it."""
+    stages = [{"at": 5.0, "spray": {"coefficient": 10, "ambient": 20}},
+              {"at": 6.0, "remove": ["mould"]}]  # fmt: skip
+    watch = DeformationWatch(read_case(cylinder(stages=stages), Path("case.toml")), comm)
+    away = moved(np.zeros((2, 2)), offset=(1.0, 0.0))
+    for stage, told in ((0, False), (1, False), (2, True)):
+        state = FakeSnapshot(time=9.0, step=0, mesh=cylinder_mesh(comm), formulas=away,
+                             process=ProcessState(stage=stage))  # fmt: skip
+        with pytest.raises(ConvergenceError, match="casting is displaced by") as caught:
+            watch.check(state)
+        assert ("since stage 2 has removed mould" in str(caught.value)) == told
 
 
 @pytest.mark.ranks
