@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from castx.case.caveats import caveats
 from castx.case.reading.read import load_case
 from castx.command.run import run
 from castx.materials.inelastic import FLOW_RULES
@@ -26,6 +27,13 @@ def test_case_files_are_valid(name):
     case = load_case(DEMOS / name)
     assert case.output.folder.name == Path(name).stem
     assert case.name and case.probes
+
+
+@pytest.mark.parametrize(
+    "name", [str(path.relative_to(DEMOS)) for path in sorted(DEMOS.rglob("*.toml"))]
+)
+def test_no_casting_is_elastic_for_want_of_a_law(name):
+    assert not [text for text in caveats(load_case(DEMOS / name)) if "has no law" in text]
 
 
 @pytest.fixture(scope="module")

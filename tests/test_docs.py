@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from castx.case.case import Case
+from castx.case.caveats import caveats
 from castx.case.fields.registry import output_fields
 from castx.case.geometry import GENERATORS
 from castx.case.reading.read import load_case
@@ -159,7 +160,16 @@ def test_the_manual_has_every_key_of_the_case_file():
 def test_the_case_of_the_readme_can_be_run(tmp_path):
     (case,) = re.findall(r"```toml\n(.*?)```", (PROJECT / "README.md").read_text(), re.DOTALL)
     (tmp_path / "case.toml").write_text(case)
-    assert [body.name for body in load_case(tmp_path / "case.toml").bodies] == ["casting", "mould"]
+    shown = load_case(tmp_path / "case.toml")
+    assert [body.name for body in shown.bodies] == ["casting", "mould"]
+    assert not list(caveats(shown))
+
+
+def test_a_newcomer_finds_the_way_from_a_part_to_a_report_and_other_systems():
+    start, install = ((PROJECT / "docs" / name).read_text() for name in ("index.md", "install.md"))
+    first_row = next(line for line in start.splitlines() if line.startswith("| run it"))
+    assert "(manual/cad_tutorial.md)" in first_row
+    assert "(WSL 2)" in install and "## On a Mac" in install
 
 
 @pytest.mark.parametrize(

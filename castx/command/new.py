@@ -57,4 +57,9 @@ def new(
     on_first_rank(comm, lambda: write_new_case(cad_file, target, wanted, say))
     console.print(f"written: {target}", markup=False)
     draw_new_case(target, comm, console)
+    if process is None:
+        console.print(
+            "its interfaces, mould and times are guessed; those of a process are usual ones: "
+            f"castx new {cad_file} --process NAME"
+        )
     console.print(f"look into it, then: castx check {target}", markup=False)

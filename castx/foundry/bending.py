@@ -21,6 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from castx.input.units import plain_text
+
 COUNTED = (1.0, 2.0, 4.0, 8.0)
 """Cells across for which errors were measured."""
 BENDING: Mapping[tuple[str, str], tuple[float, float, float, float]] = {
@@ -103,7 +105,7 @@ class ThinWalls:
         return self._told(self._freezing, self._freezing_if_fine)
 
     def _told(self, off: str, fine: str) -> str:
-        cure = f"cells of {1e3 * self.size:.2g} mm there, 4 across, leave {fine}"
+        cure = f"cells of {plain_text(1e3 * self.size, 2)} mm there, 4 across, leave {fine}"
         return f"{self._place}: {off}; {cure}"
 
     @property
@@ -120,7 +122,7 @@ class ThinWalls:
         shares = ((self.one, "1"), (self.two - self.one, "2"), (self.few - self.two, "3"))
         seen = [(share, count) for share, count in shares if share >= LEAST_TOLD]
         told = ", ".join(f"{_percent(share)} with {count}" for share, count in seen)
-        low, high = (f"{1e3 * length:.2g}" for length in (self.thinnest, self.thickest))
+        low, high = (plain_text(1e3 * length, 2) for length in (self.thinnest, self.thickest))
         thick = f"{low} mm" if low == high else f"{low} to {high} mm"
         return f"{self.body} has walls of {thick} with few cells across (of its surface {told})"
 

@@ -163,7 +163,8 @@ def plain_text(value: float, digits: int = 4) -> str:
         value: the number.
         digits: that count.
     """
-    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
+    shown = f"{value:.{digits}g}"
+    return f"{value:.0f}" if 10.0**digits <= abs(float(shown)) < 1e9 else shown
 
 
 def seconds_text(time: float, digits: int = 4) -> str:

@@ -31,6 +31,7 @@ from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain.measures import cell_measure
 from castx.domain.mesh import BodyMesh
 from castx.forms.momentum import PointState
+from castx.input.units import plain_text
 from castx.materials.thermal_strain import liquid_shrinkage
 from castx.mechanics.constitutive.points import MaterialPoints
 from castx.mechanics.liquid.content import Content
@@ -222,8 +223,8 @@ class Pockets:
         if self.exist:
             for pockets, what in self._pores.news():
                 if pockets.any():
-                    found = 1e6 * volumes[pockets].sum()
-                    logger.info("%s: %.3g cm³ %s", self._body.name, found, what)
+                    found = plain_text(1e6 * volumes[pockets].sum(), 3)
+                    logger.info("%s: %s cm³ %s", self._body.name, found, what)
             acting = self._pressures.of_cells(self.pressure.x.array)
             self.mean_pressure = float(self.content.mean(acting) @ volumes / volumes.sum())
             self._warn_of_walls()

@@ -8,6 +8,7 @@ from castx.case.cad.holds import frame_text
 from castx.case.cad.template import CASTING, CHILL, MOULD, PLUG, SAND, NewCase, geometry_text
 from castx.case.processes.plan import AIR, Plan
 from castx.case.processes.process import CastingProcess
+from castx.input.units import plain_text
 from castx.materials.granular import GRANULAR
 from castx.materials.lookup import find_material
 from castx.transfer.database import interface_entry
@@ -104,7 +105,7 @@ def _made_of(role: int, plan: Plan, of_class: str) -> tuple[str, float, str]:
 def _body(name: str, volume: float, role: int, plan: Plan, of_class: str, tight: bool) -> str:
     material, temperature, law = _made_of(role, plan, of_class)
     return (
-        f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
+        f'[[bodies]]                      # {plain_text(1e6 * volume)} cm³\nname = "{name}"\n'
         f'material = "{material}"\ntemperature = {temperature:g}\n'
         f'law = "{law}"{_told(law, tight)}\n'
     )
@@ -140,7 +141,7 @@ def _interface(
 ) -> str:
     # A mould stands second, where it may be rigid.
     first, second = sorted(pair[:2], key=lambda name: (role[name] == MOULD, role[name]))
-    area = f"# {1e4 * pair[2]:.4g} cm²"
+    area = f"# {plain_text(1e4 * pair[2])} cm²"
     head = f'[[interfaces]]                  {area}\nbodies = ["{first}", "{second}"]\n'
     if role[first] == CASTING and role[second] == CASTING:
         return head + 'contact = { method = "tied" }\n'
@@ -161,7 +162,7 @@ def _interface(
 
 def _boundary(on: str, area: float, role: Mapping[str, int], plan: Plan) -> str:
     numbers = plan.process.numbers
-    begin = f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
+    begin = f'[[boundaries]]                  # {plain_text(1e4 * area)} cm²\non = "{on}"\n'
     if role.get(on.partition("/")[0]) == CASTING:
         rows = listed(bare_metal(plan.interface, OPEN_COEFFICIENT))
         return f"{begin}heat = [                        # open top\n{rows}]\n"

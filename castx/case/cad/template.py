@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from castx.case.cad.holds import frame_text, held_bodies
+from castx.input.units import plain_text
 from castx.materials.granular import GRANULAR
 
 Box = tuple[Sequence[float], Sequence[float]]
@@ -140,9 +141,10 @@ class NewCase:
             yield " × ".join(extents) + " mm"
         modulus = self.modulus(name)
         mass = density * volume
-        yield f"{1e6 * volume:.4g} cm³"
-        yield f"{mass:.3g} kg" if mass >= 1.0 else f"{1e3 * mass:.3g} g"
-        yield f"modulus {1e3 * modulus:.2g} mm, walls of {2e3 * modulus:.2g} mm in the mean"
+        yield f"{plain_text(1e6 * volume)} cm³"
+        yield f"{plain_text(mass, 3)} kg" if mass >= 1.0 else f"{1e3 * mass:.3g} g"
+        thick = plain_text(2e3 * modulus, 2)
+        yield f"modulus {plain_text(1e3 * modulus, 2)} mm, walls of {thick} mm in the mean"
 
     def modulus(self, body: str) -> float:
         """Return volume over surface of a body [m]."""
@@ -229,7 +231,7 @@ def geometry_text(case: NewCase) -> str:
 def _body(name: str, volume: float, role: int) -> str:
     material, temperature, law = _MATERIAL[role]
     return (
-        f'[[bodies]]                      # {1e6 * volume:.4g} cm³\nname = "{name}"\n'
+        f'[[bodies]]                      # {plain_text(1e6 * volume)} cm³\nname = "{name}"\n'
         f'material = "{material}"          # CHOOSE: castx materials\n'
         f"temperature = {temperature}               # CHOOSE: at the start\n"
         f'law = "{law}"\n'
@@ -243,7 +245,7 @@ def _interface(first: str, second: str, area: float, role: dict[str, int]) -> st
         # Where parts of a tool slide freely on each other, nothing holds some of them.
         contact = 'contact = { method = "tied" }      # CHOOSE: parts of one clamped tool\n'
     return (
-        f"[[interfaces]]                  # {1e4 * area:.4g} cm²\n"
+        f"[[interfaces]]                  # {plain_text(1e4 * area)} cm²\n"
         f'bodies = ["{first}", "{second}"]\n{contact}'
         'heat = { law = "limited", closed = 2000, gas_conductivity = 0.05 }     # CHOOSE\n'
     )
@@ -260,6 +262,6 @@ def _frame(case: NewCase, on: str) -> str:
 
 def _boundary(on: str, area: float) -> str:
     return (
-        f'[[boundaries]]                  # {1e4 * area:.4g} cm²\non = "{on}"\n'
+        f'[[boundaries]]                  # {plain_text(1e4 * area)} cm²\non = "{on}"\n'
         'heat = { type = "convection", coefficient = 10, ambient = 20 }         # CHOOSE\n'
     )

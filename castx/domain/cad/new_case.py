@@ -104,6 +104,8 @@ def write_new_case(
     if wanted.process is None and (wanted.alloy or wanted.mould):
         raise CaseError("--alloy and --mould need --process, which says how they meet")
     process = None if wanted.process is None else casting_process(wanted.process)
+    if process is not None:
+        chosen(process, wanted.alloy, wanted.mould)  # refused before it is meshed
     if process is not None and process.is_strand:
         text, lines = _strand(cad_file, target, process, wanted, say)
     else:

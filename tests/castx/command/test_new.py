@@ -19,7 +19,7 @@ def test_new_writes_a_case_that_check_accepts(comm, shared_tmp_path, said):
     comm.Barrier()
     assert execute(["new", str(part)], comm) == 0
     text = said().replace("\n", "")
-    assert f"castx check {case}" in text
+    assert f"castx check {case}" in text and f"castx new {part} --process NAME" in text
     assert re.search(r"[0-9]+ cells: a run takes .* on one processor", text)
     assert "my casting has walls of" in text and "mould has walls of" not in text
     assert execute(["check", str(case)], comm) == 0

@@ -1,5 +1,7 @@
 """Errors of walls between the counts of cells for which they were measured, and their words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,3 +38,5 @@ def test_cells_that_bend_well_are_told_what_freezing_leaves():
         "distortion by it up to 50 %; cells of 0.75 mm there, 4 across, leave 20 % and 5 %",
     ):
         assert part in walls.text
+    thick = replace(walls, thinnest=99.6e-3, thickest=0.15, across=0.2)
+    assert "walls of 100 to 150 mm" in thick.text

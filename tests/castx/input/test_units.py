@@ -222,3 +222,4 @@ def test_times_are_shown_without_powers_of_ten(time, text):
     assert units.seconds_text(time) == text
     assert units.seconds_text(1920.4, 3) == "1920 s"
     assert units.plain_text(19724.8, 6) == "19724.8"
+    assert [units.plain_text(x, 2) for x in (99.4, 99.6, 150.2)] == ["99", "100", "150"]

@@ -67,6 +67,14 @@ def test_meshes_and_fields_come_back_with_their_moments():
     np.testing.assert_allclose(moved[2], wanted, atol=1e-6)
 
 
+def test_a_run_in_space_is_first_shown_cut_through_its_castings():
+    """Their mould would hide them."""
+    run, around = results(), body(0.0, 0.0)
+    around.points = 3.0 * around.points - 2.0
+    run.grids = lambda time=2.0: {"casting": body(time, 0.0), "mould": around}
+    assert scene(run)["cut"] == pytest.approx(1.0)
+
+
 def test_bodies_have_colours_of_their_own():
     shown = {field["name"]: field["bodies"] for field in scene(results())["fields"]}["temperature"]
     assert shown["casting"]["colours"] != shown["mould"]["colours"]

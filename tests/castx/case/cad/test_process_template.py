@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from castx.case.cad.process_template import process_text
-from castx.case.cad.template import NewCase
+from castx.case.cad.template import NewCase, case_text
 from castx.case.processes.names import process_names
 from castx.case.processes.plan import plan_of
 from castx.case.processes.process import casting_process
@@ -133,3 +133,18 @@ def test_dimensions_are_those_of_the_part():
     )
     (heavy,) = HALVES.dimensions(1e5)
     assert "2 kg" in heavy
+
+
+@pytest.mark.parametrize("process", ["sand", "gravity-die"])
+def test_large_parts_are_told_of_without_powers_of_ten(process):
+    large = replace(
+        HALVES,
+        bodies=tuple((name, 1e4 * volume) for name, volume in HALVES.bodies),
+        interfaces=tuple((one, other, 5e2 * area) for one, other, area in HALVES.interfaces),
+        surfaces=tuple((on, 5e2 * area) for on, area in HALVES.surfaces),
+        boxes={},
+    )
+    (told,) = large.dimensions(7200.0)
+    assert told == "part: 200000 cm³, 1440 kg, modulus 63 mm, walls of 127 mm in the mean"
+    plan, _ = case_of(HALVES, process)
+    assert "e+" not in process_text(large, plan, "iron") + case_text(large)

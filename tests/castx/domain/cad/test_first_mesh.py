@@ -47,10 +47,11 @@ def test_tiny_fillets_are_refused_at_once_with_a_cure_that_works(tmp_path, monke
 
 
 def test_what_makes_no_mesh_is_tried_without_narrow_faces_and_then_refused(tmp_path, monkeypatch):
-    asked = []
+    asked, given = [], []
 
-    def meshed(part, *_):
+    def meshed(part, _, patience):
         asked.append((part.across, part.tolerance, part.narrowest))
+        given.append(patience)
         raise SizesError("the cells are flat")
 
     monkeypatch.setattr(first_mesh_module, "meshed_apart", meshed)
@@ -58,6 +59,7 @@ def test_what_makes_no_mesh_is_tried_without_narrow_faces_and_then_refused(tmp_p
     with pytest.raises(MeshError, match=r"flat\. It is refused without .* 3 mm too.* in CAD, and"):
         new_case(path, tmp_path / "a.toml", say=said.append)
     assert asked == [(1, 1e-6, 0), (0, 1e-6, 0), (0, 1e-4, 0), (0, 1e-6, 1e-3), (0, 1e-6, 3e-3)]
+    assert given == [60.0, 60.0, 60.0, 60.0, 600.0], "a part of hours is given up before"
     assert said[-1].endswith("next: without grooves, threads and roundings of less than 3 mm")
 
 

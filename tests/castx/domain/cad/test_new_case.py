@@ -330,6 +330,13 @@ def test_what_does_not_go_together_is_refused(tmp_path, wanted, text):
         write_new_case(path, tmp_path / "a.toml", wanted)
 
 
+def test_an_alloy_without_an_interface_is_refused_before_anything_is_meshed(tmp_path):
+    path, said = write_cad(tmp_path / "bar.step", two_blocks), []
+    with pytest.raises(CaseError, match="no heat transfer between magnesium and the mould of sand"):
+        write_new_case(path, tmp_path / "a.toml", Wanted("sand", alloy="AZ91"), said.append)
+    assert said == []
+
+
 def grooved(occ):
     """A shaft of 30 mm with 12 grooves of 0.2 x 0.2 mm."""
     shaft = occ.addCylinder(0, 0, 0, 0, 0, 30, 10)

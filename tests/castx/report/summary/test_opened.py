@@ -37,6 +37,11 @@ def test_findings_are_those_of_the_report(results):
     assert text.count("\n") == len(found) - 1 and "Largest gap (casting/mould)" in text
 
 
+def test_the_run_has_kept_where_its_castings_froze_last(results):
+    """Of fields alone it would be as coarse as their moments."""
+    assert "casting" in results.record["last_liquid"]
+
+
 def test_a_list_of_findings_shows_place_time_and_error():
     rows = FindingList([GAP], "axisymmetric").rows()
     assert rows == [("Largest gap", "a/b", "200 µm", "r 20.0, z 10.0 mm, t = 5 s")]
