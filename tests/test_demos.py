@@ -81,7 +81,8 @@ def test_six_bodies_steer_the_heat(feeder):
     gained = sum(end[f"{body}.enthalpy"] - history[f"{body}.enthalpy"][0] for body in bodies)
     outside = [n for n in end if n.endswith(".heat") and n.split("/")[1][:-5] not in bodies]
     assert len(outside) == 5
-    received = end["cover.source"] + sum(end[name] for name in outside)
+    inside = end["cover.source"] + end["casting.dissipation"]
+    received = inside + sum(end[name] for name in outside)
     assert gained == pytest.approx(received, rel=1e-6)
 
 
