@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 class NodeRegions:
     """Finds the regions of nodes that are joined by edges of cells with both ends among them.
 
-    Attributes:
-        comm: ranks of the body.
-
     Args:
         body: mesh of the body.
+
+    Attributes:
+        comm: ranks of the body.
     """
 
     def __init__(self, body: BodyMesh) -> None:

@@ -15,7 +15,6 @@ from castx.foundry.pools.joined_nodes import NodeRegions
 from tests.castx.foundry.pools.test_joined_nodes import SIZE, box
 from tests.castx.foundry.pools.test_tracking import LIMIT, WIDTH, columns, feeds, liquid
 
-pytestmark = pytest.mark.ranks
 COLUMN = SIZE * WIDTH
 EVEN = {"rel": 2.0**-10}
 
@@ -34,6 +33,7 @@ def volume_of(comm, metal, pool, region, share):
     return comm.allreduce(float(liquid_at(metal, pool, region, share).sum()))
 
 
+@pytest.mark.ranks
 def test_what_freezes_behind_the_cut_off_belongs_to_the_pool(comm):
     """Column 4 passes the limit at 0.7 of the step, 10 to 12 at 0.7/0.9 of it."""
     end = liquid(range(4), 0.2) | liquid(range(5, 10), 0.2) | liquid(range(10, 13), 0.9)
@@ -46,6 +46,7 @@ def test_what_freezes_behind_the_cut_off_belongs_to_the_pool(comm):
     assert volume_of(comm, metal, 1, region, 1.0) == pytest.approx(5 * 0.8 * COLUMN, rel=1e-12)
 
 
+@pytest.mark.ranks
 def test_pools_that_part_after_their_cut_off_share_what_froze_between_them(comm):
     """Column 8 freezes when they are cut off; 0.37 of it is liquid at the cut-off."""
     end = liquid(range(4), 0.2) | liquid(range(5, 8), 0.2) | {8: 0.9} | liquid(range(9, 13), 0.4)
@@ -59,6 +60,7 @@ def test_pools_that_part_after_their_cut_off_share_what_froze_between_them(comm)
         assert found == pytest.approx(expected * COLUMN, **EVEN)
 
 
+@pytest.mark.ranks
 def test_a_pool_has_the_same_volume_by_one_step_and_by_many(comm):
     """Column 4 cuts it off after 0.7; 5 to 7 pass the limit between that and the end."""
     rates = {column: 0.95 - 0.1 * (column - 5) for column in range(5, 13)} | {4: 1.0}
@@ -77,6 +79,7 @@ def test_a_pool_has_the_same_volume_by_one_step_and_by_many(comm):
     assert volumes == pytest.approx([by_hand * COLUMN] * 3, **EVEN)
 
 
+@pytest.mark.ranks
 def test_a_part_of_an_isolated_pool_is_cut_off_at_the_end_of_the_step(comm):
     body, metal, region = over_a_step(comm, liquid([6], 0.4), liquid(range(5, 9), 0.2))
     assert cut_off(metal, region == 0, feeds(body)) == 1.0
