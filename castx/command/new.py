@@ -60,6 +60,7 @@ def new(
     if process is None:
         console.print(
             "its interfaces, mould and times are guessed; those of a process are usual ones: "
-            f"castx new {cad_file} --process NAME"
+            f"castx new {cad_file} --process NAME",
+            markup=False,
         )
     console.print(f"look into it, then: castx check {target}", markup=False)
