@@ -105,7 +105,7 @@ def write_new_case(
         raise CaseError("--alloy and --mould need --process, which says how they meet")
     process = None if wanted.process is None else casting_process(wanted.process)
     if process is not None:
-        chosen(process, wanted.alloy, wanted.mould)  # refused before it is meshed
+        chosen(process, wanted.alloy, wanted.mould)  # refused before anything is meshed
     if process is not None and process.is_strand:
         text, lines = _strand(cad_file, target, process, wanted, say)
     else:
@@ -156,7 +156,6 @@ def _strand(
             "--split and --top act on a mould round a part; a strand runs through its mould: leave "
             "them out"
         )
-    chosen(process, wanted.alloy, wanted.mould)  # refused before anything is meshed
     cut = new_slice(cad_file, target, process.numbers["shell"], say)
     plan = strand_plan_of(process, wanted.alloy, wanted.mould, cut.section)
     density = find_material(plan.plan.alloy, {}).density

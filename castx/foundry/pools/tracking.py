@@ -151,9 +151,8 @@ class BodyPools:
             if touching[index]:
                 isolation = None
             elif isolation is None:
-                share = 1.0
-                if not np.isnan(self._time):
-                    share = cut_off(metal, region == index, feeds)
+                # Before the first state all counts as frozen, so that nothing was fed.
+                share = cut_off(metal, region == index, feeds)
                 at = time if share == 1.0 else self._time + share * (time - self._time)
                 isolation = self._isolation(at, liquid_at(metal, index, region, share))
             self._pools[pool] = replace(
