@@ -1,4 +1,4 @@
-"""Sparse LU factorisation of small systems."""
+"""Sparse factors of small systems."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from petsc4py import PETSc
 
 from castx.arrays import BoolArray
 from castx.profiling import RunPart, booked_as
+from castx.solvers.inner.factors import FactorChoice, forget_failure
 from castx.solvers.inner.options import FACTORS
-from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix, forget_failure
+from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix
 
 MOST_CHANGED = 8
 """Gaps that may close or open, each at the price of about one iteration, before new factors."""
 
 
 class DirectSolver:
-    """Sparse LU factorisation (MUMPS).
+    """Sparse factors of the whole matrix (MUMPS).
 
     Args:
         comm: communicator of the matrix.
@@ -39,6 +40,7 @@ class DirectSolver:
         self._ksp.setOptionsPrefix(prefix)
         self.prefix = prefix
         self._ready, self._whole = False, WholeMatrix(lacking)
+        self._factors = FactorChoice()
 
     @booked_as(RunPart.SET_UP)
     def set_up(self, matrix: PETSc.Mat, constrained: BoolArray, anew: bool = False) -> None:
@@ -48,6 +50,7 @@ class DirectSolver:
         if not self._ready:
             self._ksp.setFromOptions()
             self._ready = True
+        self._factors.choose(self._ksp)
         self._ksp.setUp()
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:

@@ -11,12 +11,12 @@ import numpy as np
 
 from castx.arrays import BoolArray
 from castx.profiling import RunPart, booked_as
-from castx.solvers.inner.entries import is_symmetric
+from castx.solvers.inner.factors import FactorChoice, forget_failure
 from castx.solvers.inner.nest import MOST_CHANGED_IN_SWEEP, Block, Blocks
 from castx.solvers.inner.options import FACTORS
 from castx.solvers.inner.stiff_part import StiffPart
 from castx.solvers.inner.uncoupled import Uncoupled
-from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix, forget_failure
+from castx.solvers.inner.whole_matrix import Lacking, WholeMatrix
 
 
 def _by_multigrid(blocks: Sequence[Block]) -> list[PETSc.IS]:
@@ -36,8 +36,6 @@ def sweep_options(blocks: Sequence[Block]) -> dict[str, object]:
 
 class BlockSweep:
     """One block Gauss-Seidel sweep, with a solver for each block, after one for stiff nodes.
-
-    Factors L U of a block are L D Lᵀ, which cost half, until its matrix is not symmetric.
 
     Args:
         comm: communicator of the matrix.
@@ -62,7 +60,7 @@ class BlockSweep:
         self._whole = None if lacking is None else WholeMatrix(lacking)
         self._stiff = StiffPart(comm, f"{prefix}stiff_", _by_multigrid(blocks))
         self._by_factors = [block.options is FACTORS for block in blocks]
-        self._symmetric = list(self._by_factors)
+        self._factors = [FactorChoice() for _ in blocks]
         self._blocks = Blocks(comm, blocks)
         self._numbers = np.concatenate([block.rows.getIndices() for block in blocks])
         self._work: list[PETSc.Vec] = []
@@ -96,23 +94,12 @@ class BlockSweep:
         if self._blocks.nest is not None:
             self._ksp.setUp()  # makes the solvers of the blocks
         for b in np.flatnonzero(self._by_factors):
-            forget_failure(self._solver_of(int(b)))
-        self._choose_factors()
+            solver = self._solver_of(int(b))
+            forget_failure(solver)
+            self._factors[b].choose(solver)
         self._ksp.setUp()
         self._ksp.setUpOnBlocks()
         self._stiff.set_up(matrix, constrained)
-
-    def _choose_factors(self) -> None:
-        """Let factors of blocks be symmetric as long as their matrices are; collective."""
-        package = str(FACTORS["pc_factor_mat_solver_type"])
-        for b in np.flatnonzero(self._symmetric):
-            solver = self._solver_of(int(b))
-            self._symmetric[b] = is_symmetric(solver.getOperators()[1])
-            kinds = ("lu", "cholesky") if self._symmetric[b] else ("cholesky", "lu")
-            # Another kind or package is the choice of a case.
-            if solver.pc.getType() == kinds[0] and solver.pc.getFactorSolverType() == package:
-                solver.pc.setType(kinds[1])
-                solver.pc.setFactorSolverType(package)
 
     def _solver_of(self, b: int) -> PETSc.KSP:
         several = self._blocks.nest is not None

@@ -65,19 +65,6 @@ class WholeMatrix:
         self.matrix = None
 
 
-def forget_failure(solver: PETSc.KSP) -> None:
-    """Let factors that failed be analysed anew: MUMPS goes on with none of them; collective.
-
-    Args:
-        solver: by factors, with its matrix or before it has one.
-    """
-    failed = solver.pc.getFailedReason() != 0
-    if solver.getComm().tompi4py().allreduce(failed, op=MPI.LOR):
-        matrices = solver.getOperators()
-        solver.reset()
-        solver.setOperators(*matrices)
-
-
 def _same_pattern(first: PETSc.Mat, second: PETSc.Mat) -> bool:
     """Return whether two matrices have entries in the same places; collective."""
     (rows, columns, _), (others, there, _) = first.getValuesCSR(), second.getValuesCSR()

@@ -71,18 +71,6 @@ def test_factors_that_failed_leave_no_trace(comm, dense, blocks):
     solver.destroy()
 
 
-@pytest.mark.serial
-def test_factors_of_another_package_stay_as_a_case_has_them(comm, dense):
-    """PETSc's own factors, by an option."""
-    b = np.cos(np.arange(len(dense)))
-    solver = BlockSweep(comm, PREFIX, one_block(comm))
-    solver.defaults = {**solver.defaults, "pc_factor_mat_solver_type": "petsc"}
-    both = dense + dense.T
-    np.testing.assert_allclose(applied(comm, solver, both, b), np.linalg.solve(both, b))
-    assert solver._solver_of(0).pc.getType() == "lu"
-    solver.destroy()
-
-
 def soft_body(comm, stiff):
     """Return a block solved for by multigrid on each rank, some unknowns 10⁴ times stiffer."""
     count = LOCAL * comm.size

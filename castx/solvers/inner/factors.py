@@ -1,0 +1,46 @@
+"""Which factors a solver takes, and how it forgets factors that failed."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from castx.solvers.inner.entries import is_symmetric
+from castx.solvers.inner.options import FACTORS
+
+PACKAGE = str(FACTORS["pc_factor_mat_solver_type"])
+
+
+class FactorChoice:
+    """Lets factors L U be L D Lᵀ, which cost less, until a matrix is not symmetric.
+
+    Another kind of factors, or those of another package, are the choice of a case and stay.
+    """
+
+    def __init__(self) -> None:
+        self._symmetric = True
+
+    def choose(self, solver: PETSc.KSP) -> None:
+        """Choose the factors of a solver; collective.
+
+        Args:
+            solver: with its matrix, before it is set up.
+        """
+        self._symmetric = self._symmetric and is_symmetric(solver.getOperators()[1])
+        before, after = ("lu", "cholesky") if self._symmetric else ("cholesky", "lu")
+        if solver.pc.getType() == before and solver.pc.getFactorSolverType() == PACKAGE:
+            solver.pc.setType(after)
+            solver.pc.setFactorSolverType(PACKAGE)
+
+
+def forget_failure(solver: PETSc.KSP) -> None:
+    """Let factors that failed be analysed anew: MUMPS goes on with none of them; collective.
+
+    Args:
+        solver: by factors, with its matrix or before it has one.
+    """
+    failed = solver.pc.getFailedReason() != 0
+    if solver.getComm().tompi4py().allreduce(failed, op=MPI.LOR):
+        matrices = solver.getOperators()
+        solver.reset()
+        solver.setOperators(*matrices)
