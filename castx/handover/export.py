@@ -21,7 +21,7 @@ from castx.handover.surfaces import (
 )
 from castx.handover.tables import write_exaca, write_nodes
 from castx.handover.target import Target
-from castx.input.units import LENGTH, TIME, Dimension, number
+from castx.input.units import LENGTH, TIME, Dimension, number, plain_text
 from castx.results.reading import Results
 
 
@@ -162,7 +162,7 @@ def _pipe(state: BodyState) -> Iterator[str]:
     volume = about.get("pipe_volume", 0.0)
     if not volume > 0.0:
         return
-    text = f"the pipe of {1e6 * volume:.4g} cm³ at the end of the run"
+    text = f"the pipe of {plain_text(1e6 * volume)} cm³ at the end of the run"
     if EMPTIED in state.grid.point_data:
         yield f"{text} is cut out as far as it had sunk"
     else:

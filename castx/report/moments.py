@@ -12,8 +12,8 @@ from castx.results.reading import Results
 def moments(run: Results) -> dict[float, str]:
     """Return the events of a run, by their time [s].
 
-    That is when the first casting is by a quarter, a half, three quarters and all solid, when its
-    first air gap opens, when stages of the first cycle begin, and the end.
+    That is when the first casting is by a quarter, a half, three quarters, 95 % and all solid, when
+    its first air gap opens, when stages of the first cycle begin, and the end.
     """
     time = run.history["time"]
     found: dict[float, str] = {}

@@ -11,6 +11,7 @@ from rich.table import Table
 from castx.case.boundaries import FREE_CLAMP, LOADS
 from castx.case.case import Case
 from castx.case.stages import Schedule, Stage
+from castx.input.units import plain_text, seconds_text
 
 
 def stage_table(case: Case, stages: Sequence[Case]) -> Table:
@@ -66,14 +67,15 @@ def process_rows(events: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str
     for event in events:
         if "stage" in event and event["cycle"] == 1:
             there = ", ".join(event["bodies"])
-            yield f"stage {event['stage']}", f"from {event['time']:g} s: {there}"
+            yield f"stage {event['stage']}", f"from {seconds_text(event['time'])}: {there}"
     drawn = {body: event for event in events for body in event.get("ejection", {})}
     for body, event in drawn.items():
         found = event["ejection"][body]
+        force, normal = (plain_text(found[kind], 3) for kind in ("force", "normal"))
         yield (
             f"force to draw {body}",
-            f"about {found['force']:.3g} N at {event['time']:g} s: friction {found['friction']:g} "
-            f"times normal forces of {found['normal']:.3g} N, without draught and adhesion",
+            f"about {force} N at {seconds_text(event['time'])}: friction {found['friction']:g} "
+            f"times normal forces of {normal} N, without draught and adhesion",
         )
     ends = [event for event in events if event.get("change") is not None]
     if ends:

@@ -1,6 +1,7 @@
 """Moments at which fields are written: given times, and events of the first cycle.
 
-Events are a quarter, a half, three quarters and all of the first casting solid, and the first gap.
+Events are when the first casting is solid by a quarter, a half, three quarters, 95 % and all of it,
+and the first gap. By 95 % the liquid that is left shows where the casting freezes last.
 """
 
 from __future__ import annotations
@@ -14,7 +15,10 @@ from castx.results.states.snapshot import FULLY_SOLID
 if TYPE_CHECKING:
     from castx.results.states.snapshot import Snapshot
 
-FRACTIONS = {0.25: "25 % solid", 0.5: "50 % solid", 0.75: "75 % solid", FULLY_SOLID: "all solid"}
+FRACTIONS = {
+    0.25: "25 % solid", 0.5: "50 % solid", 0.75: "75 % solid", 0.95: "95 % solid",
+    FULLY_SOLID: "all solid",
+}  # fmt: skip
 """Mean solid fractions of a casting that are events, with their names."""
 OPEN = 1e-6
 """Gap from which an air gap counts [m]."""

@@ -14,7 +14,7 @@ from matplotlib.image import imsave
 
 from castx.arrays import FloatArray
 from castx.case.fields.motion import DEVIATION
-from castx.input.units import seconds_text
+from castx.input.units import plain_text, seconds_text
 from castx.report.browser_scene import shown_range, shown_times
 from castx.report.moments import moments
 from castx.report.page.assets import data_uri
@@ -350,7 +350,7 @@ def bar(topic: Topic, scale: Scale) -> Bar:
     colours = ", ".join("#" + "".join(f"{round(255 * x):02x}" for x in step) for step in steps)
     least = LEAST_SHOWN * (scale.limits[1] - scale.limits[0])
     ends = (0.0 if abs(limit) < least else topic.factor * limit for limit in scale.limits)
-    low, high = (f"{end:.4g}" for end in ends)
+    low, high = (plain_text(end) for end in ends)
     return Bar(f"{topic.label}, {', '.join(scale.bodies)}", low, high, colours)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from castx.input.units import plain_text
 from castx.report.summary.finding import Finding, Shown, place_text
 from castx.results.reading import Results
 from castx.results.states.quantities import PRINCIPAL, parts
@@ -113,4 +114,4 @@ def distortion(run: Results) -> Iterator[Finding]:
 
 
 def _mega(stress: float) -> str:
-    return f"{1e-6 * stress:.3g} MPa"
+    return f"{plain_text(1e-6 * stress, 3)} MPa"

@@ -26,11 +26,12 @@ def test_moments_are_those_at_which_something_happens():
     events = [{"stage": 1, "cycle": 1, "time": 8.0}, {"stage": 1, "cycle": 2, "time": 9.0}]
     record = {"interfaces": {"casting/mould": {}}, "process": events}
     run = SimpleNamespace(history=history, record=record, freezing=["casting"])
-    assert moments(run) == {
+    assert {round(time, 9): text for time, text in moments(run).items()} == {
         1.5: "25 % solid",
         3.0: "first air gap",
         3.5: "50 % solid",
         5.5: "75 % solid",
+        7.2: "95 % solid",
         8.0: "all solid, stage 1",
         10.0: "end",
     }

@@ -80,7 +80,7 @@ def test_the_last_force_to_draw_a_body_counts():
     events = [event(ejection={"core": found}, time=10.0 * n) for n, found in enumerate(forces)]
     ((name, text),) = process_rows(events)
     assert name == "force to draw core"
-    assert text.startswith("about 600 N at 10 s: friction 0.3 times normal forces of 2e+03 N")
+    assert text.startswith("about 600 N at 10 s: friction 0.3 times normal forces of 2000 N")
 
 
 @pytest.mark.parametrize(

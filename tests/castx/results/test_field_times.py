@@ -30,7 +30,8 @@ def test_solid_fractions_are_met_within_steps_and_all_solid_at_the_end_of_one():
     assert times.within(state(2.0, 0.1)) == []
     assert times.within(state(4.0, 0.6)) == pytest.approx([2.6, 3.6])  # 0.1 + 0.25 (t - 2)
     assert times.within(state(5.0, 0.75)) == [5.0]
-    assert times.within(state(6.0, 0.999)) == []
+    assert times.within(state(6.0, 0.95)) == [6.0]
+    assert times.within(state(7.0, 0.999)) == []
     assert times.within(state(8.0, FULLY_SOLID)) == [8.0]
     assert times.within(state(9.0, 0.1)) == [] == times.within(state(10.0, 0.5)), "once each"
 

@@ -239,8 +239,9 @@ def test_a_finding_has_its_picture_with_bars():
     assert shot.source.startswith("data:image/png;base64,") and "displacements" in shot.title
     (bar,) = shot.bars
     assert (bar.low, bar.high) == ("0", "300") and "MPa" in bar.label
-    assert [still.title for still in row] == ["t = 1 s: 25 % solid, 50 % solid",
-                                              "t = 2 s: 75 % solid, all solid, end"]  # fmt: skip
+    assert [still.title for still in row] == [
+        "t = 1 s: 25 % solid, 50 % solid", "t = 2 s: 75 % solid, 95 % solid, all solid, end"
+    ]  # fmt: skip
     quiet = Finding("Force to draw", "core", 1.0, "kN", "")
     assert finding_shot(results(), quiet) is None
 
