@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 from typing import Any, Self
 
+import pytest
+
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 PATIENCE = 120.0  # s; a busy machine takes several times as long as an idle one
 
@@ -18,6 +20,20 @@ PATIENCE = 120.0  # s; a busy machine takes several times as long as an idle one
 def found_browser() -> str | None:
     """Return the browser of this machine; None: there is none that these tests can drive."""
     return next((path for path in map(shutil.which, NAMES) if path is not None), None)
+
+
+def evaluated(script: str, folder: Path) -> Any:
+    """Return what a script returns in an empty page; skip the test where there is no browser.
+
+    Args:
+        script: the body of a function.
+        folder: for the profile of the browser.
+    """
+    program = found_browser()
+    if program is None:
+        pytest.skip("needs chromium on this machine: it runs the scripts")
+    with Browser(program, folder / "profile") as browser:
+        return browser.value(f"(() => {{\n{script}\n}})()")
 
 
 class Browser:

@@ -1,20 +1,18 @@
-"""What the page draws of a scene, by its own scripts in node without a canvas."""
+"""What the page draws of a scene, by its own scripts in a browser without a canvas."""
 
 from __future__ import annotations
 
 import json
-import shutil
-import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 import pyvista
 
 from castx.arrays import FloatArray
 from castx.report.page.assets import text
+from tests.castx.app.browser import evaluated
 
 DRAW = """
 castx.Painter = class {
@@ -22,8 +20,7 @@ castx.Painter = class {
   fill(batch, positions) { batch.positions = positions; }
   begin() {} triangles() {} lines() {}
 };
-(async () => {
-  const { scene, shows, body } = JSON.parse(require("fs").readFileSync(process.argv[2]));
+return (async ({ scene, shows, body }) => {
   const view = new castx.View(scene, { clientWidth: 1, clientHeight: 1 }), found = [];
   await view.load();
   const controls = Object.assign(Object.create(castx.Controls.prototype),
@@ -36,8 +33,8 @@ castx.Painter = class {
     const { positions } = view.bodies.find((one) => one.name === body).batch;
     found.push(Array.from(positions));
   }
-  console.log(JSON.stringify(found));
-})();
+  return found;
+})(%s);
 """
 SCRIPTS = ("data", "geometry", "camera", "view", "controls")
 
@@ -51,16 +48,12 @@ def drawn(
         scene: of a run.
         body: its name.
         shows: changes of the state of the view; `plane` is a cut, until there is another one.
-        folder: for files.
+        folder: for the profile of the browser.
     """
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("node is not installed here: it runs the scripts")
-    script, told = folder / "draw.js", folder / "scene.json"
-    script.write_text("\n".join([*(text(f"scripts/{name}.js") for name in SCRIPTS), DRAW]))
-    told.write_text(json.dumps({"scene": scene, "shows": list(shows), "body": body}))
-    run = subprocess.run([node, script, told], check=True, timeout=60, capture_output=True)
-    return [np.array(values).reshape(-1, 3, 3) for values in json.loads(run.stdout)]
+    told = json.dumps({"scene": scene, "shows": list(shows), "body": body})
+    scripts = [*(text(f"scripts/{name}.js") for name in SCRIPTS), DRAW % told]
+    found = evaluated("\n".join(scripts), folder)
+    return [np.array(values).reshape(-1, 3, 3) for values in found]
 
 
 def area(triangles: FloatArray) -> float:
