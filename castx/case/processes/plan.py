@@ -24,7 +24,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from castx.case.processes.process import CastingProcess
+from castx.case.processes.names import process_names
+from castx.case.processes.process import CastingProcess, casting_process
 from castx.errors import CaseError
 from castx.input.problems import among
 from castx.input.units import ABSOLUTE_ZERO
@@ -119,6 +120,19 @@ class ChosenMaterials:
         yields = self.process.mould_law != GRANULAR or self.around.description.granular is not None
         return self.process.mould_law if yields else "rigid"
 
+    def mould_fits(self, name: str) -> bool:
+        """Return whether a material of the database can be the mould of the process.
+
+        The interface is one with a metal or one with sand or ceramics, and a mould that no water
+        cools must not melt.
+        """
+        usual = self.process.mould
+        if name == usual:
+            return True
+        freezes = find_material(name, {}).solidus
+        stays = self.process.is_strand or freezes is None or freezes > self.pouring
+        return stays and _kind(name) == (_kind(usual) if usual in database_names() else "mineral")
+
 
 def chosen(process: CastingProcess, alloy: str | None, mould: str | None) -> ChosenMaterials:
     """Return the materials of a process, arguments and errors as of `plan_of`."""
@@ -134,12 +148,21 @@ def chosen(process: CastingProcess, alloy: str | None, mould: str | None) -> Cho
     of_class = database_entry(alloy).material_class
     if of_class not in process.interfaces:
         known = among(of_class, sorted(process.interfaces), what="known classes")
+        others = [name for name in process_names() if of_class in casting_process(name).interfaces]
+        known = f"{known}; {among('', others, what=f'processes for {of_class}')}"
         raise CaseError(
-            f"no heat transfer between {of_class} and the mould of {process.name} is known; "
-            f"{known}; castx interfaces lists all there are"
+            f"--alloy: {alloy}: no heat transfer between {of_class} and the mould of "
+            f"{process.name} is known; {known}; castx interfaces lists all there are"
         )
     interface = process.interfaces[of_class]
-    return ChosenMaterials(process.of_class(of_class), alloy, metal, mould, around, interface)
+    of = ChosenMaterials(process.of_class(of_class), alloy, metal, mould, around, interface)
+    if not of.mould_fits(mould):
+        fitting = [name for name in database_names() if of.mould_fits(name)]
+        raise CaseError(
+            f"--mould: {mould} is no mould of {process.name} for {alloy}, poured at "
+            f"{of.pouring:g} °C; {among(mould, fitting)}"
+        )
+    return of
 
 
 def plan_of(
@@ -159,8 +182,8 @@ def plan_of(
         shell: of a process with one; None: an even one.
 
     Raises:
-        CaseError: alloy or mould are not in the database, the alloy does not melt, or no interface
-            of the process is known for it.
+        CaseError: alloy or mould are not in the database, the alloy does not melt, no interface
+            of the process is known for it, or the mould is none of the process or would melt.
     """
     of = chosen(process, alloy, mould)
     numbers, solidus = of.process.numbers, of.metal.solidus
@@ -183,6 +206,11 @@ def plan_of(
 def rounded(value: float) -> float:
     """Return a number with two digits."""
     return float(f"{value:.2g}")
+
+
+def _kind(name: str) -> str:
+    of_class = database_entry(name).material_class
+    return {"sand": "mineral", "insulation": "mineral", "coating": "coating"}.get(of_class, "metal")
 
 
 def _known(name: str, option: str) -> Material:

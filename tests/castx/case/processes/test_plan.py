@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from castx.case.processes.plan import COLD, GAP_FACTOR, ShellSize, plan_of
+from castx.case.processes.plan import COLD, GAP_FACTOR, ShellSize, chosen, plan_of
 from castx.case.processes.process import casting_process
 from castx.errors import CaseError
 from castx.materials.lookup import find_material
@@ -139,12 +139,36 @@ def test_moulds_of_sand_yield_where_their_material_has_the_numbers(process, moul
 
 
 @pytest.mark.parametrize(
+    "process, mould",
+    [("gravity-die", "GJL-250"), ("gravity-die", "Cu-pure"), ("continuous", "CuSn12")],
+)
+def test_a_mould_may_be_another_metal_that_stays_solid(process, mould):
+    assert chosen(casting_process(process), None, mould).mould == mould
+
+
+@pytest.mark.parametrize(
     "process, alloy, mould, text",
     [
         ("sand", "AlSi8", None, "--alloy: no material 'AlSi8'"),
         ("sand", "steel-H13", None, "steel-H13 has no latent heat"),
         ("sand", None, "sandy", "--mould: no material 'sandy'"),
         ("gravity-die", "GJL-250", None, "no heat transfer between cast iron and the mould of"),
+        (
+            "gravity-die",
+            "CuSn12",
+            None,
+            "--alloy: CuSn12: .* known classes: aluminium; processes for copper: sand; castx inter",
+        ),
+        (
+            "sand",
+            "GJL-250",
+            "AlSi7Mg",
+            "AlSi7Mg is no mould of sand for GJL-250, poured at 1315 °C",
+        ),
+        ("sand", None, "steel-H13", "known: insulation-fibre, sand-chromite, sand-silica"),
+        ("gravity-die", None, "sand-silica", "--mould: sand-silica is no mould of gravity-die"),
+        ("high-pressure-die", None, "AZ91", "AZ91 is no mould of high-pressure-die for AlSi9Cu3"),
+        ("investment", None, "steel-H13", "steel-H13 is no mould of investment for G20Mn5"),
     ],
 )
 def test_what_is_not_known_is_refused(process, alloy, mould, text):
