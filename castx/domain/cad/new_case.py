@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from castx.case.cad.geometry import SUFFIXES, is_cad_file
-from castx.case.cad.mould import AXES
+from castx.case.cad.mould import AXES, plane
 from castx.case.cad.process_template import process_text
 from castx.case.cad.strand_template import strand_text
 from castx.case.cad.template import MOULD, PLUG, NewCase, case_text
@@ -35,9 +35,7 @@ from castx.domain.cad.first_mesh import (
 from castx.domain.cad.guarded import seen_apart
 from castx.domain.cad.strand import new_slice
 from castx.errors import CaseError, MeshError
-from castx.input.entries import Quantity
 from castx.input.toml_text import parse_toml
-from castx.input.units import LENGTH
 from castx.materials.database import database_entry
 from castx.materials.lookup import find_material
 from castx.meshes.cad.description import Box, Mould
@@ -48,6 +46,8 @@ EDGES = 1.3
 """What edges of interfaces and the changes between sizes add to the cells of plane layers."""
 NEAR = 0.05
 """Share of its extent by which a mould parts beside the middle of a part, to part at a face."""
+BESIDE = 0.01
+"""Share of its extent that a part may seem to end before the plane that its mould parts at."""
 FLAT = 1e-8
 """Extent across itself up to which a face is flat [m]."""
 GUESSED = "AlSi7Mg"
@@ -286,18 +286,31 @@ def _mould_text(mould: Mould) -> str:
 
 
 def _plane(wanted: str, box: Box) -> tuple[int, float]:
-    """Return axis and place [m] of a plane such as "z", in the middle of a box, or "z=12mm"."""
+    """Return axis and place [m] of a plane such as "z", in the middle of a box, or "z=12mm".
+
+    Raises:
+        CaseError: it is no plane, or misses the box.
+    """
     axis, sign, place = (part.strip() for part in wanted.partition("="))
     if axis not in AXES or (sign and not place):
         raise CaseError(f'--split: a plane across x, y or z is needed: z or "z=12mm", got {wanted}')
     number = AXES.index(axis)
+    low, high = box[0][number], box[1][number]
     if not sign:
-        low, high = box[0][number], box[1][number]
         # The box is that of a mesh, which cuts round corners: a plane that misses the seam of a
         # cylinder by hundredths of a millimetre leaves slivers.
         step = 10.0 ** math.floor(math.log10(high - low) - 2.0)
         return number, round(0.5 * (low + high) / step) * step
-    return number, Quantity(LENGTH).read(place)
+    try:
+        _, _, given = plane(f"{axis} = {place}", ("=",))
+    except CaseError:
+        raise CaseError(f'--split: {wanted}: {place} is no length; write "{axis}=12mm"') from None
+    if max(low - given, given - high) > BESIDE * (high - low):
+        raise CaseError(
+            f"--split: {wanted} lies at {1e3 * given:.5g} mm and misses the part, from {axis} = "
+            f"{1e3 * low:.5g} to {1e3 * high:.5g} mm; lengths without a unit are metres"
+        )
+    return number, given
 
 
 def with_interface_size(case: NewCase) -> NewCase:

@@ -318,6 +318,31 @@ def test_a_mould_parts_at_a_round_number(tmp_path, monkeypatch, low, high, place
 
 
 @pytest.mark.parametrize(
+    "split, text",
+    [
+        (
+            "z=70mm",
+            r"--split: z=70mm lies at 70 mm and misses the part, from z = 0 to 20 mm; lengths",
+        ),
+        ("z=-1mm", "z=-1mm lies at -1 mm and misses"),
+        ("z=12", "z=12 lies at 12000 mm and misses the part, .* without a unit are metres"),
+        ("z=12 mmm", '--split: z=12 mmm: 12 mmm is no length; write "z=12mm"'),
+        ("z=", "a plane across x, y or z is needed"),
+    ],
+)
+def test_a_plane_that_cuts_no_part_is_refused(tmp_path, split, text):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 50, 30, 20)])
+    with pytest.raises(CaseError, match=text):
+        write_new_case(path, tmp_path / "a.toml", Wanted("sand", split=split))
+
+
+def test_a_mould_may_part_at_the_foot_of_a_part_without_a_unit(tmp_path):
+    path = write_cad(tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 50, 30, 20)])
+    case = new_case(path, tmp_path / "a.toml", Wanted("sand", split="z=0"))
+    assert 'split = "z = 0 mm"' in case.mould
+
+
+@pytest.mark.parametrize(
     "wanted, text",
     [
         (Wanted(alloy="AlSi7Mg"), "--alloy and --mould need --process"),
