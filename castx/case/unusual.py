@@ -52,6 +52,8 @@ USUAL: Mapping[str, UsualRange] = {
 }
 METALLIC = UsualRange(2.0, 5e3, "W/m/K", {"W/mm/K": 1e3})
 """Conductivities of what melts."""
+NEARLY_MELTING = 0.8
+"""Share of the solidus in °C from which a body that starts solid may be meant to be poured."""
 
 
 def unusual(case: Case) -> Iterator[str]:
@@ -110,6 +112,7 @@ def _unusual_temperatures(case: Case) -> Iterator[str]:
                 f"liquidus of {material.name}, {material.liquidus:g} °C; plain numbers are in °C: "
                 f'is "{bounds[0]:g} K" or "{bounds[0]:g} degF" meant?'
             )
+    yield from _all_solid(case)
     for interface in case.interfaces:
         for casting, other in (interface.bodies, interface.bodies[::-1]):
             bounds = bodies[other].temperature.bounds
@@ -120,3 +123,20 @@ def _unusual_temperatures(case: Case) -> Iterator[str]:
                     f"{casting} freezes, {solidus[casting]:g} °C: nothing can freeze on it; plain "
                     "numbers are in °C"
                 )
+
+
+def _all_solid(case: Case) -> Iterator[str]:
+    """Yield bodies a little below their solidus, of a case in which nothing starts liquid."""
+    materials = {body.name: find_material(body.material, case.materials) for body in case.bodies}
+    if not all(body.starts_solid(materials[body.name].description) for body in case.bodies):
+        return
+    for body in case.bodies:
+        material, bounds = materials[body.name], body.temperature.bounds
+        if bounds is None or material.solidus is None or material.liquidus is None:
+            continue
+        if NEARLY_MELTING * material.solidus < bounds[1] < material.solidus:
+            yield (
+                f"{body.name} starts at {body.temperature.text}, below the solidus of "
+                f"{material.name}, {material.solidus:g} °C: it is solid from the start, and "
+                f"nothing freezes; a casting is poured above its liquidus, {material.liquidus:g} °C"
+            )

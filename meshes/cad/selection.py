@@ -63,15 +63,27 @@ def select(selector: Selector, faces: Sequence[Face]) -> list[Face]:
     chosen = [face for face in sides if _fits(selector, face)]
     if selector.largest is not None:
         chosen = sorted(chosen, key=lambda face: -face.area)[: selector.largest]
-    if not chosen:
+    if not chosen and sides:
         raise ValueError(f"surface {selector.name!r} selects no face; there are:\n{shown(sides)}")
+    if not chosen:
+        raise ValueError(f"surface {selector.name!r} selects no face: {_why_none(selector, faces)}")
     return chosen
+
+
+def _why_none(selector: Selector, faces: Sequence[Face]) -> str:
+    """Return why there is no face of the bodies of a selector, and which there are."""
+    about = selector.touches or selector.body
+    if about is None:
+        return "no body has a free face"
+    shared = (face for face in faces if len(face.bodies) == 2 and about in face.bodies)
+    others = ", ".join(dict.fromkeys(other_body(face, about) for face in shared)) or "no body"
+    if selector.touches is not None:
+        return f"{about} shares faces with {others}"
+    return f'{about} has no free face; touches = "BODY" selects what it shares with {others}'
 
 
 def shown(faces: Sequence[Face]) -> str:
     """Return a line of text for each face, the largest first."""
-    if not faces:
-        return "  none between such bodies"
     order = sorted(faces, key=lambda face: -face.area)
     lines = [f"  {face.text}" for face in order[:SHOWN]]
     if len(order) > SHOWN:

@@ -81,6 +81,19 @@ def test_a_mould_hotter_than_the_casting_freezes_is_told(temperature, warned):
     assert not warned or ("nothing can freeze on it" in texts[0] and "660.323 °C" in texts[0])
 
 
+@pytest.mark.parametrize(
+    ("temperature", "mould", "warned"),
+    [
+        ("650", "20", True), ("530", "20", True), ("520", "20", False), ("661", "20", False),
+        ("{ formula = '650' }", "20", False), ("20", "650", False), ("650", "700", True),
+    ],
+)  # fmt: skip
+def test_a_case_that_starts_solid_a_little_below_the_solidus_is_told(temperature, mould, warned):
+    texts = found(f"bodies.0.temperature={temperature}", f"bodies.1.temperature={mould}")
+    assert len(texts) == warned
+    assert not warned or "below the solidus of Al-pure, 660.323 °C: it is solid from" in texts[0]
+
+
 @pytest.mark.parametrize(("gap", "warned"), [("0.02", False), ("0.021", True), ("-0.5", False)])
 def test_a_gap_in_millimetres_is_told(gap, warned):
     texts = found(f"interfaces.0.contact.initial_gap={gap}")

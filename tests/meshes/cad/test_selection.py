@@ -99,4 +99,14 @@ def test_refusals_say_what_there_is(blocks, selectors, text):
 
 def test_a_long_list_of_faces_is_cut(blocks):
     assert shown(blocks * 5).endswith("and 30 smaller ones")
-    assert shown([]) == "  none between such bodies"
+
+
+def test_a_body_without_such_faces_says_which_it_has():
+    faces = faces_between(bush_in_ring, "bush", "ring")
+    closed = [face for face in faces if face.bodies != ("bush",)]
+    text = "'top' selects no face: bush has no free face; touches = \"BODY\" .* shares with ring$"
+    with pytest.raises(ValueError, match=text):
+        select(Selector("top", body="bush", normal=UP), closed)
+    free = [face for face in faces if len(face.bodies) == 1]
+    with pytest.raises(ValueError, match=r"no face: ring shares faces with no body$"):
+        select(Selector("top", touches="ring"), free)
