@@ -198,14 +198,21 @@ def plan_of(
     else:
         hot = numbers["release_temperature"] * solidus
         release = cooling.time_to(hot)
-    end = release + cooling.time_in_air(hot)
-    times = (rounded(time) for time in (freezing, release, end))
+    air = cooling.time_in_air(hot)
+    release = rounded(release)
+    times = rounded(freezing), release, _together(release, air)
     return Plan(of.process, of.alloy, of.mould, of.mould_law, of.interface, of.pouring, *times)
 
 
 def rounded(value: float) -> float:
     """Return a number with two digits."""
     return float(f"{value:.2g}")
+
+
+def _together(release: float, air: float) -> float:
+    """Return the sum of a time in the mould and one in air [s], of which two digits are left."""
+    step = 10.0 ** (math.floor(math.log10(air)) - 1)
+    return round((release + air) / step) * step
 
 
 def _kind(name: str) -> str:

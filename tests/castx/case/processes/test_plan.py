@@ -44,6 +44,16 @@ def test_a_casting_is_cold_when_a_lump_in_air_is():
     assert plan.release == pytest.approx(2.0 * plan.freezing, rel=0.05)
 
 
+@pytest.mark.parametrize("modulus", [0.002, 0.157, 0.1642, 0.1795, 0.2679])
+def test_a_casting_of_many_tons_cools_in_air_after_its_sand_is_off(modulus):
+    """It stays in sand for weeks, of which the hours in air are a small part."""
+    plan = plan_of(casting_process("sand"), None, None, modulus)
+    iron = find_material("GJL-250", {})
+    hot = 0.4 * iron.solidus
+    lump = heat(iron, hot, COLD) / (hot - COLD) / 30.0 * math.log((hot - 20.0) / (COLD - 20.0))
+    assert plan.end - plan.release == pytest.approx(modulus * lump, rel=0.06)
+
+
 def test_thicker_castings_take_longer_and_steel_pours_hotter_than_aluminium():
     sand = casting_process("sand")
     thin, thick = (plan_of(sand, "AlSi7Mg", None, modulus) for modulus in (0.01, 0.02))
