@@ -17,6 +17,8 @@ PLUG = "mould-plug"
 MADE = ("mould", "mould-low", "mould-high", PLUG)
 """Names of a mould that is made, or of its halves and its plug."""
 _TOLD = {CASTING: "cast", CHILL: "a chill", MOULD: "of the mould", SAND: "a core"}
+SHORTEST, LONGEST = 2e-3, 20.0
+"""Extents of castings [m]; what is beyond may be in another unit than its file says."""
 BARE = 0.5
 """Share of the surface of a casting beyond which nothing seems to surround it."""
 _WORDS = {
@@ -128,11 +130,20 @@ class NewCase:
     def dimensions(self, density: float) -> Iterator[str]:
         """Yield extents, volume, mass, modulus and mean wall of each casting in words.
 
+        One that is larger or smaller than any is doubted.
+
         Args:
             density: of the alloy [kg/m³].
         """
         for name in self.castings:
             yield f"{name}: {', '.join(self._sizes(name, dict(self.bodies)[name], density))}"
+            low, high = self.boxes.get(name, ((), ()))
+            longest = max((b - a for a, b in zip(low, high, strict=True)), default=SHORTEST)
+            if not SHORTEST <= longest <= LONGEST:
+                yield (
+                    f"{name} is {longest:.2g} m long, as no casting is: does {self.file} say the "
+                    "unit in which it was drawn? If not, export it again"
+                )
 
     def _sizes(self, name: str, volume: float, density: float) -> Iterator[str]:
         if name in self.boxes:

@@ -135,6 +135,17 @@ def test_dimensions_are_those_of_the_part():
     assert "2 kg" in heavy
 
 
+@pytest.mark.parametrize(
+    ("factor", "length"), [(1e3, "60 m"), (1e-3, "6e-05 m"), (300.0, ""), (0.05, "")]
+)
+def test_a_part_that_is_longer_or_shorter_than_any_is_doubted(factor, length):
+    low, high = HALVES.boxes["part"]
+    box = [factor * x for x in low], [factor * x for x in high]
+    _, *doubts = replace(HALVES, boxes={"part": box}).dimensions(2680.0)
+    assert len(doubts) == bool(length)
+    assert not length or doubts[0].startswith(f"part is {length} long, as no casting is: does ")
+
+
 @pytest.mark.parametrize("process", ["sand", "gravity-die"])
 def test_large_parts_are_told_of_without_powers_of_ten(process):
     large = replace(
