@@ -80,17 +80,17 @@ class Skin:
             size: of the cells of the casting at the interface, across it [m].
         """
         skin = (
-            f"interface {self.interface}: cells of {_millimetres(size)} in the skin of "
-            f"{self.casting}, {_millimetres(self.thickness)} thick, that would carry a gap"
+            f"interface {self.interface}: cells of {millimetres(size)} in the skin of "
+            f"{self.casting}, {millimetres(self.thickness)} thick, that would carry a gap"
         )
         if size <= 1.1 * self.proposal:
-            return f"{skin}: fine enough, early gaps within {_percent(self._gap_error(size))}"
+            return f"{skin}: fine enough, early gaps within {percent(self._gap_error(size))}"
         return (
-            f"{skin}: early gaps up to {_percent(self._gap_error(size))} off, freezing time up to "
-            f"{_percent(self._time_error(size))} (estimates); interface_size = "
-            f'"{_millimetres(self.proposal)}" would reduce this to '
-            f"{_percent(self._gap_error(self.proposal))} and "
-            f"{_percent(self._time_error(self.proposal))}"
+            f"{skin}: early gaps up to {percent(self._gap_error(size))} off, freezing time up to "
+            f"{percent(self._time_error(size))} (estimates); interface_size = "
+            f'"{millimetres(self.proposal)}" would reduce this to '
+            f"{percent(self._gap_error(self.proposal))} and "
+            f"{percent(self._time_error(self.proposal))}"
         )
 
     def _gap_error(self, size: float) -> float:
@@ -121,11 +121,13 @@ def skins(case: Case, moduli: Mapping[str, float]) -> list[Skin]:
     return found
 
 
-def _millimetres(length: float) -> str:
+def millimetres(length: float) -> str:
+    """Return a length [m] in words."""
     return f"{1e3 * length:.2g} mm"
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
+    """Return a share of one at most in words."""
     return f"{100.0 * min(share, 1.0):.0f} %"
 
 
@@ -141,7 +143,7 @@ def _thickness(
     if casting.law == "rigid" or data.expansion is None or data.conductivity is None:
         return None
     cold = 0.5 * sum(bounds)
-    conductance, gap = _closing(interface, solidus, cold)
+    conductance, gap = closing(interface, solidus, cold)
     contraction = float(data.expansion(solidus)) * 2.0 * modulus
     if gap is None or contraction <= 0.0 or cold >= solidus:
         return None
@@ -150,7 +152,7 @@ def _thickness(
     return min(modulus, float(data.conductivity.solid(solidus)) * cooling / flow)
 
 
-def _closing(interface: Interface, hot: float, cold: float) -> tuple[float, float | None]:
+def closing(interface: Interface, hot: float, cold: float) -> tuple[float, float | None]:
     """Return the coefficient of touching surfaces [W/m²/K] and the gap that halves it [m].
 
     The gap is None where the law knows none, or no coefficient.
@@ -197,7 +199,7 @@ def chosen_text(case: Case) -> str | None:
     size = case.geometry.arguments.get("interface_size")
     if size is None:
         return 'interface_size = "auto": no finer cells at the interfaces'
-    return f'interface_size = "auto": cells of {_millimetres(size)} at the interfaces'
+    return f'interface_size = "auto": cells of {millimetres(size)} at the interfaces'
 
 
 def finest(size: float, dimension: int) -> float:

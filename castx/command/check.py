@@ -22,6 +22,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.case.skin import skins
+from castx.case.soak import soaks
 from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import material_remarks, material_warnings
@@ -197,13 +198,22 @@ def _show_course(case: Case, stages: Sequence[Case], console: Console) -> None:
 
 
 def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
-    """Yield a line about the cells in each skin that carries a gap, as far as it is foreseen."""
+    """Yield lines about the cells on both sides of interfaces, as far as it is foreseen.
+
+    They lie in the skin of a casting that carries a gap, and in what takes up its heat.
+    """
     bodies = {body.name: body for body in summary.bodies}
-    for skin in skins(case, {name: body.modulus for name, body in bodies.items()}):
+    moduli = {name: body.modulus for name, body in bodies.items()}
+    for skin in skins(case, moduli):
         other = next(name for name in skin.interface.split("/") if name != skin.casting)
         height = bodies[skin.casting].heights.get(other)
         if height:
             yield skin.text(height)
+    for soak in soaks(case, moduli):
+        height = bodies[soak.mould].heights.get(soak.casting)
+        text = soak.text(height) if height else None
+        if text is not None:
+            yield text
 
 
 def coherency_texts(case: Case) -> Iterator[str]:

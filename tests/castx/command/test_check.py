@@ -201,6 +201,10 @@ def test_cells_in_the_skin_and_coherency_are_told(comm, case_file, said):
     assert 'interface_size = "0.67 mm" would reduce this to' in text
     assert "casting: the mush of AlSi7Mg bears from a solid fraction (coherency) of 0.9" in text
     assert f"castx run {case_file} --sensitivity coherency" in text
+    assert "too early" not in text  # steel takes the heat fast enough
+    sand = ["--set", "bodies.1.material=sand-silica", "--set", "geometry.size=30 mm"]
+    assert execute(["check", str(case_file), *alloy, *sand], comm) == 0
+    assert "cells of 10 mm in mould, which takes up the heat of freezing" in said()
     finer = ["--set", "geometry.interface_size=auto"]
     assert execute(["check", str(case_file), *finer], comm) == 0
     text = said()
