@@ -4,11 +4,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from castx.case.reading.read import load_case
 from castx.command.cli import execute
 from castx.command.watches.temperatures import TemperatureWatch
 from castx.errors import ConvergenceError
 
-CASE = SimpleNamespace(bodies=[SimpleNamespace(name="casting"), SimpleNamespace(name="mould")])
+CASE = load_case("demos/cylinder.toml")
 
 
 def state(**totals):
@@ -43,6 +44,33 @@ def test_a_heat_balance_that_does_not_close_is_told_once(comm, caplog):
         watch.check(state(energy_error=error))
     (text,) = caplog.messages
     assert "off by 5.1 % of the heat that has moved" in text and "mistaken unit" in text
+
+
+@pytest.mark.serial
+def test_a_body_colder_than_all_that_the_case_has_is_told_once(comm, caplog):
+    """The demo has 200 to 670 °C: 4.7 K below are let pass."""
+    watch = TemperatureWatch(CASE, comm)
+    watch.check(state(mould__min_temperature=195.4))
+    assert caplog.messages == []
+    for coldest in (195.2, -20.0):
+        watch.check(state(mould__min_temperature=coldest))
+    (text,) = caplog.messages
+    assert "at t = 2 s mould is at 195.2 °C, colder than all that the case has, 200 °C: its" in text
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "given",
+    [
+        'boundaries=[{ on = "mould/outside", heat = { type = "flux", value = -1e3 } }]',
+        'bodies.1.temperature={ formula = "150 + 1000*r" }',
+        'boundaries=[{ on = "mould/outside", heat = { type = "temperature", value = 20 } }]',
+    ],
+)
+def test_nothing_is_told_where_heat_is_drawn_or_other_temperatures_are_named(comm, caplog, given):
+    watch = TemperatureWatch(load_case("demos/cylinder.toml", [given]), comm)
+    watch.check(state(mould__min_temperature=100.0))
+    assert caplog.messages == []
 
 
 def test_a_flux_that_draws_more_than_there_is_ends_the_run(comm, shared_tmp_path, capsys):
