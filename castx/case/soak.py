@@ -36,7 +36,7 @@ TOLD = 0.05
 
 @dataclass(frozen=True)
 class Soak:
-    """What a mould takes up at an interface while the casting freezes.
+    """Heat that a mould takes up at an interface while the casting freezes.
 
     Attributes:
         interface: its name.
@@ -74,7 +74,7 @@ class Soak:
 
 
 def soaks(case: Case, moduli: Mapping[str, float]) -> Iterator[Soak]:
-    """Yield what the mould takes up at each interface that is known to follow its gap.
+    """Yield the heat that moulds take up at each interface whose law follows the gap.
 
     Args:
         case: the case.
