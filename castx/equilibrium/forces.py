@@ -164,6 +164,31 @@ class MomentumBalance:
             carried = self._forces_of_pairs(iterate, self.trial_forces)
             self.convergence.update(iterate.x, self._diagonal, carried)
 
+    def foretold_rows(self, y: PETSc.Vec) -> FloatArray:
+        """Return the rows before the pairs act that the linear system has behind a step y.
+
+        Args:
+            y: step from the iterate, evaluated last, to x − y.
+        """
+        change = y.duplicate()
+        self.operator.free_product(y, change)
+        rows: FloatArray = self.iterate.rows - change.array_r
+        change.destroy()
+        return rows
+
+    def take_off(self, foretold: FloatArray, f: PETSc.Vec) -> None:
+        """Make rows of constrained unknowns forces beyond foretold ones.
+
+        So the residual of any iterate is the gradient of an energy: that of the bodies, less the
+        work of constant forces on what is constrained. Distances from a place would be none.
+
+        Args:
+            foretold: rows before the pairs act, of `foretold_rows`.
+            f: residual of the iterate, evaluated last, changed in place.
+        """
+        constrained = self.operator.constrained
+        f.array[constrained] = (self.iterate.rows - foretold)[constrained]
+
     def felt(self, forces: FloatArray) -> FloatArray:
         """Return contact forces, those of pairs that liquid holds as it feels them; collective.
 

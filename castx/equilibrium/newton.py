@@ -12,7 +12,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from castx.arrays import BoolArray
+from castx.arrays import BoolArray, FloatArray
 from castx.domain import compat
 from castx.equilibrium.convergence import standstill, worst_row
 from castx.equilibrium.forces import MomentumBalance
@@ -228,10 +228,27 @@ class Newton:
         stopped = self._changes.shorten_to_contact(x, y)
         if self.balance.assembly.is_linear and self.balance.contact.normal.is_linear:
             return stopped
-        at_once = _at_once(self.balance, self._changes.foretell(x, y) is not None)
-        tried = partial(self._residual, judged=False)
-        shortened = shorten_step(tried, x, y, snes, at_once)
+        self._changes.foretell(x, y)
+        tried, now = partial(self._residual, judged=False), snes.getFunction()[0].copy()
+        if not self.balance.contact.has_friction:  # whose forces are no gradient of an energy
+            foretold = self.balance.foretold_rows(y)
+            self.balance.take_off(foretold, now)
+            tried = partial(self._without, foretold)
+        shortened = shorten_step(tried, x, y, snes, now, self._multipliers)
+        now.destroy()
         return self._changes.shorten_overlap(x, y) or shortened or stopped
+
+    def _without(self, foretold: FloatArray, snes: PETSc.SNES, x: PETSc.Vec, f: PETSc.Vec) -> None:
+        """Fill the residual, in rows of constrained unknowns without what was foretold there."""
+        self._residual(snes, x, f, judged=False)
+        self.balance.take_off(foretold, f)
+
+    @property
+    def _multipliers(self) -> BoolArray:
+        """Unknowns behind those of the bodies, shape (owned,)."""
+        found: BoolArray = np.ones(self.balance.contact.layout.size_local, dtype=bool)
+        found[: self.balance.assembly.layout.size_local] = False
+        return found
 
     def _change_pairs_and_judge(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
@@ -309,15 +326,3 @@ def enough_of_linear(norm: float, weakest: float) -> float:
         weakest: internal forces in the weakest body [N].
     """
     return min(norm**2 / weakest, LOOSEST * min(norm, weakest))
-
-
-def _at_once(balance: MomentumBalance, closings: bool) -> BoolArray:
-    """Return the unknowns that go all the way, whatever the bodies do.
-
-    Multipliers of open pairs do; with closings all that are constrained: beside the rows of pairs
-    that close, forces would have no say in how far to go.
-    """
-    constrained = balance.operator.constrained.copy()
-    if not closings:
-        constrained[: balance.assembly.layout.size_local] = False
-    return constrained

@@ -73,13 +73,11 @@ class PairChanges:
             return None
         if not balance.assembly.flows_by_rate:
             return None
-        end, change = x.duplicate(), x.duplicate()
+        end = x.duplicate()
         end.waxpy(-1.0, y, x)
-        balance.operator.free_product(y, change)
-        rows = balance.iterate.rows - change.array_r
-        self._foretold = pairs.trial_forces(replace(balance.present(end), rows=rows))
+        there = replace(balance.present(end), rows=balance.foretold_rows(y))
+        self._foretold = pairs.trial_forces(there)
         end.destroy()
-        change.destroy()
         return self._foretold
 
     @booked_as(RunPart.CONTACT)

@@ -31,7 +31,12 @@ Residual = Callable[[PETSc.SNES, PETSc.Vec, PETSc.Vec], None]
 
 
 def shorten_step(
-    residual: Residual, x: PETSc.Vec, y: PETSc.Vec, snes: PETSc.SNES, at_once: BoolArray
+    residual: Residual,
+    x: PETSc.Vec,
+    y: PETSc.Vec,
+    snes: PETSc.SNES,
+    now: PETSc.Vec,
+    at_once: BoolArray,
 ) -> bool:
     """Scale a Newton step y to the critical point of the energy on the way from x to x − y.
 
@@ -42,9 +47,10 @@ def shorten_step(
         residual: fills its last argument with F.
         x: present unknowns.
         y: step, changed in place.
-        snes: the solver; its residual vector holds F(x).
-        at_once: owned unknowns that go all the way in any case, such as multipliers that vanish:
-            their rows are linear and no forces, so that no energy has them as its gradient.
+        snes: the solver.
+        now: F(x).
+        at_once: owned unknowns that go all the way in any case, such as multipliers: their rows
+            are linear and no forces, so that no energy has them as its gradient.
 
     Returns:
         Whether the step has changed.
@@ -61,7 +67,7 @@ def shorten_step(
         return float(force.dot(rest))
 
     jumps = x.getComm().tompi4py().allreduce(bool(jump.any()), op=MPI.LOR)
-    start = work(0.0) if jumps else float(snes.getFunction()[0].dot(rest))
+    start = work(0.0) if jumps else float(now.dot(rest))
     # Perfect plasticity has steps of a mechanism, a thousand times too long: not to go at all would
     # repeat them for ever.
     part = critical_part(work, start, enough=ENOUGH, precision=1e-2)

@@ -145,3 +145,29 @@ def test_where_it_is_evaluated(comm):
     if comm.rank == comm.size - 1:
         moved.array[0] += 1e-9
     assert not balance.is_evaluated_at(moved)
+
+
+@pytest.mark.ranks
+@pytest.mark.parametrize("method", AT_ONCE)
+def test_forces_beyond_foretold_ones_are_the_gradient_of_an_energy(comm, method):
+    """Rows of constrained unknowns are those of A y before a step y of linear bodies, zero behind.
+
+    How far the unknowns are from their place does not matter.
+    """
+    made = two_blocks(comm, method)
+    balance, x = made.equilibrium.balance, made.equilibrium.x
+    bodies = slice(balance.assembly.layout.size_local)
+    end, f, y, change = x.copy(), x.duplicate(), x.copy(), x.duplicate()
+    end.array[bodies] += 1e-7 * waves(x)[bodies]
+    y.axpy(-1.0, end)
+    balance.residual(x, f)
+    foretold = balance.foretold_rows(y)
+    balance.take_off(foretold, f)
+    balance.operator.free_product(y, change)
+    constrained = balance.operator.constrained.copy()
+    constrained[bodies.stop :] = False
+    np.testing.assert_allclose(f.array_r[constrained], change.array_r[constrained], rtol=1e-9)
+    balance.residual(end, f)
+    balance.take_off(foretold, f)
+    scale = comm.allreduce(np.abs(change.array_r).max(initial=0.0), op=MPI.MAX)
+    np.testing.assert_allclose(f.array_r[constrained], 0.0, atol=1e-9 * scale)

@@ -8,7 +8,7 @@ import pytest
 from castx.contact.choice import Contact
 from castx.equilibrium.newton import enough_of_linear
 from castx.errors import ConvergenceError
-from tests.contact_methods import IN_THE_LIMIT
+from tests.contact_methods import EXACT, IN_THE_LIMIT
 from tests.coupled_cases import cylinder, states
 from tests.elastic_bodies import blocks, body, elastic, fixed, gaps, pressures, problem
 
@@ -127,3 +127,28 @@ def test_a_skin_leaves_the_wall_while_it_comes_into_balance(comm, method):
     assert sum(counters.contact_changes for counters in opening) > 20
     assert all(counters.cutbacks == 0 for counters in opening)
     assert max(counters.mechanics_iterations for counters in opening) <= 10
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("method", EXACT)
+def test_pairs_that_close_do_not_take_metal_that_yields_along_at_once(comm, method):
+    """Steps go as far as forces do, so that few pairs close that would open again."""
+    liquid = {"model": "norton", "coherency": 0.95, "coefficient": 1.12e-11, "exponent": 2.0}
+    data = {
+        "geometry": {"generator": "box_in_mould", "model": "plane-strain", "wall": 0.275,
+                     "box": [0.472, 0.316], "size": 0.1, "cells": "quadrilaterals"},
+        "materials": {"alloy": {"extends": "AlSi7Mg", "liquid": liquid}},
+        "bodies": [
+            {"name": "casting", "material": "alloy", "temperature": 681.0,
+             "law": "thermo-elasto-plastic"},
+            {"name": "mould", "material": "Cu-pure", "temperature": 150.0},
+        ],
+        "interfaces": [{"bodies": ["casting", "mould"], "contact": {"method": method},
+                        "heat": {"law": "limited", "closed": 3700.0, "gas_conductivity": 0.045}}],
+        "boundaries": [{"on": "mould/base", "displacement": {"normal": 0.0}}],
+        "time": {"end": 60.0, "fixed_step": 4.0},
+    }  # fmt: skip
+    counters = [state.counters for state in states(comm, data)]
+    for step in counters[-3:]:
+        assert step.cutbacks == 0
+        assert step.contact_changes <= 20 and step.mechanics_iterations <= 30
