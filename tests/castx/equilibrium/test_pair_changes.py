@@ -239,7 +239,7 @@ def test_what_liquid_holds_lets_go_in_equilibrium_alone(residual, forces):
         convergence=SimpleNamespace(
             smallest=0.1, weakest=1e3, rounding=0.0, is_met=lambda f: False
         ),
-        operator=SimpleNamespace(free_product=lambda y, change: None),
+        foretold_rows=lambda y: 0.0,
         supports=SimpleNamespace(change=lambda closed, all_quiet: True), is_linear=False,
         is_evaluated_at=lambda x: True, iterate=SimpleIterate(0.0),
         present=lambda x: SimpleIterate(0.0), trial_forces=trial, sum_up_again=lambda x, f: None,
