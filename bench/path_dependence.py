@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -158,6 +159,11 @@ def answered(case: Case, folder: Path) -> dict[str, float]:
     return loaded
 
 
+def percent(share: float | None) -> float:
+    """Return a share in percent; what is not known is not a number."""
+    return math.nan if share is None else 100.0 * share
+
+
 def numbers(run: Results) -> dict[str, float]:
     """Return the numbers of the one casting of a run."""
     (casting,) = run.freezing
@@ -173,8 +179,8 @@ def numbers(run: Results) -> dict[str, float]:
         "mean von Mises [MPa]": 1e-6 * stress["mean_von_mises"],
         "99 % of von Mises [MPa]": 1e-6 * stress["high_von_mises"],
         "largest von Mises [MPa]": 1e-6 * stress["von_mises"]["value"],
-        "allowance, first axis [%]": 100 * shape["allowance"][0],
-        "allowance, last axis [%]": 100 * shape["allowance"][-1],
+        "allowance, first axis [%]": percent(shape["allowance"][0]),
+        "allowance, last axis [%]": percent(shape["allowance"][-1]),
         "distortion inward [µm]": 1e6 * shape["inward"]["value"],
         "distortion outward [µm]": 1e6 * shape["outward"]["value"],
         "lacks at the end [cm³]": 1e6 * history[f"{casting}.unfed_volume"][-1],

@@ -127,6 +127,20 @@ class Shape:
         motion = best_fit(*self._whole(places), self._model == "axisymmetric")
         return normal_deviation(self._points, motion.removed(places), self._normals)
 
+    def allowance(self, displacement: FloatArray) -> FloatArray:
+        """Return by which share the body has shrunk along the axes, (gdim,); collective.
+
+        Args:
+            displacement: of the local nodes, (nodes, gdim) [m].
+        """
+        nominal, places, areas = self._whole(self._points + displacement[self._nodes])
+        axisymmetric = self._model == "axisymmetric"
+        fitted = best_fit(nominal, places, areas, axisymmetric).removed(places)
+        normals = self._everywhere(self._normals)
+        for plane in self._planes:
+            normals = np.concatenate([normals, Plane(plane.normal, 0.0).image(normals)])
+        return allowance(nominal, fitted, normals, areas, axisymmetric)
+
     def _whole(self, places: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return nominal places, places and areas of all ranks and images; collective."""
         nominal, moved, areas = (
@@ -153,16 +167,15 @@ class Shape:
 
         Returns:
             Extremes of the deviation with their nominal places [m], and by which share the body has
-            shrunk along the axes.
+            shrunk along the axes, None where its faces do not tell.
         """
         deviation = self.deviation(displacement)
         where = self._numbers, self._points
-        places = self._points + displacement[self._nodes]
-        shares = allowance(*self._whole(places), self._model == "axisymmetric")
+        shares = self.allowance(displacement)
         return {
             "outward": largest(self._comm, deviation, *where),
             "inward": smallest(self._comm, deviation, *where),
-            "allowance": [float(share) for share in shares],
+            "allowance": [None if np.isnan(share) else float(share) for share in shares],
         }
 
 

@@ -102,15 +102,21 @@ def distortion(run: Results) -> Iterator[Finding]:
             continue
         out, into = shape["outward"], shape["inward"]
         most = max(out, into, key=lambda extreme: abs(extreme["value"]))
-        shares = zip(parts("displacement", run.model), shape["allowance"], strict=False)
+        axes = parts("displacement", run.model)
         yield Finding(
             "Distortion", body, abs(most["value"]), "mm",
             f"Largest deviation from the nominal surface; positive outward, it goes from "
             f"{1e3 * into['value']:.3g} to {1e3 * out['value']:.3g} mm; allowance "
-            + ", ".join(f"{axis} {100.0 * share:.3g} %" for axis, share in shares) + ".",
+            + ", ".join(map(_allowance, axes, shape["allowance"])) + ".",
             factor=1e3, place=most["place"], time=time,
             shown=Shown("deviation", (body,), time, moved=True),
         )  # fmt: skip
+
+
+def _allowance(axis: str, share: float | None) -> str:
+    if share is None:
+        return f"{axis} unknown, as no faces across it lie apart"
+    return f"{axis} {100.0 * share:.3g} %"
 
 
 def _mega(stress: float) -> str:

@@ -138,7 +138,7 @@ class _StressExtremes(_Strict):
 class _Distortion(_Strict):
     outward: _Extreme = _Extreme()
     inward: _Extreme = _Extreme()
-    allowance: list[float] = []
+    allowance: list[float | None] = []
 
 
 class _MeshError(_Strict):

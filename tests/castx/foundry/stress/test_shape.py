@@ -107,7 +107,10 @@ def test_extremes_have_their_places(block):
 
 @pytest.mark.ranks
 def test_what_is_fed_is_no_part_of_the_shape(comm):
-    """The top has sunk by a millimetre; the others tell the contraction as if it had not."""
+    """The top has sunk by a millimetre; the others tell the contraction as if it had not.
+
+    Without it no two faces tell the height.
+    """
     body = cylinder_mesh(comm, size=4e-3).bodies["casting"]
     r, z = body.points.T
     top = z > HEIGHT - 1e-9
@@ -115,7 +118,8 @@ def test_what_is_fed_is_no_part_of_the_shape(comm):
     moved[:, 1] -= np.where(top & (r < 0.02 - 1e-9), 1e-3, 0.0)
     fed = body.facet_tags.find(body.surface_tag("top"))
     whole, shape = Shape(body, "axisymmetric"), Shape(body, "axisymmetric", fed)
-    assert shape.of(moved)["allowance"] == pytest.approx([SHRUNK, SHRUNK], rel=1e-9)
+    across, along = shape.of(moved)["allowance"]
+    assert across == pytest.approx(SHRUNK, rel=1e-9) and along is None
     assert abs(whole.of(moved)["allowance"][1] - SHRUNK) > 0.1 * SHRUNK
     found = shape.nodal_deviation(moved)
     assert np.isnan(found[top & (r < 0.02 - 1e-9)]).all()

@@ -43,6 +43,13 @@ def test_the_last_end_of_each_body_counts():
     assert "from -0.685 to 0.01 mm; allowance r 1.37 %, z 1.21 %" in shape.sentence
 
 
+def test_an_allowance_that_no_faces_tell_is_unknown():
+    found = end(0, 10.0, 5e7)
+    found["bodies"]["casting"]["distortion"]["allowance"] = [0.0137, None]
+    (shape,) = distortion(with_ends(found))
+    assert "allowance r 1.37 %, z unknown, as no faces across it lie apart." in shape.sentence
+
+
 def test_distortion_has_a_size_whichever_way_it_goes():
     """So that the least of several runs is that with the smallest deviation."""
     numbers = []
