@@ -22,7 +22,7 @@ from castx.case.heat_transfer import InterfaceHeat
 from castx.case.interfaces import Interface
 from castx.case.reading.read import load_case
 from castx.case.skin import skins
-from castx.case.soak import soaks
+from castx.case.soak import Soak, soaks
 from castx.case.unusual import unusual
 from castx.command.cad_report import show_cad
 from castx.command.watches.ranges import material_remarks, material_warnings
@@ -149,6 +149,11 @@ def draw_new_case(case_file: Path, comm: MPI.Intracomm, console: Console) -> Non
         for walls in thin_walls(case, mesh):
             if walls.body in poured:  # castx check tells those of the mould too
                 console.print(walls.text, markup=False, style="yellow")
+        found = list(_soaks(case, summary))
+        worst = max(found, key=lambda each: each[0].error(each[1]), default=None)
+        early = None if worst is None else worst[0].text(worst[1])
+        if early is not None:  # castx check tells all of them
+            console.print(early, markup=False, style="yellow")
         draw_case(case, mesh, picture)
     except (CaseError, MeshError) as error:
         console.print(f"no picture: {error}", markup=False, style="yellow")
@@ -209,11 +214,19 @@ def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
         height = bodies[skin.casting].heights.get(other)
         if height:
             yield skin.text(height)
-    for soak in soaks(case, moduli):
-        height = bodies[soak.mould].heights.get(soak.casting)
-        text = soak.text(height) if height else None
+    for soak, size in _soaks(case, summary):
+        text = soak.text(size)
         if text is not None:
             yield text
+
+
+def _soaks(case: Case, summary: MeshSummary) -> Iterator[tuple[Soak, float]]:
+    """Yield what moulds take up, with the size of their cells there [m], as far as it is known."""
+    bodies = {body.name: body for body in summary.bodies}
+    for soak in soaks(case, {name: body.modulus for name, body in bodies.items()}):
+        size = bodies[soak.mould].heights.get(soak.casting)
+        if size:
+            yield soak, size
 
 
 def coherency_texts(case: Case) -> Iterator[str]:

@@ -47,6 +47,19 @@ def test_new_keeps_a_picture_that_is_there(comm, shared_tmp_path, said):
 
 
 @pytest.mark.serial
+def test_new_tells_how_much_too_early_a_plate_freezes_in_cells_of_sand(comm, shared_tmp_path, said):
+    """The worst of both halves of the mould."""
+    part = write_cad(shared_tmp_path / "plate.step", lambda occ: [occ.addBox(0, 0, 0, 150, 90, 8)])
+    asked = ["--process", "sand", "--alloy", "GJL-250", "--split", "z"]
+    assert execute(["new", str(part), *asked], comm) == 0
+    told = re.findall(
+        r"cells of [\d.]+ mm in mould-\w+, which takes up the heat of freezing",
+        said().replace("\n", " "),
+    )
+    assert len(told) == 1
+
+
+@pytest.mark.serial
 def test_an_unknown_process_is_refused_with_those_there_are(comm, shared_tmp_path, said):
     part = write_cad(shared_tmp_path / "bar.step", lambda occ: [occ.addBox(0, 0, 0, 9, 9, 9)])
     assert execute(["new", str(part), "--process", "sandd"], comm) == 2
