@@ -107,7 +107,7 @@ def _refuse_overlaps(owners: dict[int, list[Solid]], tolerance: float) -> None:
     worst = max(volumes, key=lambda tag: volumes[tag])
     names = " and ".join(repr(name) for name in overlaps[worst])
     raise ValueError(
-        f"{names} overlap by {volumes[worst]:.3g} m³ round {place_text(centre_of(3, worst))}"
+        f"{names} overlap by {1e6 * volumes[worst]:.3g} cm³ round {place_text(centre_of(3, worst))}"
         f"{_others(len(overlaps) - 1)}; cut one of them in CAD, or raise geometry.tolerance, "
         f"{tolerance:g} m, above their mismatch"
     )

@@ -204,7 +204,8 @@ def solid_list(solids: Sequence[Solid]) -> str:
         volume = gmsh.model.occ.getMass(3, solid.tag) / MILLIMETRES**3
         place = place_text(centre_of(3, solid.tag))
         label = f"label {solid.label!r}" if solid.label else "without label"
-        lines.append(f"  solid-{index + 1}: {solid.name}, {label}, {volume:.4g} m³ at {place}")
+        size = f"{1e6 * volume:.6g} cm³"
+        lines.append(f"  solid-{index + 1}: {solid.name}, {label}, {size} at {place}")
     return "\n".join(lines)
 
 

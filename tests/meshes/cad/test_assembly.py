@@ -61,7 +61,7 @@ def test_a_gap_beyond_the_tolerance_stays():
 
 def test_an_overlap_beyond_the_tolerance_is_refused_with_place_and_size():
     text = (
-        r"'casting' and 'die' overlap by 4e-07 m³ round \(0.01, 0.01, -0.0005\) m; cut one of "
+        r"'casting' and 'die' overlap by 0.4 cm³ round \(0.01, 0.01, -0.0005\) m; cut one of "
         "them in CAD, or raise geometry.tolerance, 1e-06 m"
     )
     with pytest.raises(ValueError, match=text):
