@@ -103,8 +103,8 @@ class NewCase:
         role = self.roles
         told = (f"{name}: {_TOLD[role[name]]}" for name in self.drawn)
         yield (
-            f"by their labels, {', '.join(told)}; label them in CAD (core, chill, mould), or "
-            "change [[bodies]] and [[interfaces]], if that is wrong"
+            f"by their names and their order, {', '.join(told)}; name them in CAD (core, chill, "
+            "mould), or change [[bodies]] and [[interfaces]], if that is wrong"
         )
         for name in self.bare() if self.margin is None else ():
             yield (

@@ -36,9 +36,9 @@ def assembly(*free: tuple[str, float], margin=None):
 def test_what_solids_are_taken_for_is_told():
     (told,) = assembly(("solid-1/outside", 2e-4)).taken_for()
     words = "solid-1: cast, core-2: a core, chill: a chill, solid-4: of the mould;"
-    assert told.startswith(f"by their labels, {words} label them in CAD (core, chill,")
+    assert told.startswith(f"by their names and their order, {words} name them in CAD (core,")
     (made,) = assembly(margin=0.01).taken_for()  # in a block that is made round it
-    assert "core-2: a core, chill: a chill, solid-4: a core; label them in CAD" in made
+    assert "core-2: a core, chill: a chill, solid-4: a core; name them in CAD" in made
     lone = NewCase("a.step", 5e-3, 0.01, (("solid-1", 2e-6), ("mould", 1e-6)), (), ())
     assert lone.drawn == ("solid-1",) and list(lone.taken_for()) == []
 

@@ -296,7 +296,7 @@ def test_a_casting_with_its_core_gets_a_mould_round_both(tmp_path):
     assert high == pytest.approx((0.057, 0.022, 0.01))
     assert {"pipe/core", "core/mould-low", "pipe/mould-high"} < {i.name for i in case.interfaces}
     assert said[1] == "meshing it again, in a mould"
-    assert said[2].startswith("by their labels, pipe: cast, core: a core; label them")
+    assert said[2].startswith("by their names and their order, pipe: cast, core: a core; ")
 
 
 @pytest.mark.parametrize(
