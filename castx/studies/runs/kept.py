@@ -11,13 +11,13 @@ from pydantic import BaseModel, ConfigDict
 
 from castx.errors import CaseError
 from castx.results.files.folder import store_text
+from castx.results.files.reason import Reason
 
 KEPT = "kept.json"
 RESULTS = "results"
 LOG = "log.txt"
-FINISHED, NOT_CONVERGED, REFUSED, OUT_OF_TIME, BROKEN = (
-    "finished", "not converged", "refused", "out of time", "broken",
-)  # fmt: skip
+FINISHED, NOT_CONVERGED = Reason.FINISHED.value, Reason.NOT_CONVERGED.value
+REFUSED, OUT_OF_TIME, BROKEN = "refused", "out of time", "broken"
 BY_CODE = {0: FINISHED, 2: REFUSED, 3: NOT_CONVERGED, 130: OUT_OF_TIME}
 """How a run has ended by the exit code of castx; by all others it is broken."""
 
