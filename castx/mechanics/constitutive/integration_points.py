@@ -43,7 +43,7 @@ class IntegrationPoints:
     """
 
     def __init__(self, body: BodyMesh, model: str, degree: int) -> None:
-        self._body, self._mesh, self.kind, self.model = body, body.mesh, body.kind, model
+        self._body, self.kind, self.model = body, body.kind, model
         self.numbering, self.node_numbering = body.cell_numbering, body.node_numbering
         self.cell_nodes = body.nodes.dofmap.list
         self.cells = len(self.cell_nodes)
@@ -66,7 +66,7 @@ class IntegrationPoints:
     @property
     def owned_cells(self) -> int:
         """Number of local cells that are no ghosts; they come first."""
-        return int(self._mesh.topology.index_map(self._mesh.topology.dim).size_local)
+        return int(self._body.mesh.topology.index_map(self._body.mesh.topology.dim).size_local)
 
     @property
     def count(self) -> int:
@@ -75,9 +75,9 @@ class IntegrationPoints:
 
     def _space(self, shape: tuple[int, ...]) -> fem.FunctionSpace:
         element = basix.ufl.quadrature_element(
-            self._mesh.basix_cell(), value_shape=shape, degree=self.degree
+            self._body.mesh.basix_cell(), value_shape=shape, degree=self.degree
         )
-        return fem.functionspace(self._mesh, element)
+        return fem.functionspace(self._body.mesh, element)
 
     def scalar(self) -> fem.Function:
         """Return a function with a number at each point."""
@@ -93,7 +93,7 @@ class IntegrationPoints:
 
     def evaluate(self, expression: fem.Expression) -> FloatArray:
         """Return an expression at all points, shape (points, components)."""
-        values = expression.eval(self._mesh, self._all_cells)
+        values = expression.eval(self._body.mesh, self._all_cells)
         return np.asarray(values).reshape(self.count, expression.value_size)
 
     @property
@@ -173,7 +173,7 @@ class IntegrationPoints:
 
     def summed(self, local: FloatArray) -> FloatArray:
         """Return sums over all ranks; collective."""
-        return np.asarray(self._mesh.comm.allreduce(local))
+        return np.asarray(self._body.mesh.comm.allreduce(local))
 
     def means_around_nodes(self, values: FloatArray) -> FloatArray:
         """Return means by weight over the cells around each node, (nodes,); collective.
