@@ -221,7 +221,7 @@ def skin_texts(case: Case, summary: MeshSummary) -> Iterator[str]:
 
 
 def _soaks(case: Case, summary: MeshSummary) -> Iterator[tuple[Soak, float]]:
-    """Yield what moulds take up, with the size of their cells there [m], as far as it is known."""
+    """Yield the heat that moulds take up, and the sizes of their cells there [m], if known."""
     bodies = {body.name: body for body in summary.bodies}
     for soak in soaks(case, {name: body.modulus for name, body in bodies.items()}):
         size = bodies[soak.mould].heights.get(soak.casting)
