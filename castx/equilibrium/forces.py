@@ -177,7 +177,7 @@ class MomentumBalance:
         return rows
 
     def take_off(self, foretold: FloatArray, f: PETSc.Vec) -> None:
-        """Make rows of constrained unknowns forces beyond foretold ones.
+        """Make rows of constrained unknowns forces beyond foretold ones, F = r(x) − (r(x₀) − A y).
 
         So the residual of any iterate is the gradient of an energy: that of the bodies, less the
         work of constant forces on what is constrained. Distances from a place would be none.
