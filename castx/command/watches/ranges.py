@@ -209,13 +209,33 @@ def coldest_possible(case: Case) -> float:
     Heat flows from hot to cold, so that it is the lowest one that the case names, unless a surface
     or a source draws heat whatever the temperature is: then it is −inf.
     """
-    drawn = any(
-        not (heat.temperatures or heat.declared.insulates) for heat in _heat_conditions(case)
-    )
-    sources = [body.heat_source for body in case.bodies if body.heat_source is not None]
-    if drawn or any(float(source.values.min()) < 0.0 for source in sources):
+    if _has_fluxes(case) or any(least < 0.0 for least, _ in _sources(case)):
         return -np.inf
     return temperature_range(case)[0]
+
+
+def hottest_possible(case: Case) -> float:
+    """Return the temperature above which nothing of a case can get [°C].
+
+    It is the highest one that the case names, or inf, as `coldest_possible` says. What metal
+    dissipates as it yields is left out: it heats by less than a kelvin, and not what is hottest.
+    """
+    if _has_fluxes(case) or any(most > 0.0 for _, most in _sources(case)):
+        return np.inf
+    return temperature_range(case)[1]
+
+
+def _has_fluxes(case: Case) -> bool:
+    """Return whether a surface takes or gives heat whatever the temperature is."""
+    return any(
+        not (heat.temperatures or heat.declared.insulates) for heat in _heat_conditions(case)
+    )
+
+
+def _sources(case: Case) -> list[tuple[float, float]]:
+    """Return the least and the largest value of each heat source [W/m³]."""
+    tables = [body.heat_source for body in case.bodies if body.heat_source is not None]
+    return [(float(table.values.min()), float(table.values.max())) for table in tables]
 
 
 def _heat_conditions(case: Case) -> list[HeatCondition]:

@@ -3,7 +3,8 @@
 Newton's method solves for temperatures below absolute zero as for any other, where a flux or a sink
 draws more heat than there is; and where terms cancel that are 1e12 times as large as their sum,
 such as conduction in a mistaken unit, rounding is taken for a solution. Cells that are large beside
-the depth to which heat has come have nodes that get colder than anything there is.
+the depth to which heat has come have nodes that get colder than anything there is; and melt beside
+a skin in its first cells gets a part of their latent heat, where that is found inside the cells.
 """
 
 from __future__ import annotations
@@ -14,7 +15,11 @@ import math
 from mpi4py import MPI
 
 from castx.case.case import Case
-from castx.command.watches.ranges import coldest_possible, temperature_range
+from castx.command.watches.ranges import (
+    coldest_possible,
+    hottest_possible,
+    temperature_range,
+)
 from castx.errors import ConvergenceError
 from castx.input.units import ABSOLUTE_ZERO, HOTTEST, seconds_text
 from castx.results.states.snapshot import Snapshot
@@ -25,8 +30,8 @@ OFF = 0.05
 """Error of the heat balance, as a share of the heat that has moved, that is told."""
 BELOW = 0.01
 """By what rounding may lie below absolute zero [K]."""
-COLDER = 0.01
-"""By which share of the temperatures of a case a body may be colder than all of them, untold."""
+BEYOND = 0.01
+"""By which share of the temperatures of a case a body may be beyond all of them, untold."""
 
 
 class TemperatureWatch:
@@ -40,11 +45,11 @@ class TemperatureWatch:
     def __init__(self, case: Case, comm: MPI.Intracomm) -> None:
         self._bodies, self._comm = [body.name for body in case.bodies], comm
         self._is_told = False
-        self._coldest, self._too_cold = -math.inf, set[str]()
+        self._bounds, self._beyond = (-math.inf, math.inf), set[tuple[str, str]]()
         if all(body.temperature.bounds is not None for body in case.bodies):
-            self._coldest = coldest_possible(case)
+            self._bounds = coldest_possible(case), hottest_possible(case)
         low, high = temperature_range(case)
-        self._least = self._coldest - COLDER * (high - low)
+        self._margin = BEYOND * (high - low)
 
     def check(self, snapshot: Snapshot) -> None:
         """Look at the totals after an accepted step, which are the same on all ranks.
@@ -59,8 +64,11 @@ class TemperatureWatch:
                 self._end(snapshot, body, low, f"below absolute zero, {ABSOLUTE_ZERO} °C", "less")
             if high > HOTTEST:
                 self._end(snapshot, body, high, f"above {HOTTEST:g} °C, where it is vapour", "more")
-            if low < self._least:
-                self._tell_cold(snapshot, body, low)
+            coldest, hottest = self._bounds
+            if low < coldest - self._margin:
+                self._tell(snapshot, body, low, "colder", coldest)
+            if high > hottest + self._margin:
+                self._tell(snapshot, body, high, "hotter", hottest)
         error = abs(snapshot.totals.get("energy_error", 0.0))
         if error > OFF and not self._is_told:
             self._is_told = True
@@ -73,15 +81,15 @@ class TemperatureWatch:
                     seconds_text(snapshot.time), 100.0 * error,
                 )  # fmt: skip
 
-    def _tell_cold(self, snapshot: Snapshot, body: str, value: float) -> None:
-        if self._comm.rank == 0 and body not in self._too_cold:
+    def _tell(self, snapshot: Snapshot, body: str, value: float, how: str, bound: float) -> None:
+        if self._comm.rank == 0 and (body, how) not in self._beyond:
             _log.warning(
-                "at t = %s %s is at %.4g °C, colder than all that the case has, %.4g °C: its cells "
-                "are too large for the heat that enters it, which is off there; make them smaller "
-                "(interface_size, or sizes of %s; said once for each body)",
-                seconds_text(snapshot.time), body, value, self._coldest, body,
+                "at t = %s %s is at %.4g °C, %s than all that the case has, %.4g °C: its cells are "
+                "too large for the heat that enters or leaves it, which is off there; make them "
+                "smaller (interface_size, or sizes of %s; said once for each body)",
+                seconds_text(snapshot.time), body, value, how, bound, body,
             )  # fmt: skip
-        self._too_cold.add(body)
+        self._beyond.add((body, how))
 
     def _end(self, snapshot: Snapshot, body: str, value: float, limit: str, heat: str) -> None:
         raise ConvergenceError(

@@ -59,6 +59,19 @@ def test_a_body_colder_than_all_that_the_case_has_is_told_once(comm, caplog):
 
 
 @pytest.mark.serial
+def test_a_body_hotter_than_all_that_the_case_has_is_told_once(comm, caplog):
+    """As melt that gets the latent heat of the skin beside it."""
+    watch = TemperatureWatch(CASE, comm)
+    watch.check(state(casting__max_temperature=674.6))
+    assert caplog.messages == []
+    for hottest in (674.8, 690.0):
+        watch.check(state(casting__max_temperature=hottest, mould__min_temperature=195.0))
+    hot, cold = sorted(caplog.messages)
+    assert "casting is at 674.8 °C, hotter than all that the case has, 670 °C: its cells" in hot
+    assert "mould is at 195 °C, colder than all" in cold
+
+
+@pytest.mark.serial
 @pytest.mark.parametrize(
     "given",
     [
@@ -70,6 +83,15 @@ def test_a_body_colder_than_all_that_the_case_has_is_told_once(comm, caplog):
 def test_nothing_is_told_where_heat_is_drawn_or_other_temperatures_are_named(comm, caplog, given):
     watch = TemperatureWatch(load_case("demos/cylinder.toml", [given]), comm)
     watch.check(state(mould__min_temperature=100.0))
+    assert caplog.messages == []
+
+
+@pytest.mark.serial
+def test_a_source_may_heat_beyond_all_that_the_case_names(comm, caplog):
+    given = "bodies.0.heat_source=1e6"
+    TemperatureWatch(load_case("demos/cylinder.toml", [given]), comm).check(
+        state(casting__max_temperature=900.0)
+    )
     assert caplog.messages == []
 
 
