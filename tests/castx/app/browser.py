@@ -152,10 +152,13 @@ class Browser:
             f"(() => {{ const e = {found}; e.scrollIntoView({{ block: 'center' }});"
             "const b = e.getBoundingClientRect();"
             "const [x, y] = [b.left + b.width / 2, b.top + b.height / 2];"
+            "window.pressed = false;"
+            "e.addEventListener('mousedown', () => { window.pressed = true; }, { once: true });"
             "return [x, y, e.contains(document.elementFromPoint(x, y))]; })()"
         )
         assert seen, f"{element} is covered"
         self.click(x, y)
+        assert self.value("window.pressed"), f"{element} moved away under the mouse"
 
     def enter(self, element: str, text: str) -> None:
         """Type a text into a field in place of what stands there, and leave it by the tab key."""

@@ -78,6 +78,14 @@ def test_a_size_is_written_and_the_mesh_that_it_makes_is_drawn(opened):
     assert (folder / "bar.toml").read_text().startswith("# by hand\n")
 
 
+def test_the_button_of_the_mesh_stays_where_it_is_when_the_sizes_come(opened):
+    browser, _ = opened
+    top = "castx.at('do-mesh').getBoundingClientRect().top"
+    before = browser.value(f"(castx.tabs.show('Mesh'), {top})")
+    browser.wait_for("castx.at('sizes').childElementCount > 3")
+    assert browser.value(top) == before > 0
+
+
 def test_a_run_shows_its_last_moment_and_curves(opened):
     browser, folder = opened
     (folder / "bar.toml").write_text(
