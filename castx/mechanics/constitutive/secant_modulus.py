@@ -55,4 +55,8 @@ class SecantModulus:
         """Return to the last accepted step, arguments as those of `use`."""
         self._bears = self._accepted
         self.use(conditions, softening)
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget which points held solid in the passes of a step."""
         self._bears = self._none
