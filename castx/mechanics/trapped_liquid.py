@@ -153,7 +153,11 @@ class Pockets:
             self._cut_off = self._paths.pockets(solid_fraction, metal.fed_until)
             self._liquid = ~material.coherent
         dilatation = points.volumes_to_cells(before.dilatation)
-        content.begin(self._cut_off, self._liquid, shrunk, dilatation)
+        c = material.conditions
+        born = before.born(c.start_share, c.share, c.solid_compressibility)
+        content.begin(
+            self._cut_off, self._liquid, shrunk, dilatation, points.volumes_to_cells(born)
+        )
         material.swell(content.swelling)
         self._pressures.begin(content)
         self._pores.begin()

@@ -7,22 +7,20 @@ that bears stress, e the deviatoric and θ = ∇·u the volumetric strain,
 
 and solid that is new is born free of stress, under the pressure that acts. The share stands at the
 nodes, where the solid fraction f_s does, w = w(f_s) (`Material.bearing_share`), and so does the
-strain of contraction c, thermal and of solidification. A cell contracts where it is solid,
-
-    de^θ = Σ_v w_v dc_v / Σ_v w_v,
-
-over its corners v, or over samples inside where its mush ends (`places`). What cooled before it
+strain of contraction c, thermal and of solidification. A cell contracts where it is solid, by its
+corners v, or by samples inside where its mush ends (`places`): all of its solid together by
+da = Σ_v w_v dc_v / Σ_v w_v, its volume by the mean of dc_v (`eigenstrain`). What cooled before it
 bears does not count: between no solid and some, dc begins with c_b, that of a place as it begins to
 bear. Solid grows while it contracts, in a thin skin by much of what there is: the sum over a step
 goes through the states that its heat has passed (`growth`).
 
 Over one step, with w_0 and w the shares at its start and its end,
 
-    E = (min(w_0, w) E_n + w_m de)/w,   de^θ = ∫ Σ_v w_v dc_v / Σ_v w_m,v,
+    E = (min(w_0, w) E_n + w_m (de − de^c))/w,   da = ∫ Σ_v w_v dc_v / Σ_v w_m,v,
 
-is the mean elastic strain of the solid before it flows: that of the start is diluted by what is
-born, and w_m is the share that was there to be strained while the body contracted, w where nothing
-grows,
+are the mean elastic strain of the solid before it flows, and its contraction: the strain of the
+start is diluted by what is born, de^c is the part without stress, and w_m is the share that was
+there to be strained while the body contracted, w where nothing grows,
 
     w_m = ∫ w |dε| / ∫ |dε|,   dε = ∫ w dc dV / ∫ w dV.
 
@@ -133,31 +131,49 @@ class CellVolume(NamedTuple):
             compressibility: 1/K of the solid [1/Pa], shape (cells,).
             change: de^θ, shape (cells,).
         """
-        elastic = compressibility * self.mean_stress
-        old = np.divide(start, end, out=np.ones_like(end), where=end > start)
-        born = self.dilatation - start * elastic
-        return np.asarray(
-            old * self.free + (1 - old) * born + change - (strained - start) * elastic
-        )
+        seen = (strained - start) * compressibility * self.mean_stress
+        return np.asarray(self.free + self.born(start, end, compressibility) + change - seen)
+
+    def born(self, start: FloatArray, end: FloatArray, compressibility: FloatArray) -> FloatArray:
+        """Return the change of E by solid that is born at the volume of its cell, (volumes,).
+
+        (1 − w_0/w)(θ_n − w_0 p_n/K − E_n), which elements with a pressure of their own leave zero.
+        Others share theirs, so that cells beside a front have less volume than they should, and
+        the liquid that they lack is in others.
+
+        Args:
+            start: w_0, shape (volumes,).
+            end: w, likewise.
+            compressibility: 1/K of the solid [1/Pa], likewise.
+        """
+        new = np.divide(end - start, end, out=np.zeros_like(end), where=end > start)
+        off = self.dilatation - start * compressibility * self.mean_stress - self.free
+        return np.asarray(new * off)
 
 
 class Growth(NamedTuple):
     """Solid of the nodes, or of other places, over a step, each of shape (places,).
 
-    A cell contracts by de^θ = ∫ Σ_v w_v dc_v / Σ_v w_m,v over its corners.
+    All the solid of a cell contracts by da = ∫ Σ_v w_v dc_v / Σ_v w_m,v over its corners.
 
     Attributes:
         strained: w_m, the mean of w while the body contracts.
-        contracted: ∫ w dc.
+        weighted: ∫ w dc.
+        contracted: ∫ dc of what bears.
     """
 
     strained: FloatArray
+    weighted: FloatArray
     contracted: FloatArray
 
-    def contraction(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
-        """Return de^θ of the cells, zero without solid, shape (cells,)."""
-        part, whole = places.volume_means(self.contracted), places.volume_means(self.strained)
+    def along(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
+        """Return da, the contraction of all the solid along a front, shape (volumes,)."""
+        part, whole = places.volume_means(self.weighted), places.volume_means(self.strained)
         return np.divide(part, whole, out=np.zeros_like(whole), where=whole > 0)
+
+    def across(self, places: IntegrationPoints | MetalPlaces) -> FloatArray:
+        """Return the mean of ∫ dc_v, the contraction of the volumes, shape (volumes,)."""
+        return places.volume_means(self.contracted)
 
 
 class Freezing(NamedTuple):
@@ -212,7 +228,7 @@ def growth(
         for before, after in pairwise(passed)
         for phase in _phases(before, after, freezing, fronts, isothermal=isothermal)
     ]
-    amounts = [phase.amount for phase in phases]
+    amounts = [phase.weighted for phase in phases]
     part, whole = places.integrals(
         [*(np.abs(amount) for amount in amounts), *(phase.strained for phase in phases)]
     ).reshape(2, -1)
@@ -220,7 +236,10 @@ def growth(
     if not np.any(strains > ROUNDING):
         strains = np.tile([1.0, 0.0, 0.0], len(passed) - 1)
     strained = sum(strain * phase.strained for strain, phase in zip(strains, phases, strict=True))
-    return Growth(np.asarray(strained / strains.sum()), np.asarray(sum(amounts)))
+    contracted = sum(phase.contracted for phase in phases)
+    return Growth(
+        np.asarray(strained / strains.sum()), np.asarray(sum(amounts)), np.asarray(contracted)
+    )
 
 
 class PlateauFront(NamedTuple):
@@ -254,11 +273,13 @@ class _Phase(NamedTuple):
     """Contraction of one kind of metal between two states, each of shape (nodes,).
 
     Attributes:
-        amount: ∫ w dc of this metal.
+        contracted: ∫ dc of this metal.
+        weighted: ∫ w dc of it.
         strained: w of the nodes meanwhile.
     """
 
-    amount: FloatArray
+    contracted: FloatArray
+    weighted: FloatArray
     strained: FloatArray
 
 
@@ -275,13 +296,13 @@ def _phases(
     cooled = freezing.of_solid(after) - freezing.of_solid(before)
     solid = (before.share == 1) & (after.share == 1)
     behind = _share_behind_a_front(before.share, after.share) if isothermal else mean
-    mush = mean * (freezing.of_mush(after) - freezing.of_mush(before))
-    for front in fronts:
-        mush += front.beyond_mean(before.share, after.share)
+    mush = freezing.of_mush(after) - freezing.of_mush(before)
+    beyond = sum(front.beyond_mean(before.share, after.share) for front in fronts)
+    stays, becomes = np.where(solid, cooled, 0.0), np.where(solid, 0.0, cooled)
     return (
-        _Phase(most * np.where(solid, cooled, 0.0), behind),
-        _Phase(mush, mean),
-        _Phase(most * np.where(solid, 0.0, cooled), most),
+        _Phase(stays, most * stays, behind),
+        _Phase(mush, mean * mush + beyond, mean),
+        _Phase(becomes, most * becomes, most),
     )
 
 

@@ -24,6 +24,7 @@ class PointHistory(NamedTuple):
         equivalent: its equivalent ξ, the integral of its rate, shape (points,).
         strain: deviatoric strain at the end of the last step, shape (points, components).
         softening: secant shear modulus over the elastic one, shape (points,).
+        shape: sum of all de^c, the deviatoric part of contraction, shape (points, components).
     """
 
     elastic: FloatArray
@@ -31,6 +32,7 @@ class PointHistory(NamedTuple):
     equivalent: FloatArray
     strain: FloatArray
     softening: FloatArray
+    shape: FloatArray
 
     def saved(self, points: IntegrationPoints) -> dict[str, Saved]:
         """Return the arrays for a checkpoint, by cell."""
@@ -49,4 +51,4 @@ class PointHistory(NamedTuple):
     def initial(cls, points: IntegrationPoints) -> PointHistory:
         """Return the history of an unstrained body."""
         none = np.zeros((points.count, points.components))
-        return cls(none, none, np.zeros(points.count), none, np.ones(points.count))
+        return cls(none, none, np.zeros(points.count), none, np.ones(points.count), none)

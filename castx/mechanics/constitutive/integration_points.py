@@ -12,7 +12,7 @@ import numpy.typing as npt
 import ufl
 from dolfinx import fem
 
-from castx.arrays import FloatArray, IntArray
+from castx.arrays import BoolArray, FloatArray, IntArray
 from castx.domain import compat
 from castx.domain.measures import nodal_sum
 from castx.domain.mesh import BodyMesh
@@ -190,6 +190,46 @@ class IntegrationPoints:
         """∫ N over the cells of this rank, shape (nodes,)."""
         return self.to_nodes(np.ones(self.count), len(self.node_numbering.numbers))
 
+    def shared_out(self, values: FloatArray, some: BoolArray) -> FloatArray:
+        """Return values of some volumes as means over those of them near, (volumes,); collective.
+
+        Args:
+            values: of the volumes, shape (volumes,).
+            some: which of them give and take, shape (volumes,); others have none.
+        """
+        part, whole = map(
+            self.means_around_nodes, (np.where(some, values, 0.0), some.astype(float))
+        )
+        means = np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
+        return np.where(some, means[self.cell_nodes].mean(axis=1), 0.0)
+
+    def vectors_around_nodes(self, values: FloatArray) -> FloatArray:
+        """Return means by weight of vectors round each node, (nodes, gdim); collective.
+
+        Args:
+            values: at the points, shape (points, gdim).
+        """
+        weights = self._own_weights
+        here = [self.to_nodes(component, len(weights)) for component in values.T]
+        sums = nodal_sum(self._body, np.column_stack([*here, weights]))
+        return np.asarray(sums[:, :-1] / sums[:, -1:])
+
+    def gradients(self, values: FloatArray) -> FloatArray:
+        """Return gradients of nodal values at the points, shape (points, gdim).
+
+        Args:
+            values: of the nodes, shape (nodes,).
+        """
+        function, gradient = self._gradient
+        function.x.array[:] = values
+        return self.evaluate(gradient)
+
+    @cached_property
+    def _gradient(self) -> tuple[fem.Function, fem.Expression]:
+        """A function with values at the nodes, and its gradient at the points."""
+        function = fem.Function(self._body.nodes)
+        return function, self.expression(ufl.grad(function))
+
     def to_nodes(self, values: FloatArray, nodes: int) -> FloatArray:
         """Return ∫ N v over the owned cells, shape (nodes,)."""
         owned = self.owned_cells
@@ -233,6 +273,10 @@ class VolumePoints(IntegrationPoints):
     def volumes_to_cells(self, values: FloatArray) -> FloatArray:
         """Return means over the cells by weight, shape (cells,)."""
         return self.cell_means(values)
+
+    def shared_out(self, values: FloatArray, some: BoolArray) -> FloatArray:
+        """Return the values, zero elsewhere: volumes of one layer lie alike in their cells."""
+        return np.where(some, values, 0.0)
 
     def volumes_by_cell(self, values: FloatArray) -> FloatArray:
         """Return values of the points with one row for each cell."""

@@ -3,7 +3,7 @@
 Deviatoric stress over one step Δt, with e the deviatoric strain (Chiumenti, section 2.2):
 
     liquid     s = 2 (η/Δt) (e − e_n), or by a flow rule
-    solid      s = 2 G E,   dE = de − de_vp
+    solid      s = 2 G E,   dE = de − de^c − de_vp
     mixture    s = w s_solid + (1 − w) s_liquid
 
 e_n is the strain at the start of the step, E the elastic strain of the solid, which grows
@@ -13,8 +13,9 @@ follows from the volume, of which K of the solid carries the share that is solid
 
     dθ = w dp/K + de^θ,
 
-with de^θ the contraction of the solid (`castx.materials.thermal_strain`); a liquid is
-incompressible. A material without `liquid` is a solid at every temperature.
+with de^θ and de^c volume and shape of what the solid contracts (`eigenstrain`,
+`castx.materials.thermal_strain`); a liquid is incompressible. A material without `liquid` is a
+solid at every temperature.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from castx.materials.flow import VISCOPLASTIC, FlowProperties, liquid_flow, soli
 from castx.materials.granular import GRANULAR
 from castx.materials.material import Material
 from castx.materials.thermal_strain import StressFreeState, shrinkage_strain
+from castx.mechanics.constitutive.eigenstrain import eigenstrain
 from castx.mechanics.constitutive.growth import (
     Freezing,
     Growth,
@@ -64,6 +66,7 @@ class Conditions(NamedTuple):
         strained_share: w_m in the cells, which the strain of the step meets, shape (cells,).
         solid_compressibility: 1/K of the solid in the cells [1/Pa], shape (cells,).
         contraction: de^θ over the step, shape (cells,).
+        shape: de^c over the step, shape (points, components), see `eigenstrain`.
         nodes: metal of the nodes at the end of the step.
     """
 
@@ -77,6 +80,7 @@ class Conditions(NamedTuple):
     strained_share: FloatArray
     solid_compressibility: FloatArray
     contraction: FloatArray
+    shape: FloatArray
     nodes: MetalNodes
 
     @property
@@ -223,7 +227,7 @@ class Law:
             shear_modulus, flow, shares, viscous, flowing,
             places.volume_means(first.share), share,
             np.minimum(places.volume_means(grown.strained), share), compressibility,
-            grown.contraction(places), end,
+            *eigenstrain(points, places, grown, temperature), end,
         )  # fmt: skip
 
     def _places(self, points: IntegrationPoints, passed: Sequence[MetalNodes]) -> MetalPlaces:

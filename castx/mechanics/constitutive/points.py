@@ -54,7 +54,7 @@ class MaterialPoints:
         nodes = len(points.node_numbering.numbers)
         self._nodes = law.initial_nodes(nodes, liquid=starts_liquid)
         self._volume = CellVolume(*np.zeros((4, points.volumes)))
-        self._contracted = self._volume.contracted
+        self._contracted, self._shape = self._volume.contracted, self.history.shape
         self._conditions: Conditions | None = None
         self._response: Response | None = None
         self._strain: FloatArray = np.zeros((points.count, points.components))
@@ -112,6 +112,7 @@ class MaterialPoints:
         self.thickness.begin(self.coherent)
         self._secant.use(c, self.history.softening)
         self._contracted = self._volume.contracted + c.contraction
+        self._shape = self.history.shape + c.shape
         self.compressibility.x.array[:] = c.compressibility
         self.thermal_strain.x.array[:] = self._volume.grown(
             c.start_share, c.share, c.strained_share, c.solid_compressibility, c.contraction
@@ -164,8 +165,7 @@ class MaterialPoints:
             return pressure, np.zeros_like(pressure)
         stiffness = 1 / self.points.from_volumes(self.conditions.compressibility)
         free = self.points.from_volumes(self.thermal_strain.x.array)
-        dilatation = strain[:, 0] + strain[:, 1] + normal
-        return stiffness * (dilatation - free), stiffness
+        return stiffness * (strain[:, 0] + strain[:, 1] + normal - free), stiffness
 
     @property
     def dilatation(self) -> FloatArray:
@@ -183,8 +183,8 @@ class MaterialPoints:
         return np.asarray((change - self.thermal_strain.x.array) / self.conditions.compressibility)
 
     def mechanical_strain(self) -> FloatArray:
-        """Return ε - e^θ/3 1 of the cells with all of their contraction, shape (cells, 6)."""
-        strain = self._tensors(self._strain)
+        """Return ε - e^θ/3 1 - e^c of the cells with all of their contraction, (cells, 6)."""
+        strain = self._tensors(self._strain - self._shape)
         strain[:, :3] -= self.contracted[:, None] / 3.0
         return strain
 
@@ -249,7 +249,7 @@ class MaterialPoints:
         self._gained = np.asarray(response.equivalent - self._start.equivalent)
         softening = secant_softening(response, self.conditions, self._start, strain)
         past = response.elastic, response.plastic, response.equivalent, strain, softening
-        self.history = PointHistory(*past)
+        self.history = PointHistory(*past, self._shape)
         free = self.thermal_strain.x.array.copy()
         dilatation = self.points.to_volumes(self._strain[:, :3].sum(axis=1)).copy()
         kept = free + self.conditions.born_later(mean_stress)
@@ -268,10 +268,11 @@ class MaterialPoints:
         It is evaluated from its own start: from its end, a viscous material would flow on.
         """
         self.thickness.rewind()
+        self._secant.forget()
         if self._committed is not None:
             start, conditions, step, compressibility, free = self._committed
             self._start, self._conditions, self._step = start, conditions, step
             self._secant.rewind(conditions, start.softening)
-            self._contracted = self._volume.contracted
+            self._contracted, self._shape = self._volume.contracted, self.history.shape
             self.compressibility.x.array[:] = compressibility
             self.thermal_strain.x.array[:] = free

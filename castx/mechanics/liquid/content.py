@@ -7,7 +7,8 @@ demand of a cell of volume V in a step,
 
 A cell in reach of a free surface is fed. Of a pocket, the cells without any solid are its pool. The
 content e of these cells, the volumetric strain at which they would be full, sinks by the demand of
-the whole pocket instead; what their volumetric strain θ exceeds it by is the void of the pocket,
+the whole pocket instead, and by what cells with solid round it have gained (`CellVolume.born`);
+what their volumetric strain θ exceeds it by is the void of the pocket,
 
     Σ V (θ − e) ≥ 0,
 
@@ -67,7 +68,12 @@ class Content:
         self._liquid: BoolArray = np.zeros(cells, dtype=bool)
 
     def begin(
-        self, region: IntArray, liquid: BoolArray, shrunk: FloatArray, dilatation: FloatArray
+        self,
+        region: IntArray,
+        liquid: BoolArray,
+        shrunk: FloatArray,
+        dilatation: FloatArray,
+        gained: FloatArray | float = 0.0,
     ) -> None:
         """Find the content of the cells in a trial step; collective.
 
@@ -78,6 +84,8 @@ class Content:
             liquid: whether a cell has no solid, shape (cells,).
             shrunk: s min(f_s, f_c) of the cells, shape (cells,).
             dilatation: volumetric strain of the cells at the start of the step, shape (cells,).
+            gained: volumetric strain by which cells with solid take liquid of others in the step,
+                shape (cells,); one value: all alike.
         """
         self._number(region, liquid)
         if not self._started:
@@ -85,7 +93,7 @@ class Content:
             self._shrunk, self._last_region = shrunk, self._region
             self._last_count, self._was_pool = len(self.pockets), self.pocket >= 0
         self._liquid, self._trial_shrunk = liquid, shrunk
-        self._fill(shrunk - self._shrunk, dilatation)
+        self._fill(np.where(liquid, 0.0, gained) + shrunk - self._shrunk, dilatation)
 
     def _number(self, region: IntArray, liquid: BoolArray) -> None:
         """Number the regions that have a pool; those without one are `ALONE`."""

@@ -14,6 +14,7 @@ import pytest
 
 from castx.case.geometry import Geometry
 from castx.domain.mesh import BodyMesh, build_mesh
+from castx.mechanics.constitutive.growth import CellVolume
 from castx.mechanics.constitutive.law import Law
 from castx.mechanics.trapped_liquid import (
     FULL_SHARE,
@@ -61,10 +62,10 @@ def update(pockets: Pockets, liquid: np.ndarray) -> np.ndarray:
     material: Any = SimpleNamespace(
         law=Law(metal, STRESS_FREE),
         coherent=~liquid,
-        conditions=SimpleNamespace(solid_compressibility=cells),
+        conditions=SimpleNamespace(solid_compressibility=cells, start_share=cells, share=cells),
         points=SimpleNamespace(volumes_to_cells=np.asarray, cells_to_volumes=np.asarray),
         compressibility=SimpleNamespace(x=SimpleNamespace(array=cells.copy())),
-        start_volume=SimpleNamespace(dilatation=np.zeros(len(liquid))),
+        start_volume=CellVolume(*np.zeros((4, len(liquid)))),
         swell=lambda strain: None,
     )
     space = pockets.pressure.function_space
@@ -381,7 +382,9 @@ def frozen(part, fraction: np.ndarray | float) -> dict[str, float]:
 def test_metal_is_fed_until_the_last_node_of_its_surface_is_solid(comm, cells, metal, closed):
     """Two layers freeze upwards; shut in, the lower one draws from the other, which then is alone.
 
-    Down to the last node all that shrinks is fed, or is a void where nothing can give way.
+    Down to the last node all that shrinks is fed, or is a void where nothing can give way. Solid
+    that may not contract, under a pressure that is no unknown, takes no liquid; where it is one,
+    these states of rest are in no equilibrium, and it takes less than it wants to contract.
     """
     part = alone(
         comm, cells=cells, properties=metal, closed=closed, starts_liquid=True,
@@ -397,7 +400,9 @@ def test_metal_is_fed_until_the_last_node_of_its_surface_is_solid(comm, cells, m
         fed, void = (0.0, demand) if "top" in closed else (demand, 0.0)
         assert found["feeding_demand"] == pytest.approx(demand, rel=1e-10)
         assert found["fed_volume"] == pytest.approx(fed, rel=1e-10)
-        assert found["unfed_volume"] == pytest.approx(void, rel=1e-10)
+        resists = cells != "simplices" or metal is PURE or void == 0.0
+        wanted = 0.0 if resists else SHRINKAGE * (1.0 - until) * LENGTH * WIDTH
+        assert void * (1 - 1e-10) <= found["unfed_volume"] <= void * (1 + 1e-10) + wanted
         assert found["pocket_pressure"] == 0.0
     assert demand == pytest.approx(SHRINKAGE * until * LENGTH * WIDTH)
 

@@ -55,4 +55,5 @@ def after(points, conditions: Conditions, start: PointHistory, strain: FloatArra
     """Return the history that a step leaves."""
     found = respond(conditions, start, strain)
     softening = secant_softening(found, conditions, start, strain)
-    return PointHistory(found.elastic, found.plastic, found.equivalent, strain, softening)
+    shape = start.shape + conditions.shape
+    return PointHistory(found.elastic, found.plastic, found.equivalent, strain, softening, shape)

@@ -57,21 +57,22 @@ def test_a_cell_contracts_where_it_bears(points):
     found = growth(points, [start, end], freezing(nodes))
     mean = 0.5 * (start.share + end.share)
     np.testing.assert_allclose(found.strained, mean, rtol=1e-12)
-    cells = found.contraction(points)
+    cells = found.along(points)
     for cell, corners in enumerate(points.cell_nodes):
         change = (end.contraction - start.contraction)[corners]
         expected = (mean[corners] * change).sum() / mean[corners].sum()
         assert cells[cell] == pytest.approx(expected, rel=1e-12)
+        assert found.across(points)[cell] == pytest.approx(change.mean(), rel=1e-12)
     liquid = of(np.zeros(nodes), end.contraction)
     other = liquid._replace(contraction=start.contraction)
     none = growth(points, [liquid, other], freezing(nodes))
-    assert not none.contraction(points).any()
+    assert not none.along(points).any()
     # The contraction of a corner that is solid is that of the cell, however little solid it is.
     first = points.cell_nodes[0][0]
     one = np.zeros(nodes)
     one[first] = 0.01
     only = [of(one, state.contraction) for state in (start, end)]
-    cells = growth(points, only, freezing(nodes)).contraction(points)
+    cells = growth(points, only, freezing(nodes)).along(points)
     assert cells[0] == pytest.approx((end.contraction - start.contraction)[first], rel=1e-12)
 
 
@@ -80,7 +81,7 @@ def test_without_contraction_the_share_is_the_mean_over_the_states(points):
     passed = [of(np.full(nodes, w), np.zeros(nodes)) for w in (0.0, 0.2, 0.9)]
     found = growth(points, passed, freezing(nodes, frozen=0.0))
     np.testing.assert_allclose(found.strained, (0.1 + 0.55) / 2, rtol=1e-12)
-    assert not found.contracted.any()
+    assert not found.weighted.any()
 
 
 @pytest.mark.parametrize("melts", [False, True])
@@ -98,11 +99,11 @@ def test_what_cooled_before_it_bears_does_not_count(points, melts):
             passed = [of(np.zeros(nodes), np.full(nodes, before)), end]
             sign = -1.0 if melts else 1.0
             found = growth(points, passed[::-1] if melts else passed, born)
-            np.testing.assert_allclose(found.contraction(points), -sign * 1e-4 * share, rtol=1e-9)
+            np.testing.assert_allclose(found.along(points), -sign * 1e-4 * share, rtol=1e-9)
     # Through the whole mush in one step: half of what it contracts as mush, all of it as a solid.
     cold = of(np.ones(nodes), np.full(nodes, -5e-4))
     found = growth(points, [of(np.zeros(nodes), np.zeros(nodes)), cold], born)
-    np.testing.assert_allclose(found.contracted, -0.5 * 1e-4 - 3e-4, rtol=1e-12)
+    np.testing.assert_allclose(found.weighted, -0.5 * 1e-4 - 3e-4, rtol=1e-12)
 
 
 @pytest.mark.parametrize("isothermal", [False, True])
@@ -117,7 +118,7 @@ def test_metal_that_becomes_solid_contracts_after_that(points, melts, isothermal
     cold = of(np.ones(nodes), np.full(nodes, -5e-4))
     passed = [cold, mushy] if melts else [mushy, cold]
     found = growth(points, passed, freezing(nodes), isothermal=isothermal)
-    np.testing.assert_allclose(found.contraction(points), 4e-4 if melts else -4e-4, rtol=1e-12)
+    np.testing.assert_allclose(found.along(points), 4e-4 if melts else -4e-4, rtol=1e-12)
     np.testing.assert_allclose(found.strained, (1e-4 * 0.75 + 3e-4) / 4e-4, rtol=1e-12)
 
 
@@ -142,7 +143,7 @@ def test_a_skin_contracts_by_what_there_was_of_it(points):
     np.testing.assert_allclose(beside[0], expected, rtol=1e-12)
     np.testing.assert_allclose(beside[1], 0.5, rtol=1e-12)
     for found in (wide, narrow):
-        assert found.contracted[first] == pytest.approx(-8e-4, rel=1e-12)
+        assert found.weighted[first] == pytest.approx(-8e-4, rel=1e-12)
 
 
 @pytest.mark.serial
@@ -214,12 +215,12 @@ def test_a_front_of_an_alloy_contracts_at_its_middle_share(points, melts):
         if melts:
             passed, amount = passed[::-1], -amount
         found = growth(points, passed, freezing(nodes, frozen=slope), fronts=[front])
-        np.testing.assert_allclose(found.contracted, slope * amount, rtol=1e-12)
+        np.testing.assert_allclose(found.weighted, slope * amount, rtol=1e-12)
         np.testing.assert_allclose(found.strained, 0.5 * (share + later), rtol=1e-12)
     # From the plateau into the cold: what is solid contracts wholly below the solidus.
     last = [of(np.full(nodes, w), np.full(nodes, slope * c)) for w, c in ((0.5, 0.5), (1.0, 1.5))]
     found = growth(points, last, freezing(nodes, frozen=slope), fronts=[front])
-    np.testing.assert_allclose(found.contracted, slope * (0.5 * 0.6 + 0.5), rtol=1e-12)
+    np.testing.assert_allclose(found.weighted, slope * (0.5 * 0.6 + 0.5), rtol=1e-12)
 
 
 def test_values_of_the_solid_are_means_over_it(points):

@@ -31,13 +31,13 @@ def conditions(poisson: float, yield_stress: float, hardening: float, viscous: f
     )
     return Conditions(
         G * one, flow, Shares.between(one, one, one), None, None, one, one, one,
-        np.full(COUNT, 1 / K), none, MetalNodes(one, none, none),
+        np.full(COUNT, 1 / K), none, np.zeros((COUNT, 4)), MetalNodes(one, none, none),
     )  # fmt: skip
 
 
 def history() -> PointHistory:
     none = np.zeros((COUNT, 4))
-    return PointHistory(none, none, none[:, 0], none, none[:, 0] + 1)
+    return PointHistory(none, none, none[:, 0], none, none[:, 0] + 1, none)
 
 
 @settings(max_examples=40)

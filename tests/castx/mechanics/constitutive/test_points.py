@@ -328,14 +328,19 @@ def test_remelting_forgets_the_flow(comm, kind):
 
 def test_a_trial_step_leaves_no_trace(comm):
     kind = Kind("plane-strain")
-    made, plain = (frozen(comm, kind, VISCOPLASTIC, viscosity=1e8, exponent=3.0) for _ in range(2))
-    for time, (temperature, fraction) in enumerate(((600.0, 0.1), (570.0, 0.9), (300.0, 1.0)), 1):
+    metal = {"viscosity": 1e8, "exponent": 3.0, "solidification_shrinkage": 0.03}
+    made, plain = (frozen(comm, kind, VISCOPLASTIC, **metal) for _ in range(2))
+    for time, (temperature, fraction) in enumerate(((600.0, 0.7), (570.0, 0.9), (300.0, 1.0)), 1):
         for trial in ((620.0, 0.0), (20.0, 1.0)):
             heat(made, lambda x, t=trial[0]: t - 3e3 * x[:, 0], trial[1])
             made.equilibrium.solve(float(time))
         made.equilibrium.rewind()
         for each in (made, plain):
-            heat(each, lambda x, t=temperature: t - 3e3 * x[:, 0], fraction)
+            heat(
+                each,
+                lambda x, t=temperature: t - 3e3 * x[:, 0],
+                lambda x, f=fraction: np.maximum(f - 100.0 * (1.0 - f) * x[:, 1], 0.0),
+            )
             each.equilibrium.solve(float(time))
             each.equilibrium.commit()
     parts = [each.bodies["casting"] for each in (made, plain)]
@@ -385,7 +390,7 @@ def test_a_shell_at_rest_does_not_move_with_the_steps_of_its_liquid(comm):
     metal = elastic(YOUNG, POISSON, 2e-5, **MELTING)
     cast = MechanicalBody(Law(metal, 560.0), starts_liquid=True)
     held = [fixed("wall"), fixed("bottom")]
-    made = problem(slab(comm, Kind("plane-strain")), {"casting": cast}, {"casting": held})
+    made = problem(slab(comm, Kind("plane-strain"), 0.0025), {"casting": cast}, {"casting": held})
     shell = _in_the_shell(places(made, "casting"), 1.0, 0.0) > 0
     shape = []
     for time, (cold, fraction) in enumerate(((640.0, 0.0), (540.0, 1.0), *[(300.0, 1.0)] * 13)):
@@ -395,7 +400,7 @@ def test_a_shell_at_rest_does_not_move_with_the_steps_of_its_liquid(comm):
         made.equilibrium.commit()
         shape.append(everywhere(comm, motion(made, "casting")[shell, :2]))
     contracted, moved = (np.abs(shape[k] - shape[2]).max() for k in (0, -1))
-    assert moved < 0.02 * contracted
+    assert moved < 0.01 * contracted
 
 
 def _in_the_shell(x: FloatArray, solid: float, liquid: float) -> FloatArray:
